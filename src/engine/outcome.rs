@@ -1,0 +1,46 @@
+//! What one load step of one design came to. mm, N, MPa.
+
+use crate::study::design::DesignCase;
+
+/// How a number was found, cheapest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Method {
+    ClosedForm,
+    Series,
+    Fe,
+}
+
+/// The state of contact after one load step. Everything is for the whole joint (both halves, times thickness).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Response {
+    /// mm.
+    pub indentation: f64,
+    /// N.
+    pub force: f64,
+    /// dF/d delta, N/mm.
+    pub tangent_stiffness: f64,
+    /// Where the pressure vanishes, from the load line, rad; `None` where the method does not say.
+    pub contact_half_angle: Option<f64>,
+    /// MPa, at the load line; `None` where the method does not say.
+    pub peak_pressure: Option<f64>,
+    /// Strain energy of both bodies, mJ; `None` where the method does not say.
+    pub energy: Option<f64>,
+    /// Estimated relative error of the force.
+    pub force_error: f64,
+    pub method: Method,
+}
+
+/// One row of the table: a response with its remark, or why there is none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepOutcome {
+    pub response: Option<Response>,
+    /// "ok", or what a reader must know, or why the step failed; short, without commas.
+    pub status: String,
+}
+
+/// A design with an outcome for each of its steps, in order.
+#[derive(Clone, Debug)]
+pub struct DesignOutcome {
+    pub case: DesignCase,
+    pub steps: Vec<StepOutcome>,
+}

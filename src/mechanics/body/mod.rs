@@ -1,0 +1,75 @@
+//! The dimensionless half of a joint: a shape with its ratios, Poisson's ratio and the idealization.
+//!
+//! In two dimensions a body's compliance times Young's modulus depends on nothing else, so `Body` is the key
+//! under which a sweep solves each distinct body once. A new shape is one new file and one line in `SHAPES`.
+
+use crate::mechanics::material::Idealization;
+
+pub mod half_disc;
+pub mod cored_disc;
+pub mod annulus;
+pub mod block;
+
+/// Which half of the joint a shape can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Side {
+    Pin,
+    Plate,
+}
+
+/// One ratio of a shape, as it is called in configs and tables. Ratios are lengths over the ring's radius.
+#[derive(Debug)]
+pub struct ShapeParameter {
+    pub name: &'static str,
+    /// Used when the config leaves the parameter out; `None` makes it required.
+    pub default: Option<f64>,
+    /// Exclusive bounds.
+    pub above: f64,
+    pub below: f64,
+}
+
+/// The most ratios any shape has.
+pub const MAX_PARAMETERS: usize = 3;
+
+/// A family of bodies. One static per shape file.
+#[derive(Debug)]
+pub struct Shape {
+    /// The `model` in configs and tables.
+    pub name: &'static str,
+    pub side: Side,
+    pub parameters: &'static [ShapeParameter],
+    /// Names of the ways the shape can be held, the first is the default; empty when there is only one.
+    pub supports: &'static [&'static str],
+}
+
+/// Every shape there is, pins first.
+pub static SHAPES: [&Shape; 4] = [&half_disc::SHAPE, &cored_disc::SHAPE, &annulus::SHAPE, &block::SHAPE];
+
+impl Shape {
+    /// The shapes of one side, in table order.
+    pub fn of_side(side: Side) -> impl Iterator<Item = &'static Shape> {
+        SHAPES.into_iter().filter(move |shape| shape.side == side)
+    }
+}
+
+/// A body: everything its dimensionless compliance depends on.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    pub shape: &'static Shape,
+    /// Values of `shape.parameters`, in order; the rest is zero.
+    pub parameters: [f64; MAX_PARAMETERS],
+    /// Index into `shape.supports`; 0 when there is only one.
+    pub support: usize,
+    pub poissons_ratio: f64,
+    pub idealization: Idealization,
+}
+
+/// A body as bits: equal for equal bodies, usable as the key of a map.
+pub type BodyKey = (&'static str, [u64; MAX_PARAMETERS], usize, u64, Idealization);
+
+impl Body {
+    pub fn key(&self) -> BodyKey {
+        let bits = self.parameters.map(f64::to_bits);
+        (self.shape.name, bits, self.support, self.poissons_ratio.to_bits(), self.idealization)
+    }
+}

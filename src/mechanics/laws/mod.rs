@@ -1,0 +1,1 @@
+//! Closed forms: typed, cited, each with its range of validity.

@@ -1,0 +1,55 @@
+//! Linear elasticity in the plane: which of the two plane states, and the moduli that follow from it.
+
+/// The state of the plane. Everything that depends on it asks this type; nothing else branches on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Idealization {
+    PlaneStress,
+    PlaneStrain,
+}
+
+impl Idealization {
+    pub const ALL: [Idealization; 2] = [Idealization::PlaneStress, Idealization::PlaneStrain];
+
+    /// The name in configs and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Idealization::PlaneStress => "plane-stress",
+            Idealization::PlaneStrain => "plane-strain",
+        }
+    }
+
+    /// E'/E: 1 in plane stress, 1/(1 - nu^2) in plane strain.
+    pub fn plane_modulus_ratio(self, poissons_ratio: f64) -> f64 {
+        match self {
+            Idealization::PlaneStress => 1.0,
+            Idealization::PlaneStrain => 1.0 / (1.0 - poissons_ratio * poissons_ratio),
+        }
+    }
+
+    /// Kolosov's constant: (3 - nu)/(1 + nu) in plane stress, 3 - 4 nu in plane strain.
+    pub fn kolosov(self, poissons_ratio: f64) -> f64 {
+        match self {
+            Idealization::PlaneStress => (3.0 - poissons_ratio) / (1.0 + poissons_ratio),
+            Idealization::PlaneStrain => 3.0 - 4.0 * poissons_ratio,
+        }
+    }
+}
+
+/// An isotropic, linear elastic material: Young's modulus in any one unit, Poisson's ratio in (-1, 0.5).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    pub youngs_modulus: f64,
+    pub poissons_ratio: f64,
+}
+
+impl Material {
+    /// E' = E (plane stress) or E/(1 - nu^2) (plane strain), in the unit of `youngs_modulus`.
+    pub fn plane_modulus(&self, idealization: Idealization) -> f64 {
+        self.youngs_modulus * idealization.plane_modulus_ratio(self.poissons_ratio)
+    }
+}
+
+/// E* of a pair, 1/E* = 1/E1' + 1/E2', in the unit of the two moduli.
+pub fn effective_modulus(pin: &Material, plate: &Material, idealization: Idealization) -> f64 {
+    1.0 / (1.0 / pin.plane_modulus(idealization) + 1.0 / plate.plane_modulus(idealization))
+}

@@ -1,0 +1,3 @@
+pub mod material;
+pub mod body;
+pub mod laws;
