@@ -1,10 +1,24 @@
 //! `annulus`: a plate with a concentric circular outer boundary, which is fixed.
 
+use std::f64::consts::PI;
+
 use super::{Shape, ShapeParameter, Side};
 
 pub static SHAPE: Shape = Shape {
     name: "annulus",
     side: Side::Plate,
-    parameters: &[ShapeParameter { name: "outer_radius_ratio", default: None, above: 1.0, below: f64::INFINITY }],
+    parameters: &[ShapeParameter {
+        name: "outer_radius_ratio",
+        default: None,
+        above: 1.0,
+        below: f64::INFINITY,
+    }],
     supports: &[],
+    end_angle: PI,
+    end_face_held: false,
+    depth: |&[ratio, ..], _| ratio - 1.0,
+    corners: |_| Vec::new(),
+    straight_boundary: false,
+    boundary_held: |_, _| true,
+    depth_range: |&[ratio, ..]| (ratio - 1.0, ratio - 1.0),
 };

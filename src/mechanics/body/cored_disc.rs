@@ -1,5 +1,7 @@
 //! `rigid-core`: the whole disc of the pin around a concentric rigid core that carries the motion.
 
+use std::f64::consts::PI;
+
 use super::{Shape, ShapeParameter, Side};
 
 pub static SHAPE: Shape = Shape {
@@ -7,4 +9,11 @@ pub static SHAPE: Shape = Shape {
     side: Side::Pin,
     parameters: &[ShapeParameter { name: "core_radius_ratio", default: Some(0.1), above: 0.0, below: 1.0 }],
     supports: &[],
+    end_angle: PI,
+    end_face_held: false,
+    depth: |&[core, ..], _| 1.0 - core,
+    corners: |_| Vec::new(),
+    straight_boundary: false,
+    boundary_held: |_, _| true,
+    depth_range: |&[core, ..]| (1.0 - core, 1.0 - core),
 };

@@ -1,5 +1,21 @@
-//! `rigid-midplane`: the lower half disc of the pin, its flat face through the centre rigid.
+//! `rigid-midplane`: the lower half disc of the pin, its flat face through the centre rigid, moving straight down.
+//!
+//! The pin of Liu, Zhang & Yang, Mechanism and Machine Theory 42 (2007) 183-197.
+
+use std::f64::consts::FRAC_PI_2;
 
 use super::{Shape, Side};
 
-pub static SHAPE: Shape = Shape { name: "rigid-midplane", side: Side::Pin, parameters: &[], supports: &[] };
+pub static SHAPE: Shape = Shape {
+    name: "rigid-midplane",
+    side: Side::Pin,
+    parameters: &[],
+    supports: &[],
+    end_angle: FRAC_PI_2,
+    end_face_held: true,
+    depth: |_, _| 1.0,
+    corners: |_| Vec::new(),
+    straight_boundary: false,
+    boundary_held: |_, _| true,
+    depth_range: |_| (1.0, 1.0),
+};

@@ -40,6 +40,20 @@ pub struct Shape {
     pub parameters: &'static [ShapeParameter],
     /// Names of the ways the shape can be held, the first is the default; empty when there is only one.
     pub supports: &'static [&'static str],
+    /// Angle of the ring's end from the load line, rad: pi, or pi/2 for half a disc.
+    pub end_angle: f64,
+    /// Whether the face at the end angle is held.
+    pub end_face_held: bool,
+    /// Distance from the ring to the far boundary along the ray at an angle, over the ring's radius.
+    pub depth: fn(&[f64; MAX_PARAMETERS], f64) -> f64,
+    /// Angles of the far boundary's corners, ascending.
+    pub corners: fn(&[f64; MAX_PARAMETERS]) -> Vec<f64>,
+    /// Whether the far boundary is straight between its corners.
+    pub straight_boundary: bool,
+    /// Whether a side of the far boundary (counted from the load line, between corners) is held by a support.
+    pub boundary_held: fn(usize, usize) -> bool,
+    /// The least and the greatest depth.
+    pub depth_range: fn(&[f64; MAX_PARAMETERS]) -> (f64, f64),
 }
 
 /// Every shape there is, pins first.

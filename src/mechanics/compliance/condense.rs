@@ -1,0 +1,1 @@
+//! From a meshed body to the compliance of its ring.

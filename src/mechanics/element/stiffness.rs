@@ -1,0 +1,131 @@
+//! The element stiffness: K_e = integral of B^T D B = sum over 2 x 2 points of w |J| B^T D B.
+
+use super::quadrature::TWO_POINT;
+use super::{ElementKind, MAX_NODES, ShapeFunctions};
+use crate::mechanics::material::Idealization;
+use crate::mechanics::real::Real;
+
+/// Isotropic elasticity in the plane for Young's modulus 1: sigma_xx = direct exx + cross eyy, sigma_xy = shear gxy.
+#[derive(Clone, Copy, Debug)]
+pub struct Elasticity<T> {
+    pub direct: T,
+    pub cross: T,
+    pub shear: T,
+}
+
+impl<T: Real> Elasticity<T> {
+    /// For Young's modulus 1 and Poisson's ratio in (-1, 0.5).
+    pub fn new(idealization: Idealization, poissons_ratio: T) -> Self {
+        let one = T::from_f64(1.0);
+        let nu = poissons_ratio;
+        let shear = T::from_f64(0.5) / (one + nu);
+        match idealization {
+            Idealization::PlaneStress => {
+                let direct = one / (one - nu * nu);
+                Elasticity { direct, cross: nu * direct, shear }
+            }
+            Idealization::PlaneStrain => {
+                let scale = one / ((one + nu) * (one - nu - nu));
+                Elasticity { direct: (one - nu) * scale, cross: nu * scale, shear }
+            }
+        }
+    }
+}
+
+/// Shape functions at the 2 x 2 points, evaluated once per topology.
+pub struct ElementRule {
+    pub kind: ElementKind,
+    points: [ShapeFunctions; 4],
+    centre: ShapeFunctions,
+}
+
+impl ElementRule {
+    pub fn new(kind: ElementKind) -> ElementRule {
+        let [a, b] = TWO_POINT;
+        let at = |xi, eta| ShapeFunctions::at(kind, xi, eta);
+        ElementRule { kind, points: [at(a, a), at(b, a), at(b, b), at(a, b)], centre: at(0.0, 0.0) }
+    }
+}
+
+/// Element stiffness, row-major `[2 * MAX_NODES][2 * MAX_NODES]`, the upper triangle of the first
+/// `2 * node_count` rows filled; `smallest_jacobian` is the least |J| over the points, scaled by nothing.
+pub struct ElementStiffness<T> {
+    pub values: [[T; 2 * MAX_NODES]; 2 * MAX_NODES],
+}
+
+/// Gradients of the shape functions by x and y, and |J|, at one point of one element.
+#[inline(always)]
+fn gradients<T: Real>(
+    shape: &ShapeFunctions,
+    nodes: &[[T; 2]; MAX_NODES],
+    count: usize,
+) -> ([[T; 2]; MAX_NODES], T) {
+    let mut jacobian = [[T::zero(); 2]; 2];
+    for node in 0..count {
+        let (by_xi, by_eta) = (T::from_f64(shape.by_xi[node]), T::from_f64(shape.by_eta[node]));
+        for axis in 0..2 {
+            jacobian[0][axis] += by_xi * nodes[node][axis];
+            jacobian[1][axis] += by_eta * nodes[node][axis];
+        }
+    }
+    let determinant = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
+    let inverse = T::from_f64(1.0) / determinant;
+    let mut gradient = [[T::zero(); 2]; MAX_NODES];
+    for node in 0..count {
+        let (by_xi, by_eta) = (T::from_f64(shape.by_xi[node]), T::from_f64(shape.by_eta[node]));
+        gradient[node][0] = (jacobian[1][1] * by_xi - jacobian[0][1] * by_eta) * inverse;
+        gradient[node][1] = (jacobian[0][0] * by_eta - jacobian[1][0] * by_xi) * inverse;
+    }
+    (gradient, determinant)
+}
+
+/// Adds w |J| B^T D B of every point; Q4 replaces its dilatation by the one at the centre (B-bar, Hughes 1980).
+///
+/// `nodes` are the coordinates in the order of `ElementKind`, oriented so that |J| > 0.
+#[inline(always)]
+pub fn element_stiffness<T: Real>(
+    rule: &ElementRule,
+    elasticity: &Elasticity<T>,
+    nodes: &[[T; 2]; MAX_NODES],
+) -> ElementStiffness<T> {
+    let count = rule.kind.node_count();
+    let mut values = [[T::zero(); 2 * MAX_NODES]; 2 * MAX_NODES];
+    let mean = gradients(&rule.centre, nodes, count).0;
+    let half = T::from_f64(0.5);
+    for shape in &rule.points {
+        let (gradient, determinant) = gradients(shape, nodes, count);
+        let (direct, cross, shear) =
+            (elasticity.direct * determinant, elasticity.cross * determinant, elasticity.shear * determinant);
+        if rule.kind == ElementKind::Quad8 {
+            for j in 0..count {
+                let [x, y] = gradient[j];
+                let (dx, cx, sx) = (direct * x, cross * x, shear * x);
+                let (dy, cy, sy) = (direct * y, cross * y, shear * y);
+                for i in 0..=j {
+                    let [p, q] = gradient[i];
+                    values[2 * i][2 * j] += p * dx + q * sy;
+                    values[2 * i][2 * j + 1] += p * cy + q * sx;
+                    values[2 * i + 1][2 * j] += q * cx + p * sy;
+                    values[2 * i + 1][2 * j + 1] += q * dy + p * sx;
+                }
+            }
+        } else {
+            // Columns (exx, eyy, gxy) of B-bar for displacement along x and y of each node.
+            let mut strain = [[T::zero(); 3]; 2 * MAX_NODES];
+            for node in 0..count {
+                let [x, y] = gradient[node];
+                let shift = [half * (mean[node][0] - x), half * (mean[node][1] - y)];
+                strain[2 * node] = [x + shift[0], shift[0], y];
+                strain[2 * node + 1] = [shift[1], y + shift[1], x];
+            }
+            for j in 0..2 * count {
+                let [xx, yy, xy] = strain[j];
+                let stress = [direct * xx + cross * yy, cross * xx + direct * yy, shear * xy];
+                for (i, row) in strain.iter().enumerate().take(j + 1) {
+                    values[i][j] += row[0] * stress[0] + row[1] * stress[1] + row[2] * stress[2];
+                }
+            }
+        }
+    }
+    ElementStiffness { values }
+}

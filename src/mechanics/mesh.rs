@@ -1,0 +1,262 @@
+//! Meshes: coordinates, connectivity and supports of one body.
+//!
+//! Every body is meshed as a ring mesh: lines at given angles run from the contact ring (radius 1) to the body's
+//! far boundary, crossed by layers. What bodies share (connectivity, numbering, supports) is the `RingTopology`;
+//! what is their own are the coordinates.
+//!
+//! ```text
+//!   far boundary   o-----o-----o      rows of nodes are numbered from the far boundary to the ring,
+//!                  |     |     |      so that elimination in this order leaves the ring for last:
+//!   layer          o-----o-----o      the last diagonal block of the Cholesky factor is that of the
+//!                  |     |     |      stiffness condensed to the ring.
+//!   contact ring   o-----o-----o
+//!                phi=0       phi=end
+//! ```
+
+use crate::mechanics::body::{Body, Side};
+use crate::mechanics::element::ElementKind;
+
+/// Index of a free unknown, or `SUPPORTED`.
+pub const SUPPORTED: u32 = u32::MAX;
+
+/// What bodies meshed alike share.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RingTopology {
+    pub element: ElementKind,
+    /// Angles of all ring nodes from the load line, mid-side nodes included, rad, ascending from 0.
+    pub ring_angles: Vec<f64>,
+    pub layer_count: usize,
+    pub node_count: usize,
+    /// Nodes of each element in the order of `ElementKind`, `element.node_count()` a piece.
+    pub connectivity: Vec<u32>,
+    /// Grid row (0 at the ring) and column of each node, in half elements.
+    pub grid: Vec<(usize, usize)>,
+    /// Unknown of each dof (2 * node + component), or `SUPPORTED`.
+    pub unknowns: Vec<u32>,
+    pub unknown_count: usize,
+    /// Nodes of the ring, by ascending angle; their unknowns are the last.
+    pub ring_nodes: Vec<u32>,
+    /// The first unknown of the ring.
+    pub ring_start: usize,
+}
+
+/// How a body is to be divided: see `grading` for how these are chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grading {
+    pub element: ElementKind,
+    /// Angles of the ring's corner nodes, rad, ascending from 0 to the shape's end angle.
+    pub angles: Vec<f64>,
+    /// Thickness of the layer at the ring over the ring's radius.
+    pub first_layer: f64,
+    pub layer_count: usize,
+}
+
+impl RingTopology {
+    /// The topology of `body` divided by `grading`.
+    pub fn new(body: &Body, grading: &Grading) -> RingTopology {
+        let quadratic = grading.element == ElementKind::Quad8;
+        let step = if quadratic { 1 } else { 2 };
+        let (rows, columns) = (2 * grading.layer_count, 2 * (grading.angles.len() - 1));
+        let index = |row: usize, column: usize| row * (columns + 1) + column;
+        let mut numbers = vec![u32::MAX; (rows + 1) * (columns + 1)];
+        let mut grid = Vec::new();
+        for row in (0..=rows).rev().step_by(step) {
+            for column in (0..=columns).step_by(step) {
+                if row % 2 == 1 && column % 2 == 1 {
+                    continue;
+                }
+                numbers[index(row, column)] = grid.len() as u32;
+                grid.push((row, column));
+            }
+        }
+        let node = |row: usize, column: usize| numbers[index(row, column)];
+        let mut connectivity = Vec::new();
+        for row in (0..rows).step_by(2).rev() {
+            for column in (0..columns).step_by(2) {
+                // Counter-clockwise in the plane: a plate's layers lead away from the centre, a pin's towards it.
+                let (inner, outer) = match body.shape.side {
+                    Side::Plate => (row, row + 2),
+                    Side::Pin => (row + 2, row),
+                };
+                connectivity.extend([
+                    node(inner, column),
+                    node(outer, column),
+                    node(outer, column + 2),
+                    node(inner, column + 2),
+                ]);
+                if quadratic {
+                    connectivity.extend([
+                        node(row + 1, column),
+                        node(outer, column + 1),
+                        node(row + 1, column + 2),
+                        node(inner, column + 1),
+                    ]);
+                }
+            }
+        }
+        let corners = corner_columns(body, &grading.angles);
+        let mut unknowns = vec![SUPPORTED; 2 * grid.len()];
+        let mut unknown_count = 0;
+        let mut ring_start = 0;
+        for (number, &(row, column)) in grid.iter().enumerate() {
+            if row == 0 && column == 0 {
+                ring_start = unknown_count;
+            }
+            let held_far = row == rows && far_boundary_held(body, &corners, column);
+            let held_face = column == columns && body.shape.end_face_held;
+            let on_symmetry = column == 0 || column == columns;
+            for component in 0..2 {
+                if !(held_far || held_face || (on_symmetry && component == 0)) {
+                    unknowns[2 * number + component] = unknown_count as u32;
+                    unknown_count += 1;
+                }
+            }
+        }
+        let ring_nodes: Vec<u32> = (0..=columns).step_by(step).map(|column| node(0, column)).collect();
+        RingTopology {
+            element: grading.element,
+            ring_angles: half_steps(&grading.angles, step),
+            layer_count: grading.layer_count,
+            node_count: grid.len(),
+            connectivity,
+            grid,
+            unknowns,
+            unknown_count,
+            ring_nodes,
+            ring_start,
+        }
+    }
+
+    pub fn element_count(&self) -> usize {
+        self.connectivity.len() / self.element.node_count()
+    }
+
+    /// Unknowns of the ring; they are the last ones.
+    pub fn ring_unknown_count(&self) -> usize {
+        self.unknown_count - self.ring_start
+    }
+}
+
+/// Coordinates of all nodes of `body`, over the ring's radius, origin at the ring's centre, y against the load.
+///
+/// Layers grow geometrically from `first_layer` along each line, so that every body is divided alike near the ring
+/// whatever lies beyond. The collapsed centre of a solid disc is a row of coincident nodes, which are supported.
+pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> Vec<[f64; 2]> {
+    let columns = 2 * (grading.angles.len() - 1);
+    let rows = 2 * grading.layer_count;
+    let angles = half_steps(&grading.angles, 1);
+    let targets = boundary_angles(body, &grading.angles);
+    let outward = match body.shape.side {
+        Side::Plate => 1.0,
+        Side::Pin => -1.0,
+    };
+    // Lines of corner nodes first; mid-side nodes of layers lie half-way between them.
+    let mut lines: Vec<Vec<[f64; 2]>> = Vec::with_capacity(columns + 1);
+    for column in 0..=columns {
+        let depth = (body.shape.depth)(&body.parameters, targets[column]);
+        let layers = layer_depths(grading.first_layer, grading.layer_count, depth);
+        let corner = |layer: usize| -> [f64; 2] {
+            let angle = angles[column] + (targets[column] - angles[column]) * (layers[layer] / depth);
+            let radius = 1.0 + outward * layers[layer];
+            [radius * angle.sin(), -radius * angle.cos()]
+        };
+        let corners: Vec<[f64; 2]> = (0..=grading.layer_count).map(corner).collect();
+        let line = (0..=rows).map(|row| match row % 2 {
+            0 => corners[row / 2],
+            _ => midpoint(corners[row / 2], corners[row / 2 + 1]),
+        });
+        lines.push(line.collect());
+    }
+    if body.shape.straight_boundary {
+        for column in (1..columns).step_by(2) {
+            lines[column][rows] = midpoint(lines[column - 1][rows], lines[column + 1][rows]);
+        }
+    }
+    topology.grid.iter().map(|&(row, column)| lines[column][row]).collect()
+}
+
+fn midpoint(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+}
+
+/// `values` with the mid-points between them (`step` 1), or alone (`step` 2).
+fn half_steps(values: &[f64], step: usize) -> Vec<f64> {
+    let at = |i: usize| if i % 2 == 0 { values[i / 2] } else { 0.5 * (values[i / 2] + values[i / 2 + 1]) };
+    (0..2 * values.len() - 1).step_by(step).map(at).collect()
+}
+
+/// Depths below the ring of the layers' ends: `count` layers, the first `first` thick, growing by one factor to
+/// `depth` in all. The factor solves first (1 + g + ... + g^(count-1)) = depth.
+pub fn layer_depths(first: f64, count: usize, depth: f64) -> Vec<f64> {
+    let total = |growth: f64| (0..count).rev().fold(0.0, |sum, _| sum * growth + 1.0) * first;
+    let (mut low, mut high) = (0.0, 1.0);
+    while total(high) < depth && high < 1e9 {
+        (low, high) = (high, 2.0 * high);
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if total(middle) < depth {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let growth = 0.5 * (low + high);
+    let mut depths = vec![0.0];
+    let (mut reached, mut layer) = (0.0, first);
+    for _ in 1..count {
+        reached += layer;
+        layer *= growth;
+        depths.push(reached);
+    }
+    depths.push(depth);
+    depths
+}
+
+/// The ring's corner column nearest to each corner of the far boundary, strictly between the ends and ascending.
+fn corner_columns(body: &Body, angles: &[f64]) -> Vec<usize> {
+    let corners = (body.shape.corners)(&body.parameters);
+    let last = angles.len() - 1;
+    let mut columns: Vec<usize> = Vec::with_capacity(corners.len());
+    for (i, &corner) in corners.iter().enumerate() {
+        let nearest = (0..=last)
+            .min_by(|&a, &b| (angles[a] - corner).abs().total_cmp(&(angles[b] - corner).abs()))
+            .unwrap_or(0);
+        let least = columns.last().map_or(1, |previous| previous + 1);
+        columns.push(nearest.clamp(least, last - (corners.len() - i)));
+    }
+    columns
+}
+
+/// Whether the far-boundary node at `column` (in half elements) is held, by the sides of the boundary it lies on.
+fn far_boundary_held(body: &Body, corners: &[usize], column: usize) -> bool {
+    let side_before = corners.iter().filter(|&&corner| 2 * corner < column).count();
+    let side_after = corners.iter().filter(|&&corner| 2 * corner <= column).count();
+    let held = |side: usize| (body.shape.boundary_held)(body.support, side);
+    held(side_before) || held(side_after)
+}
+
+/// Angle at which the line of each ring column meets the far boundary: the ring's own angle, drawn so that the
+/// boundary's corners fall on corner columns.
+fn boundary_angles(body: &Body, angles: &[f64]) -> Vec<f64> {
+    let corners = (body.shape.corners)(&body.parameters);
+    let columns = corner_columns(body, angles);
+    let end = angles[angles.len() - 1];
+    let mut from = vec![0.0];
+    let mut to = vec![0.0];
+    for (&column, &corner) in columns.iter().zip(&corners) {
+        from.push(angles[column]);
+        to.push(corner);
+    }
+    from.push(end);
+    to.push(end);
+    let targets: Vec<f64> = angles
+        .iter()
+        .map(|&angle| {
+            let piece = (1..from.len() - 1).filter(|&i| angle > from[i]).count();
+            let share = (angle - from[piece]) / (from[piece + 1] - from[piece]);
+            to[piece] + share * (to[piece + 1] - to[piece])
+        })
+        .collect();
+    half_steps(&targets, 1)
+}

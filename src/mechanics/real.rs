@@ -1,0 +1,115 @@
+//! The numbers a stage can be run in: `f64`, `f32`, or several bodies side by side in the lanes of one `Lanes`.
+//!
+//! Every finite-element stage is written once, over `Real`. With `Lanes` the same source handles `LANES` bodies of
+//! one topology at a time, which is what fills the vector units: each body keeps to its own lane from its
+//! coordinates to its compliance.
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// A field with square roots.
+pub trait Real:
+    Copy
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    fn from_f64(value: f64) -> Self;
+    fn sqrt(self) -> Self;
+    /// `self - a * b`, fused where the processor can.
+    fn minus_product(self, a: Self, b: Self) -> Self;
+
+    fn zero() -> Self {
+        Self::from_f64(0.0)
+    }
+}
+
+macro_rules! real_for_scalar {
+    ($scalar:ty) => {
+        impl Real for $scalar {
+            #[inline(always)]
+            fn from_f64(value: f64) -> Self {
+                value as $scalar
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                <$scalar>::sqrt(self)
+            }
+            #[inline(always)]
+            fn minus_product(self, a: Self, b: Self) -> Self {
+                self - a * b
+            }
+        }
+    };
+}
+real_for_scalar!(f64);
+real_for_scalar!(f32);
+
+/// Bodies solved side by side: one 512-bit register of `f64`.
+pub const LANES: usize = 8;
+
+/// One number of each of `LANES` bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Lanes(pub [f64; LANES]);
+
+macro_rules! lanewise {
+    ($trait:ident, $method:ident, $assign_trait:ident, $assign:ident, $op:tt) => {
+        impl $trait for Lanes {
+            type Output = Lanes;
+            #[inline(always)]
+            fn $method(mut self, other: Lanes) -> Lanes {
+                for lane in 0..LANES {
+                    self.0[lane] = self.0[lane] $op other.0[lane];
+                }
+                self
+            }
+        }
+        lanewise!(@assign $assign_trait, $assign, $op);
+    };
+    (@assign None, $assign:ident, $op:tt) => {};
+    (@assign $assign_trait:ident, $assign:ident, $op:tt) => {
+        impl $assign_trait for Lanes {
+            #[inline(always)]
+            fn $assign(&mut self, other: Lanes) {
+                *self = *self $op other;
+            }
+        }
+    };
+}
+lanewise!(Add, add, AddAssign, add_assign, +);
+lanewise!(Sub, sub, SubAssign, sub_assign, -);
+lanewise!(Mul, mul, None, mul_assign, *);
+lanewise!(Div, div, None, div_assign, /);
+
+impl Neg for Lanes {
+    type Output = Lanes;
+    #[inline(always)]
+    fn neg(self) -> Lanes {
+        Lanes(self.0.map(|value| -value))
+    }
+}
+
+impl Real for Lanes {
+    #[inline(always)]
+    fn from_f64(value: f64) -> Self {
+        Lanes([value; LANES])
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Lanes(self.0.map(f64::sqrt))
+    }
+    #[inline(always)]
+    fn minus_product(mut self, a: Self, b: Self) -> Self {
+        for lane in 0..LANES {
+            // Only called from code compiled for processors with fused multiply-add, or it would be a library call.
+            self.0[lane] -= a.0[lane] * b.0[lane];
+        }
+        self
+    }
+}
