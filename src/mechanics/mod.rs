@@ -4,4 +4,5 @@ pub mod body;
 pub mod element;
 pub mod mesh;
 pub mod compliance;
+pub mod contact;
 pub mod laws;

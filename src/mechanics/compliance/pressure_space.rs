@@ -1,0 +1,316 @@
+//! The contact pressures that are tried: a contact half angle, and on it Chebyshev polynomials over the square-root
+//! singularity of a punch.
+//!
+//! With b = tan(eps/2), s = tan(phi/2)/b = cos(tau), the trial pressures are
+//!
+//! ```text
+//!   p_k d(phi) = cos(2 k tau) d(tau) = T_2k(s)/sqrt(1 - s^2) ds,      k = 0, 1, ... terms - 1.
+//! ```
+//!
+//! Their sum of coefficients is the strength of the edge singularity; contact with a free edge is where it vanishes.
+//! In this basis the logarithmic kernel of plane elasticity is diagonal up to rank two, and every other integral is
+//! smooth. All quantities are functions of eps alone; they are interpolated between Chebyshev nodes in sqrt(eps).
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use crate::mechanics::element::quadrature::gauss_legendre;
+
+/// Nodes in eps between which compliances are interpolated.
+pub const NODE_COUNT: usize = 28;
+
+/// Geometry of one contact half angle.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactArc {
+    /// Contact half angle, rad.
+    pub half_angle: f64,
+    /// b = tan(eps/2).
+    pub b: f64,
+    /// t = tan(atan(b)/2): 1 + b^2 cos^2(tau) = (1 + 2 t^2 cos(2 tau) + t^4)/(1 - t^2)^2.
+    t: f64,
+}
+
+impl ContactArc {
+    pub fn new(half_angle: f64) -> ContactArc {
+        let b = (0.5 * half_angle).tan();
+        ContactArc { half_angle, b, t: b / (1.0 + b.hypot(1.0)) }
+    }
+
+    /// phi at tau.
+    pub fn angle(&self, tau: f64) -> f64 {
+        2.0 * (self.b * tau.cos()).atan()
+    }
+
+    /// tau at phi, 0 at and beyond the edge.
+    pub fn tau(&self, angle: f64) -> f64 {
+        ((0.5 * angle).tan() / self.b).min(1.0).acos()
+    }
+
+    /// Integral of p_k over the half arc: pi/2 for k = 0, else 0.
+    pub fn resultant(k: usize) -> f64 {
+        if k == 0 { FRAC_PI_2 } else { 0.0 }
+    }
+
+    /// Integral of p_k (1 - cos phi): pi [delta_k0 - (-t^2)^k/sqrt(1 + b^2)], free of cancellation.
+    pub fn versine(&self, k: usize) -> f64 {
+        let root = self.b.hypot(1.0);
+        if k == 0 {
+            PI * self.b * self.b / (root * (1.0 + root))
+        } else {
+            -PI * (-self.t * self.t).powi(k as i32) / root
+        }
+    }
+
+    /// Galerkin matrix of the kernel sum over n >= 1 of (2/pi) cos(n phi) cos(n phi')/n, less its -pi/2 ln b in (0, 0).
+    ///
+    /// From ln|2 cos phi - 2 cos phi'| = ln|s^2 - s'^2| + 2 ln b + ln 4 - ln(1 + b^2 s^2) - ln(1 + b^2 s'^2).
+    fn logarithm(&self, j: usize, k: usize) -> f64 {
+        let fourier = |i: usize| {
+            let q = -self.t * self.t;
+            if i == 0 {
+                -2.0 * FRAC_PI_2 * (1.0 - self.t * self.t).ln()
+            } else {
+                -FRAC_PI_2 * q.powi(i as i32) / i as f64
+            }
+        };
+        let mut sum = 0.0;
+        if j == k {
+            sum += if k == 0 {
+                PI * FRAC_PI_2 * (0.5_f64).ln() + 4.0_f64.ln() * FRAC_PI_2 * FRAC_PI_2
+            } else {
+                -PI * PI / (8.0 * k as f64)
+            };
+        }
+        if k == 0 {
+            sum -= FRAC_PI_2 * fourier(j);
+        }
+        if j == 0 {
+            sum -= FRAC_PI_2 * fourier(k);
+        }
+        -sum / PI
+    }
+}
+
+/// Entries of the lower triangle of a symmetric `terms` x `terms` matrix.
+pub const fn packed_count(terms: usize) -> usize {
+    terms * (terms + 1) / 2
+}
+
+/// Position of (row, column), row >= column, in the packed lower triangle. It does not depend on the count of terms,
+/// so a space of fewer terms is a prefix of one of more.
+pub const fn packed(row: usize, column: usize) -> usize {
+    row * (row + 1) / 2 + column
+}
+
+/// Trial pressures at the nodes in eps, with all that does not depend on the body.
+pub struct PressureSpace {
+    pub terms: usize,
+    /// The largest contact half angle, rad.
+    pub limit: f64,
+    /// The arcs at the nodes.
+    pub arcs: Vec<ContactArc>,
+    /// Galerkin matrices of the kernels sum of (2/pi) cos(n phi) cos(n phi') f(n), packed, one row a node:
+    /// f = 1/n over n >= 1 (less its -pi/2 ln b), ...
+    pub logarithm: Vec<f64>,
+    /// ... f = 1/(n (n^2 - 1)) over n >= 2, ...
+    pub cubic: Vec<f64>,
+    /// ... f = 1/(n^2 - 1) over n >= 2.
+    pub quadratic: Vec<f64>,
+    weights: Vec<f64>,
+    abscissae: Vec<f64>,
+}
+
+/// Points of the rule on either side of the kernels' diagonal; 32 leave 2e-9 of a matrix of order one.
+const DIAGONAL_RULE: usize = 32;
+
+impl PressureSpace {
+    /// `terms` trial pressures on arcs up to `limit` (rad, below pi).
+    pub fn new(terms: usize, limit: f64) -> PressureSpace {
+        let count = NODE_COUNT as f64;
+        let angle = |i: usize| PI * (i as f64 + 0.5) / count;
+        let abscissae: Vec<f64> = (0..NODE_COUNT).map(|i| 0.5 * (1.0 + angle(i).cos())).collect();
+        let weights =
+            (0..NODE_COUNT).map(|i| if i % 2 == 0 { angle(i).sin() } else { -angle(i).sin() }).collect();
+        let arcs: Vec<ContactArc> = abscissae.iter().map(|x| ContactArc::new(limit * x * x)).collect();
+        let entries = packed_count(terms);
+        let mut space = PressureSpace {
+            terms,
+            limit,
+            logarithm: Vec::with_capacity(NODE_COUNT * entries),
+            cubic: Vec::with_capacity(NODE_COUNT * entries),
+            quadratic: Vec::with_capacity(NODE_COUNT * entries),
+            arcs,
+            weights,
+            abscissae,
+        };
+        let rule = gauss_legendre(DIAGONAL_RULE.max(2 * terms));
+        for arc in space.arcs.clone() {
+            for row in 0..terms {
+                for column in 0..=row {
+                    space.logarithm.push(arc.logarithm(row, column));
+                }
+            }
+            let [cubic, quadratic] = diagonal_kernels(&arc, terms, &rule);
+            space.cubic.extend(cubic);
+            space.quadratic.extend(quadratic);
+        }
+        space
+    }
+
+    /// Interpolation weights of the nodes at `half_angle`; they sum to one.
+    pub fn interpolation(&self, half_angle: f64) -> [f64; NODE_COUNT] {
+        let x = (half_angle / self.limit).sqrt();
+        let mut weights = [0.0; NODE_COUNT];
+        let mut sum = 0.0;
+        for (i, weight) in weights.iter_mut().enumerate() {
+            let distance = x - self.abscissae[i];
+            if distance == 0.0 {
+                let mut exact = [0.0; NODE_COUNT];
+                exact[i] = 1.0;
+                return exact;
+            }
+            *weight = self.weights[i] / distance;
+            sum += *weight;
+        }
+        weights.map(|weight| weight / sum)
+    }
+
+    /// Moments m_kn = integral of p_k cos(n phi) at every node for n = 0 ... `highest`: `[node][n][k]`.
+    pub fn moments(&self, highest: usize) -> Vec<f64> {
+        let mut moments = vec![0.0; NODE_COUNT * (highest + 1) * self.terms];
+        for (arc, moments) in self.arcs.iter().zip(moments.chunks_exact_mut((highest + 1) * self.terms)) {
+            // Enough points for the fastest product of waves over a quarter period of tau.
+            let points = 24 + self.terms + (highest as f64 * arc.half_angle * 0.5) as usize;
+            for (x, weight) in gauss_legendre(points) {
+                let tau = 0.5 * FRAC_PI_2 * (1.0 + x);
+                let trials = cosines((2.0 * tau).cos(), self.terms);
+                let turn = 2.0 * arc.angle(tau).cos();
+                let (mut wave, mut previous) = (1.0, 0.5 * turn);
+                for row in moments.chunks_exact_mut(self.terms) {
+                    let scale = 0.5 * FRAC_PI_2 * weight * wave;
+                    row.iter_mut().zip(&trials).for_each(|(moment, trial)| *moment += scale * trial);
+                    (wave, previous) = (turn * wave - previous, wave);
+                }
+            }
+        }
+        moments
+    }
+}
+
+/// cos(k x) for k = 0 ... count - 1 from cos x.
+pub fn cosines(cosine: f64, count: usize) -> Vec<f64> {
+    let (mut value, mut previous) = (1.0, cosine);
+    (0..count)
+        .map(|_| {
+            let current = value;
+            (value, previous) = (2.0 * cosine * value - previous, value);
+            current
+        })
+        .collect()
+}
+
+/// Galerkin matrices of the two kernels that are continuous but not smooth on their diagonal, packed:
+/// sum over n >= 2 of cos(n theta)/(n (n^2 - 1)) = (1 - cos theta) ln(2 sin(theta/2)) - 1/2 + 3/4 cos theta, and
+/// sum over n >= 2 of cos(n theta)/(n^2 - 1) = 1/2 + 1/4 cos theta - (pi - theta)/2 sin theta, for 0 <= theta <= 2 pi.
+///
+/// For each tau the integral over tau' in (0, pi) is taken on both sides of the diagonal.
+fn diagonal_kernels(arc: &ContactArc, terms: usize, rule: &[(f64, f64)]) -> [Vec<f64>; 2] {
+    let mut matrices = [vec![0.0; packed_count(terms)], vec![0.0; packed_count(terms)]];
+    for &(outer, outer_weight) in rule {
+        let tau = 0.5 * FRAC_PI_2 * (1.0 + outer);
+        let angle = arc.angle(tau);
+        let mut inner = [vec![0.0; terms], vec![0.0; terms]];
+        for (start, end) in [(0.0, tau), (tau, PI)] {
+            for &(x, weight) in rule {
+                let other = 0.5 * (start + end) + 0.5 * (end - start) * x;
+                let weight = 0.5 * (end - start) * weight;
+                let theta = (angle - arc.angle(other)).abs();
+                let (sine, cosine) = theta.sin_cos();
+                let chord = 2.0 * (0.5 * theta).sin();
+                let smooth = 0.5 * chord * chord * chord.max(f64::MIN_POSITIVE).ln();
+                let cubic = smooth - 0.5 + 0.75 * cosine;
+                let quadratic = 0.5 + 0.25 * cosine - 0.5 * (PI - theta) * sine;
+                let trials = cosines((2.0 * other).cos(), terms);
+                for (k, trial) in trials.iter().enumerate() {
+                    inner[0][k] += weight * trial * cubic;
+                    inner[1][k] += weight * trial * quadratic;
+                }
+            }
+        }
+        let trials = cosines((2.0 * tau).cos(), terms);
+        let weight = 0.5 * FRAC_PI_2 * outer_weight / PI;
+        for row in 0..terms {
+            for column in 0..=row {
+                for (matrix, inner) in matrices.iter_mut().zip(&inner) {
+                    // Symmetric but for the quadrature: take the mean.
+                    matrix[packed(row, column)] +=
+                        0.5 * weight * (trials[row] * inner[column] + trials[column] * inner[row]);
+                }
+            }
+        }
+    }
+    matrices
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The kernels against their own series, summed to where the remainder is below the tolerance.
+    #[test]
+    fn kernels_equal_their_series() {
+        let space = PressureSpace::new(4, 2.0);
+        let highest = 2000;
+        let moments = space.moments(highest);
+        let entries = packed_count(4);
+        for node in [0, 9, 15] {
+            for row in 0..4 {
+                for column in 0..=row {
+                    let term = |n: usize, k: usize| moments[(node * (highest + 1) + n) * 4 + k];
+                    let sum = |weight: &dyn Fn(f64) -> f64, first: usize| -> f64 {
+                        (first..=highest)
+                            .map(|n| 2.0 / PI * weight(n as f64) * term(n, row) * term(n, column))
+                            .sum()
+                    };
+                    let at = node * entries + packed(row, column);
+                    let cubic = sum(&|n| 1.0 / (n * (n * n - 1.0)), 2);
+                    let quadratic = sum(&|n| 1.0 / (n * n - 1.0), 2);
+                    // The quadrature leaves 2e-9 of the first; the terms of the second fall like n^-3.
+                    assert!(
+                        (space.cubic[at] - cubic).abs() < 1e-8,
+                        "cubic {row},{column}: {} {cubic}",
+                        space.cubic[at]
+                    );
+                    assert!(
+                        (space.quadratic[at] - quadratic).abs() < 1e-6,
+                        "quadratic {row},{column}: {} {quadratic}",
+                        space.quadratic[at]
+                    );
+                    let arc = space.arcs[node];
+                    let log = space.logarithm[at] - if row == 0 { FRAC_PI_2 * arc.b.ln() } else { 0.0 };
+                    let series = sum(&|n| 1.0 / n, 1);
+                    // These fall like n^-2: 2/(pi eps highest) is left.
+                    assert!(
+                        (log - series).abs() < 1e-3,
+                        "log {row},{column} at {}: {log} {series}",
+                        arc.half_angle
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn versine_equals_its_integral() {
+        let arc = ContactArc::new(1.3);
+        for k in 0..5 {
+            let sum: f64 = gauss_legendre(40)
+                .iter()
+                .map(|(x, w)| {
+                    let tau = 0.5 * FRAC_PI_2 * (1.0 + x);
+                    0.5 * FRAC_PI_2 * w * (2.0 * k as f64 * tau).cos() * (1.0 - arc.angle(tau).cos())
+                })
+                .sum();
+            assert!((arc.versine(k) - sum).abs() < 1e-14, "k = {k}");
+        }
+    }
+}

@@ -1,0 +1,3 @@
+//! Unilateral, frictionless contact of two rings.
+
+pub mod pressure;
