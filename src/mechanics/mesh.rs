@@ -46,8 +46,10 @@ pub struct Grading {
     pub element: ElementKind,
     /// Angles of the ring's corner nodes, rad, ascending from 0 to the shape's end angle.
     pub angles: Vec<f64>,
-    /// Thickness of the layer at the ring over the ring's radius.
+    /// Thickness of the layer at the ring, in the shape's measure of depth.
     pub first_layer: f64,
+    /// No layer is thicker than this.
+    pub thickest_layer: f64,
     pub layer_count: usize,
 }
 
@@ -152,20 +154,33 @@ pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> V
     };
     // Lines of corner nodes first; mid-side nodes of layers lie half-way between them.
     let mut lines: Vec<Vec<[f64; 2]>> = Vec::with_capacity(columns + 1);
+    let mut layers = Vec::new();
+    let mut depth = f64::NAN;
     for column in 0..=columns {
-        let depth = (body.shape.depth)(&body.parameters, targets[column]);
-        let layers = layer_depths(grading.first_layer, grading.layer_count, depth);
-        let corner = |layer: usize| -> [f64; 2] {
-            let angle = angles[column] + (targets[column] - angles[column]) * (layers[layer] / depth);
-            let radius = 1.0 + outward * layers[layer];
-            [radius * angle.sin(), -radius * angle.cos()]
+        let (angle, target) = (angles[column], targets[column]);
+        let own_depth = (body.shape.depth)(&body.parameters, target);
+        if own_depth != depth {
+            depth = own_depth;
+            layers = layer_depths(grading, depth);
+        }
+        let along_ray = angle.sin_cos();
+        let corner = |layer: &f64| -> [f64; 2] {
+            let radius = if body.shape.reaches_centre { 1.0 - layer } else { (outward * layer).exp() };
+            let (sine, cosine) = if target == angle {
+                along_ray
+            } else {
+                (angle + (target - angle) * (layer / depth)).sin_cos()
+            };
+            [radius * sine, -radius * cosine]
         };
-        let corners: Vec<[f64; 2]> = (0..=grading.layer_count).map(corner).collect();
-        let line = (0..=rows).map(|row| match row % 2 {
-            0 => corners[row / 2],
-            _ => midpoint(corners[row / 2], corners[row / 2 + 1]),
-        });
-        lines.push(line.collect());
+        let mut line = Vec::with_capacity(rows + 1);
+        for (layer, point) in layers.iter().map(corner).enumerate() {
+            if layer > 0 {
+                line.push(midpoint(line[2 * layer - 2], point));
+            }
+            line.push(point);
+        }
+        lines.push(line);
     }
     if body.shape.straight_boundary {
         for column in (1..columns).step_by(2) {
@@ -185,15 +200,17 @@ fn half_steps(values: &[f64], step: usize) -> Vec<f64> {
     (0..2 * values.len() - 1).step_by(step).map(at).collect()
 }
 
-/// Depths below the ring of the layers' ends: `count` layers, the first `first` thick, growing by one factor to
-/// `depth` in all. The factor solves first (1 + g + ... + g^(count-1)) = depth.
-pub fn layer_depths(first: f64, count: usize, depth: f64) -> Vec<f64> {
-    let total = |growth: f64| (0..count).rev().fold(0.0, |sum, _| sum * growth + 1.0) * first;
+/// Depths below the ring of the layers' ends: from the first layer on they grow by one factor, up to the thickest
+/// allowed, to `depth` in all.
+fn layer_depths(grading: &Grading, depth: f64) -> Vec<f64> {
+    let Grading { first_layer, thickest_layer, layer_count, .. } = *grading;
+    let total =
+        |growth: f64| layer_thicknesses(first_layer, thickest_layer, growth).take(layer_count).sum::<f64>();
     let (mut low, mut high) = (0.0, 1.0);
     while total(high) < depth && high < 1e9 {
         (low, high) = (high, 2.0 * high);
     }
-    for _ in 0..60 {
+    for _ in 0..40 {
         let middle = 0.5 * (low + high);
         if total(middle) < depth {
             low = middle;
@@ -201,16 +218,21 @@ pub fn layer_depths(first: f64, count: usize, depth: f64) -> Vec<f64> {
             high = middle;
         }
     }
-    let growth = 0.5 * (low + high);
+    let mut reached = 0.0;
     let mut depths = vec![0.0];
-    let (mut reached, mut layer) = (0.0, first);
-    for _ in 1..count {
-        reached += layer;
-        layer *= growth;
+    for thickness in layer_thicknesses(first_layer, thickest_layer, high).take(layer_count) {
+        reached += thickness;
         depths.push(reached);
     }
-    depths.push(depth);
+    // The growth factor is only as good as the bisection; the far boundary is where it is.
+    let scale = depth / reached;
+    depths.iter_mut().for_each(|end| *end *= scale);
     depths
+}
+
+/// Thicknesses of layers that grow by `growth` from `first` up to `thickest`.
+pub fn layer_thicknesses(first: f64, thickest: f64, growth: f64) -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(first), move |thickness| Some((thickness * growth).min(thickest)))
 }
 
 /// The ring's corner column nearest to each corner of the far boundary, strictly between the ends and ascending.

@@ -53,49 +53,53 @@ real_for_scalar!(f32);
 /// Bodies solved side by side: one 512-bit register of `f64`.
 pub const LANES: usize = 8;
 
-/// One number of each of `LANES` bodies.
+/// One number of each of `LANES` bodies; `FUSED` where the processor fuses multiply and add.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
-pub struct Lanes(pub [f64; LANES]);
+pub struct Lanes<const FUSED: bool>(pub [f64; LANES]);
 
 macro_rules! lanewise {
-    ($trait:ident, $method:ident, $assign_trait:ident, $assign:ident, $op:tt) => {
-        impl $trait for Lanes {
-            type Output = Lanes;
+    ($trait:ident, $method:ident, $op:tt) => {
+        impl<const FUSED: bool> $trait for Lanes<FUSED> {
+            type Output = Self;
             #[inline(always)]
-            fn $method(mut self, other: Lanes) -> Lanes {
+            fn $method(mut self, other: Self) -> Self {
                 for lane in 0..LANES {
                     self.0[lane] = self.0[lane] $op other.0[lane];
                 }
                 self
             }
         }
-        lanewise!(@assign $assign_trait, $assign, $op);
-    };
-    (@assign None, $assign:ident, $op:tt) => {};
-    (@assign $assign_trait:ident, $assign:ident, $op:tt) => {
-        impl $assign_trait for Lanes {
-            #[inline(always)]
-            fn $assign(&mut self, other: Lanes) {
-                *self = *self $op other;
-            }
-        }
     };
 }
-lanewise!(Add, add, AddAssign, add_assign, +);
-lanewise!(Sub, sub, SubAssign, sub_assign, -);
-lanewise!(Mul, mul, None, mul_assign, *);
-lanewise!(Div, div, None, div_assign, /);
+lanewise!(Add, add, +);
+lanewise!(Sub, sub, -);
+lanewise!(Mul, mul, *);
+lanewise!(Div, div, /);
 
-impl Neg for Lanes {
-    type Output = Lanes;
+impl<const FUSED: bool> AddAssign for Lanes<FUSED> {
     #[inline(always)]
-    fn neg(self) -> Lanes {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<const FUSED: bool> SubAssign for Lanes<FUSED> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl<const FUSED: bool> Neg for Lanes<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
         Lanes(self.0.map(|value| -value))
     }
 }
 
-impl Real for Lanes {
+impl<const FUSED: bool> Real for Lanes<FUSED> {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
         Lanes([value; LANES])
@@ -107,8 +111,11 @@ impl Real for Lanes {
     #[inline(always)]
     fn minus_product(mut self, a: Self, b: Self) -> Self {
         for lane in 0..LANES {
-            // Only called from code compiled for processors with fused multiply-add, or it would be a library call.
-            self.0[lane] -= a.0[lane] * b.0[lane];
+            self.0[lane] = if FUSED {
+                (-a.0[lane]).mul_add(b.0[lane], self.0[lane])
+            } else {
+                self.0[lane] - a.0[lane] * b.0[lane]
+            };
         }
         self
     }

@@ -16,9 +16,10 @@ pub static SHAPE: Shape = Shape {
     supports: &[],
     end_angle: PI,
     end_face_held: false,
-    depth: |&[ratio, ..], _| ratio - 1.0,
+    depth: |&[ratio, ..], _| ratio.ln(),
+    reaches_centre: false,
     corners: |_| Vec::new(),
     straight_boundary: false,
     boundary_held: |_, _| true,
-    depth_range: |&[ratio, ..]| (ratio - 1.0, ratio - 1.0),
+    depth_range: |&[ratio, ..]| (ratio.ln(), ratio.ln()),
 };

@@ -30,13 +30,14 @@ pub static SHAPE: Shape = Shape {
         let (sine, cosine) = angle.sin_cos();
         let to_side = if sine > 0.0 { half_width / sine } else { f64::INFINITY };
         let to_end = if cosine > 0.0 { depth / cosine } else { -height / cosine };
-        to_side.min(to_end.abs()) - 1.0
+        to_side.min(to_end.abs()).ln()
     },
+    reaches_centre: false,
     corners: |&[half_width, depth, height]| vec![half_width.atan2(depth), PI - half_width.atan2(height)],
     straight_boundary: true,
     boundary_held: |support, side| support == 1 || side == 0,
     depth_range: |&[half_width, depth, height]| {
         let to_corner = half_width.hypot(depth.max(height));
-        (half_width.min(depth).min(height) - 1.0, to_corner - 1.0)
+        (half_width.min(depth).min(height).ln(), to_corner.ln())
     },
 };

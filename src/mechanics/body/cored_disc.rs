@@ -11,9 +11,10 @@ pub static SHAPE: Shape = Shape {
     supports: &[],
     end_angle: PI,
     end_face_held: false,
-    depth: |&[core, ..], _| 1.0 - core,
+    depth: |&[core, ..], _| -core.ln(),
+    reaches_centre: false,
     corners: |_| Vec::new(),
     straight_boundary: false,
     boundary_held: |_, _| true,
-    depth_range: |&[core, ..]| (1.0 - core, 1.0 - core),
+    depth_range: |&[core, ..]| (-core.ln(), -core.ln()),
 };

@@ -44,8 +44,12 @@ pub struct Shape {
     pub end_angle: f64,
     /// Whether the face at the end angle is held.
     pub end_face_held: bool,
-    /// Distance from the ring to the far boundary along the ray at an angle, over the ring's radius.
+    /// How deep below the ring the far boundary lies along the ray at an angle: |ln r|, or 1 - r for a shape that
+    /// `reaches_centre`; r over the ring's radius.
     pub depth: fn(&[f64; MAX_PARAMETERS], f64) -> f64,
+    /// Whether the shape includes the ring's centre, where ln r has no value. Elsewhere layers are even in ln r, which
+    /// resolves a small core as well as a distant boundary.
+    pub reaches_centre: bool,
     /// Angles of the far boundary's corners, ascending.
     pub corners: fn(&[f64; MAX_PARAMETERS]) -> Vec<f64>,
     /// Whether the far boundary is straight between its corners.

@@ -1,3 +1,4 @@
 //! Unilateral, frictionless contact of two rings.
 
 pub mod pressure;
+pub mod loading;

@@ -1,0 +1,136 @@
+//! What the mesh cannot see near the ring, from the exact solution of a concentric body on the same mesh.
+//!
+//! The error of a condensed compliance is local: it comes from elements at the ring that are as large as the contact
+//! arc. It is the same for every body with those elements, so it is measured once for a class of bodies, on the
+//! concentric body that stands for the class, as the difference of its exact compliance (`series`) and its condensed
+//! one, and added to each:
+//!
+//! ```text
+//!   A = A_mesh(body) + [A_series(reference) - A_mesh(reference)].
+//! ```
+//!
+//! Equivalently: contact sees the exact kernel of the reference, and the mesh only the smooth difference of two bodies
+//! (subtraction of the singularity). What is left is the far field's error. The difference in brackets is a smooth
+//! function of Poisson's ratio and is interpolated between Chebyshev nodes, which fill the lanes of one batch.
+
+use std::f64::consts::PI;
+
+use super::condensed::{CondensationPlan, remove_logarithm};
+use super::pressure_space::{PressureSpace, packed_count};
+use super::series::ConcentricBody;
+use super::{NODE_COUNT, PressureCompliance};
+use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
+use crate::mechanics::grading::GradingClass;
+use crate::mechanics::material::Idealization;
+use crate::mechanics::mesh::Grading;
+use crate::mechanics::real::LANES;
+
+/// |ln r| of a reference's fixed circle, at most: deeper bodies bring a far field of their own.
+const DEEPEST_REFERENCE: f64 = 1.2;
+
+/// Either half of the range of Poisson's ratio.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PoissonRange {
+    Negative,
+    Positive,
+}
+
+impl PoissonRange {
+    pub fn of(poissons_ratio: f64) -> PoissonRange {
+        if poissons_ratio < 0.0 { PoissonRange::Negative } else { PoissonRange::Positive }
+    }
+
+    /// Chebyshev nodes of the range and their barycentric weights.
+    fn nodes(self) -> [(f64, f64); LANES] {
+        let (low, high) = match self {
+            PoissonRange::Negative => (-1.0, 0.0),
+            PoissonRange::Positive => (0.0, 0.5),
+        };
+        std::array::from_fn(|i| {
+            let angle = PI * (i as f64 + 0.5) / LANES as f64;
+            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+            (0.5 * (low + high) + 0.5 * (high - low) * angle.cos(), sign * angle.sin())
+        })
+    }
+}
+
+/// The difference between the exact and the condensed compliance of a class's reference body.
+pub struct NearField {
+    range: PoissonRange,
+    /// `[node of Poisson's ratio][node in eps][packed lower triangle]`.
+    values: [Vec<f64>; LANES],
+}
+
+impl NearField {
+    /// For pins or plates of `class` whose ring ends at `end_angle` (pi/2 or pi), in one idealization and one range of Poisson's ratio.
+    pub fn new(
+        side: Side,
+        class: &GradingClass,
+        end_angle: f64,
+        idealization: Idealization,
+        range: PoissonRange,
+        space: &PressureSpace,
+    ) -> NearField {
+        let (shape, fixed_radius) = match side {
+            Side::Pin => (&cored_disc::SHAPE, (-class.nominal_depth().min(DEEPEST_REFERENCE)).exp()),
+            Side::Plate => (&annulus::SHAPE, class.nominal_depth().min(DEEPEST_REFERENCE).exp()),
+        };
+        let mut parameters = [0.0; MAX_PARAMETERS];
+        parameters[0] = fixed_radius;
+        let bodies = range.nodes().map(|(poissons_ratio, _)| Body {
+            shape,
+            parameters,
+            support: 0,
+            poissons_ratio,
+            idealization,
+        });
+        let plan = CondensationPlan::new(&bodies[0], whole_ring(class, end_angle), space);
+        let mut condensed = plan.condense(&bodies).into_iter();
+        let concentric = |poissons_ratio| ConcentricBody { fixed_radius, poissons_ratio, idealization };
+        let highest = concentric(0.0).highest_mode();
+        let moments = space.moments(highest);
+        let values = bodies.map(|body| {
+            let exact = concentric(body.poissons_ratio).compliance(space, &moments, highest);
+            let Some(mut mesh) = condensed.next() else { unreachable!("one compliance a body") };
+            remove_logarithm(space, &mut mesh);
+            exact.values.iter().zip(&mesh.values).map(|(exact, mesh)| exact - mesh).collect()
+        });
+        NearField { range, values }
+    }
+
+    /// Adds the near field to a condensed compliance of a body of the class, and takes its logarithm out.
+    pub fn correct(&self, space: &PressureSpace, poissons_ratio: f64, compliance: &mut PressureCompliance) {
+        remove_logarithm(space, compliance);
+        let nodes = self.range.nodes();
+        let mut weights = [0.0; LANES];
+        for (i, (node, weight)) in nodes.iter().enumerate() {
+            let distance = poissons_ratio - node;
+            if distance == 0.0 {
+                weights = [0.0; LANES];
+                weights[i] = 1.0;
+                break;
+            }
+            weights[i] = weight / distance;
+        }
+        let sum: f64 = weights.iter().sum();
+        let count = NODE_COUNT * packed_count(compliance.terms);
+        for (weight, values) in weights.iter().zip(&self.values) {
+            let share = weight / sum;
+            compliance.values[..count]
+                .iter_mut()
+                .zip(values)
+                .for_each(|(value, near)| *value += share * near);
+        }
+    }
+}
+
+/// The class's division of a ring that ends at `end_angle`, continued by its mirror image where that is pi/2.
+fn whole_ring(class: &GradingClass, end_angle: f64) -> Grading {
+    let mut grading = class.grading(end_angle);
+    if end_angle < PI {
+        let mirror: Vec<f64> =
+            grading.angles.iter().rev().skip(1).map(|angle| 2.0 * end_angle - angle).collect();
+        grading.angles.extend(mirror);
+    }
+    grading
+}

@@ -1,0 +1,80 @@
+//! Nodal loads of the trial pressures on a ring: f = integral of N n p_k d(phi), with the true normal n(phi), so that
+//! a rigid translation does exactly the work of the pressure's resultant.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::pressure_space::{PressureSpace, cosines};
+use crate::mechanics::element::quadrature::gauss_legendre;
+use crate::mechanics::element::{ElementKind, side_functions};
+
+/// Loads of the trial pressures of one arc: `[ring node][component][k]`, for the nodes the arc reaches.
+pub struct ArcLoads {
+    pub node_count: usize,
+    pub values: Vec<f64>,
+}
+
+/// At every node of `space`, on a ring with nodes at `ring_angles` (mid-side nodes included).
+pub fn ring_loads(space: &PressureSpace, element: ElementKind, ring_angles: &[f64]) -> Vec<ArcLoads> {
+    let terms = space.terms;
+    let side = element.side_node_count() - 1;
+    // The integrand is smooth in tau on each element; cos(2 k tau) asks for more points with more terms.
+    let rule = gauss_legendre(12 + terms);
+    space
+        .arcs
+        .iter()
+        .map(|arc| {
+            let reached =
+                ring_angles.iter().step_by(side).take_while(|angle| **angle < arc.half_angle).count();
+            let elements = reached.min((ring_angles.len() - 1) / side);
+            let node_count = elements * side + 1;
+            let mut values = vec![0.0; node_count * 2 * terms];
+            for element_index in 0..elements {
+                let nodes = element_index * side;
+                let (start, end) = (ring_angles[nodes], ring_angles[nodes + side]);
+                let from = arc.tau(end.min(arc.half_angle));
+                let to = if start == 0.0 { FRAC_PI_2 } else { arc.tau(start) };
+                for &(x, weight) in &rule {
+                    let tau = 0.5 * (from + to) + 0.5 * (to - from) * x;
+                    let weight = 0.5 * (to - from) * weight;
+                    let angle = arc.angle(tau);
+                    let (functions, count) =
+                        side_functions(element, (2.0 * angle - start - end) / (end - start));
+                    let normal = [angle.sin(), -angle.cos()];
+                    let trials = cosines((2.0 * tau).cos(), terms);
+                    for (node, function) in functions.iter().enumerate().take(count) {
+                        for (component, normal) in normal.iter().enumerate() {
+                            let at = ((nodes + node) * 2 + component) * terms;
+                            let scale = weight * function * normal;
+                            values[at..at + terms].iter_mut().zip(&trials).for_each(|(f, t)| *f += scale * t);
+                        }
+                    }
+                }
+            }
+            ArcLoads { node_count, values }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::compliance::pressure_space::ContactArc;
+
+    /// A rigid translation along y does the work of the vertical resultant, pi/2 delta_k0 - versine.
+    #[test]
+    fn translation_does_the_work_of_the_resultant() {
+        let space = PressureSpace::new(6, 1.5);
+        let angles: Vec<f64> = (0..=16).map(|i| i as f64 * 0.11).collect();
+        for element in [ElementKind::Quad4, ElementKind::Quad8] {
+            for (arc, loads) in space.arcs.iter().zip(ring_loads(&space, element, &angles)) {
+                for k in 0..6 {
+                    let work: f64 =
+                        (0..loads.node_count).map(|node| -loads.values[(node * 2 + 1) * 6 + k]).sum();
+                    let resultant = ContactArc::resultant(k) - arc.versine(k);
+                    // Rounding of the sum.
+                    assert!((work - resultant).abs() < 1e-13, "{element:?} k = {k}: {work} {resultant}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,290 @@
+//! Cholesky of many bodies of one topology side by side, down to the ring.
+//!
+//! The unknowns are eliminated row by row of the ring mesh, from the far boundary to the ring and within each row
+//! towards the load line, in tiles of 4 x 4 within a variable band. The last diagonal block of the factor is then the
+//! factor of the stiffness condensed to the ring, K_ring = L L^T, so that the response to loads on the ring needs no
+//! other column: f^T K_ring^-1 g = (L^-1 f)^T (L^-1 g). Its rows next to the load line are the very last, so a load
+//! there costs only the square of the rows it touches.
+//!
+//! Written over `Real`: with `Lanes` each tile holds `LANES` bodies; with `f64` it is checked against faer.
+
+use crate::mechanics::element::MAX_NODES;
+use crate::mechanics::element::stiffness::ElementStiffness;
+use crate::mechanics::mesh::{RingTopology, SUPPORTED};
+use crate::mechanics::real::Real;
+
+/// Unknowns along a tile's edge.
+pub const TILE: usize = 4;
+
+/// A 4 x 4 tile, row-major.
+pub type Tile<T> = [[T; TILE]; TILE];
+
+/// The order of elimination, the band and where each element's entries go; shared by bodies of one topology.
+pub struct BandStructure {
+    /// First tile column of each tile row, and the tile row's offset into the tiles.
+    rows: Vec<(usize, usize)>,
+    tile_count: usize,
+    /// Position of each unknown in the order of elimination.
+    pub positions: Vec<u32>,
+    /// Position of the ring's first unknown, a multiple of `TILE`.
+    pub ring_start: usize,
+    /// Positions in all, padded to whole tiles.
+    pub size: usize,
+    /// Positions that stand for no unknown; their diagonal is 1.
+    padding: Vec<usize>,
+    /// For each element, `scatter_starts[element]..` of (row and column in the element, tile, row and column in it).
+    scatter: Vec<Scatter>,
+    scatter_starts: Vec<usize>,
+}
+
+#[derive(Clone, Copy)]
+struct Scatter {
+    from: (u8, u8),
+    to: (u8, u8),
+    tile: u32,
+}
+
+impl BandStructure {
+    pub fn new(topology: &RingTopology) -> BandStructure {
+        // Nodes by row from the far boundary, then towards the load line.
+        let mut nodes: Vec<usize> = (0..topology.node_count).collect();
+        nodes.sort_by_key(|&node| {
+            let (row, column) = topology.grid[node];
+            (std::cmp::Reverse(row), std::cmp::Reverse(column))
+        });
+        let mut positions = vec![SUPPORTED; topology.unknown_count];
+        let mut padding = Vec::new();
+        let mut ring_start = 0;
+        let mut next = 0;
+        let mut in_ring = false;
+        for node in nodes {
+            if topology.grid[node].0 == 0 && !in_ring {
+                in_ring = true;
+                while next % TILE != 0 {
+                    padding.push(next);
+                    next += 1;
+                }
+                ring_start = next;
+            }
+            for unknown in &topology.unknowns[2 * node..2 * node + 2] {
+                if *unknown != SUPPORTED {
+                    positions[*unknown as usize] = next as u32;
+                    next += 1;
+                }
+            }
+        }
+        while next % TILE != 0 {
+            padding.push(next);
+            next += 1;
+        }
+        let mut structure = BandStructure {
+            rows: Vec::new(),
+            tile_count: 0,
+            positions,
+            ring_start,
+            size: next,
+            padding,
+            scatter: Vec::new(),
+            scatter_starts: vec![0],
+        };
+        structure.set_band(topology);
+        structure.set_scatter(topology);
+        structure
+    }
+
+    /// Positions of an element's dofs, `None` where supported.
+    fn element_positions(&self, topology: &RingTopology, element: usize) -> Vec<Option<usize>> {
+        let count = topology.element.node_count();
+        let nodes = &topology.connectivity[element * count..(element + 1) * count];
+        let dofs = nodes.iter().flat_map(|&node| [2 * node as usize, 2 * node as usize + 1]);
+        dofs.map(|dof| match topology.unknowns[dof] {
+            SUPPORTED => None,
+            unknown => Some(self.positions[unknown as usize] as usize),
+        })
+        .collect()
+    }
+
+    fn set_band(&mut self, topology: &RingTopology) {
+        let mut first: Vec<usize> = (0..self.size / TILE).collect();
+        for element in 0..topology.element_count() {
+            let positions = self.element_positions(topology, element);
+            let Some(least) = positions.iter().flatten().min() else { continue };
+            for position in positions.iter().flatten() {
+                let row = position / TILE;
+                first[row] = first[row].min(least / TILE);
+            }
+        }
+        // The ring's block is dense.
+        for (row, first) in first.iter_mut().enumerate().skip(self.ring_start / TILE) {
+            *first = (*first).min(self.ring_start / TILE).min(row);
+        }
+        for (row, &first) in first.iter().enumerate() {
+            self.rows.push((first, self.tile_count));
+            self.tile_count += row - first + 1;
+        }
+    }
+
+    fn set_scatter(&mut self, topology: &RingTopology) {
+        for element in 0..topology.element_count() {
+            let positions = self.element_positions(topology, element);
+            for (i, position_i) in positions.iter().enumerate() {
+                for (j, position_j) in positions.iter().enumerate().skip(i) {
+                    let (Some(a), Some(b)) = (position_i, position_j) else { continue };
+                    let (row, column) = (*a.max(b), *a.min(b));
+                    self.scatter.push(Scatter {
+                        from: (i as u8, j as u8),
+                        to: ((row % TILE) as u8, (column % TILE) as u8),
+                        tile: self.tile(row / TILE, column / TILE) as u32,
+                    });
+                }
+            }
+            self.scatter_starts.push(self.scatter.len());
+        }
+    }
+
+    #[inline(always)]
+    fn tile(&self, row: usize, column: usize) -> usize {
+        let (first, offset) = self.rows[row];
+        offset + column - first
+    }
+
+    /// Tiles of a stiffness without elements: zero but for the padding's diagonal.
+    pub fn empty<T: Real>(&self) -> Vec<Tile<T>> {
+        let mut tiles = vec![[[T::zero(); TILE]; TILE]; self.tile_count];
+        self.clear(&mut tiles);
+        tiles
+    }
+
+    /// Back to a stiffness without elements.
+    pub fn clear<T: Real>(&self, tiles: &mut [Tile<T>]) {
+        tiles.fill([[T::zero(); TILE]; TILE]);
+        for &position in &self.padding {
+            let at = position % TILE;
+            tiles[self.tile(position / TILE, position / TILE)][at][at] = T::from_f64(1.0);
+        }
+    }
+
+    /// Adds one element's stiffness.
+    #[inline(always)]
+    pub fn add<T: Real>(&self, tiles: &mut [Tile<T>], element: usize, stiffness: &ElementStiffness<T>) {
+        for entry in &self.scatter[self.scatter_starts[element]..self.scatter_starts[element + 1]] {
+            let value = stiffness.values[entry.from.0 as usize % (2 * MAX_NODES)]
+                [entry.from.1 as usize % (2 * MAX_NODES)];
+            tiles[entry.tile as usize][entry.to.0 as usize % TILE][entry.to.1 as usize % TILE] += value;
+        }
+    }
+
+    /// K = L L^T in place, tile row by tile row: each tile less the products of its row and its column, then divided
+    /// by the column's diagonal tile. A lane that is not positive definite ends in NaN.
+    #[inline(always)]
+    pub fn factorise<T: Real>(&self, tiles: &mut [Tile<T>]) {
+        for row in 0..self.rows.len() {
+            let (first, offset) = self.rows[row];
+            let (done, current) = tiles.split_at_mut(offset);
+            for column in first..row {
+                let (column_first, column_offset) = self.rows[column];
+                let start = first.max(column_first);
+                let (left, right) = current.split_at_mut(column - first);
+                let row_tiles = &left[start - first..];
+                let column_tiles = &done[column_offset + start - column_first..][..row_tiles.len()];
+                let tile = &mut right[0];
+                for (a, b) in row_tiles.iter().zip(column_tiles) {
+                    subtract_product(tile, a, b);
+                }
+                divide_by_lower_transposed(tile, &done[column_offset + column - column_first]);
+            }
+            let (left, right) = current.split_at_mut(row - first);
+            for a in left.iter() {
+                subtract_product(&mut right[0], a, a);
+            }
+            factorise_tile(&mut right[0]);
+        }
+    }
+
+    /// L^-1 of the ring's block applied to `columns` right-hand sides, in place, from tile row `start` (counted from
+    /// the ring's first) on; rows before it are taken as zero. `values` is `[ring row][column]`, from that row on.
+    #[inline(always)]
+    pub fn substitute_ring<T: Real, const COLUMNS: usize>(
+        &self,
+        tiles: &[Tile<T>],
+        start: usize,
+        values: &mut [[[T; COLUMNS]; TILE]],
+    ) {
+        let ring = self.ring_start / TILE + start;
+        for row in 0..values.len() {
+            let (done, current) = values.split_at_mut(row);
+            let current = &mut current[0];
+            let row_tiles = &tiles[self.tile(ring + row, ring)..];
+            for (tile, known) in row_tiles.iter().zip(done.iter()) {
+                for i in 0..TILE {
+                    for k in 0..TILE {
+                        for c in 0..COLUMNS {
+                            current[i][c] = current[i][c].minus_product(tile[i][k], known[k][c]);
+                        }
+                    }
+                }
+            }
+            let diagonal = &row_tiles[row];
+            for i in 0..TILE {
+                let inverse = T::from_f64(1.0) / diagonal[i][i];
+                for c in 0..COLUMNS {
+                    let mut value = current[i][c];
+                    for k in 0..i {
+                        value = value.minus_product(diagonal[i][k], current[k][c]);
+                    }
+                    current[i][c] = value * inverse;
+                }
+            }
+        }
+    }
+}
+
+/// tile -= a b^T.
+#[inline(always)]
+fn subtract_product<T: Real>(tile: &mut Tile<T>, a: &Tile<T>, b: &Tile<T>) {
+    let mut sum = *tile;
+    for k in 0..TILE {
+        for i in 0..TILE {
+            for j in 0..TILE {
+                sum[i][j] = sum[i][j].minus_product(a[i][k], b[j][k]);
+            }
+        }
+    }
+    *tile = sum;
+}
+
+/// tile := tile L^-T for a lower triangular L.
+#[inline(always)]
+fn divide_by_lower_transposed<T: Real>(tile: &mut Tile<T>, lower: &Tile<T>) {
+    for j in 0..TILE {
+        let inverse = T::from_f64(1.0) / lower[j][j];
+        for row in tile.iter_mut() {
+            let mut value = row[j];
+            for k in 0..j {
+                value = value.minus_product(row[k], lower[j][k]);
+            }
+            row[j] = value * inverse;
+        }
+    }
+}
+
+/// tile := its lower Cholesky factor.
+#[inline(always)]
+fn factorise_tile<T: Real>(tile: &mut Tile<T>) {
+    for j in 0..TILE {
+        let mut diagonal = tile[j][j];
+        for k in 0..j {
+            diagonal = diagonal.minus_product(tile[j][k], tile[j][k]);
+        }
+        let root = diagonal.sqrt();
+        let inverse = T::from_f64(1.0) / root;
+        tile[j][j] = root;
+        for i in j + 1..TILE {
+            let mut value = tile[i][j];
+            for k in 0..j {
+                value = value.minus_product(tile[i][k], tile[j][k]);
+            }
+            tile[i][j] = value * inverse;
+        }
+    }
+}
