@@ -23,10 +23,12 @@ pub mod radzimovsky;
 pub mod esdu;
 pub mod dubowsky_freudenstein;
 pub mod lankarani_nikravesh;
+pub mod damping;
 pub mod pereira;
 pub mod winkler;
 
 pub use curve::Curve;
+pub use damping::Damping;
 pub use error::LawError;
 pub use hertz::HertzContact;
 pub use pair::Pair;
