@@ -26,12 +26,14 @@ pub mod lankarani_nikravesh;
 pub mod damping;
 pub mod pereira;
 pub mod winkler;
+pub mod persson;
 
 pub use curve::Curve;
 pub use damping::Damping;
 pub use error::LawError;
 pub use hertz::HertzContact;
 pub use pair::Pair;
+pub use persson::PerssonContact;
 
 /// In which units a law holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
