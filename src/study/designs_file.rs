@@ -1,6 +1,7 @@
 //! A CSV list of designs, one load case a row: read row by row, so that its length does not matter.
 
 use std::fs::File;
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use csv::{ReaderBuilder, StringRecord, Trim};
@@ -219,7 +220,7 @@ impl Rows {
 
     /// A complaint about the current row.
     fn complain(&self, column: &str, problem: String) -> Error {
-        self.error(self.record.position().map(csv::Position::line), column, problem)
+        self.error(self.record.position().and_then(|position| line_of(&self.path, position)), column, problem)
     }
 
     fn error(&self, line: Option<u64>, column: &str, problem: String) -> Error {
@@ -252,12 +253,26 @@ fn shortened(cell: &str) -> String {
     cell.chars().take(60).chain("...".chars()).collect()
 }
 
+/// The line, from 1, of the row at `position`. Counted anew: the reader's own count runs ahead of blank lines and
+/// of the second half of a Windows line end. `None` when the file can no longer be read.
+fn line_of(path: &Path, position: &csv::Position) -> Option<u64> {
+    let mut line = 1;
+    for (place, byte) in (0..).zip(BufReader::new(File::open(path).ok()?).bytes()) {
+        let byte = byte.ok()?;
+        if place >= position.byte() && byte != b'\r' && byte != b'\n' {
+            break;
+        }
+        line += u64::from(byte == b'\n');
+    }
+    Some(line)
+}
+
 fn unreadable(path: &Path, source: std::io::Error) -> Error {
     Error::Io { action: "read", path: path.to_path_buf(), source }
 }
 
 fn csv_error(path: &Path, error: csv::Error) -> Error {
-    let line = error.position().map(csv::Position::line);
+    let line = error.position().and_then(|position| line_of(path, position));
     let problem = match error.into_kind() {
         csv::ErrorKind::Io(source) => return unreadable(path, source),
         csv::ErrorKind::Utf8 { .. } => "this is not UTF-8 text".to_string(),

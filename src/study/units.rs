@@ -69,12 +69,13 @@ impl Dimension {
     }
 }
 
-/// The value of "<number> <unit>" in mm, MPa or N; on failure, what is wrong with it.
+/// The value of a number with its unit in mm, MPa or N; on failure, what is wrong with it.
 pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, String> {
     let (number, unit) = split(text);
     let wanted = dimension.name();
     if unit.is_empty() {
-        let example = format!("\"{} {}\"", number, dimension.unit());
+        let number = if number.parse::<f64>().is_ok() { number } else { "1" };
+        let example = format!("\"{number} {}\"", dimension.unit());
         return Err(format!("the unit is missing; a {wanted} is written like {example}"));
     }
     let value = parse_number(number)?;
@@ -106,9 +107,10 @@ pub fn tidy(value: f64) -> f64 {
 
 /// The number and the trailing letters of a text.
 fn split(text: &str) -> (&str, &str) {
+    let text = text.trim();
     let number = text.trim_end_matches(|c: char| c.is_alphabetic() || c == '%' || c == '\u{b5}');
     // `number` is a prefix of `text`, so its length is a character boundary.
-    (number.trim(), text[number.len()..].trim())
+    (number.trim_end(), &text[number.len()..])
 }
 
 fn parse_number(text: &str) -> Result<f64, String> {
