@@ -245,6 +245,9 @@ mod tests {
 
     #[test]
     fn the_widest_range_stays_within_its_ends() {
+        // The quotient of the ends is no number, the middle is.
+        let middle = Range::new(1e-300, 1e300, None, true).at(Pick::Fraction(0.5));
+        assert!((middle - 1.0).abs() < 1e-14, "{middle}");
         let range = Range::new(5e-324, f64::MAX, None, true);
         for fraction in [0.0, 0.1, 0.5, 0.999, 1.0] {
             let value = range.at(Pick::Fraction(fraction));
