@@ -13,6 +13,8 @@ fn bad_configs_are_refused_by_line_and_key() {
     #[rustfmt::skip]
     let edits = [
         // Keys.
+        // The first in the file is named, not the first in the alphabet.
+        ("title = \"Test\"", "zitle = 1\nabc = 2", ":1: zitle: unknown key; did you mean `title`?"),
         ("thickness ", "thicknes ", ":6: joint.thicknes: unknown key; did you mean `thickness`?"),
         ("[solve]", "[slove]", ":18: slove: unknown key; did you mean `solve`?"),
         ("[solve]\n", "[solve]\nmesh = 3\n", ":19: solve.mesh: unknown key; allowed: `accuracy`"),
