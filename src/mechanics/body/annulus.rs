@@ -5,11 +5,6 @@ use super::{Shape, ShapeParameter, Side};
 pub static SHAPE: Shape = Shape {
     name: "annulus",
     side: Side::Plate,
-    parameters: &[ShapeParameter {
-        name: "outer_radius_ratio",
-        default: None,
-        above: 1.0,
-        below: f64::INFINITY,
-    }],
+    parameters: &[ShapeParameter { name: "outer_radius_ratio", default: None, above: 1.0, below: f64::INFINITY }],
     supports: &[],
 };
