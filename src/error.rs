@@ -6,4 +6,44 @@ use std::path::PathBuf;
 pub enum Error {
     #[error("cannot {action} {path}: {source}", path = path.display())]
     Io { action: &'static str, path: PathBuf, source: std::io::Error },
+
+    /// Something a person wrote in a config or a list of designs. `key` is the dotted key or the column, empty
+    /// when the whole line is meant; `line` counts from 1.
+    #[error("{}{}", place(file, *line, key), problem)]
+    Input { file: PathBuf, line: Option<u64>, key: String, problem: String },
+}
+
+/// `file:line: key: `, without the parts that are not known.
+fn place(file: &std::path::Path, line: Option<u64>, key: &str) -> String {
+    let line = line.map_or(String::new(), |line| format!("{line}:"));
+    let key = if key.is_empty() { String::new() } else { format!("{key}: ") };
+    format!("{}:{line} {key}", file.display())
+}
+
+/// "did you mean `x`? Allowed: `x`, `y`", or only what is allowed when nothing is near `word`.
+pub fn suggest(word: &str, allowed: &[&str]) -> String {
+    let listed = quoted(allowed);
+    match nearest(word, allowed) {
+        Some(near) => format!("did you mean `{near}`? Allowed: {listed}"),
+        None => format!("allowed: {listed}"),
+    }
+}
+
+/// "`x`, `y`".
+pub fn quoted(words: &[&str]) -> String {
+    words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// The word a person most likely meant: at least 60 % alike whatever the case, or one part of the other.
+fn nearest<'a>(word: &str, allowed: &[&'a str]) -> Option<&'a str> {
+    let word = word.to_lowercase();
+    let likeness = |candidate: &str| {
+        let candidate = candidate.to_lowercase();
+        let alike = strsim::normalized_damerau_levenshtein(&word, &candidate);
+        let part = word.len() >= 3 && (candidate.contains(&word) || word.contains(&candidate));
+        if part { alike.max(0.6) } else { alike }
+    };
+    let scored = allowed.iter().map(|&candidate| (candidate, likeness(candidate)));
+    let best = scored.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (best.1 >= 0.6).then_some(best.0)
 }

@@ -1,0 +1,125 @@
+//! The columns that describe a joint in CSV files, in their order: written once, for the lists of designs that
+//! are read and for the tables that are written. What shapes add to them comes from the registry of shapes.
+
+use crate::mechanics::body::{Shape, Side};
+use crate::study::design::{JointDesign, Part};
+
+/// One input of a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    HoleRadius,
+    RadialClearance,
+    Thickness,
+    Idealization,
+    Model(Side),
+    /// A ratio of one or more shapes of this side.
+    Parameter(Side, &'static str),
+    Support(Side),
+    YoungsModulus(Side),
+    PoissonsRatio(Side),
+}
+
+/// The columns of the two loads; a row of a list of designs fills one of them.
+pub const INDENTATION: &str = "indentation_mm";
+pub const FORCE: &str = "force_n";
+
+/// What stands in a column for one joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cell {
+    Number(f64),
+    Word(&'static str),
+    /// The joint's shapes do not use the column.
+    Empty,
+}
+
+/// The columns of a joint, in their order; the load follows them.
+pub fn joint_columns() -> Vec<Column> {
+    let mut columns =
+        vec![Column::HoleRadius, Column::RadialClearance, Column::Thickness, Column::Idealization];
+    for side in [Side::Pin, Side::Plate] {
+        columns.push(Column::Model(side));
+        for parameter in Shape::of_side(side).flat_map(|shape| shape.parameters) {
+            let column = Column::Parameter(side, parameter.name);
+            if !columns.contains(&column) {
+                columns.push(column);
+            }
+        }
+        if Shape::of_side(side).any(|shape| !shape.supports.is_empty()) {
+            columns.push(Column::Support(side));
+        }
+        columns.extend([Column::YoungsModulus(side), Column::PoissonsRatio(side)]);
+    }
+    columns
+}
+
+/// The name of a side in keys and columns.
+pub fn side_name(side: Side) -> &'static str {
+    match side {
+        Side::Pin => "pin",
+        Side::Plate => "plate",
+    }
+}
+
+impl Column {
+    /// The column's header, with its unit.
+    pub fn name(&self) -> String {
+        match *self {
+            Column::HoleRadius => "hole_radius_mm".to_string(),
+            Column::RadialClearance => "radial_clearance_mm".to_string(),
+            Column::Thickness => "thickness_mm".to_string(),
+            Column::Idealization => "idealization".to_string(),
+            Column::Model(side) => format!("{}_model", side_name(side)),
+            Column::Parameter(_, name) => name.to_string(),
+            Column::Support(side) => format!("{}_support", side_name(side)),
+            Column::YoungsModulus(side) => format!("{}_youngs_modulus_mpa", side_name(side)),
+            Column::PoissonsRatio(side) => format!("{}_poissons_ratio", side_name(side)),
+        }
+    }
+
+    /// What stands in this column for `joint`.
+    pub fn cell(&self, joint: &JointDesign) -> Cell {
+        let part = |side: Side| -> &Part {
+            match side {
+                Side::Pin => &joint.pin,
+                Side::Plate => &joint.plate,
+            }
+        };
+        match *self {
+            Column::HoleRadius => Cell::Number(joint.hole_radius),
+            Column::RadialClearance => Cell::Number(joint.radial_clearance),
+            Column::Thickness => Cell::Number(joint.thickness),
+            Column::Idealization => Cell::Word(joint.idealization.name()),
+            Column::Model(side) => Cell::Word(part(side).shape.name),
+            Column::Parameter(side, name) => part(side).parameter(name).map_or(Cell::Empty, Cell::Number),
+            Column::Support(side) => part(side).support_name().map_or(Cell::Empty, Cell::Word),
+            Column::YoungsModulus(side) => Cell::Number(part(side).material.youngs_modulus),
+            Column::PoissonsRatio(side) => Cell::Number(part(side).material.poissons_ratio),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_those_of_the_contract() {
+        let names: Vec<String> = joint_columns().iter().map(Column::name).collect();
+        assert_eq!(
+            names.join(","),
+            "hole_radius_mm,radial_clearance_mm,thickness_mm,idealization,pin_model,core_radius_ratio,\
+             pin_youngs_modulus_mpa,pin_poissons_ratio,plate_model,outer_radius_ratio,half_width_ratio,\
+             depth_ratio,height_ratio,plate_support,plate_youngs_modulus_mpa,plate_poissons_ratio"
+        );
+    }
+
+    /// A pin and a plate shape that name a ratio alike would share a header.
+    #[test]
+    fn no_two_columns_share_a_name() {
+        let mut names: Vec<String> = joint_columns().iter().map(Column::name).collect();
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+    }
+}

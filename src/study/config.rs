@@ -1,0 +1,269 @@
+//! TOML -> validated study: the only place where a person's words become a sweep.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::Error;
+use crate::study::design::{DesignCase, Limits, Load};
+use crate::study::designs_file::{DesignsFile, Rows};
+use crate::study::recipe::Recipe;
+use crate::study::sampling::{MAX_DESIGNS, Scheme};
+use crate::study::source::{Section, Source};
+use crate::study::units::{self, Dimension};
+use crate::study::values::{Counts, Pick, Values};
+
+/// Which methods may be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MethodChoice {
+    /// The cheapest whose estimated error meets the accuracy.
+    Auto,
+    ClosedForm,
+    Series,
+    Fe,
+}
+
+impl MethodChoice {
+    pub const ALL: [MethodChoice; 4] =
+        [MethodChoice::Auto, MethodChoice::ClosedForm, MethodChoice::Series, MethodChoice::Fe];
+
+    /// The name in configs.
+    pub fn name(self) -> &'static str {
+        match self {
+            MethodChoice::Auto => "auto",
+            MethodChoice::ClosedForm => "closed-form",
+            MethodChoice::Series => "series",
+            MethodChoice::Fe => "fe",
+        }
+    }
+}
+
+/// How well and by which method each design is to be solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolveOptions {
+    /// Relative error of the force, in (0, 1).
+    pub accuracy: f64,
+    pub method: MethodChoice,
+}
+
+impl Default for SolveOptions {
+    fn default() -> SolveOptions {
+        SolveOptions { accuracy: 0.01, method: MethodChoice::Auto }
+    }
+}
+
+/// The most steps [load] may have.
+const MAX_STEPS: u64 = 100_000;
+
+/// What a config asks for. All that can be wrong with it has been found when there is one.
+#[derive(Debug)]
+pub struct Study {
+    source: Source,
+    title: String,
+    pub solve: SolveOptions,
+    designs: Designs,
+}
+
+#[derive(Debug)]
+enum Designs {
+    Sampled { recipe: Box<Recipe>, steps: Vec<Load> },
+    Listed(DesignsFile),
+}
+
+impl Study {
+    /// Reads and checks a config, and the list of designs it may name.
+    pub fn load(path: &Path) -> Result<Study, Error> {
+        let source = Source::read(path.to_path_buf())?;
+        let document = source.parse()?;
+        let root = source.root(&document);
+        root.allow(&["title", "joint", "load", "designs", "sampling", "solve"])?;
+        let title = match root.find("title") {
+            Some(item) => item.string()?.to_string(),
+            None => stem(path),
+        };
+        let solve = root.section("solve")?.map_or(Ok(SolveOptions::default()), |table| read_solve(&table))?;
+        let designs = match root.section("designs")? {
+            Some(list) => {
+                for key in ["joint", "load", "sampling"] {
+                    if let Some(item) = root.find(key) {
+                        return Err(item.error("has no place beside [designs], whose file says it all"));
+                    }
+                }
+                Designs::Listed(read_list(&list, path)?)
+            }
+            None => {
+                let table = |key: &str| match root.section(key)? {
+                    Some(table) => Ok(table),
+                    None => {
+                        Err(root.error(format!("the table [{key}] is missing (or [designs] instead of it)")))
+                    }
+                };
+                let scheme =
+                    root.section("sampling")?.map_or(Ok(Scheme::Grid), |table| read_scheme(&table))?;
+                let recipe = Box::new(Recipe::read(&table("joint")?, scheme)?);
+                Designs::Sampled { recipe, steps: read_load(&table("load")?)? }
+            }
+        };
+        Ok(Study { title, solve, designs, source })
+    }
+
+    /// The title, or the file's name when there is none.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// The config as it was read, to the last byte.
+    pub fn source_text(&self) -> &str {
+        &self.source.text
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.source.path
+    }
+
+    /// The config's file name without its extension.
+    pub fn name(&self) -> String {
+        stem(&self.source.path)
+    }
+
+    /// The list of designs, when the config names one.
+    pub fn designs_file(&self) -> Option<&Path> {
+        match &self.designs {
+            Designs::Sampled { .. } => None,
+            Designs::Listed(file) => Some(file.path()),
+        }
+    }
+
+    pub fn design_count(&self) -> u64 {
+        match &self.designs {
+            Designs::Sampled { recipe, .. } => recipe.sampler().design_count(),
+            Designs::Listed(file) => file.row_count(),
+        }
+    }
+
+    /// Load steps of each design.
+    pub fn steps_per_design(&self) -> u64 {
+        match &self.designs {
+            Designs::Sampled { steps, .. } => steps.len() as u64,
+            Designs::Listed(_) => 1,
+        }
+    }
+
+    /// Load steps of all designs together: the rows of the table.
+    pub fn step_count(&self) -> u64 {
+        self.design_count().saturating_mul(self.steps_per_design())
+    }
+
+    /// The designs in their order, each made when it is asked for. From the start at every call.
+    pub fn cases(&self) -> Result<Cases<'_>, Error> {
+        Ok(match &self.designs {
+            Designs::Sampled { recipe, steps } => Cases(Kind::Sampled { recipe, steps, next: 0 }),
+            Designs::Listed(file) => Cases(Kind::Listed(file.rows()?)),
+        })
+    }
+}
+
+/// The designs of a study in their order. Sampled ones are skipped to in no time; errors can only come from a
+/// list of designs that has changed since it was checked.
+pub struct Cases<'a>(Kind<'a>);
+
+enum Kind<'a> {
+    Sampled { recipe: &'a Recipe, steps: &'a [Load], next: u64 },
+    Listed(Rows),
+}
+
+impl Iterator for Cases<'_> {
+    type Item = Result<DesignCase, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.nth(0)
+    }
+
+    fn nth(&mut self, skipped: usize) -> Option<Self::Item> {
+        match &mut self.0 {
+            Kind::Listed(rows) => rows.nth(skipped),
+            Kind::Sampled { recipe, steps, next } => {
+                let count = recipe.sampler().design_count();
+                let index = next.saturating_add(skipped as u64);
+                *next = index.saturating_add(1);
+                let case = || DesignCase { index, joint: recipe.joint(index), steps: steps.to_vec() };
+                (index < count).then(|| Ok(case()))
+            }
+        }
+    }
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn read_solve(table: &Section) -> Result<SolveOptions, Error> {
+    table.allow(&["accuracy", "method"])?;
+    let mut solve = SolveOptions::default();
+    if let Some(item) = table.find("accuracy") {
+        solve.accuracy = match item.number()? {
+            Some(number) => number,
+            None => {
+                let text = item.string().map_err(|_| item.wrong_type("a fraction like \"1 %\" or 0.01"))?;
+                units::parse_percentage(text).map_err(|problem| item.refuse(&problem))?
+            }
+        };
+        if !(solve.accuracy > 0.0 && solve.accuracy < 1.0) {
+            return Err(item.refuse("must be above 0 and below 1 (100 %)"));
+        }
+    }
+    if let Some(item) = table.find("method") {
+        solve.method = MethodChoice::ALL[item.word(&MethodChoice::ALL.map(MethodChoice::name))?];
+    }
+    Ok(solve)
+}
+
+fn read_scheme(table: &Section) -> Result<Scheme, Error> {
+    table.allow(&["method", "count", "seed"])?;
+    let method = match table.find("method") {
+        None => 0,
+        Some(item) => item.word(&Scheme::NAMES)?,
+    };
+    if method < 2 {
+        for key in ["count", "seed"] {
+            if let Some(item) = table.find(key) {
+                let name = Scheme::NAMES[method];
+                return Err(item.error(format!("{name} has no {key}; lists and counted ranges say it all")));
+            }
+        }
+        return Ok(if method == 0 { Scheme::Grid } else { Scheme::Zip });
+    }
+    let count = table.need("count")?.whole(1, MAX_DESIGNS)?;
+    let seed = table.find("seed").map_or(Ok(0), |item| item.whole(0, i64::MAX as u64))?;
+    Ok(if method == 2 { Scheme::LatinHypercube { count, seed } } else { Scheme::Sobol { count, seed } })
+}
+
+fn read_load(table: &Section) -> Result<Vec<Load>, Error> {
+    table.allow(&["indentation", "force"])?;
+    type Make = fn(f64) -> Load;
+    let (item, dimension, make): (_, _, Make) = match (table.find("indentation"), table.find("force")) {
+        (Some(item), None) => (item, Dimension::Length, Load::Indentation),
+        (None, Some(item)) => (item, Dimension::Force, Load::Force),
+        (Some(_), Some(item)) => {
+            return Err(item.error("`indentation` is given, too; only one of the two is allowed"));
+        }
+        (None, None) => {
+            return Err(table.error("one of `indentation` and `force` is needed".to_string()));
+        }
+    };
+    let values = Values::read(&item, Some(dimension), Limits::NOT_NEGATIVE, Counts::Required)?;
+    let count = values.count().unwrap_or(1);
+    if count > MAX_STEPS {
+        return Err(item.error(format!("{count} load steps; at most {MAX_STEPS} are allowed")));
+    }
+    Ok((0..count).map(|step| make(values.at(Pick::Index(step)))).collect())
+}
+
+fn read_list(table: &Section, config: &Path) -> Result<DesignsFile, Error> {
+    table.allow(&["file"])?;
+    let item = table.need("file")?;
+    let folder = config.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+    let path = folder.join(item.string()?);
+    if !path.is_file() {
+        return Err(item.refuse(&format!("there is no file {}", path.display())));
+    }
+    DesignsFile::open(path)
+}

@@ -1,0 +1,285 @@
+//! A CSV list of designs, one load case a row: read row by row, so that its length does not matter.
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use csv::{ReaderBuilder, StringRecord, Trim};
+
+use crate::error::{Error, suggest};
+use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
+use crate::mechanics::material::{Idealization, Material};
+use crate::study::columns::{Column, FORCE, INDENTATION, joint_columns};
+use crate::study::design::{DesignCase, JointDesign, Limits, Load, Part};
+
+/// A list of designs that has been read once and found good.
+#[derive(Clone, Debug)]
+pub struct DesignsFile {
+    path: PathBuf,
+    row_count: u64,
+}
+
+impl DesignsFile {
+    /// Reads and checks every row.
+    pub fn open(path: PathBuf) -> Result<DesignsFile, Error> {
+        let mut rows = Rows::open(&path, u64::MAX)?;
+        let mut row_count = 0;
+        for case in rows.by_ref() {
+            case?;
+            row_count += 1;
+        }
+        if row_count == 0 {
+            return Err(rows.error(None, "", "there is no row below the header".to_string()));
+        }
+        Ok(DesignsFile { path, row_count })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub fn row_count(&self) -> u64 {
+        self.row_count
+    }
+
+    /// The designs, in the order of the rows.
+    pub fn rows(&self) -> Result<Rows, Error> {
+        Rows::open(&self.path, self.row_count)
+    }
+}
+
+/// The designs of a list, as they are read.
+pub struct Rows {
+    path: PathBuf,
+    reader: csv::Reader<File>,
+    record: StringRecord,
+    /// Where the header has each column a list may have; `None` when it was left out.
+    places: Vec<(String, Option<usize>)>,
+    next: u64,
+    row_count: u64,
+    failed: bool,
+}
+
+impl Rows {
+    fn open(path: &Path, row_count: u64) -> Result<Rows, Error> {
+        let file = File::open(path).map_err(|source| unreadable(path, source))?;
+        let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(file);
+        let header = reader.headers().map_err(|error| csv_error(path, error))?.clone();
+        let mut names: Vec<String> = joint_columns().iter().map(Column::name).collect();
+        names.extend([INDENTATION.to_string(), FORCE.to_string()]);
+        let refuse = |key: &str, problem: String| Error::Input {
+            file: path.to_path_buf(),
+            line: Some(1),
+            key: key.to_string(),
+            problem,
+        };
+        for (place, found) in header.iter().enumerate() {
+            if !names.iter().any(|name| name == found) {
+                let allowed: Vec<&str> = names.iter().map(String::as_str).collect();
+                let separator =
+                    if found.contains([';', '\t']) { "columns are separated by commas; " } else { "" };
+                return Err(refuse(
+                    found,
+                    format!("unknown column; {separator}{}", suggest(found, &allowed)),
+                ));
+            }
+            if header.iter().take(place).any(|earlier| earlier == found) {
+                return Err(refuse(found, "the column stands there twice".to_string()));
+            }
+        }
+        let place = |name: String| {
+            let place = header.iter().position(|found| found == name);
+            (name, place)
+        };
+        Ok(Rows {
+            path: path.to_path_buf(),
+            reader,
+            record: StringRecord::new(),
+            places: names.into_iter().map(place).collect(),
+            next: 0,
+            row_count,
+            failed: false,
+        })
+    }
+
+    fn advance(&mut self) -> Result<Option<DesignCase>, Error> {
+        let found =
+            self.reader.read_record(&mut self.record).map_err(|error| csv_error(&self.path, error))?;
+        let expected = self.next < self.row_count;
+        if self.row_count != u64::MAX && found != expected {
+            let problem =
+                format!("the file has changed since it was checked: it had {} rows", self.row_count);
+            return Err(self.error(None, "", problem));
+        }
+        if !found {
+            return Ok(None);
+        }
+        let case = DesignCase { index: self.next, joint: self.joint()?, steps: vec![self.load()?] };
+        self.next += 1;
+        Ok(Some(case))
+    }
+
+    fn joint(&self) -> Result<JointDesign, Error> {
+        let hole_radius = self.number(&Column::HoleRadius.name(), Limits::POSITIVE)?;
+        let radial_clearance = self.number(&Column::RadialClearance.name(), Limits::NOT_NEGATIVE)?;
+        if radial_clearance >= hole_radius {
+            let name = Column::RadialClearance.name();
+            let problem = format!("`{radial_clearance}`: must be below the hole radius, {hole_radius} mm");
+            return Err(self.complain(&name, problem));
+        }
+        let idealizations = Idealization::ALL.map(|one| one.name());
+        Ok(JointDesign {
+            idealization: Idealization::ALL[self.word(&Column::Idealization.name(), &idealizations)?],
+            hole_radius,
+            radial_clearance,
+            thickness: self.number(&Column::Thickness.name(), Limits::POSITIVE)?,
+            pin: self.part(Side::Pin)?,
+            plate: self.part(Side::Plate)?,
+        })
+    }
+
+    fn part(&self, side: Side) -> Result<Part, Error> {
+        let shapes: Vec<&'static Shape> = Shape::of_side(side).collect();
+        let names: Vec<&str> = shapes.iter().map(|shape| shape.name).collect();
+        let shape = shapes[self.word(&Column::Model(side).name(), &names)?];
+        let mut parameters = [0.0; MAX_PARAMETERS];
+        for (slot, parameter) in parameters.iter_mut().zip(shape.parameters) {
+            *slot = match (self.cell(parameter.name), parameter.default) {
+                (None, Some(default)) => default,
+                _ => self.number(parameter.name, Limits::of_parameter(parameter))?,
+            };
+        }
+        // A filled cell that nothing reads is a misunderstanding; better said than passed over.
+        for other in shapes.iter().flat_map(|other| other.parameters) {
+            let used = shape.parameters.iter().any(|parameter| parameter.name == other.name);
+            if let (false, Some(value)) = (used, self.cell(other.name)) {
+                return Err(self.complain(other.name, unused(value, shape)));
+            }
+        }
+        let support_name = Column::Support(side).name();
+        let support = match self.cell(&support_name) {
+            None => 0,
+            Some(value) if shape.supports.is_empty() => {
+                return Err(self.complain(&support_name, unused(value, shape)));
+            }
+            Some(_) => self.word(&support_name, shape.supports)?,
+        };
+        let material = Material {
+            youngs_modulus: self.number(&Column::YoungsModulus(side).name(), Limits::POSITIVE)?,
+            poissons_ratio: self.number(&Column::PoissonsRatio(side).name(), Limits::POISSONS_RATIO)?,
+        };
+        Ok(Part { shape, parameters, support, material })
+    }
+
+    fn load(&self) -> Result<Load, Error> {
+        match (self.cell(INDENTATION), self.cell(FORCE)) {
+            (Some(_), None) => Ok(Load::Indentation(self.number(INDENTATION, Limits::NOT_NEGATIVE)?)),
+            (None, Some(_)) => Ok(Load::Force(self.number(FORCE, Limits::NOT_NEGATIVE)?)),
+            (Some(_), Some(_)) => {
+                let problem = format!("`{INDENTATION}` is given, too; a row has only one of the two");
+                Err(self.complain(FORCE, problem))
+            }
+            (None, None) => {
+                Err(self.complain(INDENTATION, format!("the row needs either this or `{FORCE}`")))
+            }
+        }
+    }
+
+    /// The cell of the current row; `None` when it is empty or its column was left out.
+    fn cell(&self, name: &str) -> Option<&str> {
+        let place = self.places.iter().find(|place| place.0 == name)?.1?;
+        self.record.get(place).filter(|cell| !cell.is_empty())
+    }
+
+    fn needed(&self, name: &str) -> Result<&str, Error> {
+        let left_out = self.places.iter().any(|place| place.0 == name && place.1.is_none());
+        self.cell(name).ok_or_else(|| {
+            let problem =
+                if left_out { "the column is missing; this row needs it" } else { "the cell is empty" };
+            self.complain(name, problem.to_string())
+        })
+    }
+
+    fn number(&self, name: &str, limits: Limits) -> Result<f64, Error> {
+        let cell = self.needed(name)?;
+        let refuse = |problem: String| self.complain(name, format!("`{}`: {problem}", shortened(cell)));
+        let number: f64 = cell.parse().map_err(|_| refuse("not a number".to_string()))?;
+        if !number.is_finite() {
+            return Err(refuse("the number is not finite".to_string()));
+        }
+        limits.refuse(number).map_err(refuse)?;
+        Ok(number)
+    }
+
+    fn word(&self, name: &str, allowed: &[&str]) -> Result<usize, Error> {
+        let cell = self.needed(name)?;
+        let problem = || format!("`{}`: not known; {}", shortened(cell), suggest(cell, allowed));
+        let found = allowed.iter().position(|&word| word == cell);
+        found.ok_or_else(|| self.complain(name, problem()))
+    }
+
+    /// A complaint about the current row.
+    fn complain(&self, column: &str, problem: String) -> Error {
+        self.error(self.record.position().and_then(|position| line_of(&self.path, position)), column, problem)
+    }
+
+    fn error(&self, line: Option<u64>, column: &str, problem: String) -> Error {
+        Error::Input { file: self.path.clone(), line, key: column.to_string(), problem }
+    }
+}
+
+impl Iterator for Rows {
+    type Item = Result<DesignCase, Error>;
+
+    /// Ends after the first error.
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.failed {
+            return None;
+        }
+        let case = self.advance().transpose();
+        self.failed = matches!(case, Some(Err(_)));
+        case
+    }
+}
+
+fn unused(value: &str, shape: &Shape) -> String {
+    format!("`{}`: model `{}` does not use this column; leave the cell empty", shortened(value), shape.name)
+}
+
+fn shortened(cell: &str) -> String {
+    if cell.chars().count() <= 60 {
+        return cell.to_string();
+    }
+    cell.chars().take(60).chain("...".chars()).collect()
+}
+
+/// The line, from 1, of the row at `position`. Counted anew: the reader's own count runs ahead of blank lines and
+/// of the second half of a Windows line end. `None` when the file can no longer be read.
+fn line_of(path: &Path, position: &csv::Position) -> Option<u64> {
+    let mut line = 1;
+    for (place, byte) in (0..).zip(BufReader::new(File::open(path).ok()?).bytes()) {
+        let byte = byte.ok()?;
+        if place >= position.byte() && byte != b'\r' && byte != b'\n' {
+            break;
+        }
+        line += u64::from(byte == b'\n');
+    }
+    Some(line)
+}
+
+fn unreadable(path: &Path, source: std::io::Error) -> Error {
+    Error::Io { action: "read", path: path.to_path_buf(), source }
+}
+
+fn csv_error(path: &Path, error: csv::Error) -> Error {
+    let line = error.position().and_then(|position| line_of(path, position));
+    let problem = match error.into_kind() {
+        csv::ErrorKind::Io(source) => return unreadable(path, source),
+        csv::ErrorKind::Utf8 { .. } => "this is not UTF-8 text".to_string(),
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            format!("the row has {len} cells, the header has {expected_len}")
+        }
+        other => format!("not readable as CSV: {other:?}"),
+    };
+    Error::Input { file: path.to_path_buf(), line, key: String::new(), problem }
+}

@@ -1,0 +1,290 @@
+//! The [joint] of a config: a joint whose every quantity may sweep.
+
+use std::ops::Not;
+
+use crate::error::Error;
+use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
+use crate::mechanics::material::{Idealization, Material};
+use crate::study::columns::side_name;
+use crate::study::design::{JointDesign, Limits, Part};
+use crate::study::sampling::{Axis, Sampler, Scheme};
+use crate::study::source::{Item, Section};
+use crate::study::units::Dimension;
+use crate::study::values::{Counts, Pick, Values};
+
+/// The values of one quantity, and its axis if there is more than one.
+#[derive(Clone, Debug)]
+struct Quantity {
+    values: Values,
+    axis: Option<usize>,
+}
+
+/// The options of something that is no number, and its axis if there is more than one.
+#[derive(Clone, Debug)]
+struct Choice<T> {
+    options: Vec<T>,
+    axis: Option<usize>,
+}
+
+#[derive(Clone, Debug)]
+struct PartRecipe {
+    shape: &'static Shape,
+    parameters: Vec<Quantity>,
+    support: Choice<usize>,
+    youngs_modulus: Quantity,
+    poissons_ratio: Quantity,
+}
+
+/// A joint with all the values it takes over a sweep.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    idealization: Choice<Idealization>,
+    hole_radius: Quantity,
+    radial_clearance: Quantity,
+    thickness: Quantity,
+    pin: PartRecipe,
+    plate: PartRecipe,
+    sampler: Sampler,
+}
+
+impl Recipe {
+    /// Reads [joint]; `scheme` is what [sampling] says.
+    pub fn read(joint: &Section, scheme: Scheme) -> Result<Recipe, Error> {
+        const KEYS: [&str; 7] = [
+            "idealization",
+            "hole_radius",
+            "radial_clearance",
+            "diametral_clearance",
+            "thickness",
+            "pin",
+            "plate",
+        ];
+        joint.allow(&KEYS)?;
+        let mut reader = Reader::new(scheme);
+        let idealization =
+            reader.choice(&joint.need("idealization")?, &Idealization::ALL.map(|one| one.name()))?;
+        let hole_item = joint.need("hole_radius")?;
+        let hole_radius = reader.quantity(&hole_item, Some(Dimension::Length), Limits::POSITIVE)?;
+        let (clearance_item, diametral) =
+            match (joint.find("radial_clearance"), joint.find("diametral_clearance")) {
+                (Some(item), None) => (item, false),
+                (None, Some(item)) => (item, true),
+                (Some(_), Some(item)) => {
+                    return Err(
+                        item.error("`radial_clearance` is given, too; only one of the two is allowed")
+                    );
+                }
+                (None, None) => {
+                    let problem = "the key `radial_clearance` (or `diametral_clearance`) is missing";
+                    return Err(joint.error(problem.to_string()));
+                }
+            };
+        let mut radial_clearance =
+            reader.quantity(&clearance_item, Some(Dimension::Length), Limits::NOT_NEGATIVE)?;
+        if diametral {
+            radial_clearance.values = radial_clearance.values.halved();
+        }
+        let thickness =
+            reader.quantity(&joint.need("thickness")?, Some(Dimension::Length), Limits::POSITIVE)?;
+        let pin = PartRecipe::read(joint, Side::Pin, &mut reader)?;
+        let plate = PartRecipe::read(joint, Side::Plate, &mut reader)?;
+        if let (Scheme::LatinHypercube { .. } | Scheme::Sobol { .. }, true) = (scheme, reader.axes.is_empty())
+        {
+            let name = scheme.name();
+            return Err(joint.error(format!("nothing for the {name} sampler to vary: no list, no range")));
+        }
+        let sampler = Sampler::new(scheme, &reader.axes)
+            .map_err(|(axis, problem)| reader.items[axis].error(problem))?;
+        let recipe = Recipe {
+            idealization: Choice {
+                options: idealization.options.iter().map(|&option| Idealization::ALL[option]).collect(),
+                axis: idealization.axis,
+            },
+            hole_radius,
+            radial_clearance,
+            thickness,
+            pin,
+            plate,
+            sampler,
+        };
+        recipe.check_fit(&hole_item, &clearance_item)?;
+        Ok(recipe)
+    }
+
+    pub fn sampler(&self) -> &Sampler {
+        &self.sampler
+    }
+
+    /// Design number `design` of the sweep.
+    pub fn joint(&self, design: u64) -> JointDesign {
+        JointDesign {
+            idealization: self.option(&self.idealization, design),
+            hole_radius: self.value(&self.hole_radius, design),
+            radial_clearance: self.value(&self.radial_clearance, design),
+            thickness: self.value(&self.thickness, design),
+            pin: self.part(&self.pin, design),
+            plate: self.part(&self.plate, design),
+        }
+    }
+
+    fn part(&self, part: &PartRecipe, design: u64) -> Part {
+        let mut parameters = [0.0; MAX_PARAMETERS];
+        for (slot, quantity) in parameters.iter_mut().zip(&part.parameters) {
+            *slot = self.value(quantity, design);
+        }
+        Part {
+            shape: part.shape,
+            parameters,
+            support: self.option(&part.support, design),
+            material: Material {
+                youngs_modulus: self.value(&part.youngs_modulus, design),
+                poissons_ratio: self.value(&part.poissons_ratio, design),
+            },
+        }
+    }
+
+    fn pick(&self, axis: Option<usize>, design: u64) -> Pick {
+        axis.map_or(Pick::Index(0), |axis| self.sampler.pick(design, axis))
+    }
+
+    fn value(&self, quantity: &Quantity, design: u64) -> f64 {
+        quantity.values.at(self.pick(quantity.axis, design))
+    }
+
+    fn option<T: Copy>(&self, choice: &Choice<T>, design: u64) -> T {
+        choice.options[self.pick(choice.axis, design).of(choice.options.len())]
+    }
+
+    /// Refuses a sweep in which some design has a clearance that leaves no pin.
+    fn check_fit(&self, hole: &Item, clearance: &Item) -> Result<(), Error> {
+        let (smallest, largest) =
+            (self.hole_radius.values.smallest(), self.radial_clearance.values.largest());
+        if largest < smallest {
+            return Ok(());
+        }
+        // Zip pairs its values; everywhere else the largest clearance does or may meet the smallest hole.
+        let (hole_radius, radial_clearance) = if self.sampler.scheme() == Scheme::Zip {
+            let pairs = (0..self.sampler.design_count()).map(|design| {
+                (self.value(&self.hole_radius, design), self.value(&self.radial_clearance, design))
+            });
+            match pairs.into_iter().find(|(hole_radius, clearance)| clearance >= hole_radius) {
+                None => return Ok(()),
+                Some(pair) => pair,
+            }
+        } else {
+            (smallest, largest)
+        };
+        let line = hole.line();
+        let sweeps = self.hole_radius.axis.or(self.radial_clearance.axis).is_some();
+        let among = if sweeps { "among the combinations of this sweep, " } else { "" };
+        Err(clearance.error(format!(
+            "{among}a radial clearance of {radial_clearance} mm meets a hole radius of {hole_radius} mm (line {line}); \
+             it must be below the hole radius"
+        )))
+    }
+}
+
+impl PartRecipe {
+    /// Reads [joint.pin] or [joint.plate]; which keys there are depends on the model.
+    fn read<'a>(joint: &Section<'a>, side: Side, reader: &mut Reader<'a>) -> Result<PartRecipe, Error> {
+        let part = joint.need(side_name(side))?.section()?;
+        let model = part.need("model")?;
+        let shapes: Vec<&'static Shape> = Shape::of_side(side).collect();
+        let names: Vec<&str> = shapes.iter().map(|shape| shape.name).collect();
+        let shape = shapes[model.word(&names)?];
+
+        refuse_foreign(&part, shape, &shapes)?;
+        let mut keys = vec!["model", "youngs_modulus", "poissons_ratio"];
+        keys.extend(shape.parameters.iter().map(|parameter| parameter.name));
+        keys.extend(shape.supports.is_empty().not().then_some("support"));
+        part.allow(&keys)?;
+
+        let mut parameters = Vec::new();
+        for parameter in shape.parameters {
+            let quantity = match (part.find(parameter.name), parameter.default) {
+                (Some(item), _) => reader.quantity(&item, None, Limits::of_parameter(parameter))?,
+                (None, Some(default)) => Quantity { values: Values::List(vec![default]), axis: None },
+                (None, None) => {
+                    return Err(part.need(parameter.name).err().unwrap_or_else(|| unreachable!()));
+                }
+            };
+            parameters.push(quantity);
+        }
+        let support = match part.find("support") {
+            Some(item) => reader.choice(&item, shape.supports)?,
+            None => Choice { options: vec![0], axis: None },
+        };
+        let youngs_modulus =
+            reader.quantity(&part.need("youngs_modulus")?, Some(Dimension::Stress), Limits::POSITIVE)?;
+        let poissons_ratio = reader.quantity(&part.need("poissons_ratio")?, None, Limits::POISSONS_RATIO)?;
+        Ok(PartRecipe { shape, parameters, support, youngs_modulus, poissons_ratio })
+    }
+}
+
+/// A key of another model is no slip of the pen: say whose it is.
+fn refuse_foreign(part: &Section, shape: &Shape, shapes: &[&'static Shape]) -> Result<(), Error> {
+    for other in shapes {
+        let parameters = other.parameters.iter().map(|parameter| parameter.name);
+        let support = other.supports.is_empty().not().then_some("support");
+        for key in parameters.chain(support) {
+            let known = shape.parameters.iter().any(|parameter| parameter.name == key)
+                || (key == "support" && !shape.supports.is_empty());
+            if let (false, Some(item)) = (known, part.find(key)) {
+                let (this, that) = (shape.name, other.name);
+                return Err(item.error(format!("model `{this}` does not have this key; model `{that}` does")));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Reads quantities and numbers the axes they make.
+struct Reader<'a> {
+    counts: Counts,
+    axes: Vec<Axis>,
+    /// By axis, for complaints.
+    items: Vec<Item<'a>>,
+}
+
+impl<'a> Reader<'a> {
+    fn new(scheme: Scheme) -> Reader<'a> {
+        let counts = match scheme {
+            Scheme::Grid | Scheme::Zip => Counts::Required,
+            Scheme::LatinHypercube { .. } | Scheme::Sobol { .. } => Counts::Refused(scheme.name()),
+        };
+        Reader { counts, axes: Vec::new(), items: Vec::new() }
+    }
+
+    fn quantity(
+        &mut self,
+        item: &Item<'a>,
+        dimension: Option<Dimension>,
+        limits: Limits,
+    ) -> Result<Quantity, Error> {
+        let values = Values::read(item, dimension, limits, self.counts)?;
+        let axis = self.axis(item, values.count());
+        Ok(Quantity { values, axis })
+    }
+
+    /// One word or a list of words, as positions in `allowed`.
+    fn choice(&mut self, item: &Item<'a>, allowed: &[&str]) -> Result<Choice<usize>, Error> {
+        let options = match item.array()? {
+            Some(elements) => {
+                elements.iter().map(|element| element.word(allowed)).collect::<Result<_, _>>()?
+            }
+            None => vec![item.word(allowed)?],
+        };
+        let axis = self.axis(item, Some(options.len() as u64));
+        Ok(Choice { options, axis })
+    }
+
+    /// A single value is no axis.
+    fn axis(&mut self, item: &Item<'a>, count: Option<u64>) -> Option<usize> {
+        if count == Some(1) {
+            return None;
+        }
+        self.axes.push(Axis { key: item.key.clone(), line: item.line(), start: item.start(), count });
+        self.items.push(item.clone());
+        Some(self.axes.len() - 1)
+    }
+}

@@ -1,0 +1,249 @@
+//! Which values design number i takes: grid, zip, latin hypercube, sobol. Everything is computed from the number
+//! of the design alone, so a sweep of any length needs no memory and can start anywhere.
+
+use crate::study::values::Pick;
+
+/// One quantity that sweeps. Axes are ordered as they are listed in the config.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// The dotted key, for complaints.
+    pub key: String,
+    pub line: u64,
+    /// Position in the config: the order of the axes.
+    pub start: usize,
+    /// The number of values; `None` for a range without a count.
+    pub count: Option<u64>,
+}
+
+/// How the axes are combined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    /// Every combination; the last axis varies fastest.
+    Grid,
+    /// The first values of all axes, then the second ones ...
+    Zip,
+    /// `count` designs; each axis is cut into `count` slices and each slice is used once.
+    LatinHypercube { count: u64, seed: u64 },
+    /// `count` designs of an Owen-scrambled Sobol sequence.
+    Sobol { count: u64, seed: u64 },
+}
+
+impl Scheme {
+    /// The names in configs, in the order of the variants.
+    pub const NAMES: [&str; 4] = ["grid", "zip", "latin-hypercube", "sobol"];
+
+    pub fn name(self) -> &'static str {
+        Scheme::NAMES[match self {
+            Scheme::Grid => 0,
+            Scheme::Zip => 1,
+            Scheme::LatinHypercube { .. } => 2,
+            Scheme::Sobol { .. } => 3,
+        }]
+    }
+}
+
+/// The most designs of a study; more is taken for a slip of the pen.
+pub const MAX_DESIGNS: u64 = 1_000_000_000;
+
+/// From the number of a design to its values.
+#[derive(Clone, Debug)]
+pub struct Sampler {
+    scheme: Scheme,
+    design_count: u64,
+    /// By axis.
+    roles: Vec<Role>,
+}
+
+/// What the scheme needs to know of one axis.
+#[derive(Clone, Copy, Debug)]
+struct Role {
+    /// Position among the axes as listed.
+    rank: u32,
+    /// Grid: how many designs go by before the axis moves on, and its number of values.
+    stride: u64,
+    count: u64,
+}
+
+impl Sampler {
+    /// `axes` in any order; `pick` takes positions in it. On failure, the axis at fault and what is wrong.
+    pub fn new(scheme: Scheme, axes: &[Axis]) -> Result<Sampler, (usize, String)> {
+        let mut order: Vec<usize> = (0..axes.len()).collect();
+        order.sort_by_key(|&axis| axes[axis].start);
+        let mut roles = vec![Role { rank: 0, stride: 1, count: 1 }; axes.len()];
+        for (rank, &axis) in order.iter().enumerate() {
+            roles[axis].rank = rank as u32;
+            roles[axis].count = axes[axis].count.unwrap_or(1).max(1);
+        }
+        let design_count = match scheme {
+            Scheme::Grid => {
+                let mut product = 1u64;
+                for &axis in order.iter().rev() {
+                    roles[axis].stride = product;
+                    let next = product.checked_mul(roles[axis].count).filter(|&all| all <= MAX_DESIGNS);
+                    product = next.ok_or_else(|| (axis, too_many(&order, axes)))?;
+                }
+                product
+            }
+            Scheme::Zip => {
+                if let Some(&first) = order.first() {
+                    let differs = |&&axis: &&usize| roles[axis].count != roles[first].count;
+                    if let Some(&axis) = order.iter().find(differs) {
+                        let (key, line) = (&axes[first].key, axes[first].line);
+                        let (one, other) = (roles[axis].count, roles[first].count);
+                        let problem = format!(
+                            "zip needs equal counts: here {one}, but {other} in `{key}` on line {line}"
+                        );
+                        return Err((axis, problem));
+                    }
+                }
+                order.first().map_or(1, |&first| roles[first].count)
+            }
+            Scheme::LatinHypercube { count, .. } | Scheme::Sobol { count, .. } => count,
+        };
+        Ok(Sampler { scheme, design_count, roles })
+    }
+
+    pub fn design_count(&self) -> u64 {
+        self.design_count
+    }
+
+    pub fn scheme(&self) -> Scheme {
+        self.scheme
+    }
+
+    /// What design number `design` takes of axis number `axis`.
+    pub fn pick(&self, design: u64, axis: usize) -> Pick {
+        let role = self.roles[axis];
+        match self.scheme {
+            Scheme::Grid => Pick::Index(design / role.stride % role.count),
+            Scheme::Zip => Pick::Index(design),
+            Scheme::LatinHypercube { count, seed } => Pick::Fraction(slice(design, count, role.rank, seed)),
+            Scheme::Sobol { seed, .. } => Pick::Fraction(sobol(design, role.rank, seed)),
+        }
+    }
+}
+
+fn too_many(order: &[usize], axes: &[Axis]) -> String {
+    let counts: Vec<String> = order.iter().map(|&axis| axes[axis].count.unwrap_or(1).to_string()).collect();
+    format!("the grid has {} designs; at most {MAX_DESIGNS} are allowed", counts.join(" x "))
+}
+
+/// A random point of the slice that design number `design` has on axis `rank`.
+fn slice(design: u64, count: u64, rank: u32, seed: u64) -> f64 {
+    let key = mix(mix(seed) ^ u64::from(rank));
+    let jitter = (mix(key ^ mix(!design)) >> 11) as f64 / (1u64 << 53) as f64;
+    (permute(design, count, key) as f64 + jitter) / count as f64
+}
+
+/// Where a random permutation of 0..count takes `position`: a Feistel network over the next even number of bits,
+/// walked until it lands inside (Black & Rogaway, Ciphers with arbitrary finite domains, 2002).
+fn permute(position: u64, count: u64, key: u64) -> u64 {
+    // At least 8 bits: smaller networks have few permutations to choose from.
+    let half = (u64::BITS - count.leading_zeros()).div_ceil(2).max(4);
+    let mask = (1u64 << half) - 1;
+    let mut current = position;
+    loop {
+        let (mut left, mut right) = (current >> half, current & mask);
+        for round in 0..6u64 {
+            (left, right) = (right, left ^ (mix(key ^ (round << 56) ^ right) & mask));
+        }
+        current = left << half | right;
+        if current < count {
+            return current;
+        }
+    }
+}
+
+/// Point `design` of the sequence, on axis `rank`. The library's sequence ends after 2^16 points; longer sweeps
+/// are made of blocks of that length, each scrambled on its own, which keeps every block as even as the first.
+fn sobol(design: u64, rank: u32, seed: u64) -> f64 {
+    const BLOCK_BITS: u32 = 16;
+    let block = design >> BLOCK_BITS;
+    let index = (design & ((1 << BLOCK_BITS) - 1)) as u32;
+    let block_seed = (mix(mix(seed) ^ block) >> 32) as u32;
+    // The library has 256 dimensions; a joint has an order of magnitude fewer quantities.
+    f64::from(sobol_burley::sample(index, rank % sobol_burley::NUM_DIMENSIONS, block_seed))
+}
+
+/// A hash of 64 bits to 64 bits: one step of SplitMix64 (Steele, Lea & Flood, 2014).
+fn mix(state: u64) -> u64 {
+    let mut z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(start: usize, count: Option<u64>) -> Axis {
+        Axis { key: format!("axis {start}"), line: 1, start, count }
+    }
+
+    #[test]
+    fn permutations_are_permutations() {
+        for count in [1u64, 2, 3, 17, 255, 256, 257, 5000] {
+            let mut seen: Vec<u64> =
+                (0..count).map(|position| permute(position, count, mix(count))).collect();
+            seen.sort_unstable();
+            assert!(seen.into_iter().eq(0..count), "{count}");
+        }
+    }
+
+    #[test]
+    fn grid_moves_the_last_listed_axis_fastest() {
+        // Handed over in another order than listed.
+        let sampler = Sampler::new(Scheme::Grid, &[axis(9, Some(3)), axis(4, Some(2))]).unwrap();
+        assert_eq!(sampler.design_count(), 6);
+        let picks: Vec<_> = (0..6).map(|design| [1, 0].map(|axis| sampler.pick(design, axis))).collect();
+        let expected: Vec<_> = (0..2).flat_map(|a| (0..3).map(move |b| [a, b].map(Pick::Index))).collect();
+        assert_eq!(picks, expected);
+    }
+
+    /// One value per slice on every axis, and no two axes alike.
+    #[test]
+    fn latin_hypercube_uses_each_slice_once() {
+        let count = 1000;
+        let column = |rank| -> Vec<u64> {
+            (0..count).map(|design| (slice(design, count, rank, 5) * count as f64) as u64).collect()
+        };
+        let (first, second) = (column(0), column(1));
+        for slices in [&first, &second] {
+            let mut sorted = slices.clone();
+            sorted.sort_unstable();
+            assert!(sorted.into_iter().eq(0..count));
+        }
+        // Independent axes: the correlation of ranks is of the order 1/sqrt(1000) = 0.03.
+        let mean = (count - 1) as f64 / 2.0;
+        let products = first.iter().zip(&second).map(|(&a, &b)| (a as f64 - mean) * (b as f64 - mean));
+        let variance = (count * count - 1) as f64 / 12.0;
+        let correlation = products.sum::<f64>() / (count as f64 * variance);
+        assert!(correlation.abs() < 0.1, "{correlation}");
+    }
+
+    /// Every aligned block of 2^k points has one in each of 2^k slices, beyond the length of the library's
+    /// sequence as well.
+    #[test]
+    fn sobol_is_even_in_every_block() {
+        for start in [0u64, 1 << 16, (1 << 16) + 512, 7 << 16] {
+            for rank in [0, 5, 15] {
+                let mut slices: Vec<u64> =
+                    (start..start + 256).map(|design| (sobol(design, rank, 3) * 256.0) as u64).collect();
+                slices.sort_unstable();
+                assert!(slices.into_iter().eq(0..256), "{start} {rank}");
+            }
+        }
+        assert_ne!(sobol(0, 0, 3), sobol(1 << 16, 0, 3), "blocks repeat");
+    }
+
+    /// Designs of a seed must stay what they are: results are compared across machines and versions.
+    #[test]
+    fn seeds_are_repeatable() {
+        let lhs: Vec<f64> = (0..3).map(|design| slice(design, 10, 1, 42)).collect();
+        let points: Vec<f64> = (0..3).map(|design| sobol(design, 1, 42)).collect();
+        assert_eq!(lhs, [0.42367826434415967, 0.751426082340774, 0.5506829722340166]);
+        assert_eq!(points, [0.3734736442565918, 0.9232496023178101, 0.056551456451416016]);
+        assert_ne!(slice(0, 10, 1, 42), slice(0, 10, 1, 43));
+    }
+}

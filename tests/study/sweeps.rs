@@ -1,0 +1,106 @@
+//! Sweeps: which designs there are, in which order.
+
+use std::fs;
+use std::path::Path;
+
+use jointsweep::study::config::{MethodChoice, Study};
+use jointsweep::study::design::{DesignCase, Load};
+
+use crate::{CLEARANCE, Folder, IDEALIZATION, RADIUS, all, row, sampled, with};
+
+#[test]
+fn shipped_configs_load() {
+    let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
+    for (name, designs, steps) in [("quickstart", 10, 100), ("liu2007", 14, 140), ("designs-example", 5, 5)] {
+        let path = configs.join(format!("{name}.toml"));
+        let study = Study::load(&path).unwrap();
+        assert_eq!((study.design_count(), study.step_count()), (designs, steps), "{name}");
+        assert_eq!(all(&study).len() as u64, designs, "{name}");
+        assert_eq!(study.source_text(), fs::read_to_string(&path).unwrap());
+        assert_eq!(study.name(), name);
+        assert_eq!(study.designs_file().is_some(), name == "designs-example");
+    }
+    let study = Study::load(&configs.join("liu2007.toml")).unwrap();
+    assert_eq!(study.title(), "Liu, Zhang & Yang (2007)");
+    assert_eq!((study.solve.accuracy, study.solve.method), (0.001, MethodChoice::Auto));
+    let last = &all(&study)[13];
+    assert_eq!(last.joint.radial_clearance, 0.1);
+    let expected: Vec<Load> = (1..=10).map(|step| Load::Indentation(step as f64 / 50.0)).collect();
+    assert_eq!(last.steps, expected);
+}
+
+#[test]
+fn grid_is_every_combination_last_listed_fastest() {
+    let folder = Folder::new("grid");
+    let config = with(IDEALIZATION, r#"idealization = ["plane-stress", "plane-strain"]"#)
+        .replace(RADIUS, r#"hole_radius = { from = "1 in", to = "3 in", count = 3 }"#)
+        .replace(CLEARANCE, r#"diametral_clearance = ["0.2 mm", "200 um"]"#);
+    let study = folder.study(&config);
+    let found: Vec<_> = all(&study)
+        .iter()
+        .map(|case| (case.joint.idealization.name(), case.joint.hole_radius, case.joint.radial_clearance))
+        .collect();
+    assert_eq!(found.len(), 12);
+    assert_eq!(found[0], ("plane-stress", 25.4, 0.1));
+    assert_eq!(found[2], ("plane-stress", 50.8, 0.1));
+    assert_eq!(found[11], ("plane-strain", 76.2, 0.1));
+    // Skipping ahead is the same as walking.
+    let skipped = study.cases().unwrap().nth(7).unwrap().unwrap();
+    assert_eq!((skipped.index, row(&skipped)), (7, row(&all(&study)[7])));
+}
+
+#[test]
+fn zip_pairs_lists_and_repeats_single_values() {
+    let folder = Folder::new("zip");
+    let lines = [
+        (RADIUS, r#"hole_radius = ["10 mm", "0.05 mm", "30 mm"]"#),
+        (CLEARANCE, r#"radial_clearance = { from = "0.02 mm", to = "0.06 mm", count = 3 }"#),
+        (r#"thickness        = "1 mm""#, r#"thickness = ["7 mm"]"#),
+    ];
+    let found: Vec<_> = all(&folder.study(&sampled("method = \"zip\"", &lines)))
+        .iter()
+        .map(|case| (case.joint.hole_radius, case.joint.radial_clearance, case.joint.thickness))
+        .collect();
+    // 0.06 mm would not fit 0.05 mm, but the two never meet.
+    assert_eq!(found, [(10.0, 0.02, 7.0), (0.05, 0.04, 7.0), (30.0, 0.06, 7.0)]);
+}
+
+#[test]
+fn samplers_fill_their_ranges_and_repeat() {
+    let folder = Folder::new("samplers");
+    let lines = [
+        (IDEALIZATION, r#"idealization = ["plane-stress", "plane-strain"]"#),
+        (RADIUS, r#"hole_radius = { from = "1 mm", to = "1 m", spacing = "log" }"#),
+        (CLEARANCE, r#"radial_clearance = { from = "1 um", to = "0.1 mm" }"#),
+    ];
+    for method in ["latin-hypercube", "sobol"] {
+        let draw = |seed: u64| {
+            all(&folder.study(&sampled(&format!("method = \"{method}\"\ncount = 64\nseed = {seed}"), &lines)))
+        };
+        let cases = draw(1);
+        assert_eq!(cases.len(), 64);
+        assert!(cases.iter().all(|case| (1.0..=1000.0).contains(&case.joint.hole_radius)));
+        assert!(cases.iter().all(|case| (1e-3..=0.1).contains(&case.joint.radial_clearance)));
+        // 64 points of either sampler are even: half in each half of every axis, in the logarithm where asked.
+        let half = |test: &dyn Fn(&DesignCase) -> bool| cases.iter().filter(|case| test(case)).count();
+        assert_eq!(half(&|case| case.joint.hole_radius < 1000f64.sqrt()), 32, "{method}");
+        assert_eq!(half(&|case| case.joint.radial_clearance < 0.0505), 32, "{method}");
+        assert_eq!(half(&|case| case.joint.idealization.name() == "plane-stress"), 32, "{method}");
+        let rows = |cases: &[DesignCase]| cases.iter().map(row).collect::<Vec<_>>();
+        assert_eq!(rows(&cases), rows(&draw(1)), "{method} does not repeat");
+        assert_ne!(rows(&cases), rows(&draw(2)), "{method} ignores its seed");
+    }
+}
+
+/// A sweep far longer than memory is loaded and entered at once.
+#[test]
+fn long_sweeps_stream() {
+    let folder = Folder::new("long");
+    let lines = [(RADIUS, r#"hole_radius = { from = "1 mm", to = "1 m" }"#)];
+    for method in ["latin-hypercube", "sobol"] {
+        let study = folder.study(&sampled(&format!("method = \"{method}\"\ncount = 1_000_000_000"), &lines));
+        let last = study.cases().unwrap().nth(999_999_999).unwrap().unwrap();
+        assert_eq!(last.index, 999_999_999);
+        assert_eq!(study.step_count(), 2_000_000_000);
+    }
+}
