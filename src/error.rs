@@ -7,6 +7,9 @@ pub enum Error {
     #[error("cannot {action} {path}: {source}", path = path.display())]
     Io { action: &'static str, path: PathBuf, source: std::io::Error },
 
+    #[error("cannot start {threads} threads: {problem}")]
+    Threads { threads: usize, problem: String },
+
     /// Something a person wrote in a config or a list of designs. `key` is the dotted key or the column, empty
     /// when the whole line is meant; `line` counts from 1.
     #[error("{}{}", place(file, *line, key), problem)]

@@ -1,2 +1,5 @@
 pub mod outcome;
+pub mod bodies;
+pub mod plan;
+pub mod backend;
 pub mod sweep;

@@ -96,7 +96,7 @@ impl RingTopology {
                 }
             }
         }
-        let corners = corner_columns(body, &grading.angles);
+        let held = held_columns(body, grading);
         let mut unknowns = vec![SUPPORTED; 2 * grid.len()];
         let mut unknown_count = 0;
         let mut ring_start = 0;
@@ -104,7 +104,7 @@ impl RingTopology {
             if row == 0 && column == 0 {
                 ring_start = unknown_count;
             }
-            let held_far = row == rows && far_boundary_held(body, &corners, column);
+            let held_far = row == rows && held[column];
             let held_face = column == columns && body.shape.end_face_held;
             let on_symmetry = column == 0 || column == columns;
             for component in 0..2 {
@@ -248,6 +248,13 @@ fn corner_columns(body: &Body, angles: &[f64]) -> Vec<usize> {
         columns.push(nearest.clamp(least, last - (corners.len() - i)));
     }
     columns
+}
+
+/// Columns (in half elements) at which the far boundary of `body` is held: with shape, support and grading, all that
+/// its topology depends on.
+pub fn held_columns(body: &Body, grading: &Grading) -> Vec<bool> {
+    let corners = corner_columns(body, &grading.angles);
+    (0..=2 * (grading.angles.len() - 1)).map(|column| far_boundary_held(body, &corners, column)).collect()
 }
 
 /// Whether the far-boundary node at `column` (in half elements) is held, by the sides of the boundary it lies on.

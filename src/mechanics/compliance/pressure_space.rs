@@ -15,6 +15,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::mechanics::element::quadrature::gauss_legendre;
 
+/// The most trial pressures a space may have.
+pub const MAX_TERMS: usize = 24;
+
 /// Nodes in eps between which compliances are interpolated.
 pub const NODE_COUNT: usize = 28;
 
@@ -182,7 +185,7 @@ impl PressureSpace {
             let points = 24 + self.terms + (highest as f64 * arc.half_angle * 0.5) as usize;
             for (x, weight) in gauss_legendre(points) {
                 let tau = 0.5 * FRAC_PI_2 * (1.0 + x);
-                let trials = cosines((2.0 * tau).cos(), self.terms);
+                let trials = cosines((2.0 * tau).cos());
                 let turn = 2.0 * arc.angle(tau).cos();
                 let (mut wave, mut previous) = (1.0, 0.5 * turn);
                 for row in moments.chunks_exact_mut(self.terms) {
@@ -196,16 +199,14 @@ impl PressureSpace {
     }
 }
 
-/// cos(k x) for k = 0 ... count - 1 from cos x.
-pub fn cosines(cosine: f64, count: usize) -> Vec<f64> {
+/// cos(k x) for k = 0 ... `MAX_TERMS` - 1 from cos x.
+pub fn cosines(cosine: f64) -> [f64; MAX_TERMS] {
     let (mut value, mut previous) = (1.0, cosine);
-    (0..count)
-        .map(|_| {
-            let current = value;
-            (value, previous) = (2.0 * cosine * value - previous, value);
-            current
-        })
-        .collect()
+    std::array::from_fn(|_| {
+        let current = value;
+        (value, previous) = (2.0 * cosine * value - previous, value);
+        current
+    })
 }
 
 /// Galerkin matrices of the two kernels that are continuous but not smooth on their diagonal, packed:
@@ -229,14 +230,14 @@ fn diagonal_kernels(arc: &ContactArc, terms: usize, rule: &[(f64, f64)]) -> [Vec
                 let smooth = 0.5 * chord * chord * chord.max(f64::MIN_POSITIVE).ln();
                 let cubic = smooth - 0.5 + 0.75 * cosine;
                 let quadratic = 0.5 + 0.25 * cosine - 0.5 * (PI - theta) * sine;
-                let trials = cosines((2.0 * other).cos(), terms);
-                for (k, trial) in trials.iter().enumerate() {
+                let trials = cosines((2.0 * other).cos());
+                for (k, trial) in trials.iter().enumerate().take(terms) {
                     inner[0][k] += weight * trial * cubic;
                     inner[1][k] += weight * trial * quadratic;
                 }
             }
         }
-        let trials = cosines((2.0 * tau).cos(), terms);
+        let trials = cosines((2.0 * tau).cos());
         let weight = 0.5 * FRAC_PI_2 * outer_weight / PI;
         for row in 0..terms {
             for column in 0..=row {

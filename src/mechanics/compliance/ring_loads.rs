@@ -40,7 +40,7 @@ pub fn ring_loads(space: &PressureSpace, element: ElementKind, ring_angles: &[f6
                     let (functions, count) =
                         side_functions(element, (2.0 * angle - start - end) / (end - start));
                     let normal = [angle.sin(), -angle.cos()];
-                    let trials = cosines((2.0 * tau).cos(), terms);
+                    let trials = cosines((2.0 * tau).cos());
                     for (node, function) in functions.iter().enumerate().take(count) {
                         for (component, normal) in normal.iter().enumerate() {
                             let at = ((nodes + node) * 2 + component) * terms;

@@ -47,6 +47,10 @@ impl<'a> JointCurve<'a> {
         Ok(JointCurve { joint, samples })
     }
 
+    pub fn joint(&self) -> &JointCompliance<'a> {
+        &self.joint
+    }
+
     /// The state under `load` (> 0) for a radial clearance over the hole's radius, >= 0.
     pub fn state(&self, clearance: f64, load: DimensionlessLoad) -> Result<ArcState, NoState> {
         // Each is negative below the root, positive above it, and of order one around it.
@@ -71,7 +75,7 @@ impl<'a> JointCurve<'a> {
         };
         let mut best = *upper;
         // Chandrupatla 1997: inverse quadratic interpolation where it is safe, bisection elsewhere.
-        let (mut c, mut fc) = (a, fa);
+        let (mut c, mut fc);
         let mut share = 0.5;
         for _ in 0..100 {
             if fb == 0.0 {

@@ -13,11 +13,15 @@
 //! because the pressure at a free edge does not change to first order as the edge moves (Barber, Contact Mechanics,
 //! section 9.3; Mossakovskii 1963).
 
-use crate::mechanics::compliance::pressure_space::{ContactArc, PressureSpace, packed, packed_count};
+use std::f64::consts::FRAC_PI_2;
+
+use crate::mechanics::compliance::pressure_space::{
+    ContactArc, MAX_TERMS, PressureSpace, packed, packed_count,
+};
 use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance};
 
-/// The most trial pressures a space may have.
-pub const MAX_TERMS: usize = 24;
+/// Tension that truncation may leave at the edge, over the peak pressure.
+const TENSION: f64 = 0.01;
 
 /// The compliance of both bodies of a joint to the trial pressures of a space.
 pub struct JointCompliance<'a> {
@@ -95,7 +99,7 @@ impl<'a> JointCompliance<'a> {
 
     fn solve(&self, arc: ContactArc, mut matrix: [f64; packed_count(MAX_TERMS)]) -> Option<ArcState> {
         let terms = self.terms;
-        matrix[0] -= std::f64::consts::FRAC_PI_2 * self.amplitude * arc.b.ln();
+        matrix[0] -= FRAC_PI_2 * self.amplitude * arc.b.ln();
         // Right-hand sides 1 and 1 - cos phi, solved together by Cholesky in place.
         let mut one = [0.0; MAX_TERMS];
         let mut versine = [0.0; MAX_TERMS];
@@ -150,7 +154,35 @@ impl<'a> JointCompliance<'a> {
     }
 }
 
+impl JointCompliance<'_> {
+    /// Share by which a change of one body's compliance (`values` as in `PressureCompliance`, of `terms` terms, over the
+    /// body's modulus) changes the work of the state's pressure: to first order the relative change of the force, since
+    /// the work is stationary in the pressure.
+    pub fn relative_change(&self, state: &ArcState, terms: usize, values: &[f64]) -> f64 {
+        let entries = packed_count(terms);
+        let weights = self.space.interpolation(state.arc.half_angle);
+        let mut matrix = [0.0; packed_count(MAX_TERMS)];
+        for (weight, row) in weights.iter().zip(values.chunks_exact(entries)) {
+            matrix[..entries].iter_mut().zip(row).for_each(|(entry, value)| *entry += weight * value);
+        }
+        let mut work = 0.0;
+        for j in 0..terms.min(self.terms) {
+            let below: f64 = (0..j).map(|k| matrix[packed(j, k)] * state.pressure[k]).sum();
+            work += state.pressure[j] * (2.0 * below + matrix[packed(j, j)] * state.pressure[j]);
+        }
+        work / state.energy
+    }
+}
+
 impl ArcState {
+    /// The last two trial pressures over the largest, squared: of that order is what leaving out further ones costs in
+    /// the force.
+    pub fn truncation(&self) -> f64 {
+        let tail = self.pressure[self.terms - 2..self.terms].iter().map(|c| c.abs()).sum::<f64>();
+        let most = self.pressure[..self.terms].iter().fold(f64::MIN_POSITIVE, |most, c| most.max(c.abs()));
+        (tail / most).powi(2)
+    }
+
     /// dR/e; negative beyond the angle of a neat fit, where no clearance reaches.
     pub fn clearance(&self) -> f64 {
         1.0 - self.indentation
@@ -161,6 +193,13 @@ impl ArcState {
         let alternating =
             |sum: f64, (k, value): (usize, &f64)| if k % 2 == 0 { sum + value } else { sum - value };
         self.pressure[..self.terms].iter().enumerate().fold(0.0, alternating) / (2.0 * self.arc.b)
+    }
+
+    /// Whether there is no tension: looked at between the zeros of the highest trial pressure.
+    pub fn pressure_is_positive(&self) -> bool {
+        let count = 2 * self.terms;
+        let least = -TENSION * self.peak_pressure().abs();
+        (1..=count).all(|i| self.pressure_at(FRAC_PI_2 * i as f64 / count as f64) >= least)
     }
 
     /// Contact pressure over e at tau, 0 < tau <= pi/2; phi = `arc.angle(tau)`.
