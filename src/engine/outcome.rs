@@ -10,6 +10,17 @@ pub enum Method {
     Fe,
 }
 
+impl Method {
+    /// The name in configs and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::ClosedForm => "closed-form",
+            Method::Series => "series",
+            Method::Fe => "fe",
+        }
+    }
+}
+
 /// The state of contact after one load step. Everything is for the whole joint (both halves, times thickness).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
