@@ -1,1 +1,2 @@
-
+mod number;
+pub mod table;

@@ -1,0 +1,66 @@
+//! Rows a second that the text of table.csv is made with, one core: `cargo bench --bench table`.
+
+use std::time::Instant;
+
+use jointsweep::engine::outcome::{DesignOutcome, Method, Response, StepOutcome};
+use jointsweep::mechanics::body::{annulus, cored_disc};
+use jointsweep::mechanics::material::{Idealization, Material};
+use jointsweep::output::table::Table;
+use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+
+fn outcome(index: u64, step_count: usize) -> DesignOutcome {
+    // Numbers with all their digits, as a random sweep has them.
+    let wild = |scale: f64, salt: u64| scale * (1.0 + ((index * 16 + salt) as f64).sin().abs());
+    let part = |shape, ratio, salt| Part {
+        shape,
+        parameters: [ratio, 0.0, 0.0],
+        support: 0,
+        material: Material { youngs_modulus: wild(1e5, salt), poissons_ratio: wild(0.2, salt + 1) },
+    };
+    let joint = JointDesign {
+        idealization: Idealization::PlaneStrain,
+        hole_radius: wild(10.0, 0),
+        radial_clearance: wild(0.01, 1),
+        thickness: wild(5.0, 2),
+        pin: part(&cored_disc::SHAPE, wild(0.1, 3), 4),
+        plate: part(&annulus::SHAPE, wild(2.0, 6), 7),
+    };
+    let step = |step: usize| StepOutcome {
+        response: Some(Response {
+            indentation: wild(0.01, step as u64),
+            force: wild(5e3, step as u64),
+            tangent_stiffness: wild(1e5, step as u64),
+            contact_half_angle: Some(wild(0.4, step as u64)),
+            peak_pressure: Some(wild(80.0, step as u64)),
+            energy: Some(wild(25.0, step as u64)),
+            force_error: wild(1e-3, step as u64),
+            method: Method::Fe,
+        }),
+        status: "ok".into(),
+    };
+    let steps = (0..step_count).map(|step| Load::Indentation(wild(0.01, step as u64))).collect();
+    DesignOutcome { case: DesignCase { index, joint, steps }, steps: (0..step_count).map(step).collect() }
+}
+
+fn main() {
+    for step_count in [1, 10] {
+        let mut outcomes: Vec<_> = (0..20_000 / step_count).map(|i| outcome(i as u64, step_count)).collect();
+        let mut table = Table::new("cpu");
+        let mut text = Vec::new();
+        let (mut rows, mut bytes) = (0, 0);
+        let started = Instant::now();
+        while started.elapsed().as_secs_f64() < 2.0 {
+            for outcome in &mut outcomes {
+                table.push_rows(&mut text, outcome);
+                rows += step_count;
+                if text.len() > 1 << 16 {
+                    bytes += text.len();
+                    text.clear();
+                }
+            }
+        }
+        let seconds = started.elapsed().as_secs_f64();
+        let (rate, width) = (rows as f64 / seconds, bytes as f64 / rows as f64);
+        println!("{step_count:>2} steps a design: {rate:>9.0} rows/s, {width:.0} bytes a row");
+    }
+}

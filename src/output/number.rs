@@ -1,0 +1,203 @@
+//! Decimal text of numbers: the same on every machine, no digits without meaning, never NaN or infinity.
+
+use std::fmt::Arguments;
+use std::io::Write;
+use std::ops::Range;
+
+/// Powers of ten that f64 holds exactly, so that one multiplication or division by them is correctly rounded.
+const POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
+    1e19, 1e20, 1e21, 1e22,
+];
+
+/// Decimal exponents written without an `e`.
+const PLAIN: Range<i32> = -5..16;
+
+/// Appends the shortest decimals that read back as exactly `value`.
+pub fn push_exact(out: &mut Vec<u8>, value: f64) {
+    assert!(value.is_finite(), "{value} has no place in a table");
+    push_scientific(out, format_args!("{value:e}"));
+}
+
+/// Appends `value` rounded to nine significant digits, without trailing zeros.
+pub fn push_rounded(out: &mut Vec<u8>, value: f64) {
+    assert!(value.is_finite(), "{value} has no place in a table");
+    match nine_digits(value.abs()) {
+        Some((mut integer, exponent)) => {
+            let mut digits = [0; 9];
+            for digit in digits.iter_mut().rev() {
+                *digit = b'0' + (integer % 10) as u8;
+                integer /= 10;
+            }
+            push_digits(out, value < 0.0, &digits, exponent);
+        }
+        None => push_scientific(out, format_args!("{value:.8e}")),
+    }
+}
+
+/// The integer of nine digits and the decimal exponent of its first digit; `None` where only the general
+/// (and slower) route is sure of every digit.
+fn nine_digits(value: f64) -> Option<(u32, i32)> {
+    if !(1e-13..1e30).contains(&value) {
+        return None;
+    }
+    let binary_exponent = (value.to_bits() >> 52) as i32 - 1023;
+    // floor(binary_exponent log10(2)): the decimal exponent or one less.
+    let mut exponent = (binary_exponent * 78913) >> 18;
+    let mut scaled = shifted(value, 8 - exponent);
+    if scaled >= 999_999_999.5 {
+        exponent += 1;
+        scaled = shifted(value, 8 - exponent);
+    }
+    Some((scaled.round_ties_even() as u32, exponent))
+}
+
+/// value 10^power, correctly rounded.
+fn shifted(value: f64, power: i32) -> f64 {
+    let factor = POWERS[power.unsigned_abs() as usize];
+    if power < 0 { value / factor } else { value * factor }
+}
+
+/// Appends a number that is formatted as `-1.25e-7`.
+fn push_scientific(out: &mut Vec<u8>, formatted: Arguments) {
+    // A sign, 17 digits, a point and `e-308` fit.
+    let mut buffer = [0; 32];
+    let mut rest = buffer.as_mut_slice();
+    rest.write_fmt(formatted).expect("a number fits the buffer");
+    let unused = rest.len();
+    let text = &buffer[..32 - unused];
+
+    let (mut digits, mut digit_count) = ([0; 20], 0);
+    let (mut exponent, mut negative_exponent, mut in_exponent) = (0, false, false);
+    for &byte in text {
+        match byte {
+            b'e' => in_exponent = true,
+            b'-' => negative_exponent = in_exponent,
+            b'.' => {}
+            _ if in_exponent => exponent = 10 * exponent + i32::from(byte - b'0'),
+            _ => {
+                digits[digit_count] = byte;
+                digit_count += 1;
+            }
+        }
+    }
+    let exponent = if negative_exponent { -exponent } else { exponent };
+    push_digits(out, text[0] == b'-', &digits[..digit_count], exponent);
+}
+
+/// Appends the number d.ddd x 10^exponent, less its trailing zeros.
+fn push_digits(out: &mut Vec<u8>, negative: bool, digits: &[u8], exponent: i32) {
+    let last = digits.iter().rposition(|digit| *digit != b'0');
+    let Some(last) = last else { return out.push(b'0') };
+    let digits = &digits[..=last];
+    if negative {
+        out.push(b'-');
+    }
+    if !PLAIN.contains(&exponent) {
+        push_point(out, digits, 1);
+        write!(out, "e{exponent}").expect("a Vec takes every write");
+    } else if exponent < 0 {
+        out.extend_from_slice(&b"0.00000"[..(1 - exponent) as usize]);
+        out.extend_from_slice(digits);
+    } else {
+        push_point(out, digits, exponent as usize + 1);
+    }
+}
+
+/// Appends the digits with a point, where one is needed, after the first `whole` of them.
+fn push_point(out: &mut Vec<u8>, digits: &[u8], whole: usize) {
+    if digits.len() > whole {
+        out.extend_from_slice(&digits[..whole]);
+        out.push(b'.');
+        out.extend_from_slice(&digits[whole..]);
+    } else {
+        out.extend_from_slice(digits);
+        out.resize(out.len() + whole - digits.len(), b'0');
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text(push: fn(&mut Vec<u8>, f64), value: f64) -> String {
+        let mut out = Vec::new();
+        push(&mut out, value);
+        String::from_utf8(out).unwrap()
+    }
+
+    /// Doubles spread over signs, mantissas and decimal exponents -20 to 35.
+    fn spread() -> impl Iterator<Item = f64> {
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        (0..200_000).map(move |index| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            let mantissa = 1.0 + 9.0 * (state >> 11) as f64 / (1_u64 << 53) as f64;
+            let sign = if state & 1 == 0 { 1.0 } else { -1.0 };
+            sign * mantissa * 10_f64.powi(index % 56 - 20)
+        })
+    }
+
+    #[test]
+    fn numbers_look_as_a_person_writes_them() {
+        let exact: [(f64, &str); 10] = [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (0.1, "0.1"),
+            (200e3, "200000"),
+            (-12.75, "-12.75"),
+            (1e-5, "0.00001"),
+            (1.5e-6, "1.5e-6"),
+            (0.1 + 0.2, "0.30000000000000004"),
+            (1234567890123456.0, "1234567890123456"),
+            (1e16, "1e16"),
+        ];
+        for (value, expected) in exact {
+            assert_eq!(text(push_exact, value), expected);
+        }
+        let rounded: [(f64, &str); 9] = [
+            (0.0, "0"),
+            (0.1 + 0.2, "0.3"),
+            (1.0 / 3.0, "0.333333333"),
+            (26919.812345678, "26919.8123"),
+            (144_700.0, "144700"),
+            (999_999_999.5, "1000000000"),
+            (0.099_999_999_96, "0.1"),
+            (-2.0e-7 / 3.0, "-6.66666667e-8"),
+            (f64::MIN_POSITIVE, "2.22507386e-308"),
+        ];
+        for (value, expected) in rounded {
+            assert_eq!(text(push_rounded, value), expected);
+        }
+    }
+
+    #[test]
+    fn inputs_read_back_as_they_were() {
+        for value in spread() {
+            let written = text(push_exact, value);
+            assert_eq!(written.parse::<f64>().unwrap().to_bits(), value.to_bits(), "{written}");
+        }
+    }
+
+    /// Against the formatter of the standard library, which rounds every digit exactly.
+    #[test]
+    fn results_are_rounded_to_nine_digits() {
+        for value in spread() {
+            let written = text(push_rounded, value);
+            let expected: f64 = format!("{value:.8e}").parse().unwrap();
+            assert_eq!(written.parse::<f64>().unwrap(), expected, "{written} for {value:e}");
+        }
+    }
+
+    #[test]
+    fn powers_of_ten_keep_their_exponent() {
+        for exponent in -20..35 {
+            let value = 10_f64.powi(exponent);
+            for neighbour in [value.next_down(), value, value.next_up()] {
+                let parsed: f64 = text(push_rounded, neighbour).parse().unwrap();
+                assert_eq!(parsed, format!("{neighbour:.8e}").parse::<f64>().unwrap(), "near 1e{exponent}");
+            }
+        }
+    }
+}
