@@ -14,6 +14,16 @@ pub enum Error {
     /// when the whole line is meant; `line` counts from 1.
     #[error("{}{}", place(file, *line, key), problem)]
     Input { file: PathBuf, line: Option<u64>, key: String, problem: String },
+
+    /// `occupant` is what an earlier run, or somebody else, left in the folder.
+    #[error("{} holds {occupant}: name another folder with --out, or overwrite it with --force", dir.display())]
+    FolderTaken { dir: PathBuf, occupant: String },
+
+    #[error("{} is the list of designs and would be overwritten: name another folder with --out", path.display())]
+    DesignsInTheWay { path: PathBuf },
+
+    #[error("this build has no GPU backend")]
+    NoGpu,
 }
 
 /// `file:line: key: `, without the parts that are not known.

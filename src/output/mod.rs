@@ -1,2 +1,6 @@
 mod number;
 pub mod table;
+pub mod host;
+pub mod manifest;
+pub mod folder;
+pub mod recorder;

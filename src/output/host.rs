@@ -1,0 +1,75 @@
+//! When and on what a run happened.
+
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::Serialize;
+
+#[derive(Clone, Debug, Serialize)]
+pub struct Host {
+    pub os: &'static str,
+    pub arch: &'static str,
+    /// The model of the CPU, where the system tells it.
+    pub cpu: Option<String>,
+}
+
+impl Host {
+    pub fn current() -> Host {
+        let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        Host { os: std::env::consts::OS, arch: std::env::consts::ARCH, cpu: cpu_model(&cpuinfo) }
+    }
+}
+
+/// The model name in the text of Linux's /proc/cpuinfo.
+fn cpu_model(cpuinfo: &str) -> Option<String> {
+    let line = cpuinfo.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_string())
+}
+
+/// A moment in UTC to the second, after RFC 3339.
+pub fn utc(moment: SystemTime) -> String {
+    let seconds = moment.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let (days, time) = (seconds / 86_400, seconds % 86_400);
+
+    // From days to a date in the Gregorian calendar, counted in eras of 400 years that start on 1 March, so that
+    // the leap day is the last of its year (H. Hinnant, "chrono-Compatible Low-Level Date Algorithms").
+    let days = days + 719_468;
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
+    let year = 400 * era + year_of_era + u64::from(month <= 2);
+
+    let (hour, minute, second) = (time / 3600, time / 60 % 60, time % 60);
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    /// Expected texts from `date --utc --date=@SECONDS +%FT%TZ`.
+    #[test]
+    fn moments_are_written_as_the_system_writes_them() {
+        let moments = [
+            (0, "1970-01-01T00:00:00Z"),
+            (951_782_399, "2000-02-28T23:59:59Z"),
+            (951_782_400, "2000-02-29T00:00:00Z"),
+            (951_868_800, "2000-03-01T00:00:00Z"),
+            (1_735_689_599, "2024-12-31T23:59:59Z"),
+            (4_107_542_400, "2100-03-01T00:00:00Z"),
+        ];
+        for (seconds, expected) in moments {
+            assert_eq!(utc(UNIX_EPOCH + Duration::from_secs(seconds)), expected);
+        }
+    }
+
+    #[test]
+    fn the_cpu_model_is_read_where_there_is_one() {
+        let x86 = "processor\t: 0\nmodel\t\t: 1\nmodel name\t: Fast CPU @ 3.0GHz\nmodel name\t: again\n";
+        assert_eq!(cpu_model(x86).as_deref(), Some("Fast CPU @ 3.0GHz"));
+        assert_eq!(cpu_model("processor\t: 0\n"), None);
+    }
+}

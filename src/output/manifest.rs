@@ -1,0 +1,179 @@
+//! `manifest.json`: what was asked, by which program and on what machine, what came of it and how long it took.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use serde::Serialize;
+
+use crate::engine::outcome::DesignOutcome;
+use crate::engine::sweep::Statistics;
+use crate::error::Error;
+use crate::output::host::{Host, utc};
+use crate::study::config::Study;
+
+/// Where a run stands; a run that was killed stays `Running`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum State {
+    Running,
+    Complete,
+    Interrupted,
+    Failed,
+}
+
+/// How a study is run, as far as the study itself does not say.
+#[derive(Clone, Copy, Debug)]
+pub struct Conditions {
+    pub backend: &'static str,
+    pub precision: &'static str,
+    pub threads: usize,
+    pub started: SystemTime,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct Manifest {
+    program: &'static str,
+    version: &'static str,
+    pub state: State,
+    /// Why, when the run failed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    title: String,
+    config: Config,
+    designs_file: Option<String>,
+    pub backend: &'static str,
+    precision: &'static str,
+    pub threads: usize,
+    started_utc: String,
+    pub wall_seconds: f64,
+    pub counts: Counts,
+    /// Wall time of each stage in the order they run, summed over threads.
+    pub stage_seconds: serde_json::Map<String, serde_json::Value>,
+    host: Host,
+    #[serde(skip)]
+    started: SystemTime,
+}
+
+/// The config, as the user named it and word for word.
+#[derive(Clone, Debug, Serialize)]
+struct Config {
+    path: String,
+    text: String,
+}
+
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Counts {
+    /// What the config asks for.
+    pub designs_asked: u64,
+    pub rows_asked: u64,
+    /// What is in the table.
+    pub designs: u64,
+    pub rows: u64,
+    /// Designs with at least one failed row.
+    pub failed_designs: u64,
+    pub failed_rows: u64,
+    pub distinct_bodies: u64,
+    /// Rows by status, and of these the failed ones.
+    pub statuses: BTreeMap<String, u64>,
+    pub failures: BTreeMap<String, u64>,
+}
+
+impl Counts {
+    pub fn add(&mut self, outcome: &DesignOutcome) {
+        let failed_before = self.failed_rows;
+        for step in &outcome.steps {
+            count(&mut self.statuses, &step.status);
+            if step.response.is_none() {
+                self.failed_rows += 1;
+                count(&mut self.failures, &step.status);
+            }
+        }
+        self.designs += 1;
+        self.rows += outcome.steps.len() as u64;
+        self.failed_designs += u64::from(self.failed_rows > failed_before);
+    }
+}
+
+fn count(counts: &mut BTreeMap<String, u64>, status: &str) {
+    // Nearly every status has been seen before: no allocation then.
+    match counts.get_mut(status) {
+        Some(count) => *count += 1,
+        None => _ = counts.insert(status.to_string(), 1),
+    }
+}
+
+impl Manifest {
+    pub fn new(study: &Study, conditions: &Conditions) -> Manifest {
+        let text = |path: &Path| path.display().to_string();
+        Manifest {
+            program: env!("CARGO_PKG_NAME"),
+            version: env!("CARGO_PKG_VERSION"),
+            state: State::Running,
+            error: None,
+            title: study.title().to_string(),
+            config: Config { path: text(study.path()), text: study.source_text().to_string() },
+            designs_file: study.designs_file().map(text),
+            backend: conditions.backend,
+            precision: conditions.precision,
+            threads: conditions.threads,
+            started_utc: utc(conditions.started),
+            wall_seconds: 0.0,
+            counts: Counts {
+                designs_asked: study.design_count(),
+                rows_asked: study.step_count(),
+                ..Counts::default()
+            },
+            stage_seconds: serde_json::Map::new(),
+            host: Host::current(),
+            started: conditions.started,
+        }
+    }
+
+    /// Takes over what only the sweep knows.
+    pub fn add_statistics(&mut self, statistics: &Statistics) {
+        self.counts.distinct_bodies = statistics.distinct_bodies;
+        for (stage, time) in &statistics.stages {
+            self.stage_seconds.insert(stage.to_string(), time.as_secs_f64().into());
+        }
+    }
+
+    /// Writes the manifest beside `path`, from where `publish` puts it in place: a reader, or a crash, never
+    /// meets half a manifest.
+    pub fn stage(&mut self, path: &Path) -> Result<(), Error> {
+        self.wall_seconds = self.started.elapsed().map_or(0.0, |time| time.as_secs_f64());
+        let mut text = serde_json::to_string_pretty(self).expect("a manifest has only JSON's own types");
+        text.push('\n');
+        let staged = staged(path);
+        std::fs::write(&staged, text).map_err(|source| Error::Io { action: "write", path: staged, source })
+    }
+
+    pub fn save(&mut self, path: &Path) -> Result<(), Error> {
+        self.stage(path)?;
+        publish(path)
+    }
+}
+
+/// Where a manifest waits before it is published.
+pub fn staged(path: &Path) -> PathBuf {
+    path.with_extension("json.tmp")
+}
+
+/// Puts the staged manifest in place.
+pub fn publish(path: &Path) -> Result<(), Error> {
+    let into_error = |source| Error::Io { action: "write", path: path.into(), source };
+    std::fs::rename(staged(path), path).map_err(into_error)
+}
+
+/// The config that a manifest on disk belongs to.
+pub struct Origin {
+    pub path: String,
+    pub text: String,
+}
+
+/// Reads whose result a manifest describes; `None` when it does not say.
+pub fn origin(manifest: &str) -> Option<Origin> {
+    let manifest: serde_json::Value = serde_json::from_str(manifest).ok()?;
+    let config = |key: &str| manifest.get("config")?.get(key)?.as_str().map(str::to_string);
+    Some(Origin { path: config("path")?, text: config("text")? })
+}
