@@ -1,0 +1,97 @@
+//! What can be asked on the command line, and what the exit code answers.
+
+use std::io::Write;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+mod progress;
+mod report;
+mod run;
+
+/// Parametric sweeps of pin joints with clearance: contact stiffness tables of a stated accuracy.
+#[derive(Parser)]
+#[command(version, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 an error, nothing computed is lost; 2 done, but some designs \
+failed and say why in their status; 130 interrupted, the rows so far are kept.";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Solves every design of a config and writes table.csv and manifest.json
+    Run(RunArgs),
+}
+
+#[derive(Args)]
+struct RunArgs {
+    /// The sweep, a TOML file
+    config: PathBuf,
+    /// Folder of the result [default: out/<config's name>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// What computes
+    #[arg(long, value_enum, default_value_t = Backend::Auto)]
+    backend: Backend,
+    /// Threads that compute [default: all cores]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Overwrite the result of another config
+    #[arg(long)]
+    force: bool,
+    /// Only say what the sweep has to do and what it will cost
+    #[arg(long)]
+    dry_run: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Backend {
+    /// The fastest there is
+    Auto,
+    Cpu,
+    Gpu,
+}
+
+/// How a command that met no error has ended.
+enum Ending {
+    Complete,
+    SomeDesignsFailed,
+    Interrupted,
+}
+
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let _ = error.print();
+            // Not clap's own 2, which says here that some designs failed.
+            return ExitCode::from(u8::from(error.use_stderr()));
+        }
+    };
+    let Command::Run(args) = cli.command;
+    match run::run(&args) {
+        Ok(Ending::Complete) => ExitCode::SUCCESS,
+        Ok(Ending::SomeDesignsFailed) => ExitCode::from(2),
+        Ok(Ending::Interrupted) => ExitCode::from(INTERRUPTED),
+        Err(error) => {
+            say(&format!("error: {error}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// 128 + SIGINT, as shells have it.
+const INTERRUPTED: u8 = 130;
+
+/// Prints a line for the user. A closed stderr is no reason to lose a result, as it would be with `eprintln!`.
+fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}

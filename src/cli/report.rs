@@ -1,0 +1,111 @@
+//! What is said before a sweep and after it.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+use jointsweep::engine::plan::Estimate;
+use jointsweep::output::manifest::{Manifest, State};
+
+/// The most causes of failure that are listed; the table has them all.
+const CAUSES: usize = 10;
+
+pub fn estimate(estimate: &Estimate, table: &Path) -> String {
+    let mut text = String::new();
+    let mut line = |name, value: String| _ = writeln!(text, "{name:<16}{value}");
+    line("designs", estimate.designs.to_string());
+    line("rows", estimate.rows.to_string());
+    line("distinct bodies", estimate.distinct_bodies.to_string());
+    line("unknowns", estimate.unknowns.to_string());
+    line("time", format!("about {}", duration(estimate.seconds)));
+    line("table", table.display().to_string());
+    text
+}
+
+pub fn summary(manifest: &Manifest, table: &Path) -> String {
+    let counts = &manifest.counts;
+    let wall = duration(manifest.wall_seconds);
+    let mut text = String::new();
+    if manifest.state == State::Interrupted {
+        _ = writeln!(text, "interrupted: {} of {} designs are done", counts.designs, counts.designs_asked);
+    }
+    _ = writeln!(
+        text,
+        "{}, {}, {} in {wall} ({}, {})",
+        plural(counts.designs, "design", "designs"),
+        plural(counts.rows, "row", "rows"),
+        plural(counts.distinct_bodies, "distinct body", "distinct bodies"),
+        manifest.backend,
+        plural(manifest.threads as u64, "thread", "threads"),
+    );
+    _ = writeln!(text, "time by stage, summed over the threads:");
+    for (stage, seconds) in &manifest.stage_seconds {
+        _ = writeln!(text, "  {stage:<12}{}", duration(seconds.as_f64().unwrap_or(0.0)));
+    }
+    if counts.failed_rows > 0 {
+        let rows = plural(counts.failed_rows, "row", "rows");
+        _ = writeln!(text, "failed: {rows} of {}", plural(counts.failed_designs, "design", "designs"));
+        text += &causes(&counts.failures);
+    }
+    text += &table.display().to_string();
+    text
+}
+
+/// The causes of failure, the most frequent first.
+fn causes(failures: &BTreeMap<String, u64>) -> String {
+    let mut causes: Vec<_> = failures.iter().collect();
+    causes.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+    let mut text = String::new();
+    for (status, count) in causes.iter().take(CAUSES) {
+        _ = writeln!(text, "  {count:>8}  {status}");
+    }
+    if causes.len() > CAUSES {
+        _ = writeln!(text, "  and {}", plural((causes.len() - CAUSES) as u64, "more cause", "more causes"));
+    }
+    text
+}
+
+fn plural(count: u64, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
+/// A time as a person says it.
+pub fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 0.1 => format!("{:.1} ms", s * 1e3),
+        s if s < 10.0 => format!("{s:.2} s"),
+        s if s < 119.5 => format!("{s:.0} s"),
+        s if s < 119.5 * 60.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_short() {
+        let times = [
+            (0.0, "0.0 ms"),
+            (0.0123, "12.3 ms"),
+            (3.21, "3.21 s"),
+            (38.4, "38 s"),
+            (600.0, "10 min"),
+            (9000.0, "2.5 h"),
+        ];
+        for (seconds, expected) in times {
+            assert_eq!(duration(seconds), expected);
+        }
+    }
+
+    #[test]
+    fn the_most_frequent_causes_come_first_and_the_list_ends() {
+        let failures: BTreeMap<String, u64> = (1..=12).map(|n| (format!("cause {n:02}"), n)).collect();
+        let text = causes(&failures);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), CAUSES + 1);
+        assert_eq!(lines[0], "        12  cause 12");
+        assert_eq!(lines[CAUSES], "  and 2 more causes");
+    }
+}

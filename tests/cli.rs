@@ -1,0 +1,401 @@
+//! The program as a user runs it: folder rules, exit codes, and what is on disk however a run ends.
+
+#[path = "common/workdir.rs"]
+mod workdir;
+
+use std::time::{Duration, Instant};
+
+use workdir::{Ended, Workdir};
+
+/// Two designs of three steps.
+const SMALL: &str = r#"
+title = "Two joints"
+[joint]
+idealization = "plane-stress"
+hole_radius = "10 mm"
+radial_clearance = ["0.1 mm", "0.03 mm"]
+thickness = "5 mm"
+[joint.pin]
+model = "rigid-core"
+core_radius_ratio = 0.2
+youngs_modulus = "210 GPa"
+poissons_ratio = 0.3
+[joint.plate]
+model = "annulus"
+outer_radius_ratio = 3.0
+youngs_modulus = "70 GPa"
+poissons_ratio = 0.33
+[load]
+indentation = ["0.001 mm", "0.002 mm", "0.005 mm"]
+[solve]
+method = "series"
+"#;
+
+/// The same with another thickness: another config.
+fn other() -> String {
+    SMALL.replace("5 mm\"\n[joint.pin]", "6 mm\"\n[joint.pin]")
+}
+
+const COLUMNS: [&str; 27] = [
+    "design",
+    "hole_radius_mm",
+    "radial_clearance_mm",
+    "thickness_mm",
+    "idealization",
+    "pin_model",
+    "core_radius_ratio",
+    "pin_youngs_modulus_mpa",
+    "pin_poissons_ratio",
+    "plate_model",
+    "outer_radius_ratio",
+    "half_width_ratio",
+    "depth_ratio",
+    "height_ratio",
+    "plate_support",
+    "plate_youngs_modulus_mpa",
+    "plate_poissons_ratio",
+    "indentation_mm",
+    "force_n",
+    "tangent_stiffness_n_per_mm",
+    "contact_half_angle_deg",
+    "peak_pressure_mpa",
+    "energy_mj",
+    "force_error",
+    "method",
+    "backend",
+    "status",
+];
+
+fn small(name: &str) -> Workdir {
+    let work = Workdir::new(name);
+    work.write("small.toml", SMALL);
+    work
+}
+
+#[test]
+fn the_table_has_the_contracts_columns_and_a_row_for_each_design_and_step() {
+    let work = small("columns");
+    work.run(&["run", "small.toml"]).expect(0);
+    let table = work.table("out/small/table.csv");
+    assert_eq!(table.names, COLUMNS.to_vec());
+    assert_eq!(table.column("design"), ["0", "0", "0", "1", "1", "1"]);
+    assert_eq!(table.column("radial_clearance_mm"), ["0.1", "0.1", "0.1", "0.03", "0.03", "0.03"]);
+    assert_eq!(table.column("indentation_mm"), ["0.001", "0.002", "0.005", "0.001", "0.002", "0.005"]);
+    assert_eq!(table.column("half_width_ratio"), [""; 6]);
+    assert_eq!(table.column("method"), ["series"; 6]);
+    assert_eq!(table.column("backend"), ["cpu"; 6]);
+    assert_eq!(table.column("status"), ["ok"; 6]);
+    for name in &COLUMNS[18..24] {
+        assert!(table.column(name).iter().all(|cell| cell.parse::<f64>().unwrap() > 0.0), "{name}");
+    }
+}
+
+#[test]
+fn the_manifest_tells_what_was_run_and_what_came_of_it() {
+    let work = small("manifest");
+    work.run(&["run", "./small.toml", "--threads", "1"]).expect(0);
+    let manifest = work.json("out/small/manifest.json");
+    assert_eq!(manifest["program"], "jointsweep");
+    assert_eq!(manifest["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(manifest["state"], "complete");
+    assert_eq!(manifest["title"], "Two joints");
+    assert_eq!(manifest["config"]["path"], "./small.toml");
+    assert_eq!(manifest["config"]["text"], SMALL);
+    assert_eq!(manifest["backend"], "cpu");
+    assert_eq!(manifest["threads"], 1);
+    let counts = &manifest["counts"];
+    assert_eq!((&counts["designs"], &counts["designs_asked"]), (&2.into(), &2.into()));
+    assert_eq!((&counts["rows"], &counts["rows_asked"]), (&6.into(), &6.into()));
+    assert_eq!(counts["distinct_bodies"], 2);
+    assert_eq!(counts["statuses"]["ok"], 6);
+    assert!(manifest["wall_seconds"].as_f64().unwrap() > 0.0);
+    assert!(!manifest["stage_seconds"].as_object().unwrap().is_empty());
+    assert!(manifest["started_utc"].as_str().unwrap().ends_with('Z'));
+    assert_eq!(manifest["host"]["os"], std::env::consts::OS);
+
+    let folder = work.path("").to_str().unwrap().to_string();
+    assert!(!work.read("out/small/manifest.json").contains(&folder), "names a folder of this machine");
+    assert_eq!(work.files(), ["out/small/manifest.json", "out/small/table.csv", "small.toml"]);
+}
+
+#[test]
+fn a_tables_inputs_are_a_list_of_designs_with_the_same_result() {
+    let work = small("roundtrip");
+    work.run(&["run", "small.toml"]).expect(0);
+    let table = work.table("out/small/table.csv");
+    let mut designs = csv::Writer::from_path(work.path("designs.csv")).unwrap();
+    for record in std::iter::once(&table.names).chain(&table.records) {
+        designs.write_record(record.iter().take(18).skip(1)).unwrap();
+    }
+    designs.flush().unwrap();
+    let config = "[designs]\nfile = \"designs.csv\"\n[solve]\nmethod = \"series\"\n";
+    work.write("listed.toml", config);
+    work.run(&["run", "listed.toml"]).expect(0);
+    let listed = work.table("out/listed/table.csv");
+    assert_eq!(listed.records.len(), 6);
+    for (row, listed) in table.records.iter().zip(&listed.records) {
+        assert!(row.iter().skip(1).eq(listed.iter().skip(1)), "{row:?}\n{listed:?}");
+    }
+    assert_eq!(work.json("out/listed/manifest.json")["designs_file"], "designs.csv");
+}
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    let work = small("threads");
+    for threads in ["1", "2", "5"] {
+        work.run(&["run", "small.toml", "--out", threads, "--threads", threads]).expect(0);
+    }
+    assert_eq!(work.read("1/table.csv"), work.read("2/table.csv"));
+    assert_eq!(work.read("1/table.csv"), work.read("5/table.csv"));
+}
+
+#[test]
+fn the_same_config_may_be_run_again() {
+    let work = small("again");
+    work.run(&["run", "small.toml"]).expect(0);
+    let first = work.read("out/small/table.csv");
+    work.write("out/small/table.csv", &format!("{first}{first}"));
+    work.run(&["run", "small.toml"]).expect(0);
+    assert_eq!(work.read("out/small/table.csv"), first);
+}
+
+#[test]
+fn the_result_of_another_config_is_kept_unless_forced() {
+    let work = small("another");
+    work.run(&["run", "small.toml", "--out", "result"]).expect(0);
+    let (table, manifest) = (work.read("result/table.csv"), work.read("result/manifest.json"));
+
+    work.write("other.toml", &other());
+    let refused = work.run(&["run", "other.toml", "--out", "result"]).expect(1);
+    for part in ["error: result", "small.toml", "--out", "--force"] {
+        assert!(refused.stderr.contains(part), "{part} not in: {}", refused.stderr);
+    }
+    assert_eq!(work.read("result/table.csv"), table);
+    assert_eq!(work.read("result/manifest.json"), manifest);
+
+    work.run(&["run", "other.toml", "--out", "result", "--force"]).expect(0);
+    assert_ne!(work.read("result/table.csv"), table);
+    assert_eq!(work.json("result/manifest.json")["config"]["text"], other());
+}
+
+#[test]
+fn a_changed_config_is_another_config() {
+    let work = small("changed");
+    work.run(&["run", "small.toml"]).expect(0);
+    work.write("small.toml", &other());
+    work.run(&["run", "small.toml"]).expect(1);
+}
+
+#[test]
+fn a_table_nobody_vouches_for_is_kept_unless_forced() {
+    let work = small("unvouched");
+    work.write("mine/table.csv", "my own\n");
+    let refused = work.run(&["run", "small.toml", "--out", "mine"]).expect(1);
+    assert!(refused.stderr.contains("without a manifest.json"), "{}", refused.stderr);
+    assert_eq!(work.read("mine/table.csv"), "my own\n");
+    work.run(&["run", "small.toml", "--out", "mine", "--force"]).expect(0);
+    assert_eq!(work.table("mine/table.csv").records.len(), 6);
+}
+
+#[test]
+fn the_manifest_of_another_program_is_kept_unless_forced() {
+    let work = small("foreign");
+    work.write("app/manifest.json", "{\"name\": \"an app\"}");
+    work.run(&["run", "small.toml", "--out", "app"]).expect(1);
+    assert_eq!(work.files(), ["app/manifest.json", "small.toml"]);
+    work.run(&["run", "small.toml", "--out", "app", "--force"]).expect(0);
+}
+
+#[test]
+fn a_folder_with_other_files_can_hold_a_result() {
+    let work = small("others");
+    work.write("notes/read.me", "mine");
+    work.run(&["run", "small.toml", "--out", "notes"]).expect(0);
+    assert_eq!(work.files(), ["notes/manifest.json", "notes/read.me", "notes/table.csv", "small.toml"]);
+}
+
+#[test]
+fn the_list_of_designs_is_never_overwritten() {
+    let work = small("list");
+    work.run(&["run", "small.toml"]).expect(0);
+    let table = work.table("out/small/table.csv");
+    let mut designs = csv::Writer::from_path(work.path("table.csv")).unwrap();
+    for record in std::iter::once(&table.names).chain(&table.records) {
+        designs.write_record(record.iter().take(18).skip(1)).unwrap();
+    }
+    designs.flush().unwrap();
+    let list = work.read("table.csv");
+    work.write("listed.toml", "[designs]\nfile = \"table.csv\"\n[solve]\nmethod = \"series\"\n");
+    let refused = work.run(&["run", "listed.toml", "--out", ".", "--force"]).expect(1);
+    assert!(refused.stderr.contains("list of designs"), "{}", refused.stderr);
+    assert_eq!(work.read("table.csv"), list);
+}
+
+#[test]
+fn an_unwritable_folder_is_an_error_before_anything_is_computed() {
+    let work = small("unwritable");
+    work.write("file", "not a folder");
+    let refused = work.run(&["run", "small.toml", "--out", "file/result"]).expect(1);
+    assert!(refused.stderr.starts_with("error: cannot create file/result: "), "{}", refused.stderr);
+    assert_eq!(work.files(), ["file", "small.toml"]);
+
+    // A place that even root cannot write to.
+    if cfg!(target_os = "linux") {
+        let refused = work.run(&["run", "small.toml", "--out", "/proc"]).expect(1);
+        assert!(refused.stderr.contains("cannot write /proc/manifest.json"), "{}", refused.stderr);
+    }
+}
+
+#[test]
+fn a_bad_config_writes_nothing() {
+    let work = Workdir::new("bad-config");
+    work.write("bad.toml", &SMALL.replace("hole_radius", "hole_radios"));
+    let refused = work.run(&["run", "bad.toml"]).expect(1);
+    assert!(refused.stderr.starts_with("error: "), "{}", refused.stderr);
+    work.run(&["run", "missing.toml"]).expect(1);
+    assert_eq!(work.files(), ["bad.toml"]);
+    assert!(!work.path("out").exists());
+}
+
+/// Exit code 2 is taken: it says that some designs failed.
+#[test]
+fn a_bad_command_line_exits_with_1_and_help_with_0() {
+    let work = small("usage");
+    for arguments in
+        [&["run"][..], &["run", "small.toml", "--threads", "0"], &["run", "small.toml", "--bakend"]]
+    {
+        let refused = work.run(arguments).expect(1);
+        assert!(refused.stderr.starts_with("error: "), "{}", refused.stderr);
+    }
+    assert!(work.run(&["--help"]).expect(0).stdout.contains("Exit codes"));
+    assert!(work.run(&["--version"]).expect(0).stdout.contains(env!("CARGO_PKG_VERSION")));
+    assert_eq!(work.files(), ["small.toml"]);
+}
+
+#[test]
+fn a_missing_gpu_backend_is_said() {
+    let work = small("gpu");
+    let refused = work.run(&["run", "small.toml", "--backend", "gpu"]).expect(1);
+    assert_eq!(refused.stderr, "error: this build has no GPU backend\n");
+    assert_eq!(work.files(), ["small.toml"]);
+}
+
+#[test]
+fn a_dry_run_tells_the_work_and_writes_nothing() {
+    let work = small("dry");
+    let told = work.run(&["run", "small.toml", "--dry-run"]).expect(0);
+    let words: Vec<Vec<&str>> = told.stdout.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert!(words.contains(&vec!["designs", "2"]), "{}", told.stdout);
+    assert!(words.contains(&vec!["rows", "6"]), "{}", told.stdout);
+    assert!(words.contains(&vec!["distinct", "bodies", "2"]), "{}", told.stdout);
+    assert!(!work.path("out").exists());
+    assert_eq!(work.files(), ["small.toml"]);
+}
+
+#[test]
+fn quiet_means_quiet() {
+    let work = small("quiet");
+    let told = work.run(&["run", "small.toml"]).expect(0);
+    assert_eq!(told.stdout, "");
+    assert!(told.stderr.contains("2 designs, 6 rows, 2 distinct bodies in"), "{}", told.stderr);
+    assert!(told.stderr.trim_end().ends_with("table.csv"), "{}", told.stderr);
+    let told = work.run(&["run", "small.toml", "--quiet"]).expect(0);
+    assert_eq!((told.stdout.as_str(), told.stderr.as_str()), ("", ""));
+}
+
+/// `series` cannot do a block.
+#[test]
+fn a_failed_design_is_a_row_with_its_status_and_exit_code_2() {
+    let work = Workdir::new("failed");
+    let header = "hole_radius_mm,radial_clearance_mm,thickness_mm,idealization,pin_model,core_radius_ratio,\
+                  pin_youngs_modulus_mpa,pin_poissons_ratio,plate_model,outer_radius_ratio,half_width_ratio,\
+                  depth_ratio,height_ratio,plate_support,plate_youngs_modulus_mpa,plate_poissons_ratio,indentation_mm";
+    let pin = "10,0.1,5,plane-stress,rigid-core,0.2,210000,0.3";
+    let annulus = format!("{pin},annulus,3,,,,,70000,0.33,0.002");
+    let block = format!("{pin},block,,3,3,2,base,70000,0.33,0.002");
+    work.write("designs.csv", &format!("{header}\n{annulus}\n{block}\n{annulus}\n"));
+    work.write("mixed.toml", "[designs]\nfile = \"designs.csv\"\n[solve]\nmethod = \"series\"\n");
+    let told = work.run(&["run", "mixed.toml"]).expect(2);
+    assert!(told.stderr.contains("failed: 1 row of 1 design"), "{}", told.stderr);
+
+    let table = work.table("out/mixed/table.csv");
+    assert_eq!(table.records.len(), 3);
+    assert_eq!(
+        table.records[0].iter().skip(1).collect::<Vec<_>>(),
+        table.records[2].iter().skip(1).collect::<Vec<_>>()
+    );
+    let failed: Vec<&str> = table.records[1].iter().collect();
+    assert_eq!(&failed[12..18], ["3", "2", "base", "70000", "0.33", "0.002"]);
+    assert_eq!(&failed[18..26], [""; 8]);
+    assert!(!failed[26].is_empty() && failed[26] != "ok", "{}", failed[26]);
+
+    let manifest = work.json("out/mixed/manifest.json");
+    assert_eq!(manifest["state"], "complete");
+    assert_eq!(manifest["counts"]["failed_designs"], 1);
+    assert_eq!(manifest["counts"]["failures"][failed[26]], 1);
+    assert_eq!(manifest["counts"]["rows"], 3);
+}
+
+/// A million designs of ten steps: some seconds at the least.
+fn long() -> String {
+    SMALL
+        .replace(
+            "hole_radius = \"10 mm\"",
+            "hole_radius = { from = \"10 mm\", to = \"20 mm\", count = 1000 }",
+        )
+        .replace(
+            "radial_clearance = [\"0.1 mm\", \"0.03 mm\"]",
+            "radial_clearance = { from = \"0.01 mm\", to = \"0.1 mm\", count = 1000 }",
+        )
+        .replace(
+            "[\"0.001 mm\", \"0.002 mm\", \"0.005 mm\"]",
+            "{ from = \"0.001 mm\", to = \"0.01 mm\", count = 10 }",
+        )
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_leaves_a_valid_table_and_says_so() {
+    let work = Workdir::new("interrupt");
+    work.write("long.toml", &long());
+    let mut child = work.start(&["run", "long.toml"]);
+    let path = work.path("out/long/table.csv");
+    let patience = Instant::now() + Duration::from_secs(60);
+    while !path.metadata().is_ok_and(|file| file.len() > 100_000) {
+        assert!(Instant::now() < patience && child.try_wait().unwrap().is_none(), "no rows came");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert_eq!(work.json("out/long/manifest.json")["state"], "running");
+    let kill = format!("kill -INT {}", child.id());
+    assert!(std::process::Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+    let ended = Ended::new(child.wait_with_output().unwrap()).expect(130);
+    assert!(ended.stderr.contains("interrupted: "), "{}", ended.stderr);
+
+    let text = work.read("out/long/table.csv");
+    assert!(text.ends_with(",ok\n"), "the last row is cut");
+    let table = work.table("out/long/table.csv");
+    assert!(table.records.len().is_multiple_of(10) && table.records.len() < 10_000_000);
+    let manifest = work.json("out/long/manifest.json");
+    assert_eq!(manifest["state"], "interrupted");
+    assert_eq!(manifest["counts"]["rows"], table.records.len());
+    assert_eq!(manifest["counts"]["rows_asked"], 10_000_000);
+}
+
+/// A limit on file sizes stands for a full disk: the write that meets it is done in part.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_an_error_that_keeps_whole_rows() {
+    let work = Workdir::new("full-disk");
+    work.write("long.toml", &long());
+    let program = env!("CARGO_BIN_EXE_jointsweep");
+    let limited = format!("trap '' XFSZ; ulimit -f 300; exec '{program}' run long.toml");
+    let output = std::process::Command::new("sh").args(["-c", &limited]).current_dir(work.path("")).output();
+    let ended = Ended::new(output.unwrap()).expect(1);
+    assert!(ended.stderr.starts_with("error: cannot write out/long/table.csv: "), "{}", ended.stderr);
+
+    assert!(work.read("out/long/table.csv").ends_with(",ok\n"), "the last row is cut");
+    assert!(work.table("out/long/table.csv").records.len() > 100);
+    let manifest = work.json("out/long/manifest.json");
+    assert_eq!(manifest["state"], "failed");
+    assert!(manifest["error"].as_str().unwrap().contains("table.csv"));
+}
