@@ -183,7 +183,8 @@ fn a_changed_config_is_another_config() {
     let work = small("changed");
     work.run(&["run", "small.toml"]).expect(0);
     work.write("small.toml", &other());
-    work.run(&["run", "small.toml"]).expect(1);
+    let refused = work.run(&["run", "small.toml"]).expect(1);
+    assert!(refused.stderr.contains("small.toml as it was before"), "{}", refused.stderr);
 }
 
 #[test]

@@ -27,14 +27,14 @@ impl ResultFolder {
         {
             return Err(Error::DesignsInTheWay { path: folder.table() });
         }
-        match folder.occupant(study.source_text())? {
+        match folder.occupant(study)? {
             Some(occupant) if !force => Err(Error::FolderTaken { dir: folder.dir, occupant }),
             _ => Ok(folder),
         }
     }
 
     /// What is there already and is not this config's own.
-    fn occupant(&self, config_text: &str) -> Result<Option<String>, Error> {
+    fn occupant(&self, study: &Study) -> Result<Option<String>, Error> {
         let path = self.manifest();
         let manifest = match std::fs::read(&path) {
             Ok(manifest) => String::from_utf8_lossy(&manifest).into_owned(),
@@ -46,7 +46,10 @@ impl ResultFolder {
         };
         Ok(match origin(&manifest) {
             None => Some(format!("a {MANIFEST} of another program")),
-            Some(origin) if origin.text == config_text => None,
+            Some(origin) if origin.text == study.source_text() => None,
+            Some(origin) if Path::new(&origin.path) == study.path() => {
+                Some(format!("the result of {} as it was before its last change", origin.path))
+            }
             Some(origin) => Some(format!("the result of another config ({})", origin.path)),
         })
     }
