@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::engine::bodies::{BodyLibrary, Fidelity};
 use crate::engine::outcome::{DesignOutcome, Method, Response, StepOutcome};
-use crate::engine::plan::{JointPlan, coarser, first_level};
+use crate::engine::plan::{JointPlan, coarser, first_level, mesh_error};
 use crate::mechanics::contact::loading::{DimensionlessLoad, JointCurve, NoState};
 use crate::mechanics::contact::pressure::{ArcState, JointCompliance};
 use crate::mechanics::grading::LEVEL_COUNT;
@@ -106,47 +106,73 @@ fn solve_design(
         .into_iter()
         .filter_map(|(request, fine, modulus)| {
             let coarse = library.compliance(&coarser(&request)?.key());
-            Some(fine.values.iter().zip(&coarse.values).map(|(fine, coarse)| (fine - coarse) / modulus).collect())
+            Some(
+                fine.values
+                    .iter()
+                    .zip(&coarse.values)
+                    .map(|(fine, coarse)| (fine - coarse) / modulus)
+                    .collect(),
+            )
         })
         .collect();
     let curve = match JointCurve::new(joined) {
         Ok(curve) => curve,
         Err(reason) => return (all_failed(case, failure(reason, space.limit)), exact),
     };
-    let mut met = true;
+    let clearance = joint.radial_clearance / joint.hole_radius;
+    let loads: Vec<DimensionlessLoad> =
+        case.steps.iter().filter_map(|load| dimensionless(joint, *load)).collect();
+    let states = curve.states(clearance, &loads);
+    let errors = force_errors(&curve, &states, &differences, plan.level);
+    let mut settled = true;
+    let mut solved = states.into_iter().zip(errors).zip(loads);
     let steps = case
         .steps
         .iter()
-        .map(|load| match step_state(&curve, joint, *load) {
-            Ok(Some((state, offset))) => {
-                let mut error = SERIES_ERROR + state.truncation();
-                for difference in &differences {
-                    error += curve.joint().relative_change(&state, space.terms, difference).abs();
-                }
-                met &= error <= accuracy;
+        .map(|load| match dimensionless(joint, *load).and_then(|_| solved.next()) {
+            None => unloaded(method),
+            Some(((Err(reason), _), _)) => {
+                StepOutcome { response: None, status: failure(reason, space.limit) }
+            }
+            Some(((Ok(state), error), load_over)) => {
+                settled &= error <= accuracy && state.pressure_is_positive();
+                let offset = curve.offset(&state, clearance, load_over) * joint.hole_radius;
                 step_outcome(joint, *load, &state, offset, error, method, accuracy)
             }
-            Ok(None) => unloaded(method),
-            Err(reason) => StepOutcome { response: None, status: failure(reason, space.limit) },
         })
         .collect();
-    (DesignOutcome { case: case.clone(), steps }, met || exact)
+    (DesignOutcome { case: case.clone(), steps }, settled || exact)
 }
 
-/// The state under a load and the centre offset e in mm, or `None` without load.
-fn step_state(
+/// The estimated relative error of the force of each state: what is left of exact compliances, and for every mesh the
+/// change from the next coarser one.
+fn force_errors(
     curve: &JointCurve,
-    joint: &JointDesign,
-    load: Load,
-) -> Result<Option<(ArcState, f64)>, NoState> {
-    let clearance = joint.radial_clearance / joint.hole_radius;
-    let load = match load {
-        Load::Indentation(delta) | Load::Force(delta) if delta == 0.0 => return Ok(None),
-        Load::Indentation(delta) => DimensionlessLoad::Indentation(delta / joint.hole_radius),
-        Load::Force(force) => DimensionlessLoad::Force(force / (joint.thickness * joint.hole_radius)),
-    };
-    let state = curve.state(clearance, load)?;
-    Ok(Some((state, curve.offset(&state, clearance, load) * joint.hole_radius)))
+    states: &[Result<ArcState, NoState>],
+    differences: &[Vec<f64>],
+    level: usize,
+) -> Vec<f64> {
+    let sound: Vec<ArcState> = states.iter().filter_map(|state| state.as_ref().ok().copied()).collect();
+    let mut errors: Vec<f64> = sound.iter().map(|state| SERIES_ERROR + state.truncation()).collect();
+    for difference in differences {
+        for (error, change) in errors.iter_mut().zip(curve.joint().relative_changes(&sound, difference)) {
+            *error += mesh_error(level, change);
+        }
+    }
+    let mut errors = errors.into_iter();
+    states
+        .iter()
+        .map(|state| if state.is_ok() { errors.next().unwrap_or(f64::NAN) } else { f64::NAN })
+        .collect()
+}
+
+/// A load over the joint's sizes, `None` for no load.
+fn dimensionless(joint: &JointDesign, load: Load) -> Option<DimensionlessLoad> {
+    match load {
+        Load::Indentation(0.0) | Load::Force(0.0) => None,
+        Load::Indentation(delta) => Some(DimensionlessLoad::Indentation(delta / joint.hole_radius)),
+        Load::Force(force) => Some(DimensionlessLoad::Force(force / (joint.thickness * joint.hole_radius))),
+    }
 }
 
 fn unloaded(method: Method) -> StepOutcome {
@@ -242,7 +268,8 @@ fn closed_form(case: DesignCase) -> DesignOutcome {
         .steps
         .iter()
         .map(|load| {
-            step(load).unwrap_or_else(|error| StepOutcome { response: None, status: format!("failed: {error}") })
+            step(load)
+                .unwrap_or_else(|error| StepOutcome { response: None, status: format!("failed: {error}") })
         })
         .collect();
     DesignOutcome { case, steps }

@@ -5,7 +5,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::pressure_space::{MAX_TERMS, PressureSpace, packed, packed_count};
+use super::pressure_space::{MAX_TERMS, PressureSpace, TERM_CHOICES, packed, packed_count};
 use super::ring_loads::{ArcLoads, ring_loads};
 use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::Body;
@@ -14,9 +14,6 @@ use crate::mechanics::element::stiffness::{Elasticity, ElementRule, element_stif
 use crate::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
 use crate::mechanics::real::{LANES, Lanes, Real};
 use crate::mechanics::solve::band::{BandStructure, TILE, Tile};
-
-/// Counts of trial pressures there is compiled code for.
-pub const TERM_CHOICES: [usize; 4] = [6, 10, 16, MAX_TERMS];
 
 /// What bodies of one topology share: mesh, order of elimination, loads of the trial pressures.
 pub struct CondensationPlan {
@@ -113,7 +110,6 @@ impl Condense<'_> {
             })
             .collect();
         match self.plan.terms {
-            6 => self.gram::<FUSED, 6>(&tiles, &mut compliances),
             10 => self.gram::<FUSED, 10>(&tiles, &mut compliances),
             16 => self.gram::<FUSED, 16>(&tiles, &mut compliances),
             MAX_TERMS => self.gram::<FUSED, MAX_TERMS>(&tiles, &mut compliances),

@@ -18,6 +18,9 @@ use crate::mechanics::element::quadrature::gauss_legendre;
 /// The most trial pressures a space may have.
 pub const MAX_TERMS: usize = 24;
 
+/// Counts of trial pressures there is compiled code for.
+pub const TERM_CHOICES: [usize; 3] = [10, 16, MAX_TERMS];
+
 /// Nodes in eps between which compliances are interpolated.
 pub const NODE_COUNT: usize = 28;
 
@@ -181,15 +184,17 @@ impl PressureSpace {
     pub fn moments(&self, highest: usize) -> Vec<f64> {
         let mut moments = vec![0.0; NODE_COUNT * (highest + 1) * self.terms];
         for (arc, moments) in self.arcs.iter().zip(moments.chunks_exact_mut((highest + 1) * self.terms)) {
-            // Enough points for the fastest product of waves over a quarter period of tau.
-            let points = 24 + self.terms + (highest as f64 * arc.half_angle * 0.5) as usize;
-            for (x, weight) in gauss_legendre(points) {
-                let tau = 0.5 * FRAC_PI_2 * (1.0 + x);
+            // The integrand is analytic and has period pi in tau, so the midpoint rule converges exponentially once it
+            // resolves the fastest wave, which has n eps/2 periods.
+            let points = 24 + self.terms + (0.5 * highest as f64 * arc.half_angle) as usize;
+            let weight = FRAC_PI_2 / points as f64;
+            for i in 0..points {
+                let tau = (i as f64 + 0.5) * weight;
                 let trials = cosines((2.0 * tau).cos());
                 let turn = 2.0 * arc.angle(tau).cos();
                 let (mut wave, mut previous) = (1.0, 0.5 * turn);
                 for row in moments.chunks_exact_mut(self.terms) {
-                    let scale = 0.5 * FRAC_PI_2 * weight * wave;
+                    let scale = weight * wave;
                     row.iter_mut().zip(&trials).for_each(|(moment, trial)| *moment += scale * trial);
                     (wave, previous) = (turn * wave - previous, wave);
                 }

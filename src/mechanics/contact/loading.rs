@@ -1,7 +1,7 @@
 //! From a load to the contact half angle: one-dimensional roots on the joint's curve.
 
 use super::pressure::{ArcState, JointCompliance};
-use crate::mechanics::compliance::NODE_COUNT;
+use crate::mechanics::real::LANES;
 
 /// What a joint is loaded by, dimensionless: lengths over the hole's radius, forces over thickness, hole radius and
 /// the unit of the moduli.
@@ -23,26 +23,26 @@ pub enum NoState {
 /// The smallest contact half angle looked at, rad.
 const SMALLEST: f64 = 1e-9;
 
+/// Where a search ends: the logarithm of (what the load prescribes over what the state gives).
+const TOLERANCE: f64 = 1e-11;
+
+/// Evaluations of one search at most; bisection alone would need about 60 in ln(eps).
+const MOST_EVALUATIONS: usize = 200;
+
 /// A joint's curve, sampled at the nodes of its pressure space.
 pub struct JointCurve<'a> {
     joint: JointCompliance<'a>,
-    /// States at the nodes, by ascending half angle, up to the first that is not a free contact any more.
+    /// States at the smallest half angle and at the nodes, ascending, up to the first beyond a neat fit.
     samples: Vec<ArcState>,
 }
 
 impl<'a> JointCurve<'a> {
     pub fn new(joint: JointCompliance<'a>) -> Result<JointCurve<'a>, NoState> {
-        let mut samples = Vec::with_capacity(NODE_COUNT);
-        for node in (0..NODE_COUNT).rev() {
-            let state = joint.at_node(node).ok_or(NoState::BrokenCompliance)?;
-            if !(state.indentation.is_finite() && state.force.is_finite()) {
-                return Err(NoState::BrokenCompliance);
-            }
-            let neat = state.indentation >= 1.0;
-            samples.push(state);
-            if neat {
-                break;
-            }
+        let nodes: Option<Vec<ArcState>> = joint.at_nodes().into_iter().rev().collect();
+        let mut samples: Vec<ArcState> = joint.at(&[SMALLEST; LANES]).into_iter().take(1).flatten().collect();
+        samples.extend(nodes.ok_or(NoState::BrokenCompliance)?);
+        if let Some(neat) = samples.iter().position(|state| state.indentation >= 1.0) {
+            samples.truncate(neat + 1);
         }
         Ok(JointCurve { joint, samples })
     }
@@ -51,66 +51,56 @@ impl<'a> JointCurve<'a> {
         &self.joint
     }
 
-    /// The state under `load` (> 0) for a radial clearance over the hole's radius, >= 0.
-    pub fn state(&self, clearance: f64, load: DimensionlessLoad) -> Result<ArcState, NoState> {
-        // Each is negative below the root, positive above it, and of order one around it.
-        let excess = |state: &ArcState| match load {
-            DimensionlessLoad::Indentation(delta) => state.indentation / (delta / (clearance + delta)) - 1.0,
-            DimensionlessLoad::Force(force) => state.force - state.clearance() * (force / clearance),
-        };
-        let excess = |state: &ArcState| match (load, clearance == 0.0) {
-            (DimensionlessLoad::Force(_), true) => state.indentation - 1.0,
-            _ => excess(state),
-        };
-        let above =
-            self.samples.iter().position(|state| excess(state) >= 0.0).ok_or(NoState::ContactTooWide)?;
-        let upper = &self.samples[above];
-        let (mut b, mut fb) = (upper.arc.half_angle, excess(upper));
-        let (mut a, mut fa) = match above.checked_sub(1) {
-            Some(below) => (self.samples[below].arc.half_angle, excess(&self.samples[below])),
-            None => {
-                let state = self.joint.at(SMALLEST).ok_or(NoState::BrokenCompliance)?;
-                (SMALLEST, excess(&state))
+    /// The states under loads (> 0), for a radial clearance over the hole's radius, >= 0.
+    pub fn states(&self, clearance: f64, loads: &[DimensionlessLoad]) -> Vec<Result<ArcState, NoState>> {
+        loads.chunks(LANES).flat_map(|loads| self.search(clearance, loads)).collect()
+    }
+
+    /// Up to `LANES` searches abreast: each has its own bracket, all are evaluated together.
+    fn search(&self, clearance: f64, loads: &[DimensionlessLoad]) -> Vec<Result<ArcState, NoState>> {
+        let mut searches: Vec<Search> = loads.iter().map(|load| self.begin(clearance, *load)).collect();
+        for _ in 0..MOST_EVALUATIONS {
+            let mut half_angles = [SMALLEST; LANES];
+            let mut open = false;
+            for (half_angle, search) in half_angles.iter_mut().zip(&searches) {
+                if search.found.is_none() {
+                    *half_angle = search.next.exp();
+                    open = true;
+                }
             }
-        };
-        let mut best = *upper;
-        // Chandrupatla 1997: inverse quadratic interpolation where it is safe, bisection elsewhere.
-        let (mut c, mut fc);
-        let mut share = 0.5;
-        for _ in 0..100 {
-            if fb == 0.0 {
+            if !open {
                 break;
             }
-            let next = a + share * (b - a);
-            let state = self.joint.at(next).ok_or(NoState::BrokenCompliance)?;
-            let value = excess(&state);
-            if !value.is_finite() {
-                return Err(NoState::BrokenCompliance);
+            let states = self.joint.at(&half_angles);
+            for ((search, load), state) in searches.iter_mut().zip(loads).zip(states) {
+                if search.found.is_none() {
+                    match state {
+                        Some(state) => search.feed(state, excess(&state, clearance, *load)),
+                        None => search.found = Some(Err(NoState::BrokenCompliance)),
+                    }
+                }
             }
-            best = state;
-            if (value > 0.0) == (fa > 0.0) {
-                (c, fc) = (a, fa);
-            } else {
-                (c, fc, b, fb) = (b, fb, a, fa);
-            }
-            (a, fa) = (next, value);
-            // The force varies like eps^2 at least, so this leaves 1e-12 of it.
-            let tolerance = 1e-13;
-            let width = (b - a).abs() / a.abs().max(b.abs());
-            if fa == 0.0 || width < tolerance || fa.abs() < tolerance {
-                break;
-            }
-            let xi = (a - b) / (c - b);
-            let phi = (fa - fb) / (fc - fb);
-            let quadratic = phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi;
-            share = if quadratic {
-                fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
-            } else {
-                0.5
-            };
-            share = share.clamp(1e-6, 1.0 - 1e-6);
         }
-        Ok(best)
+        searches.into_iter().map(|search| search.found.unwrap_or(Err(NoState::BrokenCompliance))).collect()
+    }
+
+    /// The bracket of a load among the samples, and a first guess between them.
+    fn begin(&self, clearance: f64, load: DimensionlessLoad) -> Search {
+        let excesses: Vec<f64> = self.samples.iter().map(|state| excess(state, clearance, load)).collect();
+        let Some(above) = excesses.iter().position(|value| *value >= 0.0) else {
+            return Search::ended(NoState::ContactTooWide);
+        };
+        let Some(below) = above.checked_sub(1) else { return Search::ended(NoState::BrokenCompliance) };
+        let position = |index: usize| self.samples[index].arc.half_angle.ln();
+        let (a, b) = ((position(below), excesses[below]), (position(above), excesses[above]));
+        // Inverse interpolation through the neighbours as well, where it stays inside the bracket.
+        let first = below.saturating_sub(1);
+        let last = (above + 1).min(self.samples.len() - 1);
+        let points: Vec<(f64, f64)> =
+            (first..=last).map(|i| (position(i), excesses[i])).filter(|point| point.1.is_finite()).collect();
+        let guess = inverse_interpolation(&points);
+        let next = if guess > a.0 && guess < b.0 { guess } else { 0.5 * (a.0 + b.0) };
+        Search { a, b, next, found: None }
     }
 
     /// Centre offset e = dR + delta over the hole's radius, at a state found for `load`.
@@ -119,5 +109,66 @@ impl<'a> JointCurve<'a> {
             DimensionlessLoad::Indentation(delta) => clearance + delta,
             DimensionlessLoad::Force(force) => force / state.force,
         }
+    }
+}
+
+/// ln(load of the state/load asked): negative below the root, positive above. A power law of eps for small angles.
+fn excess(state: &ArcState, clearance: f64, load: DimensionlessLoad) -> f64 {
+    let ratio = match load {
+        DimensionlessLoad::Indentation(delta) => state.indentation * ((clearance + delta) / delta),
+        // A neat fit has one half angle, whatever the load.
+        DimensionlessLoad::Force(_) if clearance == 0.0 => state.indentation,
+        DimensionlessLoad::Force(_) if state.clearance() <= 0.0 => f64::INFINITY,
+        DimensionlessLoad::Force(force) => state.force / state.clearance() * (clearance / force),
+    };
+    ratio.ln()
+}
+
+/// The position at which the polynomial through (position, value), taken as position of value, has the value zero.
+fn inverse_interpolation(points: &[(f64, f64)]) -> f64 {
+    let mut sum = 0.0;
+    for (i, (position, value)) in points.iter().enumerate() {
+        let others = points.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, (_, other))| other);
+        sum += position * others.map(|other| other / (other - value)).product::<f64>();
+    }
+    sum
+}
+
+/// One search in ln(eps): a bracket with the excess at its ends, the next point, and the state once found.
+struct Search {
+    a: (f64, f64),
+    b: (f64, f64),
+    next: f64,
+    found: Option<Result<ArcState, NoState>>,
+}
+
+impl Search {
+    fn ended(reason: NoState) -> Search {
+        Search { a: (0.0, 0.0), b: (0.0, 0.0), next: 0.0, found: Some(Err(reason)) }
+    }
+
+    /// Takes the excess at `next`: inverse quadratic interpolation through it and the bracket, bisection where that
+    /// does not shrink the bracket well (Chandrupatla, Advances in Engineering Software 28 (1997) 145-149).
+    fn feed(&mut self, state: ArcState, excess: f64) {
+        let latest = (self.next, excess);
+        let narrow = (self.b.0 - self.a.0).abs() < 1e-14;
+        if excess.abs() < TOLERANCE || (narrow && excess.is_finite()) {
+            self.found = Some(Ok(state));
+            return;
+        }
+        let dropped = if excess < 0.0 {
+            std::mem::replace(&mut self.a, latest)
+        } else {
+            std::mem::replace(&mut self.b, latest)
+        };
+        let (a, b) = (self.a, self.b);
+        let middle = 0.5 * (a.0 + b.0);
+        let guess = if b.1.is_finite() && dropped.1.is_finite() {
+            inverse_interpolation(&[a, b, dropped])
+        } else {
+            middle
+        };
+        // A step into the bracket that the last evaluation has shrunk.
+        self.next = if guess > a.0 && guess < b.0 { guess } else { middle };
     }
 }

@@ -15,10 +15,13 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use pulp::{Arch, Simd, WithSimd};
+
 use crate::mechanics::compliance::pressure_space::{
-    ContactArc, MAX_TERMS, PressureSpace, packed, packed_count,
+    ContactArc, MAX_TERMS, PressureSpace, TERM_CHOICES, packed, packed_count,
 };
 use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance};
+use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Tension that truncation may leave at the edge, over the peak pressure.
 const TENSION: f64 = 0.01;
@@ -26,7 +29,6 @@ const TENSION: f64 = 0.01;
 /// The compliance of both bodies of a joint to the trial pressures of a space.
 pub struct JointCompliance<'a> {
     space: &'a PressureSpace,
-    terms: usize,
     amplitude: f64,
     /// `[node][packed lower triangle]`.
     values: Vec<f64>,
@@ -51,126 +53,243 @@ pub struct ArcState {
 }
 
 impl<'a> JointCompliance<'a> {
-    /// Of a pin and a plate with their Young's moduli (one unit). Both compliances belong to `space`, whose terms they
-    /// may exceed.
+    /// Of a pin and a plate with their Young's moduli (one unit). Both compliances belong to `space`.
     pub fn new(
         space: &'a PressureSpace,
         (pin, pin_modulus): (&PressureCompliance, f64),
         (plate, plate_modulus): (&PressureCompliance, f64),
     ) -> JointCompliance<'a> {
-        let terms = space.terms.min(pin.terms).min(plate.terms);
-        let entries = packed_count(terms);
-        let rows = |body: &PressureCompliance| packed_count(body.terms);
-        let mut values = Vec::with_capacity(NODE_COUNT * entries);
-        for node in 0..NODE_COUNT {
-            let pin = &pin.values[node * rows(pin)..][..entries];
-            let plate = &plate.values[node * rows(plate)..][..entries];
-            values
-                .extend(pin.iter().zip(plate).map(|(pin, plate)| pin / pin_modulus + plate / plate_modulus));
+        let of_both = |(pin, plate): (&f64, &f64)| pin / pin_modulus + plate / plate_modulus;
+        JointCompliance {
+            space,
+            amplitude: of_both((&pin.amplitude, &plate.amplitude)),
+            values: pin.values.iter().zip(&plate.values).map(of_both).collect(),
         }
-        let amplitude = pin.amplitude / pin_modulus + plate.amplitude / plate_modulus;
-        JointCompliance { space, terms, amplitude, values }
     }
 
+    /// The largest contact half angle, rad.
     pub fn limit(&self) -> f64 {
         self.space.limit
     }
 
-    /// At the half angles of the space's nodes, descending.
-    pub fn at_node(&self, node: usize) -> Option<ArcState> {
-        let entries = packed_count(self.terms);
-        let mut matrix = [0.0; packed_count(MAX_TERMS)];
-        matrix[..entries].copy_from_slice(&self.values[node * entries..][..entries]);
-        self.solve(self.space.arcs[node], matrix)
+    /// States at the space's nodes, by descending half angle. `None` where the compliance is not positive definite,
+    /// which says that the discretisation has broken down.
+    pub fn at_nodes(&self) -> Vec<Option<ArcState>> {
+        let nodes: Vec<usize> = (0..NODE_COUNT).collect();
+        let lanes = nodes.chunks(LANES).flat_map(|nodes| {
+            let arcs = std::array::from_fn(|lane| self.space.arcs[nodes[lane.min(nodes.len() - 1)]]);
+            let weights = std::array::from_fn(|lane| {
+                let mut weights = [0.0; NODE_COUNT];
+                weights[nodes[lane.min(nodes.len() - 1)]] = 1.0;
+                weights
+            });
+            self.evaluate(arcs, &weights).into_iter().take(nodes.len())
+        });
+        lanes.collect()
     }
 
-    /// At a contact half angle in (0, limit]. `None` where the compliance is not positive definite, which says that
-    /// the discretisation has broken down.
-    pub fn at(&self, half_angle: f64) -> Option<ArcState> {
-        let entries = packed_count(self.terms);
-        let mut matrix = [0.0; packed_count(MAX_TERMS)];
-        for (weight, row) in
-            self.space.interpolation(half_angle).iter().zip(self.values.chunks_exact(entries))
-        {
-            matrix[..entries].iter_mut().zip(row).for_each(|(entry, value)| *entry += weight * value);
-        }
-        self.solve(ContactArc::new(half_angle), matrix)
+    /// States at contact half angles in (0, limit], side by side.
+    pub fn at(&self, half_angles: &[f64; LANES]) -> [Option<ArcState>; LANES] {
+        let weights = half_angles.map(|half_angle| self.space.interpolation(half_angle));
+        self.evaluate(half_angles.map(ContactArc::new), &weights)
     }
 
-    fn solve(&self, arc: ContactArc, mut matrix: [f64; packed_count(MAX_TERMS)]) -> Option<ArcState> {
-        let terms = self.terms;
-        matrix[0] -= FRAC_PI_2 * self.amplitude * arc.b.ln();
-        // Right-hand sides 1 and 1 - cos phi, solved together by Cholesky in place.
-        let mut one = [0.0; MAX_TERMS];
-        let mut versine = [0.0; MAX_TERMS];
-        for k in 0..terms {
-            one[k] = ContactArc::resultant(k);
-            versine[k] = arc.versine(k);
-        }
-        let (load_one, load_versine) = (one, versine);
-        for row in 0..terms {
-            for column in 0..=row {
-                let dot: f64 = (0..column).map(|k| matrix[packed(row, k)] * matrix[packed(column, k)]).sum();
-                let value = matrix[packed(row, column)] - dot;
-                if column < row {
-                    matrix[packed(row, column)] = value / matrix[packed(column, column)];
-                } else if value > 0.0 {
-                    matrix[packed(row, row)] = value.sqrt();
-                } else {
-                    return None;
-                }
-            }
-            for right in [&mut one, &mut versine] {
-                let known: f64 = (0..row).map(|k| matrix[packed(row, k)] * right[k]).sum();
-                right[row] = (right[row] - known) / matrix[packed(row, row)];
-            }
-        }
-        for row in (0..terms).rev() {
-            for right in [&mut one, &mut versine] {
-                let known: f64 = (row + 1..terms).map(|k| matrix[packed(k, row)] * right[k]).sum();
-                right[row] = (right[row] - known) / matrix[packed(row, row)];
-            }
-        }
-        let sum = |values: &[f64; MAX_TERMS]| values[..terms].iter().sum::<f64>();
-        let indentation = sum(&versine) / sum(&one);
-        let mut state = ArcState {
-            arc,
-            indentation,
-            force: 0.0,
-            tangent_stiffness: 0.0,
-            energy: 0.0,
-            terms,
-            pressure: [0.0; MAX_TERMS],
-        };
-        for k in 0..terms {
-            let pressure = indentation * one[k] - versine[k];
-            let cosine = load_one[k] - load_versine[k];
-            state.pressure[k] = pressure;
-            state.force += 2.0 * pressure * cosine;
-            state.tangent_stiffness += 2.0 * (one[k] - versine[k]) * cosine;
-            state.energy += pressure * (indentation * load_one[k] - load_versine[k]);
-        }
-        Some(state)
+    fn evaluate(
+        &self,
+        arcs: [ContactArc; LANES],
+        weights: &[[f64; NODE_COUNT]; LANES],
+    ) -> [Option<ArcState>; LANES] {
+        Arch::new().dispatch(Evaluate { joint: self, arcs, weights })
+    }
+
+    /// For each state, the share by which a change of one body's compliance (`values` as in `PressureCompliance`, over
+    /// the body's modulus) changes the work of the pressure: to first order the relative change of the force, since
+    /// the work is stationary in the pressure.
+    pub fn relative_changes(&self, states: &[ArcState], values: &[f64]) -> Vec<f64> {
+        states
+            .chunks(LANES)
+            .flat_map(|states| {
+                Arch::new().dispatch(Change { joint: self, states, values }).into_iter().take(states.len())
+            })
+            .collect()
     }
 }
 
-impl JointCompliance<'_> {
-    /// Share by which a change of one body's compliance (`values` as in `PressureCompliance`, of `terms` terms, over the
-    /// body's modulus) changes the work of the state's pressure: to first order the relative change of the force, since
-    /// the work is stationary in the pressure.
-    pub fn relative_change(&self, state: &ArcState, terms: usize, values: &[f64]) -> f64 {
-        let entries = packed_count(terms);
-        let weights = self.space.interpolation(state.arc.half_angle);
-        let mut matrix = [0.0; packed_count(MAX_TERMS)];
-        for (weight, row) in weights.iter().zip(values.chunks_exact(entries)) {
-            matrix[..entries].iter_mut().zip(row).for_each(|(entry, value)| *entry += weight * value);
+/// Interpolates a compliance (`[node][packed]`) at the arcs of the lanes.
+#[inline(always)]
+fn interpolate<const FUSED: bool, const TERMS: usize>(
+    weights: &[[f64; NODE_COUNT]; LANES],
+    values: &[f64],
+) -> [[Lanes<FUSED>; TERMS]; TERMS] {
+    let mut matrix = [[Lanes::<FUSED>::zero(); TERMS]; TERMS];
+    let negative: [Lanes<FUSED>; NODE_COUNT] =
+        std::array::from_fn(|node| Lanes(std::array::from_fn(|lane| -weights[lane][node])));
+    let entries = packed_count(TERMS);
+    for row in 0..TERMS {
+        for column in 0..=row {
+            let mut entry = Lanes::<FUSED>::zero();
+            let of_entry = values[packed(row, column)..].iter().step_by(entries);
+            for (weight, value) in negative.iter().zip(of_entry) {
+                entry = entry.minus_product(*weight, Lanes::from_f64(*value));
+            }
+            matrix[row][column] = entry;
         }
-        let mut work = 0.0;
-        for j in 0..terms.min(self.terms) {
-            let below: f64 = (0..j).map(|k| matrix[packed(j, k)] * state.pressure[k]).sum();
-            work += state.pressure[j] * (2.0 * below + matrix[packed(j, j)] * state.pressure[j]);
+    }
+    matrix
+}
+
+/// One evaluation of `LANES` arcs.
+struct Evaluate<'a> {
+    joint: &'a JointCompliance<'a>,
+    arcs: [ContactArc; LANES],
+    weights: &'a [[f64; NODE_COUNT]; LANES],
+}
+
+impl WithSimd for Evaluate<'_> {
+    type Output = [Option<ArcState>; LANES];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        if S::IS_SCALAR { self.run_terms::<false>() } else { self.run_terms::<true>() }
+    }
+}
+
+impl Evaluate<'_> {
+    #[inline(always)]
+    fn run_terms<const FUSED: bool>(self) -> [Option<ArcState>; LANES] {
+        match self.joint.space.terms {
+            10 => self.run::<FUSED, 10>(),
+            16 => self.run::<FUSED, 16>(),
+            MAX_TERMS => self.run::<FUSED, MAX_TERMS>(),
+            other => unreachable!("no code for {other} trial pressures, only for {TERM_CHOICES:?}"),
         }
-        work / state.energy
+    }
+
+    #[inline(always)]
+    fn run<const FUSED: bool, const TERMS: usize>(self) -> [Option<ArcState>; LANES] {
+        let Evaluate { joint, arcs, weights } = self;
+        let zero = Lanes::<FUSED>::zero();
+        let mut matrix = interpolate::<FUSED, TERMS>(weights, &joint.values);
+        matrix[0][0] -= Lanes(arcs.map(|arc| FRAC_PI_2 * joint.amplitude * arc.b.ln()));
+        let mut load_one = [zero; TERMS];
+        let mut load_versine = [zero; TERMS];
+        for k in 0..TERMS {
+            load_one[k] = Lanes::from_f64(ContactArc::resultant(k));
+            load_versine[k] = Lanes(std::array::from_fn(|lane| arcs[lane].versine(k)));
+        }
+        let (mut one, mut versine) = (load_one, load_versine);
+        solve_in_place(&mut matrix, &mut one, &mut versine);
+        let (mut sum_one, mut sum_versine) = (zero, zero);
+        for k in 0..TERMS {
+            sum_one += one[k];
+            sum_versine += versine[k];
+        }
+        let indentation = sum_versine / sum_one;
+        let two = Lanes::from_f64(2.0);
+        let (mut force, mut stiffness, mut energy) = (zero, zero, zero);
+        let mut pressure = [zero; TERMS];
+        for k in 0..TERMS {
+            let cosine = two * (load_one[k] - load_versine[k]);
+            pressure[k] = indentation * one[k] - versine[k];
+            force += pressure[k] * cosine;
+            stiffness += (one[k] - versine[k]) * cosine;
+            energy += pressure[k] * (indentation * load_one[k] - load_versine[k]);
+        }
+        std::array::from_fn(|lane| {
+            let state = ArcState {
+                arc: arcs[lane],
+                indentation: indentation.0[lane],
+                force: force.0[lane],
+                tangent_stiffness: stiffness.0[lane],
+                energy: energy.0[lane],
+                terms: TERMS,
+                pressure: std::array::from_fn(|k| if k < TERMS { pressure[k].0[lane] } else { 0.0 }),
+            };
+            // The square root of a negative pivot makes everything after it NaN.
+            let sound = state.indentation.is_finite() && state.force.is_finite() && state.energy.is_finite();
+            sound.then_some(state)
+        })
+    }
+}
+
+/// Solves for two right-hand sides by Cholesky, A = L L^T in the lower triangle.
+#[inline(always)]
+fn solve_in_place<T: Real, const TERMS: usize>(
+    matrix: &mut [[T; TERMS]; TERMS],
+    one: &mut [T; TERMS],
+    versine: &mut [T; TERMS],
+) {
+    let mut inverse = [T::zero(); TERMS];
+    for row in 0..TERMS {
+        for column in 0..=row {
+            let mut value = matrix[row][column];
+            for k in 0..column {
+                value = value.minus_product(matrix[row][k], matrix[column][k]);
+            }
+            matrix[row][column] = if column < row { value * inverse[column] } else { value };
+        }
+        inverse[row] = T::from_f64(1.0) / matrix[row][row].sqrt();
+        for k in 0..row {
+            one[row] = one[row].minus_product(matrix[row][k], one[k]);
+            versine[row] = versine[row].minus_product(matrix[row][k], versine[k]);
+        }
+        one[row] = one[row] * inverse[row];
+        versine[row] = versine[row] * inverse[row];
+    }
+    for row in (0..TERMS).rev() {
+        for k in row + 1..TERMS {
+            one[row] = one[row].minus_product(matrix[k][row], one[k]);
+            versine[row] = versine[row].minus_product(matrix[k][row], versine[k]);
+        }
+        one[row] = one[row] * inverse[row];
+        versine[row] = versine[row] * inverse[row];
+    }
+}
+
+/// The quadratic form of a change of compliance with the pressures of up to `LANES` states.
+struct Change<'a> {
+    joint: &'a JointCompliance<'a>,
+    states: &'a [ArcState],
+    values: &'a [f64],
+}
+
+impl WithSimd for Change<'_> {
+    type Output = [f64; LANES];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        if S::IS_SCALAR { self.run_terms::<false>() } else { self.run_terms::<true>() }
+    }
+}
+
+impl Change<'_> {
+    #[inline(always)]
+    fn run_terms<const FUSED: bool>(self) -> [f64; LANES] {
+        match self.joint.space.terms {
+            10 => self.run::<FUSED, 10>(),
+            16 => self.run::<FUSED, 16>(),
+            MAX_TERMS => self.run::<FUSED, MAX_TERMS>(),
+            other => unreachable!("no code for {other} trial pressures, only for {TERM_CHOICES:?}"),
+        }
+    }
+
+    #[inline(always)]
+    fn run<const FUSED: bool, const TERMS: usize>(self) -> [f64; LANES] {
+        let Change { joint, states, values } = self;
+        let state = |lane: usize| &states[lane.min(states.len() - 1)];
+        let weights = std::array::from_fn(|lane| joint.space.interpolation(state(lane).arc.half_angle));
+        let matrix = interpolate::<FUSED, TERMS>(&weights, values);
+        let pressure: [Lanes<FUSED>; TERMS] =
+            std::array::from_fn(|k| Lanes(std::array::from_fn(|lane| state(lane).pressure[k])));
+        let mut work = Lanes::<FUSED>::zero();
+        for j in 0..TERMS {
+            let mut row = Lanes::<FUSED>::zero();
+            for k in 0..j {
+                row += matrix[j][k] * pressure[k];
+            }
+            work += pressure[j] * (row + row + matrix[j][j] * pressure[j]);
+        }
+        std::array::from_fn(|lane| work.0[lane] / state(lane).energy)
     }
 }
 
@@ -197,9 +316,20 @@ impl ArcState {
 
     /// Whether there is no tension: looked at between the zeros of the highest trial pressure.
     pub fn pressure_is_positive(&self) -> bool {
+        // p(tau) > 0 where the sum of c_k cos(2 k tau) is; at tau = i pi/(2 count) each cosine is one of 2 count.
         let count = 2 * self.terms;
-        let least = -TENSION * self.peak_pressure().abs();
-        (1..=count).all(|i| self.pressure_at(FRAC_PI_2 * i as f64 / count as f64) >= least)
+        let turn = 2.0 * (std::f64::consts::PI / count as f64).cos();
+        let mut cosines = [0.0; 4 * MAX_TERMS];
+        (cosines[0], cosines[1]) = (1.0, 0.5 * turn);
+        for i in 2..2 * count {
+            cosines[i] = turn * cosines[i - 1] - cosines[i - 2];
+        }
+        let series = |i: usize| -> f64 {
+            let coefficients = self.pressure[..self.terms].iter().enumerate();
+            coefficients.map(|(k, c)| c * cosines[i * k % (2 * count)]).sum()
+        };
+        let least = -TENSION * series(count);
+        (1..=count).all(|i| series(i) >= least)
     }
 
     /// Contact pressure over e at tau, 0 < tau <= pi/2; phi = `arc.angle(tau)`.
@@ -244,7 +374,7 @@ mod tests {
             (80.0, 0.0630728, 0.611608),
         ];
         for (degrees, clearance, peak) in table {
-            let state = joint.at(f64::to_radians(degrees)).unwrap();
+            let state = joint.at(&[f64::to_radians(degrees); LANES])[0].unwrap();
             let inverse_force = 0.5 * state.clearance() / state.force;
             let peak_pressure = state.peak_pressure() / state.force;
             println!("{degrees}: {} {}", inverse_force / clearance - 1.0, peak_pressure / peak - 1.0);
