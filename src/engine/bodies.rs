@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::mechanics::body::{Body, BodyKey, Side};
 use crate::mechanics::compliance::PressureCompliance;
-use crate::mechanics::compliance::condensed::CondensationPlan;
+use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::near_field::{NearField, PoissonRange};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::compliance::series::ConcentricBody;
@@ -30,7 +30,7 @@ impl SpaceKey {
     /// The largest contact half angle, rad: just short of a half ring's end, where its face is held, and beyond any
     /// free contact of a whole ring.
     pub fn limit(self) -> f64 {
-        if self.half_ring { 1.54 } else { 1.9 }
+        if self.half_ring { 1.54 } else { 2.4 }
     }
 }
 

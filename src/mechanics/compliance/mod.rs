@@ -4,7 +4,7 @@ pub mod condense;
 pub mod pressure_space;
 pub mod series;
 pub mod ring_loads;
-pub mod condensed;
+pub mod lane_condensation;
 pub mod near_field;
 
 pub use pressure_space::NODE_COUNT;

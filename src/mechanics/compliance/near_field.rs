@@ -15,7 +15,7 @@
 
 use std::f64::consts::PI;
 
-use super::condensed::{CondensationPlan, remove_logarithm};
+use super::lane_condensation::{CondensationPlan, remove_logarithm};
 use super::pressure_space::{PressureSpace, packed_count};
 use super::series::ConcentricBody;
 use super::{NODE_COUNT, PressureCompliance};

@@ -184,25 +184,39 @@ impl PressureSpace {
     pub fn moments(&self, highest: usize) -> Vec<f64> {
         let mut moments = vec![0.0; NODE_COUNT * (highest + 1) * self.terms];
         for (arc, moments) in self.arcs.iter().zip(moments.chunks_exact_mut((highest + 1) * self.terms)) {
-            // The integrand is analytic and has period pi in tau, so the midpoint rule converges exponentially once it
-            // resolves the fastest wave, which has n eps/2 periods.
-            let points = 24 + self.terms + (0.5 * highest as f64 * arc.half_angle) as usize;
-            let weight = FRAC_PI_2 / points as f64;
-            for i in 0..points {
-                let tau = (i as f64 + 0.5) * weight;
-                let trials = cosines((2.0 * tau).cos());
-                let turn = 2.0 * arc.angle(tau).cos();
-                let (mut wave, mut previous) = (1.0, 0.5 * turn);
-                for row in moments.chunks_exact_mut(self.terms) {
-                    let scale = weight * wave;
-                    row.iter_mut().zip(&trials).for_each(|(moment, trial)| *moment += scale * trial);
-                    (wave, previous) = (turn * wave - previous, wave);
-                }
+            // Block by block, so that a moment does not depend on how many are asked for.
+            for (block, moments) in moments.chunks_mut(MODE_BLOCK * self.terms).enumerate() {
+                self.add_moments(arc, block * MODE_BLOCK, moments);
             }
         }
         moments
     }
+
+    /// Adds the moments from mode `first` on, `[n][k]`.
+    fn add_moments(&self, arc: &ContactArc, first: usize, moments: &mut [f64]) {
+        // The integrand is analytic and has period pi in tau, so the midpoint rule converges exponentially once it
+        // resolves the fastest wave, which has n eps/2 periods.
+        let fastest = (first + MODE_BLOCK) as f64;
+        let points = 24 + self.terms + (0.5 * fastest * arc.half_angle) as usize;
+        let weight = FRAC_PI_2 / points as f64;
+        for i in 0..points {
+            let tau = (i as f64 + 0.5) * weight;
+            let trials = cosines((2.0 * tau).cos());
+            let angle = arc.angle(tau);
+            let turn = 2.0 * angle.cos();
+            let mut wave = (first as f64 * angle).cos();
+            let mut previous = ((first as f64 - 1.0) * angle).cos();
+            for row in moments.chunks_exact_mut(self.terms) {
+                let scale = weight * wave;
+                row.iter_mut().zip(&trials).for_each(|(moment, trial)| *moment += scale * trial);
+                (wave, previous) = (turn * wave - previous, wave);
+            }
+        }
+    }
 }
+
+/// Modes whose moments share a quadrature rule.
+const MODE_BLOCK: usize = 64;
 
 /// cos(k x) for k = 0 ... `MAX_TERMS` - 1 from cos x.
 pub fn cosines(cosine: f64) -> [f64; MAX_TERMS] {

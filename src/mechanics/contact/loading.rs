@@ -32,7 +32,8 @@ const MOST_EVALUATIONS: usize = 200;
 /// A joint's curve, sampled at the nodes of its pressure space.
 pub struct JointCurve<'a> {
     joint: JointCompliance<'a>,
-    /// States at the smallest half angle and at the nodes, ascending, up to the first beyond a neat fit.
+    /// States at the smallest half angle and at the nodes, ascending, up to the first beyond a neat fit, and no
+    /// further than the contact grows with the load.
     samples: Vec<ArcState>,
 }
 
@@ -43,6 +44,12 @@ impl<'a> JointCurve<'a> {
         samples.extend(nodes.ok_or(NoState::BrokenCompliance)?);
         if let Some(neat) = samples.iter().position(|state| state.indentation >= 1.0) {
             samples.truncate(neat + 1);
+        }
+        // The pressure is the sum of what punches of all smaller arcs add as the contact grows, each of them positive:
+        // where it grows with the load the pressure is positive and the gap beyond it open, and only there.
+        let shrinks = |pair: &[ArcState]| pair[1].indentation <= pair[0].indentation;
+        if let Some(turn) = samples.windows(2).position(shrinks) {
+            samples.truncate(turn + 1);
         }
         Ok(JointCurve { joint, samples })
     }
