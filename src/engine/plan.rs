@@ -36,7 +36,7 @@ pub fn first_level(accuracy: f64) -> usize {
 /// the change, and a floor for changes that are small by chance. Measured against `series` and against the finest
 /// level (docs/verification.md, "force_error"), so that 95 % of the errors are below the estimate.
 pub fn mesh_error(level: usize, change: f64) -> f64 {
-    const ERROR_PER_CHANGE: [f64; LEVEL_COUNT] = [f64::INFINITY, 3.5, 2.5, 1.5, 1.5, 2.0];
+    const ERROR_PER_CHANGE: [f64; LEVEL_COUNT] = [f64::INFINITY, 3.5, 3.0, 1.5, 1.5, 2.0];
     const FLOOR: [f64; LEVEL_COUNT] = [f64::INFINITY, 7e-4, 1.5e-4, 2e-5, 1e-5, 5e-6];
     ERROR_PER_CHANGE[level] * change.abs() + FLOOR[level]
 }
