@@ -3,5 +3,8 @@ pub mod material;
 pub mod body;
 pub mod element;
 pub mod mesh;
+pub mod assembly;
+pub mod solve;
 pub mod compliance;
+pub mod contact;
 pub mod laws;
