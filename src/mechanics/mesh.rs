@@ -150,15 +150,17 @@ pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> V
         Side::Plate => 1.0,
         Side::Pin => -1.0,
     };
-    // Lines of corner nodes first; mid-side nodes of layers lie half-way between them.
+    // Straight lines, which cannot leave a convex body (but can cut the ring, where it is divided too coarsely for a
+    // thin place: assembly refuses such a mesh). Mid-side nodes of layers lie half-way between corner nodes.
     let mut lines: Vec<Vec<[f64; 2]>> = Vec::with_capacity(columns + 1);
     for column in 0..=columns {
         let depth = (body.shape.depth)(&body.parameters, targets[column]);
         let layers = layer_depths(grading.first_layer, grading.layer_count, depth);
+        let on_ring = polar(1.0, angles[column]);
+        let far = polar(1.0 + outward * depth, targets[column]);
         let corner = |layer: usize| -> [f64; 2] {
-            let angle = angles[column] + (targets[column] - angles[column]) * (layers[layer] / depth);
-            let radius = 1.0 + outward * layers[layer];
-            [radius * angle.sin(), -radius * angle.cos()]
+            let share = layers[layer] / depth;
+            [0, 1].map(|axis| on_ring[axis] + share * (far[axis] - on_ring[axis]))
         };
         let corners: Vec<[f64; 2]> = (0..=grading.layer_count).map(corner).collect();
         let line = (0..=rows).map(|row| match row % 2 {
@@ -169,10 +171,29 @@ pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> V
     }
     if body.shape.straight_boundary {
         for column in (1..columns).step_by(2) {
-            lines[column][rows] = midpoint(lines[column - 1][rows], lines[column + 1][rows]);
+            lines[column] = bowed(&lines[column - 1], &lines[column], &lines[column + 1]);
         }
     }
     topology.grid.iter().map(|&(row, column)| lines[column][row]).collect()
+}
+
+/// The line of mid-side nodes half-way between two lines of corner nodes: bowed at the ring as `line` is there,
+/// straight at the boundary, and in proportion between. Its own layers do not matter, so that elements keep their
+/// shape where the depth changes quickly.
+fn bowed(before: &[[f64; 2]], line: &[[f64; 2]], after: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let (ring, far) = (line[0], line[line.len() - 1]);
+    let chord = midpoint(before[0], after[0]);
+    let length = (far[0] - ring[0]).hypot(far[1] - ring[1]);
+    let at = |(row, place): (usize, &[f64; 2])| {
+        let share = 1.0 - (place[0] - ring[0]).hypot(place[1] - ring[1]) / length;
+        let middle = midpoint(before[row], after[row]);
+        [0, 1].map(|axis| middle[axis] + share * (ring[axis] - chord[axis]))
+    };
+    line.iter().enumerate().map(at).collect()
+}
+
+fn polar(radius: f64, angle: f64) -> [f64; 2] {
+    [radius * angle.sin(), -radius * angle.cos()]
 }
 
 fn midpoint(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
@@ -181,7 +202,9 @@ fn midpoint(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 
 /// `values` with the mid-points between them (`step` 1), or alone (`step` 2).
 fn half_steps(values: &[f64], step: usize) -> Vec<f64> {
-    let at = |i: usize| if i % 2 == 0 { values[i / 2] } else { 0.5 * (values[i / 2] + values[i / 2 + 1]) };
+    let at = |i: usize| {
+        if i.is_multiple_of(2) { values[i / 2] } else { 0.5 * (values[i / 2] + values[i / 2 + 1]) }
+    };
     (0..2 * values.len() - 1).step_by(step).map(at).collect()
 }
 

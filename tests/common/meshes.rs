@@ -116,9 +116,9 @@ impl PlaneMesh {
                     let shape = ShapeFunctions::at(self.element, xi, eta);
                     let mut jacobian = [[0.0; 2]; 2];
                     for (i, &node) in nodes.iter().enumerate() {
-                        for axis in 0..2 {
-                            jacobian[0][axis] += shape.by_xi[i] * self.coordinates[node as usize][axis];
-                            jacobian[1][axis] += shape.by_eta[i] * self.coordinates[node as usize][axis];
+                        for (axis, x) in self.coordinates[node as usize].into_iter().enumerate() {
+                            jacobian[0][axis] += shape.by_xi[i] * x;
+                            jacobian[1][axis] += shape.by_eta[i] * x;
                         }
                     }
                     let [[a, b], [c, d]] = jacobian;

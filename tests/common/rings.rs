@@ -6,6 +6,7 @@ use jointsweep::mechanics::assembly::Assembly;
 use jointsweep::mechanics::body::{Body, MAX_PARAMETERS, SHAPES, Shape};
 use jointsweep::mechanics::compliance::RingCompliance;
 use jointsweep::mechanics::compliance::condense::by_cholesky;
+use jointsweep::mechanics::contact::active_set::RingBody;
 use jointsweep::mechanics::element::stiffness::Elasticity;
 use jointsweep::mechanics::element::{ElementKind, side_functions};
 use jointsweep::mechanics::material::Idealization;
@@ -48,6 +49,10 @@ impl MeshedBody {
         let analysis = CholeskyAnalysis::new(self.assembly.matrix(&values)).unwrap();
         let ring_start = self.topology.ring_start;
         by_cholesky(&self.assembly, &analysis, ring_start, &self.elasticity, &self.coordinates).unwrap()
+    }
+
+    pub fn ring<'a>(&'a self, compliance: &'a RingCompliance, youngs_modulus: f64) -> RingBody<'a> {
+        RingBody { topology: &self.topology, compliance, youngs_modulus }
     }
 
     /// Work-equivalent forces on the ring's unknowns of unit pressure that pushes away from the centre: sum over
