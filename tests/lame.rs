@@ -10,6 +10,7 @@
 
 mod common;
 
+use common::greatest;
 use common::meshes::{ELEMENTS, order};
 use common::rings::{MeshedBody, body, concentric_grading, dot, ring_displacement};
 use jointsweep::mechanics::element::ElementKind;
@@ -55,12 +56,11 @@ fn solve(
         SUPPORTED => 0.0,
         unknown => displacement[unknown as usize - topology.ring_start],
     };
-    let nodal =
-        topology.ring_nodes.iter().zip(&topology.ring_angles).fold(0.0, |most: f64, (&node, angle)| {
-            let (normal_x, normal_y) = (angle.sin(), -angle.cos());
-            let (x, y) = (component(node, 0) - expected * normal_x, component(node, 1) - expected * normal_y);
-            most.max(x.hypot(y) / expected)
-        });
+    let nodal = greatest(topology.ring_nodes.iter().zip(&topology.ring_angles).map(|(&node, angle)| {
+        let (normal_x, normal_y) = (angle.sin(), -angle.cos());
+        let (x, y) = (component(node, 0) - expected * normal_x, component(node, 1) - expected * normal_y);
+        x.hypot(y) / expected
+    }));
     let work = dot(&load, &displacement) / (std::f64::consts::PI * expected) - 1.0;
     Errors { work: work.abs(), nodal }
 }

@@ -8,7 +8,7 @@
 //!
 //! by the primal-dual active set method (Hintermueller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888): close the
 //! active gaps, release what pulls, close what penetrates, until nothing changes. Whole nodes open and close, so the
-//! force is kinked in the indentation, and the edge of contact is known to half a node's spacing.
+//! force is kinked in the indentation, and the edge of contact is known to a fraction of a node's spacing.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -151,7 +151,8 @@ pub struct RingContact {
     pub nodal: NodalContact,
     /// F = 2 sum f_i cos phi_i, of both halves.
     pub force: f64,
-    /// Half-way between the last node that touches and the next, rad; 0 without contact.
+    /// Angle of the last node that touches, rad; 0 without contact. Measured against fine meshes it is free of bias,
+    /// a quarter of a node's spacing off (rms); the point half-way to the next node would be half a spacing beyond.
     pub contact_half_angle: f64,
 }
 
@@ -195,9 +196,6 @@ pub fn ring_contact(
     let initial_gaps: Vec<f64> = angles.iter().map(initial_gap).collect();
     let nodal = solve_nodal_contact(&compliance, &initial_gaps, iteration_limit);
     let force = 2.0 * nodal.forces.iter().zip(&angles).map(|(force, angle)| force * angle.cos()).sum::<f64>();
-    let contact_half_angle = match nodal.active.iter().rposition(|&active| active) {
-        Some(last) => 0.5 * (angles[last] + angles[(last + 1).min(angles.len() - 1)]),
-        None => 0.0,
-    };
+    let contact_half_angle = nodal.active.iter().rposition(|&active| active).map_or(0.0, |last| angles[last]);
     Ok(RingContact { angles, nodal, force, contact_half_angle })
 }
