@@ -52,8 +52,8 @@ fn sector(meshed: &MeshedBody) -> f64 {
     }
 }
 
-/// Goal: blocks of any proportions, divided coarsely or finely, are filled exactly, by elements of positive area, with a
-/// node in each corner; their edges are held as named. 100 random blocks, from 1.1 to 50 hole radii.
+/// Goal: blocks of any proportions, divided coarsely or finely, are filled exactly, by elements of positive area, with
+/// a node in each corner; their edges are held as named. 100 random blocks, from 1.1 to 50 hole radii.
 #[test]
 fn blocks_are_filled_and_held() {
     let ratio = |seed: u64| 1.1 * (50f64 / 1.1).powf(0.5 * (1.0 + scatter(seed)));

@@ -52,7 +52,7 @@ fn ring_loads(meshed: &MeshedBody) -> Vec<f64> {
     loads
 }
 
-/// Goal: conjugate gradients in f64 and Cholesky find the same compliance, and it closes K C-columns = loads.
+/// Goal: conjugate gradients in f64 and Cholesky find the same compliance.
 #[test]
 fn conjugate_gradients_agree_with_cholesky() {
     for element in ELEMENTS {
@@ -120,8 +120,8 @@ fn the_correction_squares_the_error_of_f32_columns() {
     }
 }
 
-/// Goal: where f32 cannot reach the tolerance, the report says so although the recursion believes it has; and what the
-/// correction makes of such columns. Plane strain, nu = 0.49.
+/// Goal: where f32 cannot reach the tolerance, the report says so although the recursion believes it has; and the
+/// correction still makes a good compliance of such columns. Plane strain, nu = 0.49.
 #[test]
 fn stagnation_in_f32_is_reported() {
     let meshed = plate(ElementKind::Quad4, 4.0, Idealization::PlaneStrain, 0.49);

@@ -80,8 +80,8 @@ impl PlaneMesh {
         (unknowns, count as usize)
     }
 
-    /// Displacement of all dofs under `load`, where `prescribed` holds that of the supported dofs (and zero elsewhere),
-    /// and the force that each dof exerts on the body.
+    /// Displacement of all dofs under `load`, where `prescribed` holds that of the supported dofs (and zero
+    /// elsewhere), and the force that each dof exerts on the body.
     pub fn solve(
         &self,
         elasticity: &Elasticity<f64>,

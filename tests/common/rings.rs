@@ -99,7 +99,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// `count` equal ring elements and layers that grow like the radius, as a concentric body of far radius `ratio` needs.
+/// `count` equal ring elements and layers that grow like the radius, for a concentric body of far radius `ratio`.
 pub fn concentric_grading(element: ElementKind, ratio: f64, count: usize, layer_count: usize) -> Grading {
     let first_layer = (ratio.powf(1.0 / layer_count as f64) - 1.0).abs();
     let angles = (0..=count).map(|i| PI * i as f64 / count as f64).collect();

@@ -6,7 +6,7 @@
 //!   g = g0 + C f >= 0,   f >= 0,   f_i g_i = 0,      g0 = dR - (dR + delta) cos phi,   C = C_pin/E1 + C_plate/E2
 //! ```
 //!
-//! by the primal-dual active set method (Hintermueller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888): close the
+//! by the primal-dual active set method (Hintermüller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865-888): close the
 //! active gaps, release what pulls, close what penetrates, until nothing changes. Whole nodes open and close, so the
 //! force is kinked in the indentation, and the edge of contact is known to a fraction of a node's spacing.
 
