@@ -48,7 +48,7 @@ impl ElementRule {
 }
 
 /// Element stiffness, row-major `[2 * MAX_NODES][2 * MAX_NODES]`, the upper triangle of the first
-/// `2 * node_count` rows filled; `smallest_jacobian` is the least |J| over the points, scaled by nothing.
+/// `2 * node_count` rows filled.
 pub struct ElementStiffness<T> {
     pub values: [[T; 2 * MAX_NODES]; 2 * MAX_NODES],
 }
@@ -61,22 +61,28 @@ fn gradients<T: Real>(
     count: usize,
 ) -> ([[T; 2]; MAX_NODES], T) {
     let mut jacobian = [[T::zero(); 2]; 2];
-    for node in 0..count {
+    for (node, place) in nodes.iter().enumerate().take(count) {
         let (by_xi, by_eta) = (T::from_f64(shape.by_xi[node]), T::from_f64(shape.by_eta[node]));
         for axis in 0..2 {
-            jacobian[0][axis] += by_xi * nodes[node][axis];
-            jacobian[1][axis] += by_eta * nodes[node][axis];
+            jacobian[0][axis] += by_xi * place[axis];
+            jacobian[1][axis] += by_eta * place[axis];
         }
     }
     let determinant = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
     let inverse = T::from_f64(1.0) / determinant;
     let mut gradient = [[T::zero(); 2]; MAX_NODES];
-    for node in 0..count {
+    for (node, [by_x, by_y]) in gradient.iter_mut().enumerate().take(count) {
         let (by_xi, by_eta) = (T::from_f64(shape.by_xi[node]), T::from_f64(shape.by_eta[node]));
-        gradient[node][0] = (jacobian[1][1] * by_xi - jacobian[0][1] * by_eta) * inverse;
-        gradient[node][1] = (jacobian[0][0] * by_eta - jacobian[1][0] * by_xi) * inverse;
+        *by_x = (jacobian[1][1] * by_xi - jacobian[0][1] * by_eta) * inverse;
+        *by_y = (jacobian[0][0] * by_eta - jacobian[1][0] * by_xi) * inverse;
     }
     (gradient, determinant)
+}
+
+/// The least |J| over the points of one element: at most zero, or NaN, where `element_stiffness` means nothing.
+pub fn smallest_jacobian(rule: &ElementRule, nodes: &[[f64; 2]; MAX_NODES]) -> f64 {
+    let determinants = rule.points.iter().map(|shape| gradients(shape, nodes, rule.kind.node_count()).1);
+    determinants.fold(f64::INFINITY, |least, next| if next >= least { least } else { next })
 }
 
 /// Adds w |J| B^T D B of every point; Q4 replaces its dilatation by the one at the centre (B-bar, Hughes 1980).
