@@ -125,7 +125,7 @@ fn the_correction_squares_the_error_of_f32_columns() {
 #[test]
 fn stagnation_in_f32_is_reported() {
     let meshed = plate(ElementKind::Quad4, 4.0, Idealization::PlaneStrain, 0.49);
-    let settings = PcgSettings { tolerance: 1e-5, iteration_limit: 5000 };
+    let settings = PcgSettings { tolerance: 1e-6, iteration_limit: 5000 };
     let start = meshed.topology.ring_start;
     let found =
         by_pcg::<f32>(&meshed.assembly, start, &meshed.elasticity, &meshed.coordinates, &settings).unwrap();
@@ -136,7 +136,7 @@ fn stagnation_in_f32_is_reported() {
     }
     let worst = greatest(found.columns.iter().map(|report| report.true_residual));
     let error = difference(&found.compliance, &meshed.condense());
-    println!("true residual up to {worst:.1e} at tolerance 1e-5; corrected compliance within {error:.0e}");
+    println!("true residual up to {worst:.1e} at tolerance 1e-6; corrected compliance within {error:.0e}");
     assert!(error < 1e-7);
 }
 
@@ -305,7 +305,7 @@ fn broken_meshes_are_refused() {
         let mirrored: Vec<[f64; 2]> = mesh.coordinates.iter().map(|[x, y]| [-x, *y]).collect();
         assert!(matches!(values(&mirrored), Err(AssemblyError::InvertedElement { element: 0, .. })));
         let flat: Vec<[f64; 2]> = mesh.coordinates.iter().map(|[x, _]| [*x, 0.0]).collect();
-        assert!(matches!(values(&flat), Err(AssemblyError::InvertedElement { element: 0, jacobian: 0.0 })));
+        assert!(matches!(values(&flat), Err(AssemblyError::InvertedElement { element: 0 })));
         let mut missing = mesh.coordinates.clone();
         missing[5][1] = f64::NAN;
         assert!(matches!(values(&missing), Err(AssemblyError::CoordinateNotFinite { node: 5, .. })));

@@ -11,9 +11,7 @@
 //!   values            row_starts[row] .. row_starts[row + 1], columns[k]      CSR over the free unknowns
 //! ```
 
-use crate::mechanics::element::stiffness::{
-    Elasticity, ElementRule, ElementStiffness, element_stiffness, smallest_jacobian,
-};
+use crate::mechanics::element::stiffness::{Elasticity, ElementRule, ElementStiffness, element_stiffness};
 use crate::mechanics::element::{ElementKind, MAX_NODES};
 use crate::mechanics::mesh::{RingTopology, SUPPORTED};
 use crate::mechanics::real::Real;
@@ -23,8 +21,8 @@ use crate::mechanics::real::Real;
 pub enum AssemblyError {
     #[error("node {node} is at ({x}, {y})")]
     CoordinateNotFinite { node: usize, x: f64, y: f64 },
-    #[error("element {element} is turned inside out: its least Jacobian is {jacobian}")]
-    InvertedElement { element: usize, jacobian: f64 },
+    #[error("element {element} is turned inside out")]
+    InvertedElement { element: usize },
 }
 
 /// A square sparse matrix by rows; columns ascend within a row.
@@ -211,14 +209,16 @@ impl Assembly {
             }
             *place = [x - x0, y - y0];
         }
-        let jacobian = smallest_jacobian(&self.rule, &relative);
-        if jacobian <= 0.0 || jacobian.is_nan() {
-            return Err(AssemblyError::InvertedElement { element, jacobian });
-        }
         let Elasticity { direct, cross, shear } = *elasticity;
         let elasticity =
             Elasticity { direct: T::from_f64(direct), cross: T::from_f64(cross), shear: T::from_f64(shear) };
-        Ok(element_stiffness(&self.rule, &elasticity, &relative.map(|node| node.map(T::from_f64))))
+        let stiffness =
+            element_stiffness(&self.rule, &elasticity, &relative.map(|node| node.map(T::from_f64)));
+        if stiffness.smallest_jacobian.is_positive() {
+            Ok(stiffness)
+        } else {
+            Err(AssemblyError::InvertedElement { element })
+        }
     }
 }
 

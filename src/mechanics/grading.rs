@@ -27,7 +27,7 @@ struct Level {
 const LEVELS: [Level; 6] = [
     Level { first: 0.40, spread: 1.5, widest: 45.0, growth: 2.2 },
     Level { first: 0.30, spread: 2.0, widest: 36.0, growth: 2.0 },
-    Level { first: 0.20, spread: 2.5, widest: 24.0, growth: 1.7 },
+    Level { first: 0.20, spread: 2.5, widest: 24.0, growth: 1.55 },
     Level { first: 0.13, spread: 3.5, widest: 16.0, growth: 1.45 },
     Level { first: 0.085, spread: 5.0, widest: 11.0, growth: 1.3 },
     Level { first: 0.055, spread: 7.0, widest: 7.5, growth: 1.2 },

@@ -154,10 +154,14 @@ fn force_errors(
 ) -> Vec<f64> {
     let sound: Vec<ArcState> = states.iter().filter_map(|state| state.as_ref().ok().copied()).collect();
     let mut errors: Vec<f64> = sound.iter().map(|state| SERIES_ERROR + state.truncation()).collect();
+    let mut changes = vec![0.0; sound.len()];
     for difference in differences {
-        for (error, change) in errors.iter_mut().zip(curve.joint().relative_changes(&sound, difference)) {
-            *error += mesh_error(level, change);
+        for (sum, change) in changes.iter_mut().zip(curve.joint().relative_changes(&sound, difference)) {
+            *sum += change.abs();
         }
+    }
+    if !differences.is_empty() {
+        errors.iter_mut().zip(changes).for_each(|(error, change)| *error += mesh_error(level, change));
     }
     let mut errors = errors.into_iter();
     states
@@ -247,7 +251,7 @@ fn closed_form(case: DesignCase) -> DesignOutcome {
     );
     let curve = pair.and_then(|pair| laws::johnson::LAW.curve(&pair));
     let step = |load: &Load| -> Result<StepOutcome, laws::LawError> {
-        let curve = curve.clone()?;
+        let curve = curve?;
         let indentation = match *load {
             Load::Indentation(delta) => delta,
             Load::Force(force) => curve.indentation(force / joint.thickness)?,

@@ -51,6 +51,8 @@ impl ElementRule {
 /// `2 * node_count` rows filled.
 pub struct ElementStiffness<T> {
     pub values: [[T; 2 * MAX_NODES]; 2 * MAX_NODES],
+    /// The least |J| over the points: at most zero, or NaN, where the values mean nothing.
+    pub smallest_jacobian: T,
 }
 
 /// Gradients of the shape functions by x and y, and |J|, at one point of one element.
@@ -79,12 +81,6 @@ fn gradients<T: Real>(
     (gradient, determinant)
 }
 
-/// The least |J| over the points of one element: at most zero, or NaN, where `element_stiffness` means nothing.
-pub fn smallest_jacobian(rule: &ElementRule, nodes: &[[f64; 2]; MAX_NODES]) -> f64 {
-    let determinants = rule.points.iter().map(|shape| gradients(shape, nodes, rule.kind.node_count()).1);
-    determinants.fold(f64::INFINITY, |least, next| if next >= least { least } else { next })
-}
-
 /// Adds w |J| B^T D B of every point; Q4 replaces its dilatation by the one at the centre (B-bar, Hughes 1980).
 ///
 /// `nodes` are the coordinates in the order of `ElementKind`, oriented so that |J| > 0.
@@ -98,8 +94,10 @@ pub fn element_stiffness<T: Real>(
     let mut values = [[T::zero(); 2 * MAX_NODES]; 2 * MAX_NODES];
     let mean = gradients(&rule.centre, nodes, count).0;
     let half = T::from_f64(0.5);
+    let mut smallest_jacobian = T::from_f64(f64::INFINITY);
     for shape in &rule.points {
         let (gradient, determinant) = gradients(shape, nodes, count);
+        smallest_jacobian = smallest_jacobian.least(determinant);
         let (direct, cross, shear) =
             (elasticity.direct * determinant, elasticity.cross * determinant, elasticity.shear * determinant);
         if rule.kind == ElementKind::Quad8 {
@@ -133,5 +131,5 @@ pub fn element_stiffness<T: Real>(
             }
         }
     }
-    ElementStiffness { values }
+    ElementStiffness { values, smallest_jacobian }
 }
