@@ -202,3 +202,25 @@ fn the_engine_equals_plain_meshes() {
         }
     }
 }
+
+/// A half disc's elements at the ring are not its reference's, and a contact narrower than an element shows it.
+#[test]
+fn narrow_contacts_of_a_half_disc_are_within_a_third_of_a_percent() {
+    for indentation in [1e-9, 4e-8, 3.3e-7, 1e-6, 2.6e-6, 1e-5, 2e-5, 4e-5] {
+        let joint = joint(&half_disc::SHAPE, 0.0, 2.0, 1e-3);
+        let engine = Solver::new(2.5e-3).solve(joint, Load::Indentation(indentation));
+        let angle = engine.contact_half_angle.unwrap();
+        let plain = meshed(&joint, indentation, angle, Pairing::CommonAngle);
+        let (force, peak) =
+            (engine.force / plain.force - 1.0, engine.peak_pressure.unwrap() / plain.peak_pressure - 1.0);
+        println!(
+            "eps {:.3} deg: F {:+.3} % (estimated {:.3} %), p0 {:+.2} %",
+            plain.angle_at_hole.to_degrees(),
+            100.0 * force,
+            100.0 * engine.force_error,
+            100.0 * peak
+        );
+        // Seen: 0.26 % where the estimate says 0.15 %, and 0.7 % of the peak, 0.2 % of it the plain mesh's own.
+        assert!(force.abs() < 3e-3 && force.abs() < 2.0 * engine.force_error && peak.abs() < 0.012);
+    }
+}

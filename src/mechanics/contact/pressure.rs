@@ -103,8 +103,8 @@ impl<'a> JointCompliance<'a> {
     }
 
     /// For each state, the share by which a change of one body's compliance (`values` as in `PressureCompliance`, over
-    /// the body's modulus) changes the work of the pressure: to first order the relative change of the force, since
-    /// the work is stationary in the pressure.
+    /// the body's modulus) changes the work of the pressure: since that is stationary in the pressure, to first order
+    /// the relative change of the energy at a given indentation, and of the force where it changes evenly with the load.
     pub fn relative_changes(&self, states: &[ArcState], values: &[f64]) -> Vec<f64> {
         states
             .chunks(LANES)
