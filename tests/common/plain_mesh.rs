@@ -153,7 +153,7 @@ fn state(joint: &JointDesign, bodies: &[(FineBody, f64); 2], paths: &Paths) -> S
         }
     }
     let pressure = solve(matrix, closing);
-    let signed = |k: usize, c: &f64| if k % 2 == 0 { *c } else { -c };
+    let signed = |k: usize, c: &f64| if k.is_multiple_of(2) { *c } else { -c };
     let peak: f64 = pressure.iter().enumerate().map(|(k, c)| signed(k, c)).sum();
     State {
         force: joint.thickness
