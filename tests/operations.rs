@@ -19,7 +19,7 @@ thread_local! {
     static DONE: Cell<u64> = const { Cell::new(0) };
 }
 
-/// A number that counts its operations; changes of sign are free.
+/// A number that counts its operations; changes of sign and comparisons are free.
 #[derive(Clone, Copy)]
 struct Counted(f64);
 
@@ -68,6 +68,12 @@ impl Real for Counted {
     }
     fn sqrt(self) -> Counted {
         count(1, self.0.sqrt())
+    }
+    fn least(self, other: Counted) -> Counted {
+        Counted(self.0.least(other.0))
+    }
+    fn is_positive(self) -> bool {
+        self.0 > 0.0
     }
     fn minus_product(self, a: Counted, b: Counted) -> Counted {
         count(2, self.0 - a.0 * b.0)

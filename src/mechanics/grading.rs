@@ -5,6 +5,8 @@
 //! body's own depth, not the contact angle, and one mesh serves every load. Depths are rounded to classes, so that
 //! bodies of one class share their topology and the near-field correction.
 
+use std::f64::consts::PI;
+
 use crate::mechanics::body::Body;
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::mesh::{Grading, layer_thicknesses};
@@ -25,7 +27,7 @@ struct Level {
 const LEVELS: [Level; 6] = [
     Level { first: 0.40, spread: 1.5, widest: 45.0, growth: 2.2 },
     Level { first: 0.30, spread: 2.0, widest: 36.0, growth: 2.0 },
-    Level { first: 0.20, spread: 2.5, widest: 24.0, growth: 1.7 },
+    Level { first: 0.20, spread: 2.5, widest: 24.0, growth: 1.55 },
     Level { first: 0.13, spread: 3.5, widest: 16.0, growth: 1.45 },
     Level { first: 0.085, spread: 5.0, widest: 11.0, growth: 1.3 },
     Level { first: 0.055, spread: 7.0, widest: 7.5, growth: 1.2 },
@@ -36,6 +38,9 @@ pub const LEVEL_COUNT: usize = LEVELS.len();
 
 /// More layers than any depth that a number can hold needs at any level, with room to spare.
 const MOST_LAYERS: usize = 10_000;
+
+/// Bodies deeper than this are not thin.
+const THICK: f64 = 0.7;
 
 /// Classes of depth per factor of two.
 const CLASSES_PER_OCTAVE: f64 = 2.0;
@@ -62,9 +67,14 @@ impl GradingClass {
         class
     }
 
+    /// The depth that stands for the class: a lower bound, at most 1.
+    fn class_depth(&self) -> f64 {
+        (-f64::from(self.depth_class) / CLASSES_PER_OCTAVE).exp2()
+    }
+
     /// Thickness of the first layer in the shape's measure of depth.
     pub fn first_layer(&self) -> f64 {
-        LEVELS[self.level].first * (-f64::from(self.depth_class) / CLASSES_PER_OCTAVE).exp2()
+        LEVELS[self.level].first * self.class_depth()
     }
 
     fn thickest_layer(&self) -> f64 {
@@ -83,10 +93,16 @@ impl GradingClass {
     /// The division of a ring that ends at `end_angle`.
     pub fn grading(&self, end_angle: f64) -> Grading {
         let Level { spread, widest, .. } = LEVELS[self.level];
+        // A thin body answers locally, so its ring is divided evenly finer; by no more than three, where it is nearly
+        // a Winkler bed, whose answer needs no resolution.
+        let thinness = (self.class_depth() / THICK).clamp(1.0 / 3.0, 1.0);
+        // The end of a half ring is a corner between a free and a held side, which contact may come near.
+        let evenness = if end_angle < PI { thinness.min(0.4) } else { thinness };
+        let widest = evenness * widest.to_radians();
         let mut angles = vec![0.0];
         let mut reached = 0.0;
         while reached < end_angle - 1e-9 {
-            reached += (reached / spread).max(self.first_layer()).min(widest.to_radians());
+            reached += (reached / spread).max(self.first_layer()).min(widest);
             angles.push(reached);
         }
         // Drop the last when its element would mostly lie beyond the end, then stretch, least near the load line.

@@ -141,37 +141,35 @@ impl RingTopology {
 
 /// Coordinates of all nodes of `body`, over the ring's radius, origin at the ring's centre, y against the load.
 ///
-/// Layers grow geometrically from `first_layer` along each line, so that every body is divided alike near the ring
-/// whatever lies beyond. The collapsed centre of a solid disc is a row of coincident nodes, which are supported.
+/// Layers grow from `first_layer` along each line, so that every body is divided alike near the ring whatever lies
+/// beyond. The collapsed centre of a solid disc is a row of coincident nodes, which are supported.
 pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> Vec<[f64; 2]> {
     let columns = 2 * (grading.angles.len() - 1);
     let rows = 2 * grading.layer_count;
     let angles = half_steps(&grading.angles, 1);
     let targets = boundary_angles(body, &grading.angles);
-    let outward = match body.shape.side {
-        Side::Plate => 1.0,
-        Side::Pin => -1.0,
+    let radius = |depth: f64| match (body.shape.side, body.shape.reaches_centre) {
+        (_, true) => 1.0 - depth,
+        (Side::Plate, _) => depth.exp(),
+        (Side::Pin, _) => (-depth).exp(),
     };
-    // Lines of corner nodes first; mid-side nodes of layers lie half-way between them.
+    // Straight lines, which cannot leave a convex body (but can cut the ring, where it is divided too coarsely for a
+    // thin place: assembly refuses such a mesh). Mid-side nodes of layers lie half-way between corner nodes.
     let mut lines: Vec<Vec<[f64; 2]>> = Vec::with_capacity(columns + 1);
-    let mut layers = Vec::new();
+    let mut layers: Vec<f64> = Vec::new();
     let mut depth = f64::NAN;
     for column in 0..=columns {
-        let (angle, target) = (angles[column], targets[column]);
-        let own_depth = (body.shape.depth)(&body.parameters, target);
+        let own_depth = (body.shape.depth)(&body.parameters, targets[column]);
         if own_depth != depth {
             depth = own_depth;
-            layers = layer_depths(grading, depth);
+            layers = layer_depths(grading, depth).into_iter().map(radius).collect();
         }
-        let along_ray = angle.sin_cos();
-        let corner = |layer: &f64| -> [f64; 2] {
-            let radius = if body.shape.reaches_centre { 1.0 - layer } else { (outward * layer).exp() };
-            let (sine, cosine) = if target == angle {
-                along_ray
-            } else {
-                (angle + (target - angle) * (layer / depth)).sin_cos()
-            };
-            [radius * sine, -radius * cosine]
+        let far_radius = radius(depth);
+        let on_ring = polar(1.0, angles[column]);
+        let far = polar(far_radius, targets[column]);
+        let corner = |radius: &f64| -> [f64; 2] {
+            let share = (radius - 1.0) / (far_radius - 1.0);
+            [0, 1].map(|axis| on_ring[axis] + share * (far[axis] - on_ring[axis]))
         };
         let mut line = Vec::with_capacity(rows + 1);
         for (layer, point) in layers.iter().map(corner).enumerate() {
@@ -184,10 +182,29 @@ pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> V
     }
     if body.shape.straight_boundary {
         for column in (1..columns).step_by(2) {
-            lines[column][rows] = midpoint(lines[column - 1][rows], lines[column + 1][rows]);
+            lines[column] = bowed(&lines[column - 1], &lines[column], &lines[column + 1]);
         }
     }
     topology.grid.iter().map(|&(row, column)| lines[column][row]).collect()
+}
+
+/// The line of mid-side nodes half-way between two lines of corner nodes: bowed at the ring as `line` is there,
+/// straight at the boundary, and in proportion between. Its own layers do not matter, so that elements keep their
+/// shape where the depth changes quickly.
+fn bowed(before: &[[f64; 2]], line: &[[f64; 2]], after: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let (ring, far) = (line[0], line[line.len() - 1]);
+    let chord = midpoint(before[0], after[0]);
+    let length = (far[0] - ring[0]).hypot(far[1] - ring[1]);
+    let at = |(row, place): (usize, &[f64; 2])| {
+        let share = 1.0 - (place[0] - ring[0]).hypot(place[1] - ring[1]) / length;
+        let middle = midpoint(before[row], after[row]);
+        [0, 1].map(|axis| middle[axis] + share * (ring[axis] - chord[axis]))
+    };
+    line.iter().enumerate().map(at).collect()
+}
+
+fn polar(radius: f64, angle: f64) -> [f64; 2] {
+    [radius * angle.sin(), -radius * angle.cos()]
 }
 
 fn midpoint(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
@@ -196,7 +213,9 @@ fn midpoint(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 
 /// `values` with the mid-points between them (`step` 1), or alone (`step` 2).
 fn half_steps(values: &[f64], step: usize) -> Vec<f64> {
-    let at = |i: usize| if i % 2 == 0 { values[i / 2] } else { 0.5 * (values[i / 2] + values[i / 2 + 1]) };
+    let at = |i: usize| {
+        if i.is_multiple_of(2) { values[i / 2] } else { 0.5 * (values[i / 2] + values[i / 2 + 1]) }
+    };
     (0..2 * values.len() - 1).step_by(step).map(at).collect()
 }
 

@@ -21,6 +21,10 @@ pub trait Real:
 {
     fn from_f64(value: f64) -> Self;
     fn sqrt(self) -> Self;
+    /// The smaller of two; NaN if either is.
+    fn least(self, other: Self) -> Self;
+    /// Whether it is above zero, in every lane.
+    fn is_positive(self) -> bool;
     /// `self - a * b`, fused where the processor can.
     fn minus_product(self, a: Self, b: Self) -> Self;
 
@@ -39,6 +43,14 @@ macro_rules! real_for_scalar {
             #[inline(always)]
             fn sqrt(self) -> Self {
                 <$scalar>::sqrt(self)
+            }
+            #[inline(always)]
+            fn least(self, other: Self) -> Self {
+                if self < other || self.is_nan() { self } else { other }
+            }
+            #[inline(always)]
+            fn is_positive(self) -> bool {
+                self > 0.0
             }
             #[inline(always)]
             fn minus_product(self, a: Self, b: Self) -> Self {
@@ -65,17 +77,17 @@ macro_rules! lanewise {
             #[inline(always)]
             fn $method(mut self, other: Self) -> Self {
                 for lane in 0..LANES {
-                    self.0[lane] = self.0[lane] $op other.0[lane];
+                    self.0[lane] $op other.0[lane];
                 }
                 self
             }
         }
     };
 }
-lanewise!(Add, add, +);
-lanewise!(Sub, sub, -);
-lanewise!(Mul, mul, *);
-lanewise!(Div, div, /);
+lanewise!(Add, add, +=);
+lanewise!(Sub, sub, -=);
+lanewise!(Mul, mul, *=);
+lanewise!(Div, div, /=);
 
 impl<const FUSED: bool> AddAssign for Lanes<FUSED> {
     #[inline(always)]
@@ -107,6 +119,14 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
     #[inline(always)]
     fn sqrt(self) -> Self {
         Lanes(self.0.map(f64::sqrt))
+    }
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        Lanes(std::array::from_fn(|lane| self.0[lane].least(other.0[lane])))
+    }
+    #[inline(always)]
+    fn is_positive(self) -> bool {
+        self.0.iter().all(|value| *value > 0.0)
     }
     #[inline(always)]
     fn minus_product(mut self, a: Self, b: Self) -> Self {

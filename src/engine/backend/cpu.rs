@@ -153,10 +153,14 @@ fn force_errors(
 ) -> Vec<f64> {
     let sound: Vec<ArcState> = states.iter().filter_map(|state| state.as_ref().ok().copied()).collect();
     let mut errors: Vec<f64> = sound.iter().map(|state| SERIES_ERROR + state.truncation()).collect();
+    let mut relative = vec![0.0; sound.len()];
     for (values, modulus) in changes {
-        for (error, change) in errors.iter_mut().zip(curve.joint().relative_changes(&sound, values)) {
-            *error += mesh_error(level, change / modulus);
+        for (sum, change) in relative.iter_mut().zip(curve.joint().relative_changes(&sound, values)) {
+            *sum += (change / modulus).abs();
         }
+    }
+    if !changes.is_empty() {
+        errors.iter_mut().zip(relative).for_each(|(error, change)| *error += mesh_error(level, change));
     }
     let mut errors = errors.into_iter();
     states
@@ -248,7 +252,7 @@ fn closed_form(case: DesignCase) -> DesignOutcome {
     );
     let curve = pair.and_then(|pair| laws::johnson::LAW.curve(&pair));
     let step = |load: &Load| -> Result<StepOutcome, laws::LawError> {
-        let curve = curve.clone()?;
+        let curve = curve?;
         let indentation = match *load {
             Load::Indentation(delta) => delta,
             Load::Force(force) => curve.indentation(force / joint.thickness)?,

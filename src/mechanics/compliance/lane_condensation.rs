@@ -81,7 +81,8 @@ impl CondensationPlan {
         }
     }
 
-    /// Up to `LANES` bodies at a time; the order is kept. A body whose stiffness is not positive definite gives NaN.
+    /// Up to `LANES` bodies at a time; the order is kept. A body whose mesh is turned inside out or
+    /// whose stiffness is not positive definite gives NaN.
     pub fn condense(&self, bodies: &[Body]) -> Vec<PressureCompliance> {
         bodies
             .chunks(LANES)
@@ -129,7 +130,7 @@ impl Condense<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<PressureCompliance> {
         let mut tiles = self.plan.structure.empty::<Lanes<FUSED>>();
-        self.assemble(&mut tiles);
+        let smallest_jacobian = self.assemble(&mut tiles);
         self.plan.structure.factorise(&mut tiles);
         let entries = packed_count(self.plan.terms);
         let mut compliances: Vec<PressureCompliance> = self
@@ -147,12 +148,17 @@ impl Condense<'_> {
             MAX_TERMS => self.gram::<FUSED, MAX_TERMS>(&tiles, &mut compliances),
             other => unreachable!("no code for {other} trial pressures, only for {TERM_CHOICES:?}"),
         }
+        for (lane, compliance) in compliances.iter_mut().enumerate() {
+            if smallest_jacobian.0[lane].is_nan() || smallest_jacobian.0[lane] <= 0.0 {
+                compliance.values.fill(f64::NAN);
+            }
+        }
         compliances
     }
 
-    /// The stiffness of every body in its lane; lanes without a body repeat the last one.
+    /// The stiffness of every body in its lane, and its least Jacobian; lanes without a body repeat the last one.
     #[inline(always)]
-    fn assemble<const FUSED: bool>(&self, tiles: &mut [Tile<Lanes<FUSED>>]) {
+    fn assemble<const FUSED: bool>(&self, tiles: &mut [Tile<Lanes<FUSED>>]) -> Lanes<FUSED> {
         let CondensationPlan { grading, topology, structure, rule, .. } = self.plan;
         let body = |lane: usize| &self.bodies[lane.min(self.bodies.len() - 1)];
         let zero = Lanes::<FUSED>::zero();
@@ -174,13 +180,17 @@ impl Condense<'_> {
         }
         let elasticity = Elasticity::new(self.bodies[0].idealization, poissons_ratio);
         let count = topology.element.node_count();
+        let mut smallest_jacobian = Lanes::from_f64(f64::INFINITY);
         for (element, connectivity) in topology.connectivity.chunks_exact(count).enumerate() {
             let mut corners = [[zero; 2]; MAX_NODES];
             for (corner, node) in corners.iter_mut().zip(connectivity) {
                 *corner = nodes[*node as usize];
             }
-            structure.add(tiles, element, &element_stiffness(rule, &elasticity, &corners));
+            let stiffness = element_stiffness(rule, &elasticity, &corners);
+            smallest_jacobian = smallest_jacobian.least(stiffness.smallest_jacobian);
+            structure.add(tiles, element, &stiffness);
         }
+        smallest_jacobian
     }
 
     /// The Gram matrices of L^-1 f at every arc, with the part -pi/2 c ln b of entry (0, 0) still in them.

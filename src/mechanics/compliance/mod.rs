@@ -17,7 +17,7 @@ pub struct RingCompliance {
     pub values: Vec<f64>,
 }
 
-/// Compliance of a body to the trial pressures of a `PressureSpace`: the matrix of integrals of p_j u[p_k] over the
+/// Compliance of a body to the trial pressures of a `PressureSpace`: the matrix of integrals of p_j u(p_k) over the
 /// half arc, u the normal displacement that p_k gives, for Young's modulus 1 and ring radius 1.
 #[derive(Clone, Debug)]
 pub struct PressureCompliance {

@@ -8,8 +8,8 @@
 //!   lambda_n = c [n +- beta]/(n^2 - 1),   c = (kappa + 1)/(4 mu),   beta = (kappa - 1)/(kappa + 1),
 //! ```
 //!
-//! + for a hole and - for a disc, whose sums are known in closed form (`PressureSpace`); what is left of each mode
-//! falls like (ratio of radii)^(-2 n).
+//! plus for a hole and minus for a disc, whose sums are known in closed form (`PressureSpace`); what is left of each
+//! mode falls like (ratio of radii)^(-2 n).
 
 use std::f64::consts::PI;
 

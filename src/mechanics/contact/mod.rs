@@ -1,4 +1,6 @@
-//! Unilateral, frictionless contact of two rings.
+//! Pin against plate: unilateral and frictionless. `pressure` and `loading` are the method; `active_set` is the plain
+//! check, node by node.
 
 pub mod pressure;
 pub mod loading;
+pub mod active_set;

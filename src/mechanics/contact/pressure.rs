@@ -396,7 +396,9 @@ mod tests {
             let state = joint.at(&[f64::to_radians(degrees); LANES])[0].unwrap();
             let inverse_force = 0.5 * state.clearance() / state.force;
             let peak_pressure = state.peak_pressure() / state.force;
-            println!("{degrees}: {} {}", inverse_force / clearance - 1.0, peak_pressure / peak - 1.0);
+            // The table has six digits; the largest deviation seen is 3.9e-6, at 80 deg.
+            assert!((inverse_force / clearance - 1.0).abs() < 6e-6, "{degrees} deg: {inverse_force}");
+            assert!((peak_pressure / peak - 1.0).abs() < 6e-6, "{degrees} deg: {peak_pressure}");
         }
     }
 }

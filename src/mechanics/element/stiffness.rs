@@ -48,9 +48,11 @@ impl ElementRule {
 }
 
 /// Element stiffness, row-major `[2 * MAX_NODES][2 * MAX_NODES]`, the upper triangle of the first
-/// `2 * node_count` rows filled; `smallest_jacobian` is the least |J| over the points, scaled by nothing.
+/// `2 * node_count` rows filled.
 pub struct ElementStiffness<T> {
     pub values: [[T; 2 * MAX_NODES]; 2 * MAX_NODES],
+    /// The least |J| over the points: at most zero, or NaN, where the values mean nothing.
+    pub smallest_jacobian: T,
 }
 
 /// Gradients of the shape functions by x and y, and |J|, at one point of one element.
@@ -61,20 +63,20 @@ fn gradients<T: Real>(
     count: usize,
 ) -> ([[T; 2]; MAX_NODES], T) {
     let mut jacobian = [[T::zero(); 2]; 2];
-    for node in 0..count {
+    for (node, place) in nodes.iter().enumerate().take(count) {
         let (by_xi, by_eta) = (T::from_f64(shape.by_xi[node]), T::from_f64(shape.by_eta[node]));
         for axis in 0..2 {
-            jacobian[0][axis] += by_xi * nodes[node][axis];
-            jacobian[1][axis] += by_eta * nodes[node][axis];
+            jacobian[0][axis] += by_xi * place[axis];
+            jacobian[1][axis] += by_eta * place[axis];
         }
     }
     let determinant = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
     let inverse = T::from_f64(1.0) / determinant;
     let mut gradient = [[T::zero(); 2]; MAX_NODES];
-    for node in 0..count {
+    for (node, [by_x, by_y]) in gradient.iter_mut().enumerate().take(count) {
         let (by_xi, by_eta) = (T::from_f64(shape.by_xi[node]), T::from_f64(shape.by_eta[node]));
-        gradient[node][0] = (jacobian[1][1] * by_xi - jacobian[0][1] * by_eta) * inverse;
-        gradient[node][1] = (jacobian[0][0] * by_eta - jacobian[1][0] * by_xi) * inverse;
+        *by_x = (jacobian[1][1] * by_xi - jacobian[0][1] * by_eta) * inverse;
+        *by_y = (jacobian[0][0] * by_eta - jacobian[1][0] * by_xi) * inverse;
     }
     (gradient, determinant)
 }
@@ -92,8 +94,10 @@ pub fn element_stiffness<T: Real>(
     let mut values = [[T::zero(); 2 * MAX_NODES]; 2 * MAX_NODES];
     let mean = gradients(&rule.centre, nodes, count).0;
     let half = T::from_f64(0.5);
+    let mut smallest_jacobian = T::from_f64(f64::INFINITY);
     for shape in &rule.points {
         let (gradient, determinant) = gradients(shape, nodes, count);
+        smallest_jacobian = smallest_jacobian.least(determinant);
         let (direct, cross, shear) =
             (elasticity.direct * determinant, elasticity.cross * determinant, elasticity.shear * determinant);
         if rule.kind == ElementKind::Quad8 {
@@ -127,7 +131,7 @@ pub fn element_stiffness<T: Real>(
             }
         }
     }
-    ElementStiffness { values }
+    ElementStiffness { values, smallest_jacobian }
 }
 
 /// Floating-point operations of `element_stiffness`.

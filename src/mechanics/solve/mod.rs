@@ -1,1 +1,6 @@
+//! K u = f: `cholesky` and `pcg` for one body and many right-hand sides, stored one after the other; `band` for many
+//! bodies of one topology and loads on their rings alone.
+
+pub mod cholesky;
+pub mod pcg;
 pub mod band;

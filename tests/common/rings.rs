@@ -1,0 +1,139 @@
+//! Meshed and condensed bodies of a joint.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use jointsweep::mechanics::assembly::Assembly;
+use jointsweep::mechanics::body::{Body, MAX_PARAMETERS, SHAPES, Shape};
+use jointsweep::mechanics::compliance::RingCompliance;
+use jointsweep::mechanics::compliance::condense::by_cholesky;
+use jointsweep::mechanics::contact::active_set::RingBody;
+use jointsweep::mechanics::element::stiffness::Elasticity;
+use jointsweep::mechanics::element::{ElementKind, side_functions};
+use jointsweep::mechanics::material::Idealization;
+use jointsweep::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates, layer_thicknesses};
+use jointsweep::mechanics::solve::cholesky::CholeskyAnalysis;
+
+pub fn shape(name: &str) -> &'static Shape {
+    SHAPES.into_iter().find(|shape| shape.name == name).unwrap()
+}
+
+pub fn body(name: &str, ratios: &[f64], idealization: Idealization, poissons_ratio: f64) -> Body {
+    let mut parameters = [0.0; MAX_PARAMETERS];
+    parameters[..ratios.len()].copy_from_slice(ratios);
+    Body { shape: shape(name), parameters, support: 0, poissons_ratio, idealization }
+}
+
+/// A body with its mesh.
+pub struct MeshedBody {
+    pub topology: RingTopology,
+    pub coordinates: Vec<[f64; 2]>,
+    pub elasticity: Elasticity<f64>,
+    pub assembly: Assembly,
+}
+
+impl MeshedBody {
+    pub fn new(body: &Body, grading: &Grading) -> MeshedBody {
+        let topology = RingTopology::new(body, grading);
+        let coordinates = coordinates(body, grading, &topology);
+        let elasticity = Elasticity::new(body.idealization, body.poissons_ratio);
+        let assembly = Assembly::of_ring(&topology);
+        MeshedBody { topology, coordinates, elasticity, assembly }
+    }
+
+    pub fn stiffness_values(&self) -> Vec<f64> {
+        self.assembly.stiffness_values(&self.elasticity, &self.coordinates).unwrap()
+    }
+
+    pub fn condense(&self) -> RingCompliance {
+        let values = self.stiffness_values();
+        let analysis = CholeskyAnalysis::new(self.assembly.matrix(&values)).unwrap();
+        let ring_start = self.topology.ring_start;
+        by_cholesky(&self.assembly, &analysis, ring_start, &self.elasticity, &self.coordinates).unwrap()
+    }
+
+    pub fn ring<'a>(&'a self, compliance: &'a RingCompliance, youngs_modulus: f64) -> RingBody<'a> {
+        RingBody { topology: &self.topology, compliance, youngs_modulus }
+    }
+
+    /// Work-equivalent forces on the ring's unknowns of unit pressure that pushes away from the centre: sum over
+    /// sides of integral N_i n ds, with n ds = (dy, -dx) along the side.
+    pub fn unit_pressure(&self) -> Vec<f64> {
+        let topology = &self.topology;
+        let element = topology.element;
+        let mut load = vec![0.0; topology.ring_unknown_count()];
+        let points = [(-0.6_f64.sqrt(), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6_f64.sqrt(), 5.0 / 9.0)];
+        let sides =
+            topology.ring_nodes.windows(element.side_node_count()).step_by(element.side_node_count() - 1);
+        for side in sides {
+            for (xi, weight) in points {
+                let (functions, count) = side_functions(element, xi);
+                // The functions are at most quadratic, so their central difference is exact.
+                let (ahead, behind) =
+                    (side_functions(element, xi + 0.5).0, side_functions(element, xi - 0.5).0);
+                let (mut by_x, mut by_y) = (0.0, 0.0);
+                for i in 0..count {
+                    let [x, y] = self.coordinates[side[i] as usize];
+                    by_x += (ahead[i] - behind[i]) * x;
+                    by_y += (ahead[i] - behind[i]) * y;
+                }
+                for i in 0..count {
+                    for (component, share) in [by_y, -by_x].into_iter().enumerate() {
+                        let unknown = topology.unknowns[2 * side[i] as usize + component];
+                        if unknown != SUPPORTED {
+                            load[unknown as usize - topology.ring_start] += weight * functions[i] * share;
+                        }
+                    }
+                }
+            }
+        }
+        load
+    }
+}
+
+/// C times forces on the ring's unknowns.
+pub fn ring_displacement(compliance: &RingCompliance, load: &[f64]) -> Vec<f64> {
+    compliance.values.chunks_exact(compliance.size).map(|row| dot(row, load)).collect()
+}
+
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `count` equal ring elements and layers that grow like the radius, for a concentric body of far radius `ratio`.
+pub fn concentric_grading(element: ElementKind, ratio: f64, count: usize, layer_count: usize) -> Grading {
+    let first_layer = ratio.ln().abs() / layer_count as f64;
+    let angles = (0..=count).map(|i| PI * i as f64 / count as f64).collect();
+    Grading { element, angles, first_layer, thickest_layer: first_layer, layer_count }
+}
+
+/// A mesh as finely divided at every contact angle from `least_angle` up: ring spacing h = max(least_angle/q, phi/q),
+/// with a node at pi/2, layers from the same least spacing growing at the same rate.
+pub fn contact_grading(element: ElementKind, least_angle: f64, q: f64, end: f64, depth: f64) -> Grading {
+    let first = least_angle / q;
+    let mut angles = vec![0.0];
+    for quarter in [FRAC_PI_2, PI] {
+        let start = angles.len() - 1;
+        let from = angles[start];
+        let mut reached = from;
+        while reached < quarter - 1e-9 {
+            reached += (reached / q).max(first);
+            angles.push(reached);
+        }
+        let scale = (quarter - from) / (reached - from);
+        angles[start + 1..].iter_mut().for_each(|angle| *angle = from + (*angle - from) * scale);
+        *angles.last_mut().unwrap() = quarter;
+        if end <= quarter {
+            break;
+        }
+    }
+    let growth = 1.0 + 1.0 / q;
+    let thickest_layer = growth.ln().max(first);
+    let mut reached = 0.0;
+    let enough = layer_thicknesses(first, thickest_layer, growth).take_while(|thickness| {
+        let go_on = reached < depth;
+        reached += thickness;
+        go_on
+    });
+    let layer_count = enough.count().max(2);
+    Grading { element, angles, first_layer: first, thickest_layer, layer_count }
+}

@@ -1,0 +1,81 @@
+//! `series` against itself: more trial pressures and other nodes in eps change nothing to eight digits.
+
+#[path = "common/random.rs"]
+mod random;
+
+use jointsweep::mechanics::compliance::pressure_space::{PressureSpace, TERM_CHOICES};
+use jointsweep::mechanics::compliance::series::ConcentricBody;
+use jointsweep::mechanics::contact::loading::{DimensionlessLoad, JointCurve};
+use jointsweep::mechanics::contact::pressure::{ArcState, JointCompliance};
+use jointsweep::mechanics::material::Idealization;
+use random::Random;
+
+/// A pin and a plate with the plate's modulus over the pin's, and delta/dR.
+struct Joint {
+    pin: ConcentricBody,
+    plate: ConcentricBody,
+    modulus: f64,
+    indentation: f64,
+}
+
+fn draw(random: &mut Random) -> Joint {
+    let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
+    let core = random.linear(0.03, 0.8);
+    let ratio = random.log(1.2, 50.0);
+    let mut body = |fixed_radius: f64| {
+        let poissons_ratio = random.linear(0.0, 0.49);
+        ConcentricBody { fixed_radius, poissons_ratio, idealization }
+    };
+    let (pin, plate) = (body(core), body(ratio));
+    Joint { pin, plate, modulus: random.log(0.01, 100.0), indentation: random.log(0.01, 100.0) }
+}
+
+fn state(space: &PressureSpace, joint: &Joint) -> ArcState {
+    let compliance = |body: &ConcentricBody| {
+        let highest = body.highest_mode();
+        body.compliance(space, &space.moments(highest), highest)
+    };
+    let (pin, plate) = (compliance(&joint.pin), compliance(&joint.plate));
+    let curve = JointCurve::new(JointCompliance::new(space, (&pin, 1.0), (&plate, joint.modulus))).unwrap();
+    curve.states(1.0, &[DimensionlessLoad::Indentation(joint.indentation)])[0].unwrap()
+}
+
+/// The largest relative differences of force, stiffness and peak pressure, and of the half angle.
+fn largest_differences(one: &PressureSpace, other: &PressureSpace) -> [f64; 4] {
+    let mut random = Random::new(9);
+    let mut worst = [0.0_f64; 4];
+    for _ in 0..60 {
+        let joint = draw(&mut random);
+        let (a, b) = (state(one, &joint), state(other, &joint));
+        let differences = [
+            a.force / b.force - 1.0,
+            a.tangent_stiffness / b.tangent_stiffness - 1.0,
+            a.peak_pressure() / b.peak_pressure() - 1.0,
+            a.arc.half_angle / b.arc.half_angle - 1.0,
+        ];
+        for (worst, difference) in worst.iter_mut().zip(differences) {
+            *worst = worst.max(difference.abs());
+        }
+    }
+    worst
+}
+
+#[test]
+fn more_trial_pressures_change_nothing() {
+    let [few, some, many] = TERM_CHOICES.map(|terms| PressureSpace::new(terms, 2.4));
+    let differences = largest_differences(&few, &many);
+    println!("10 against 24 trial pressures: {differences:?}");
+    // The force is second order in what is left out; the rest is first order.
+    assert!(differences[0] < 1e-10 && differences[1..].iter().all(|difference| *difference < 1e-4));
+    let differences = largest_differences(&some, &many);
+    println!("16 against 24 trial pressures: {differences:?}");
+    assert!(differences[0] < 1e-10 && differences[1..].iter().all(|difference| *difference < 1e-6));
+}
+
+#[test]
+fn other_nodes_change_nothing() {
+    let differences = largest_differences(&PressureSpace::new(16, 2.4), &PressureSpace::new(16, 2.1));
+    println!("other nodes in eps: {differences:?}");
+    // Interpolation between 32 nodes; the half angle is the most sensitive.
+    assert!(differences[0] < 1e-8 && differences[1..].iter().all(|difference| *difference < 1e-7));
+}
