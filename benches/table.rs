@@ -1,7 +1,8 @@
-//! Rows a second that the text of table.csv is made with, one core: `cargo bench --bench table`.
+//! Rows a second, and bytes, that the text of table.csv is made with, one core; items are rows:
+//! `cargo bench --bench table`.
 
-use std::time::Instant;
-
+use divan::Bencher;
+use divan::counter::{BytesCount, ItemsCount};
 use jointsweep::engine::outcome::{DesignOutcome, Method, Response, StepOutcome};
 use jointsweep::mechanics::body::{annulus, cored_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
@@ -42,25 +43,23 @@ fn outcome(index: u64, step_count: usize) -> DesignOutcome {
     DesignOutcome { case: DesignCase { index, joint, steps }, steps: (0..step_count).map(step).collect() }
 }
 
+const ROWS: usize = 1000;
+
 fn main() {
-    for step_count in [1, 10] {
-        let mut outcomes: Vec<_> = (0..20_000 / step_count).map(|i| outcome(i as u64, step_count)).collect();
-        let mut table = Table::new("cpu");
-        let mut text = Vec::new();
-        let (mut rows, mut bytes) = (0, 0);
-        let started = Instant::now();
-        while started.elapsed().as_secs_f64() < 2.0 {
-            for outcome in &mut outcomes {
-                table.push_rows(&mut text, outcome);
-                rows += step_count;
-                if text.len() > 1 << 16 {
-                    bytes += text.len();
-                    text.clear();
-                }
-            }
-        }
-        let seconds = started.elapsed().as_secs_f64();
-        let (rate, width) = (rows as f64 / seconds, bytes as f64 / rows as f64);
-        println!("{step_count:>2} steps a design: {rate:>9.0} rows/s, {width:.0} bytes a row");
-    }
+    divan::main();
+}
+
+/// By the count of steps a design, whose rows share the text of its inputs.
+#[divan::bench(args = [1, 10])]
+fn rows(bencher: Bencher, step_count: usize) {
+    let mut outcomes: Vec<_> = (0..ROWS / step_count).map(|i| outcome(i as u64, step_count)).collect();
+    let mut table = Table::new("cpu");
+    let mut text = Vec::new();
+    let mut write = || {
+        text.clear();
+        outcomes.iter_mut().for_each(|outcome| table.push_rows(&mut text, outcome));
+        text.len()
+    };
+    let bytes = write();
+    bencher.counter(ItemsCount::new(ROWS)).counter(BytesCount::new(bytes)).bench_local(write);
 }

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+mod bench;
 mod progress;
 mod report;
 mod run;
@@ -26,6 +27,8 @@ failed and say why in their status; 130 interrupted, the rows so far are kept.";
 enum Command {
     /// Solves every design of a config and writes table.csv and manifest.json
     Run(RunArgs),
+    /// Measures whole runs of configs and writes sweep.csv and sweep.manifest.json
+    Bench(BenchArgs),
 }
 
 #[derive(Args)]
@@ -52,6 +55,22 @@ struct RunArgs {
     quiet: bool,
 }
 
+#[derive(Args)]
+struct BenchArgs {
+    /// The sweeps to run [default: those of configs/liu2007.toml and configs/random.toml that are here]
+    #[arg(value_name = "CONFIG")]
+    configs: Vec<PathBuf>,
+    /// Runs of each that are measured, after one that is not
+    #[arg(long, value_name = "N", default_value = "5")]
+    runs: NonZeroUsize,
+    /// Threads that compute [default: all cores]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Folder of the figures
+    #[arg(long, value_name = "DIR", default_value = "out/bench")]
+    out: PathBuf,
+}
+
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Backend {
     /// The fastest there is
@@ -76,8 +95,11 @@ pub fn main() -> ExitCode {
             return ExitCode::from(u8::from(error.use_stderr()));
         }
     };
-    let Command::Run(args) = cli.command;
-    match run::run(&args) {
+    let ending = match cli.command {
+        Command::Run(args) => run::run(&args),
+        Command::Bench(args) => bench::bench(&args),
+    };
+    match ending {
         Ok(Ending::Complete) => ExitCode::SUCCESS,
         Ok(Ending::SomeDesignsFailed) => ExitCode::from(2),
         Ok(Ending::Interrupted) => ExitCode::from(INTERRUPTED),

@@ -22,6 +22,12 @@ pub enum Error {
     #[error("{} is the list of designs and would be overwritten: name another folder with --out", path.display())]
     DesignsInTheWay { path: PathBuf },
 
+    #[error("none of {looked_for} is here: name the configs to measure")]
+    NothingToMeasure { looked_for: String },
+
+    #[error("{}: the run to measure failed: {problem}", config.display())]
+    MeasuredRun { config: PathBuf, problem: String },
+
     #[error("this build has no GPU backend")]
     NoGpu,
 }

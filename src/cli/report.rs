@@ -40,7 +40,7 @@ pub fn summary(manifest: &Manifest, table: &Path) -> String {
     );
     _ = writeln!(text, "time by stage, summed over the threads:");
     for (stage, seconds) in &manifest.stage_seconds {
-        _ = writeln!(text, "  {stage:<12}{}", duration(seconds.as_f64().unwrap_or(0.0)));
+        _ = writeln!(text, "  {stage:<32}{}", duration(seconds.as_f64().unwrap_or(0.0)));
     }
     if counts.failed_rows > 0 {
         let rows = plural(counts.failed_rows, "row", "rows");

@@ -7,8 +7,8 @@ use crate::error::Error;
 use crate::output::manifest::origin;
 use crate::study::config::Study;
 
-const TABLE: &str = "table.csv";
-const MANIFEST: &str = "manifest.json";
+pub const TABLE: &str = "table.csv";
+pub const MANIFEST: &str = "manifest.json";
 
 /// A folder that a study's result may be written to.
 #[derive(Clone, Debug)]

@@ -10,13 +10,51 @@ pub struct Host {
     pub arch: &'static str,
     /// The model of the CPU, where the system tells it.
     pub cpu: Option<String>,
+    /// Logical processors of the machine, where the system tells it.
+    pub processors: Option<usize>,
 }
 
 impl Host {
     pub fn current() -> Host {
         let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-        Host { os: std::env::consts::OS, arch: std::env::consts::ARCH, cpu: cpu_model(&cpuinfo) }
+        Host {
+            os: std::env::consts::OS,
+            arch: std::env::consts::ARCH,
+            cpu: cpu_model(&cpuinfo),
+            processors: processors(&cpuinfo),
+        }
     }
+}
+
+/// The most memory this process has had at once, bytes, where the system tells it.
+pub fn peak_memory() -> Option<u64> {
+    peak_resident(&std::fs::read_to_string("/proc/self/status").ok()?)
+}
+
+/// VmHWM in the text of Linux's /proc/self/status, bytes.
+fn peak_resident(status: &str) -> Option<u64> {
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024 * kibibytes)
+}
+
+/// Time that processors have spent on this process so far, all threads, in it and for it in the system, s; where the
+/// system tells it. Other programs on the machine hardly change it.
+pub fn processor_seconds() -> Option<f64> {
+    processor_time(&std::fs::read_to_string("/proc/self/stat").ok()?)
+}
+
+/// utime and stime in the text of Linux's /proc/self/stat, which are in hundredths of a second.
+fn processor_time(stat: &str) -> Option<f64> {
+    // The second field, a name in brackets, may hold spaces; utime is the 14th.
+    let mut fields = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let mut ticks = || fields.next()?.parse::<u64>().ok();
+    Some((ticks()? + ticks()?) as f64 / 100.0)
+}
+
+fn processors(cpuinfo: &str) -> Option<usize> {
+    let count = cpuinfo.lines().filter(|line| line.starts_with("processor")).count();
+    (count > 0).then_some(count)
 }
 
 /// The model name in the text of Linux's /proc/cpuinfo.
@@ -71,5 +109,21 @@ mod tests {
         let x86 = "processor\t: 0\nmodel\t\t: 1\nmodel name\t: Fast CPU @ 3.0GHz\nmodel name\t: again\n";
         assert_eq!(cpu_model(x86).as_deref(), Some("Fast CPU @ 3.0GHz"));
         assert_eq!(cpu_model("processor\t: 0\n"), None);
+        assert_eq!(processors("processor\t: 0\nmodel name\t: a\n\nprocessor\t: 1\n"), Some(2));
+        assert_eq!(processors(""), None);
+    }
+
+    #[test]
+    fn processor_time_is_that_of_user_and_system() {
+        let stat = "7 (a) name) S 1 7 7 0 -1 4194304 100 0 0 0 150 25 3 4 20 0 3 0 999";
+        assert_eq!(processor_time(stat), Some(1.75));
+        assert_eq!(processor_time("7"), None);
+    }
+
+    #[test]
+    fn peak_memory_is_in_bytes() {
+        let status = "Name:\tjointsweep\nVmPeak:\t  999 kB\nVmHWM:\t   4096 kB\nVmRSS:\t  12 kB\n";
+        assert_eq!(peak_resident(status), Some(4096 * 1024));
+        assert_eq!(peak_resident("Name:\tjointsweep\n"), None);
     }
 }

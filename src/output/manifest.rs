@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
-use crate::output::host::{Host, utc};
+use crate::output::host::{Host, peak_memory, processor_seconds, utc};
 use crate::study::config::Study;
 
 /// Where a run stands; a run that was killed stays `Running`.
@@ -47,6 +47,10 @@ pub struct Manifest {
     pub threads: usize,
     started_utc: String,
     pub wall_seconds: f64,
+    /// Time of all processors spent on the process, where the system tells it.
+    pub processor_seconds: Option<f64>,
+    /// The most memory the process has had at once, where the system tells it.
+    pub peak_memory_bytes: Option<u64>,
     pub counts: Counts,
     /// Wall time of each stage in the order they run, summed over threads.
     pub stage_seconds: serde_json::Map<String, serde_json::Value>,
@@ -57,9 +61,15 @@ pub struct Manifest {
 
 /// The config, as the user named it and word for word.
 #[derive(Clone, Debug, Serialize)]
-struct Config {
+pub struct Config {
     path: String,
     text: String,
+}
+
+impl Config {
+    pub fn of(study: &Study) -> Config {
+        Config { path: study.path().display().to_string(), text: study.source_text().to_string() }
+    }
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -105,20 +115,21 @@ fn count(counts: &mut BTreeMap<String, u64>, status: &str) {
 
 impl Manifest {
     pub fn new(study: &Study, conditions: &Conditions) -> Manifest {
-        let text = |path: &Path| path.display().to_string();
         Manifest {
             program: env!("CARGO_PKG_NAME"),
             version: env!("CARGO_PKG_VERSION"),
             state: State::Running,
             error: None,
             title: study.title().to_string(),
-            config: Config { path: text(study.path()), text: study.source_text().to_string() },
-            designs_file: study.designs_file().map(text),
+            config: Config::of(study),
+            designs_file: study.designs_file().map(|path| path.display().to_string()),
             backend: conditions.backend,
             precision: conditions.precision,
             threads: conditions.threads,
             started_utc: utc(conditions.started),
             wall_seconds: 0.0,
+            processor_seconds: None,
+            peak_memory_bytes: None,
             counts: Counts {
                 designs_asked: study.design_count(),
                 rows_asked: study.step_count(),
@@ -142,16 +153,23 @@ impl Manifest {
     /// meets half a manifest.
     pub fn stage(&mut self, path: &Path) -> Result<(), Error> {
         self.wall_seconds = self.started.elapsed().map_or(0.0, |time| time.as_secs_f64());
-        let mut text = serde_json::to_string_pretty(self).expect("a manifest has only JSON's own types");
-        text.push('\n');
-        let staged = staged(path);
-        std::fs::write(&staged, text).map_err(|source| Error::Io { action: "write", path: staged, source })
+        self.processor_seconds = processor_seconds();
+        self.peak_memory_bytes = peak_memory();
+        stage(self, path)
     }
 
     pub fn save(&mut self, path: &Path) -> Result<(), Error> {
         self.stage(path)?;
         publish(path)
     }
+}
+
+/// Writes any manifest beside `path`.
+pub fn stage(manifest: &impl Serialize, path: &Path) -> Result<(), Error> {
+    let mut text = serde_json::to_string_pretty(manifest).expect("a manifest has only JSON's own types");
+    text.push('\n');
+    let staged = staged(path);
+    std::fs::write(&staged, text).map_err(|source| Error::Io { action: "write", path: staged, source })
 }
 
 /// Where a manifest waits before it is published.

@@ -4,3 +4,4 @@ pub mod host;
 pub mod manifest;
 pub mod folder;
 pub mod recorder;
+pub mod benchmark;

@@ -101,18 +101,13 @@ fn solve_design(
     let joined = JointCompliance::new(space, (pin, moduli[0]), (plate, moduli[1]));
     let exact = [plan.pin, plan.plate].iter().all(|request| request.fidelity == Fidelity::Series);
     let method = if exact { Method::Series } else { Method::Fe };
-    // Change from the next coarser mesh, for each body that has one.
-    let differences: Vec<Vec<f64>> = [(plan.pin, pin, moduli[0]), (plan.plate, plate, moduli[1])]
+    // Change from the next coarser mesh, for each body that has one, and the body's modulus.
+    let changes: Vec<(Vec<f64>, f64)> = [(plan.pin, pin, moduli[0]), (plan.plate, plate, moduli[1])]
         .into_iter()
         .filter_map(|(request, fine, modulus)| {
             let coarse = library.compliance(&coarser(&request)?.key());
-            Some(
-                fine.values
-                    .iter()
-                    .zip(&coarse.values)
-                    .map(|(fine, coarse)| (fine - coarse) / modulus)
-                    .collect(),
-            )
+            let change = fine.values.iter().zip(&coarse.values).map(|(fine, coarse)| fine - coarse);
+            Some((change.collect(), modulus))
         })
         .collect();
     let curve = match JointCurve::new(joined) {
@@ -123,7 +118,7 @@ fn solve_design(
     let loads: Vec<DimensionlessLoad> =
         case.steps.iter().filter_map(|load| dimensionless(joint, *load)).collect();
     let states = curve.states(clearance, &loads);
-    let errors = force_errors(&curve, &states, &differences, plan.level);
+    let errors = force_errors(&curve, &states, &changes, plan.level);
     let mut settled = true;
     let mut solved = states.into_iter().zip(errors).zip(loads);
     let steps = case
@@ -135,9 +130,13 @@ fn solve_design(
                 StepOutcome { response: None, status: failure(reason, space.limit) }
             }
             Some(((Ok(state), error), load_over)) => {
-                settled &= error <= accuracy && state.pressure_is_positive();
                 let offset = curve.offset(&state, clearance, load_over) * joint.hole_radius;
-                step_outcome(joint, *load, &state, offset, error, method, accuracy)
+                let (accurate, positive) = (error <= accuracy, state.pressure_is_positive());
+                settled &= accurate && positive;
+                StepOutcome {
+                    response: Some(response(joint, *load, &state, offset, error, method)),
+                    status: status(offset > LARGE_DISPLACEMENT * joint.hole_radius, positive, accurate),
+                }
             }
         })
         .collect();
@@ -149,19 +148,19 @@ fn solve_design(
 fn force_errors(
     curve: &JointCurve,
     states: &[Result<ArcState, NoState>],
-    differences: &[Vec<f64>],
+    changes: &[(Vec<f64>, f64)],
     level: usize,
 ) -> Vec<f64> {
     let sound: Vec<ArcState> = states.iter().filter_map(|state| state.as_ref().ok().copied()).collect();
     let mut errors: Vec<f64> = sound.iter().map(|state| SERIES_ERROR + state.truncation()).collect();
-    let mut changes = vec![0.0; sound.len()];
-    for difference in differences {
-        for (sum, change) in changes.iter_mut().zip(curve.joint().relative_changes(&sound, difference)) {
-            *sum += change.abs();
+    let mut relative = vec![0.0; sound.len()];
+    for (values, modulus) in changes {
+        for (sum, change) in relative.iter_mut().zip(curve.joint().relative_changes(&sound, values)) {
+            *sum += (change / modulus).abs();
         }
     }
-    if !differences.is_empty() {
-        errors.iter_mut().zip(changes).for_each(|(error, change)| *error += mesh_error(level, change));
+    if !changes.is_empty() {
+        errors.iter_mut().zip(relative).for_each(|(error, change)| *error += mesh_error(level, change));
     }
     let mut errors = errors.into_iter();
     states
@@ -200,21 +199,20 @@ fn failure(reason: NoState, limit: f64) -> String {
     }
 }
 
-fn step_outcome(
+fn response(
     joint: &JointDesign,
     load: Load,
     state: &ArcState,
     offset: f64,
     error: f64,
     method: Method,
-    accuracy: f64,
-) -> StepOutcome {
+) -> Response {
     let scale = joint.thickness * offset;
     let (indentation, force) = match load {
         Load::Indentation(indentation) => (indentation, scale * state.force),
         Load::Force(force) => (offset * state.indentation, force),
     };
-    let response = Response {
+    Response {
         indentation,
         force,
         tangent_stiffness: joint.thickness * state.tangent_stiffness,
@@ -223,19 +221,22 @@ fn step_outcome(
         energy: Some(scale * offset * state.energy),
         force_error: error,
         method,
-    };
+    }
+}
+
+/// What a reader of a row must know.
+fn status(large_displacement: bool, positive: bool, accurate: bool) -> String {
     let mut remarks = Vec::new();
-    if offset / joint.hole_radius > LARGE_DISPLACEMENT {
+    if large_displacement {
         remarks.push("large displacement");
     }
-    if !state.pressure_is_positive() {
+    if !positive {
         remarks.push("pressure not positive everywhere");
     }
-    if error > accuracy {
+    if !accurate {
         remarks.push("accuracy not met");
     }
-    let status = if remarks.is_empty() { "ok".into() } else { remarks.join("; ") };
-    StepOutcome { response: Some(response), status }
+    if remarks.is_empty() { "ok".into() } else { remarks.join("; ") }
 }
 
 /// Johnson's law. It knows nothing of the plate's extent, so it is right to a factor of two at best.

@@ -10,7 +10,9 @@ use super::ring_loads::{ArcLoads, ring_loads};
 use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::Body;
 use crate::mechanics::element::MAX_NODES;
-use crate::mechanics::element::stiffness::{Elasticity, ElementRule, element_stiffness};
+use crate::mechanics::element::stiffness::{
+    Elasticity, ElementRule, element_stiffness, stiffness_operations,
+};
 use crate::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
 use crate::mechanics::real::{LANES, Lanes, Real};
 use crate::mechanics::solve::band::{BandStructure, TILE, Tile};
@@ -32,6 +34,23 @@ struct PlacedLoads {
     values: Vec<f64>,
 }
 
+/// Floating-point operations of condensing one body, a multiply-add counted as two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Operations {
+    /// The element stiffnesses.
+    pub elements: u64,
+    /// The band's Cholesky factor.
+    pub factorise: u64,
+    /// Substitution and Gram matrix at every arc.
+    pub arcs: u64,
+}
+
+impl Operations {
+    pub fn total(&self) -> u64 {
+        self.elements + self.factorise + self.arcs
+    }
+}
+
 impl CondensationPlan {
     /// For bodies like `body` (same shape family, supports and class), divided by `grading`.
     pub fn new(body: &Body, grading: Grading, space: &PressureSpace) -> CondensationPlan {
@@ -47,6 +66,19 @@ impl CondensationPlan {
 
     pub fn unknown_count(&self) -> usize {
         self.topology.unknown_count
+    }
+
+    /// What one body costs.
+    pub fn operations(&self) -> Operations {
+        let of_arc = |loads: &PlacedLoads| {
+            let products = (2 * loads.rows * TILE * packed_count(self.terms)) as u64;
+            self.structure.substitute_operations(loads.rows, self.terms) + products
+        };
+        Operations {
+            elements: self.topology.element_count() as u64 * stiffness_operations(self.topology.element),
+            factorise: self.structure.factorise_operations(),
+            arcs: self.loads.iter().map(of_arc).sum(),
+        }
     }
 
     /// Up to `LANES` bodies at a time; the order is kept. A body whose mesh is turned inside out or
@@ -179,10 +211,14 @@ impl Condense<'_> {
             }
             self.plan.structure.substitute_ring(tiles, loads.start, &mut work);
             let mut matrix = [[Lanes::<FUSED>::zero(); TERMS]; TERMS];
-            for row in work.iter().flatten() {
+            for rows in &work {
                 for j in 0..TERMS {
                     for k in 0..=j {
-                        matrix[j][k] = matrix[j][k].minus_product(row[j], -row[k]);
+                        let mut sum = matrix[j][k];
+                        for row in rows {
+                            sum = sum.minus_product(row[j], -row[k]);
+                        }
+                        matrix[j][k] = sum;
                     }
                 }
             }

@@ -15,10 +15,12 @@
 
 use std::f64::consts::PI;
 
+use pulp::Arch;
+
+use super::PressureCompliance;
 use super::lane_condensation::{CondensationPlan, remove_logarithm};
-use super::pressure_space::{PressureSpace, packed_count};
+use super::pressure_space::PressureSpace;
 use super::series::ConcentricBody;
-use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::material::Idealization;
@@ -114,14 +116,12 @@ impl NearField {
             weights[i] = weight / distance;
         }
         let sum: f64 = weights.iter().sum();
-        let count = NODE_COUNT * packed_count(compliance.terms);
-        for (weight, values) in weights.iter().zip(&self.values) {
-            let share = weight / sum;
-            compliance.values[..count]
-                .iter_mut()
-                .zip(values)
-                .for_each(|(value, near)| *value += share * near);
-        }
+        let shares = weights.map(|weight| weight / sum);
+        Arch::new().dispatch(|| {
+            for (share, values) in shares.iter().zip(&self.values) {
+                compliance.values.iter_mut().zip(values).for_each(|(value, near)| *value += share * near);
+            }
+        });
     }
 }
 

@@ -14,6 +14,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::mechanics::element::quadrature::gauss_legendre;
+use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// The most trial pressures a space may have.
 pub const MAX_TERMS: usize = 24;
@@ -38,7 +39,7 @@ pub struct ContactArc {
 impl ContactArc {
     pub fn new(half_angle: f64) -> ContactArc {
         let b = (0.5 * half_angle).tan();
-        ContactArc { half_angle, b, t: b / (1.0 + b.hypot(1.0)) }
+        ContactArc { half_angle, b, t: b / (1.0 + (1.0 + b * b).sqrt()) }
     }
 
     /// phi at tau.
@@ -56,14 +57,20 @@ impl ContactArc {
         if k == 0 { FRAC_PI_2 } else { 0.0 }
     }
 
-    /// Integral of p_k (1 - cos phi): pi [delta_k0 - (-t^2)^k/sqrt(1 + b^2)], free of cancellation.
-    pub fn versine(&self, k: usize) -> f64 {
-        let root = self.b.hypot(1.0);
-        if k == 0 {
-            PI * self.b * self.b / (root * (1.0 + root))
-        } else {
-            -PI * (-self.t * self.t).powi(k as i32) / root
+    /// Integrals of p_k (1 - cos phi) for k = 0, 1, ...: pi [delta_k0 - (-t^2)^k/sqrt(1 + b^2)], free of cancellation.
+    #[inline(always)]
+    pub fn versines<T: Real, const TERMS: usize>(b: T) -> [T; TERMS] {
+        let (one, pi) = (T::from_f64(1.0), T::from_f64(PI));
+        let root = (one + b * b).sqrt();
+        let t = b / (one + root);
+        let ratio = -(t * t);
+        let mut next = -(pi / root) * ratio;
+        let mut versines = [pi * b * b / (root * (one + root)); TERMS];
+        for versine in &mut versines[1..] {
+            *versine = next;
+            next = next * ratio;
         }
+        versines
     }
 
     /// Galerkin matrix of the kernel sum over n >= 1 of (2/pi) cos(n phi) cos(n phi')/n, less its -pi/2 ln b in (0, 0).
@@ -164,22 +171,26 @@ impl PressureSpace {
         space
     }
 
-    /// Interpolation weights of the nodes at `half_angle`; they sum to one.
-    pub fn interpolation(&self, half_angle: f64) -> [f64; NODE_COUNT] {
-        let x = (half_angle / self.limit).sqrt();
-        let mut weights = [0.0; NODE_COUNT];
-        let mut sum = 0.0;
+    /// Interpolation weights of the nodes at half angles side by side; those of each lane sum to one.
+    #[inline(always)]
+    pub fn interpolation<const FUSED: bool>(&self, half_angles: [f64; LANES]) -> [Lanes<FUSED>; NODE_COUNT] {
+        let x = Lanes(half_angles.map(|half_angle| (half_angle / self.limit).sqrt()));
+        let mut weights = [Lanes::zero(); NODE_COUNT];
+        let mut sum = Lanes::zero();
         for (i, weight) in weights.iter_mut().enumerate() {
-            let distance = x - self.abscissae[i];
-            if distance == 0.0 {
-                let mut exact = [0.0; NODE_COUNT];
-                exact[i] = 1.0;
-                return exact;
-            }
-            *weight = self.weights[i] / distance;
+            *weight = Lanes::from_f64(self.weights[i]) / (x - Lanes::from_f64(self.abscissae[i]));
             sum += *weight;
         }
-        weights.map(|weight| weight / sum)
+        for weight in &mut weights {
+            *weight = *weight / sum;
+        }
+        for lane in (0..LANES).filter(|lane| sum.0[*lane].is_infinite()) {
+            // On a node itself.
+            for (weight, abscissa) in weights.iter_mut().zip(&self.abscissae) {
+                weight.0[lane] = if *abscissa == x.0[lane] { 1.0 } else { 0.0 };
+            }
+        }
+        weights
     }
 
     /// Moments m_kn = integral of p_k cos(n phi) at every node for n = 0 ... `highest`: `[node][n][k]`.
@@ -368,7 +379,8 @@ mod tests {
     #[test]
     fn versine_equals_its_integral() {
         let arc = ContactArc::new(1.3);
-        for k in 0..5 {
+        let versines: [f64; 5] = ContactArc::versines(arc.b);
+        for (k, versine) in versines.iter().enumerate() {
             let sum: f64 = gauss_legendre(40)
                 .iter()
                 .map(|(x, w)| {
@@ -376,7 +388,7 @@ mod tests {
                     0.5 * FRAC_PI_2 * w * (2.0 * k as f64 * tau).cos() * (1.0 - arc.angle(tau).cos())
                 })
                 .sum();
-            assert!((arc.versine(k) - sum).abs() < 1e-14, "k = {k}");
+            assert!((versine - sum).abs() < 1e-14, "k = {k}");
         }
     }
 }

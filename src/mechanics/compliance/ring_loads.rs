@@ -67,10 +67,11 @@ mod tests {
         let angles: Vec<f64> = (0..=16).map(|i| i as f64 * 0.11).collect();
         for element in [ElementKind::Quad4, ElementKind::Quad8] {
             for (arc, loads) in space.arcs.iter().zip(ring_loads(&space, element, &angles)) {
-                for k in 0..6 {
+                let versines: [f64; 6] = ContactArc::versines(arc.b);
+                for (k, versine) in versines.iter().enumerate() {
                     let work: f64 =
                         (0..loads.node_count).map(|node| -loads.values[(node * 2 + 1) * 6 + k]).sum();
-                    let resultant = ContactArc::resultant(k) - arc.versine(k);
+                    let resultant = ContactArc::resultant(k) - versine;
                     // Rounding of the sum.
                     assert!((work - resultant).abs() < 1e-13, "{element:?} k = {k}: {work} {resultant}");
                 }

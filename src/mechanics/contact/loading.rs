@@ -58,33 +58,27 @@ impl<'a> JointCurve<'a> {
         &self.joint
     }
 
-    /// The states under loads (> 0), for a radial clearance over the hole's radius, >= 0.
+    /// The states under loads (> 0), for a radial clearance over the hole's radius, >= 0. `LANES` searches go abreast;
+    /// where one ends the next load takes its lane.
     pub fn states(&self, clearance: f64, loads: &[DimensionlessLoad]) -> Vec<Result<ArcState, NoState>> {
-        loads.chunks(LANES).flat_map(|loads| self.search(clearance, loads)).collect()
-    }
-
-    /// Up to `LANES` searches abreast: each has its own bracket, all are evaluated together.
-    fn search(&self, clearance: f64, loads: &[DimensionlessLoad]) -> Vec<Result<ArcState, NoState>> {
         let mut searches: Vec<Search> = loads.iter().map(|load| self.begin(clearance, *load)).collect();
-        for _ in 0..MOST_EVALUATIONS {
-            let mut half_angles = [SMALLEST; LANES];
-            let mut open = false;
-            for (half_angle, search) in half_angles.iter_mut().zip(&searches) {
-                if search.found.is_none() {
-                    *half_angle = search.next.exp();
-                    open = true;
-                }
-            }
-            if !open {
+        loop {
+            let open = searches.iter().enumerate().filter(|(_, search)| search.found.is_none());
+            let lanes: Vec<usize> = open.map(|(index, _)| index).take(LANES).collect();
+            if lanes.is_empty() {
                 break;
             }
-            let states = self.joint.at(&half_angles);
-            for ((search, load), state) in searches.iter_mut().zip(loads).zip(states) {
-                if search.found.is_none() {
-                    match state {
-                        Some(state) => search.feed(state, excess(&state, clearance, *load)),
-                        None => search.found = Some(Err(NoState::BrokenCompliance)),
+            let mut half_angles = [SMALLEST; LANES];
+            for (half_angle, &index) in half_angles.iter_mut().zip(&lanes) {
+                *half_angle = searches[index].next.exp();
+            }
+            for (state, index) in self.joint.at(&half_angles).into_iter().zip(lanes) {
+                match state {
+                    Some(state) => {
+                        let excess = load_ratio(&state, clearance, loads[index]).ln();
+                        searches[index].feed(state, excess);
                     }
+                    None => searches[index].found = Some(Err(NoState::BrokenCompliance)),
                 }
             }
         }
@@ -93,21 +87,21 @@ impl<'a> JointCurve<'a> {
 
     /// The bracket of a load among the samples, and a first guess between them.
     fn begin(&self, clearance: f64, load: DimensionlessLoad) -> Search {
-        let excesses: Vec<f64> = self.samples.iter().map(|state| excess(state, clearance, load)).collect();
-        let Some(above) = excesses.iter().position(|value| *value >= 0.0) else {
+        let Some(above) = self.samples.iter().position(|state| load_ratio(state, clearance, load) >= 1.0)
+        else {
             return Search::ended(NoState::ContactTooWide);
         };
         let Some(below) = above.checked_sub(1) else { return Search::ended(NoState::BrokenCompliance) };
-        let position = |index: usize| self.samples[index].arc.half_angle.ln();
-        let (a, b) = ((position(below), excesses[below]), (position(above), excesses[above]));
+        let point = |state: &ArcState| (state.arc.half_angle.ln(), load_ratio(state, clearance, load).ln());
         // Inverse interpolation through the neighbours as well, where it stays inside the bracket.
         let first = below.saturating_sub(1);
         let last = (above + 1).min(self.samples.len() - 1);
-        let points: Vec<(f64, f64)> =
-            (first..=last).map(|i| (position(i), excesses[i])).filter(|point| point.1.is_finite()).collect();
-        let guess = inverse_interpolation(&points);
+        let points: Vec<(f64, f64)> = self.samples[first..=last].iter().map(point).collect();
+        let (a, b) = (points[below - first], points[above - first]);
+        let finite: Vec<(f64, f64)> = points.into_iter().filter(|point| point.1.is_finite()).collect();
+        let guess = inverse_interpolation(&finite);
         let next = if guess > a.0 && guess < b.0 { guess } else { 0.5 * (a.0 + b.0) };
-        Search { a, b, next, found: None }
+        Search { a, b, next, evaluations: 0, found: None }
     }
 
     /// Centre offset e = dR + delta over the hole's radius, at a state found for `load`.
@@ -119,16 +113,16 @@ impl<'a> JointCurve<'a> {
     }
 }
 
-/// ln(load of the state/load asked): negative below the root, positive above. A power law of eps for small angles.
-fn excess(state: &ArcState, clearance: f64, load: DimensionlessLoad) -> f64 {
-    let ratio = match load {
+/// Load of the state over the load asked. A power law of eps for small angles; its logarithm is the `excess` whose root
+/// is searched, negative below and positive above.
+fn load_ratio(state: &ArcState, clearance: f64, load: DimensionlessLoad) -> f64 {
+    match load {
         DimensionlessLoad::Indentation(delta) => state.indentation * ((clearance + delta) / delta),
         // A neat fit has one half angle, whatever the load.
         DimensionlessLoad::Force(_) if clearance == 0.0 => state.indentation,
         DimensionlessLoad::Force(_) if state.clearance() <= 0.0 => f64::INFINITY,
         DimensionlessLoad::Force(force) => state.force / state.clearance() * (clearance / force),
-    };
-    ratio.ln()
+    }
 }
 
 /// The position at which the polynomial through (position, value), taken as position of value, has the value zero.
@@ -146,12 +140,13 @@ struct Search {
     a: (f64, f64),
     b: (f64, f64),
     next: f64,
+    evaluations: usize,
     found: Option<Result<ArcState, NoState>>,
 }
 
 impl Search {
     fn ended(reason: NoState) -> Search {
-        Search { a: (0.0, 0.0), b: (0.0, 0.0), next: 0.0, found: Some(Err(reason)) }
+        Search { a: (0.0, 0.0), b: (0.0, 0.0), next: 0.0, evaluations: 0, found: Some(Err(reason)) }
     }
 
     /// Takes the excess at `next`: inverse quadratic interpolation through it and the bracket, bisection where that
@@ -161,6 +156,11 @@ impl Search {
         let narrow = (self.b.0 - self.a.0).abs() < 1e-14;
         if excess.abs() < TOLERANCE || (narrow && excess.is_finite()) {
             self.found = Some(Ok(state));
+            return;
+        }
+        self.evaluations += 1;
+        if self.evaluations == MOST_EVALUATIONS {
+            self.found = Some(Err(NoState::BrokenCompliance));
             return;
         }
         let dropped = if excess < 0.0 {

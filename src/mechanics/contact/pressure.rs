@@ -59,7 +59,8 @@ impl<'a> JointCompliance<'a> {
         (pin, pin_modulus): (&PressureCompliance, f64),
         (plate, plate_modulus): (&PressureCompliance, f64),
     ) -> JointCompliance<'a> {
-        let of_both = |(pin, plate): (&f64, &f64)| pin / pin_modulus + plate / plate_modulus;
+        let (pin_share, plate_share) = (1.0 / pin_modulus, 1.0 / plate_modulus);
+        let of_both = |(pin, plate): (&f64, &f64)| pin_share * pin + plate_share * plate;
         JointCompliance {
             space,
             amplitude: of_both((&pin.amplitude, &plate.amplitude)),
@@ -77,34 +78,24 @@ impl<'a> JointCompliance<'a> {
     pub fn at_nodes(&self) -> Vec<Option<ArcState>> {
         let nodes: Vec<usize> = (0..NODE_COUNT).collect();
         let lanes = nodes.chunks(LANES).flat_map(|nodes| {
-            let arcs = std::array::from_fn(|lane| self.space.arcs[nodes[lane.min(nodes.len() - 1)]]);
-            let weights = std::array::from_fn(|lane| {
-                let mut weights = [0.0; NODE_COUNT];
-                weights[nodes[lane.min(nodes.len() - 1)]] = 1.0;
-                weights
-            });
-            self.evaluate(arcs, &weights).into_iter().take(nodes.len())
+            let of_lanes = std::array::from_fn(|lane| nodes[lane.min(nodes.len() - 1)]);
+            let arcs = of_lanes.map(|node| self.space.arcs[node]);
+            let evaluate = Evaluate { joint: self, arcs, nodes: Some(of_lanes) };
+            Arch::new().dispatch(evaluate).into_iter().take(nodes.len())
         });
         lanes.collect()
     }
 
     /// States at contact half angles in (0, limit], side by side.
     pub fn at(&self, half_angles: &[f64; LANES]) -> [Option<ArcState>; LANES] {
-        let weights = half_angles.map(|half_angle| self.space.interpolation(half_angle));
-        self.evaluate(half_angles.map(ContactArc::new), &weights)
+        let arcs = half_angles.map(ContactArc::new);
+        Arch::new().dispatch(Evaluate { joint: self, arcs, nodes: None })
     }
 
-    fn evaluate(
-        &self,
-        arcs: [ContactArc; LANES],
-        weights: &[[f64; NODE_COUNT]; LANES],
-    ) -> [Option<ArcState>; LANES] {
-        Arch::new().dispatch(Evaluate { joint: self, arcs, weights })
-    }
-
-    /// For each state, the share by which a change of one body's compliance (`values` as in `PressureCompliance`, over
-    /// the body's modulus) changes the work of the pressure: since that is stationary in the pressure, to first order
-    /// the relative change of the energy at a given indentation, and of the force where it changes evenly with the load.
+    /// For each state, the share by which a change of the joint's compliance (`values` as in `PressureCompliance`, times
+    /// one unit of the moduli) changes the work of the pressure: since that is stationary in the pressure, to first
+    /// order the relative change of the energy at a given indentation, and of the force where it changes evenly with the
+    /// load.
     pub fn relative_changes(&self, states: &[ArcState], values: &[f64]) -> Vec<f64> {
         states
             .chunks(LANES)
@@ -115,15 +106,14 @@ impl<'a> JointCompliance<'a> {
     }
 }
 
-/// Interpolates a compliance (`[node][packed]`) at the arcs of the lanes.
+/// The matrices of a compliance (`[node][packed]`) at half angles side by side, lower triangle.
 #[inline(always)]
 fn interpolate<const FUSED: bool, const TERMS: usize>(
-    weights: &[[f64; NODE_COUNT]; LANES],
+    weights: &[Lanes<FUSED>; NODE_COUNT],
     values: &[f64],
 ) -> [[Lanes<FUSED>; TERMS]; TERMS] {
     let mut matrix = [[Lanes::<FUSED>::zero(); TERMS]; TERMS];
-    let negative: [Lanes<FUSED>; NODE_COUNT] =
-        std::array::from_fn(|node| Lanes(std::array::from_fn(|lane| -weights[lane][node])));
+    let negative = weights.map(|weight| -weight);
     let entries = packed_count(TERMS);
     for row in 0..TERMS {
         for column in 0..=row {
@@ -138,11 +128,31 @@ fn interpolate<const FUSED: bool, const TERMS: usize>(
     matrix
 }
 
+/// The matrices at one node a lane.
+#[inline(always)]
+fn gather<const FUSED: bool, const TERMS: usize>(
+    nodes: [usize; LANES],
+    values: &[f64],
+) -> [[Lanes<FUSED>; TERMS]; TERMS] {
+    let entries = packed_count(TERMS);
+    let of_nodes = nodes.map(|node| &values[node * entries..][..entries]);
+    let mut matrix = [[Lanes::<FUSED>::zero(); TERMS]; TERMS];
+    for row in 0..TERMS {
+        for column in 0..=row {
+            for lane in 0..LANES {
+                matrix[row][column].0[lane] = of_nodes[lane][packed(row, column)];
+            }
+        }
+    }
+    matrix
+}
+
 /// One evaluation of `LANES` arcs.
 struct Evaluate<'a> {
     joint: &'a JointCompliance<'a>,
     arcs: [ContactArc; LANES],
-    weights: &'a [[f64; NODE_COUNT]; LANES],
+    /// The nodes that the arcs are at, if they are at any.
+    nodes: Option<[usize; LANES]>,
 }
 
 impl WithSimd for Evaluate<'_> {
@@ -167,16 +177,19 @@ impl Evaluate<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool, const TERMS: usize>(self) -> [Option<ArcState>; LANES] {
-        let Evaluate { joint, arcs, weights } = self;
+        let Evaluate { joint, arcs, nodes } = self;
         let zero = Lanes::<FUSED>::zero();
-        let mut matrix = interpolate::<FUSED, TERMS>(weights, &joint.values);
+        let mut matrix = match nodes {
+            Some(nodes) => gather::<FUSED, TERMS>(nodes, &joint.values),
+            None => {
+                let weights = joint.space.interpolation(arcs.map(|arc| arc.half_angle));
+                interpolate::<FUSED, TERMS>(&weights, &joint.values)
+            }
+        };
         matrix[0][0] -= Lanes(arcs.map(|arc| FRAC_PI_2 * joint.amplitude * arc.b.ln()));
-        let mut load_one = [zero; TERMS];
-        let mut load_versine = [zero; TERMS];
-        for k in 0..TERMS {
-            load_one[k] = Lanes::from_f64(ContactArc::resultant(k));
-            load_versine[k] = Lanes(std::array::from_fn(|lane| arcs[lane].versine(k)));
-        }
+        let load_one: [Lanes<FUSED>; TERMS] =
+            std::array::from_fn(|k| Lanes::from_f64(ContactArc::resultant(k)));
+        let load_versine: [Lanes<FUSED>; TERMS] = ContactArc::versines(Lanes(arcs.map(|arc| arc.b)));
         let (mut one, mut versine) = (load_one, load_versine);
         solve_in_place(&mut matrix, &mut one, &mut versine);
         let (mut sum_one, mut sum_versine) = (zero, zero);
@@ -277,7 +290,8 @@ impl Change<'_> {
     fn run<const FUSED: bool, const TERMS: usize>(self) -> [f64; LANES] {
         let Change { joint, states, values } = self;
         let state = |lane: usize| &states[lane.min(states.len() - 1)];
-        let weights = std::array::from_fn(|lane| joint.space.interpolation(state(lane).arc.half_angle));
+        let half_angles = std::array::from_fn(|lane| state(lane).arc.half_angle);
+        let weights = joint.space.interpolation(half_angles);
         let matrix = interpolate::<FUSED, TERMS>(&weights, values);
         let pressure: [Lanes<FUSED>; TERMS] =
             std::array::from_fn(|k| Lanes(std::array::from_fn(|lane| state(lane).pressure[k])));
@@ -325,8 +339,14 @@ impl ArcState {
             cosines[i] = turn * cosines[i - 1] - cosines[i - 2];
         }
         let series = |i: usize| -> f64 {
-            let coefficients = self.pressure[..self.terms].iter().enumerate();
-            coefficients.map(|(k, c)| c * cosines[i * k % (2 * count)]).sum()
+            let mut turned = 0;
+            let terms = self.pressure[..self.terms].iter().map(|c| {
+                let term = c * cosines[turned];
+                turned += i;
+                turned -= if turned >= 2 * count { 2 * count } else { 0 };
+                term
+            });
+            terms.sum()
         };
         let least = -TENSION * series(count);
         (1..=count).all(|i| series(i) >= least)

@@ -133,3 +133,16 @@ pub fn element_stiffness<T: Real>(
     }
     ElementStiffness { values, smallest_jacobian }
 }
+
+/// Floating-point operations of `element_stiffness`.
+pub fn stiffness_operations(kind: ElementKind) -> u64 {
+    let count = kind.node_count() as u64;
+    let gradients = 16 * count + 4;
+    let at_point = match kind {
+        // Six products a node; four entries of four a pair of nodes.
+        ElementKind::Quad8 => 6 * count + 8 * count * (count + 1),
+        // Six a node for its strain, seven a column for its stress, six an entry.
+        ElementKind::Quad4 => 20 * count + 6 * count * (2 * count + 1),
+    };
+    gradients + 4 * (gradients + 3 + at_point)
+}

@@ -151,17 +151,11 @@ impl BandStructure {
     /// Tiles of a stiffness without elements: zero but for the padding's diagonal.
     pub fn empty<T: Real>(&self) -> Vec<Tile<T>> {
         let mut tiles = vec![[[T::zero(); TILE]; TILE]; self.tile_count];
-        self.clear(&mut tiles);
-        tiles
-    }
-
-    /// Back to a stiffness without elements.
-    pub fn clear<T: Real>(&self, tiles: &mut [Tile<T>]) {
-        tiles.fill([[T::zero(); TILE]; TILE]);
         for &position in &self.padding {
             let at = position % TILE;
             tiles[self.tile(position / TILE, position / TILE)][at][at] = T::from_f64(1.0);
         }
+        tiles
     }
 
     /// Adds one element's stiffness.
@@ -188,15 +182,11 @@ impl BandStructure {
                 let row_tiles = &left[start - first..];
                 let column_tiles = &done[column_offset + start - column_first..][..row_tiles.len()];
                 let tile = &mut right[0];
-                for (a, b) in row_tiles.iter().zip(column_tiles) {
-                    subtract_product(tile, a, b);
-                }
+                subtract_products(tile, row_tiles, column_tiles);
                 divide_by_lower_transposed(tile, &done[column_offset + column - column_first]);
             }
             let (left, right) = current.split_at_mut(row - first);
-            for a in left.iter() {
-                subtract_product(&mut right[0], a, a);
-            }
+            subtract_products(&mut right[0], left, left);
             factorise_tile(&mut right[0]);
         }
     }
@@ -215,14 +205,16 @@ impl BandStructure {
             let (done, current) = values.split_at_mut(row);
             let current = &mut current[0];
             let row_tiles = &tiles[self.tile(ring + row, ring)..];
-            for (tile, known) in row_tiles.iter().zip(done.iter()) {
-                for i in 0..TILE {
+            for i in 0..TILE {
+                let mut sums = current[i];
+                for (tile, known) in row_tiles.iter().zip(done.iter()) {
                     for k in 0..TILE {
                         for c in 0..COLUMNS {
-                            current[i][c] = current[i][c].minus_product(tile[i][k], known[k][c]);
+                            sums[c] = sums[c].minus_product(tile[i][k], known[k][c]);
                         }
                     }
                 }
+                current[i] = sums;
             }
             let diagonal = &row_tiles[row];
             for i in 0..TILE {
@@ -237,16 +229,41 @@ impl BandStructure {
             }
         }
     }
+
+    /// Floating-point operations of `factorise` a body, a fused multiply-add counted as two.
+    pub fn factorise_operations(&self) -> u64 {
+        let of_row = |(row, &(first, _)): (usize, &(usize, usize))| -> u64 {
+            let products = (first..row).map(|column| column - first.max(self.rows[column].0) + 1);
+            let divisions = (row - first) as u64 * DIVISION_OPERATIONS;
+            products.sum::<usize>() as u64 * PRODUCT_OPERATIONS + divisions + FACTOR_OPERATIONS
+        };
+        self.rows.iter().enumerate().map(of_row).sum()
+    }
+
+    /// Floating-point operations of `substitute_ring` a body, with `rows` tile rows of `columns` right-hand sides.
+    pub fn substitute_operations(&self, rows: usize, columns: usize) -> u64 {
+        let (rows, columns) = (rows as u64, columns as u64);
+        let tile = 2 * (TILE * TILE) as u64 * columns;
+        let diagonal = TILE as u64 + (TILE * TILE) as u64 * columns;
+        rows * (rows - 1) / 2 * tile + rows * diagonal
+    }
 }
 
-/// tile -= a b^T.
+// Operations of one tile in the functions below.
+const PRODUCT_OPERATIONS: u64 = 2 * (TILE * TILE * TILE) as u64;
+const DIVISION_OPERATIONS: u64 = TILE as u64 + (TILE * TILE * TILE) as u64;
+const FACTOR_OPERATIONS: u64 = (TILE * (2 * TILE * TILE + 3 * TILE + 7)) as u64 / 6;
+
+/// tile -= sum of a b^T.
 #[inline(always)]
-fn subtract_product<T: Real>(tile: &mut Tile<T>, a: &Tile<T>, b: &Tile<T>) {
+fn subtract_products<T: Real>(tile: &mut Tile<T>, row: &[Tile<T>], column: &[Tile<T>]) {
     let mut sum = *tile;
-    for k in 0..TILE {
-        for i in 0..TILE {
-            for j in 0..TILE {
-                sum[i][j] = sum[i][j].minus_product(a[i][k], b[j][k]);
+    for (a, b) in row.iter().zip(column) {
+        for k in 0..TILE {
+            for i in 0..TILE {
+                for j in 0..TILE {
+                    sum[i][j] = sum[i][j].minus_product(a[i][k], b[j][k]);
+                }
             }
         }
     }
