@@ -1,6 +1,7 @@
 //! From a load to the contact half angle: one-dimensional roots on the joint's curve.
 
-use super::pressure::{ArcState, JointCompliance};
+use super::arc_state::ArcState;
+use super::pressure::JointCompliance;
 use crate::mechanics::real::LANES;
 
 /// What a joint is loaded by, dimensionless: lengths over the hole's radius, forces over thickness, hole radius and
