@@ -10,6 +10,7 @@ use common::rings::{MeshedBody, body, contact_grading};
 use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::element::quadrature::gauss_legendre;
+use jointsweep::mechanics::grading::{GradingClass, LEVEL_COUNT};
 use jointsweep::mechanics::material::Idealization;
 use jointsweep::mechanics::mesh::{Grading, SUPPORTED};
 
@@ -52,6 +53,27 @@ fn sector(meshed: &MeshedBody) -> f64 {
     }
 }
 
+/// The ring's nodes lie on the circle, those in the middle of sides half-way; its unknowns, and no others, are the last.
+fn assert_ring(meshed: &MeshedBody) {
+    let topology = &meshed.topology;
+    let mut unknowns: Vec<u32> = Vec::new();
+    for (&node, angle) in topology.ring_nodes.iter().zip(&topology.ring_angles) {
+        let [x, y] = meshed.coordinates[node as usize];
+        assert!((x - angle.sin()).abs() < 1e-15 && (y + angle.cos()).abs() < 1e-15);
+        unknowns.extend(&topology.unknowns[2 * node as usize..2 * node as usize + 2]);
+    }
+    if topology.element == ElementKind::Quad8 {
+        for side in topology.ring_angles.windows(3).step_by(2) {
+            assert!((side[1] - 0.5 * (side[0] + side[2])).abs() < 1e-15);
+        }
+    }
+    unknowns.retain(|unknown| *unknown != SUPPORTED);
+    unknowns.sort();
+    assert!(
+        unknowns.into_iter().map(|unknown| unknown as usize).eq(topology.ring_start..topology.unknown_count)
+    );
+}
+
 /// Goal: blocks of any proportions, divided coarsely or finely, are filled exactly, by elements of positive area, with
 /// a node in each corner; their edges are held as named. 100 random blocks, from 1.1 to 50 hole radii.
 #[test]
@@ -81,6 +103,7 @@ fn blocks_are_filled_and_held() {
                     let near = |[x, y]: &[f64; 2]| (x - corner[0]).hypot(y - corner[1]) < 1e-12 * half_width;
                     assert_eq!(meshed.coordinates.iter().filter(|place| near(place)).count(), 1);
                 }
+                assert_ring(&meshed);
                 for (node, &[x, y]) in meshed.coordinates.iter().enumerate() {
                     let on = |value: f64, edge: f64| (value - edge).abs() < 1e-12 * edge.abs();
                     let edge = on(x, half_width) || on(y, height);
@@ -122,9 +145,32 @@ fn round_bodies_are_filled_and_held() {
                 assert_eq!(unknowns[0] == SUPPORTED, held || x.abs() < 1e-12, "{name} {x} {y}");
                 assert_eq!(unknowns[1] == SUPPORTED, held, "{name} {x} {y}");
             }
-            for (&node, angle) in meshed.topology.ring_nodes.iter().zip(&meshed.topology.ring_angles) {
-                let [x, y] = meshed.coordinates[node as usize];
-                assert!((x - angle.sin()).abs() < 1e-15 && (y + angle.cos()).abs() < 1e-15);
+            assert_ring(&meshed);
+        }
+    }
+}
+
+/// Goal: at every level the engine's own division of any body within its range is a mesh that assembly takes.
+/// Round bodies of ratio 1.001 to 1e4, blocks of 1.2 to 50; Q8.
+#[test]
+fn every_class_is_a_sound_mesh() {
+    for case in 0..24 {
+        let between =
+            |place: u64, from: f64, to: f64| from * (to / from).powf(0.5 * (1.0 + scatter(3 * case + place)));
+        let round = between(0, 1.001, 1e4);
+        for (name, ratios) in [
+            ("annulus", vec![round]),
+            ("rigid-core", vec![1.0 / round]),
+            ("rigid-midplane", vec![]),
+            ("block", [0, 1, 2].map(|place| between(place, 1.2, 50.0)).to_vec()),
+        ] {
+            let body = body(name, &ratios, Idealization::PlaneStrain, 0.3);
+            // The finest levels divide alike and take long.
+            for level in 0..LEVEL_COUNT - 2 {
+                let class = GradingClass::of(&body, ElementKind::Quad8, level);
+                let meshed = MeshedBody::new(&body, &class.grading(body.shape.end_angle));
+                let values = meshed.assembly.stiffness_values::<f64>(&meshed.elasticity, &meshed.coordinates);
+                assert!(values.is_ok(), "{name} {ratios:?} level {level}: {:?}", values.err());
             }
         }
     }

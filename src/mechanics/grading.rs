@@ -124,3 +124,117 @@ impl GradingClass {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::body::{annulus, block, cored_disc, half_disc};
+    use crate::mechanics::material::Idealization;
+
+    fn body(shape: &'static crate::mechanics::body::Shape, parameters: [f64; 3]) -> Body {
+        Body { shape, parameters, support: 0, poissons_ratio: 0.3, idealization: Idealization::PlaneStress }
+    }
+
+    /// Bodies of all shapes, ratios from 1.001 to 1e4 in uneven steps.
+    fn bodies() -> Vec<Body> {
+        let ratio = |i: usize| 1.001 * 1e4_f64.powf((i as f64 * 0.618_034).fract());
+        let mut bodies = vec![body(&half_disc::SHAPE, [0.0; 3])];
+        for i in 0..200 {
+            bodies.push(body(&annulus::SHAPE, [ratio(i), 0.0, 0.0]));
+            bodies.push(body(&cored_disc::SHAPE, [1.0 / ratio(i), 0.0, 0.0]));
+            bodies.push(body(&block::SHAPE, [ratio(i), ratio(3 * i + 1), ratio(5 * i + 2)]));
+        }
+        bodies
+    }
+
+    fn all(check: impl Fn(&Body, &Level, &GradingClass)) {
+        for body in bodies() {
+            for (level, of_level) in LEVELS.iter().enumerate() {
+                check(&body, of_level, &GradingClass::of(&body, ElementKind::Quad8, level));
+            }
+        }
+    }
+
+    /// The first layer is the level's share of the body's least depth, rounded down by less than half an octave.
+    #[test]
+    fn the_first_layer_fits_the_thinnest_place() {
+        all(|body, level, class| {
+            let least = (body.shape.depth_range)(&body.parameters).0.min(1.0);
+            let share = class.first_layer() / (level.first * least);
+            assert!(share <= 1.0 + 1e-12 && share > 0.5_f64.sqrt() - 1e-12, "{body:?}: {share}");
+        });
+    }
+
+    /// There are as many layers as the deepest place needs, no more, and the class's reference is about as
+    /// deep as its bodies.
+    #[test]
+    fn layers_reach_the_deepest_place() {
+        all(|body, level, class| {
+            let depth = (body.shape.depth_range)(&body.parameters).1;
+            let fewer = GradingClass { layer_count: class.layer_count - 1, ..*class };
+            let (reached, before) =
+                (class.depth_at_growth(level.growth), fewer.depth_at_growth(level.growth));
+            assert!(reached >= depth && (class.layer_count == 2 || before < depth), "{body:?} {class:?}");
+            // The reference's layers grow less, so that it is not the deepest of its class.
+            let nominal = class.nominal_depth();
+            assert!(
+                nominal <= reached && nominal > 0.75 * class.class_depth(),
+                "{body:?} {class:?}: {nominal}"
+            );
+        });
+    }
+
+    /// Layers are as thick as their place asks: no outer radius is more than `growth` times its inner one.
+    #[test]
+    fn layers_keep_their_proportions() {
+        all(|body, level, class| {
+            let Grading { first_layer, thickest_layer, .. } = class.grading(body.shape.end_angle);
+            assert_eq!(first_layer, class.first_layer());
+            assert_eq!(thickest_layer, first_layer.max(level.growth.ln()));
+        });
+    }
+
+    /// Ring angles ascend from 0 to the end, spaced by the rule but for the stretch that makes them fit: by half of
+    /// an element at most, which its neighbours share.
+    #[test]
+    fn ring_angles_follow_the_rule_to_the_end() {
+        all(|body, level, class| {
+            let end = body.shape.end_angle;
+            let angles = class.grading(end).angles;
+            assert_eq!((angles[0], angles[angles.len() - 1]), (0.0, end));
+            let depth = 2.0_f64.powf(-0.5 * f64::from(class.depth_class));
+            let evenness = (depth / 0.7).clamp(1.0 / 3.0, if end < PI { 0.4 } else { 1.0 });
+            let widest = evenness * level.widest.to_radians();
+            for pair in angles.windows(2) {
+                let rule = (pair[0] / level.spread).max(class.first_layer()).min(widest);
+                let share = (pair[1] - pair[0]) / rule;
+                assert!((0.6..1.5).contains(&share), "{body:?} {class:?}: {share} at {}", pair[0]);
+            }
+            // The load line is where narrow contacts are.
+            assert!((angles[1] / class.first_layer().min(widest) - 1.0).abs() < 0.05, "{body:?} {class:?}");
+        });
+    }
+
+    /// Nearby bodies share a class, bodies half as deep do not; finer levels are finer in every way.
+    #[test]
+    fn classes_are_few_and_levels_ordered() {
+        let class = |ratio: f64, level| {
+            GradingClass::of(&body(&annulus::SHAPE, [ratio, 0.0, 0.0]), ElementKind::Quad8, level)
+        };
+        for level in 0..LEVEL_COUNT {
+            assert_eq!(class(1.30, level), class(1.31, level));
+            assert_ne!(class(1.30, level), class(1.14, level));
+            // A little deeper than where a class ends.
+            let depths = |octaves: i32| class((1.1 * 2_f64.powi(-octaves)).exp(), level).depth_class;
+            assert_eq!([0, 1, 2, 10].map(depths), [0, 2, 4, 20]);
+        }
+        for level in 1..LEVEL_COUNT {
+            for ratio in [1.001, 1.3, 3.0, 1e4] {
+                let [coarse, fine] = [level - 1, level].map(|level| class(ratio, level));
+                assert!(fine.first_layer() < coarse.first_layer());
+                assert!(fine.layer_count >= coarse.layer_count);
+                assert!(fine.grading(PI).angles.len() > coarse.grading(PI).angles.len());
+            }
+        }
+    }
+}
