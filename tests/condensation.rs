@@ -94,6 +94,22 @@ fn company_does_not_matter() {
     }
 }
 
+/// A body too thin for the mesh of its company, whose lines then cut the ring, is told by NaN; the others are not hurt.
+#[test]
+fn a_mesh_turned_inside_out_is_told() {
+    let space = PressureSpace::new(10, 2.4);
+    let block = |half_width: f64| body("block", &[half_width, 3.0, 2.0], Idealization::PlaneStress, 0.3);
+    let class = GradingClass::of(&block(2.0), ElementKind::Quad8, 1);
+    let grading = class.grading(std::f64::consts::PI);
+    let plan = CondensationPlan::new(&block(2.0), grading.clone(), &space);
+    let thin = block(1.01);
+    let meshed = MeshedBody::new(&thin, &grading);
+    assert!(meshed.assembly.stiffness_values::<f64>(&meshed.elasticity, &meshed.coordinates).is_err());
+    let [before, told, after] = &plan.condense(&[block(2.0), thin, block(2.1)])[..] else { unreachable!() };
+    assert!(told.values.iter().all(|value| value.is_nan()));
+    assert!(before.values.iter().chain(&after.values).all(|value| value.is_finite()));
+}
+
 /// With the near field the worst error of a coarse mesh drops by a hundred: arcs far smaller than its elements are right.
 #[test]
 fn the_near_field_removes_the_error_of_the_ring() {

@@ -96,6 +96,19 @@ mod tests {
     use super::*;
     use crate::mechanics::element::quadrature::gauss_legendre;
 
+    /// tau undoes the angle, to the rounding of acos; the edge and all beyond it are at 0.
+    #[test]
+    fn tau_and_the_angle_are_inverse() {
+        for half_angle in [1e-6, 0.3, 2.4] {
+            let arc = ContactArc::new(half_angle);
+            for tau in [0.1, 1.0, FRAC_PI_2] {
+                assert!((arc.tau(arc.angle(tau)) - tau).abs() < 1e-14);
+            }
+            assert!((arc.angle(0.0) / half_angle - 1.0).abs() < 1e-15);
+            assert_eq!([1.001, 1.3].map(|factor| arc.tau(factor * half_angle)), [0.0; 2]);
+        }
+    }
+
     #[test]
     fn versine_equals_its_integral() {
         let arc = ContactArc::new(1.3);

@@ -118,3 +118,32 @@ impl PressureSpace {
 
 /// Modes whose moments share a quadrature rule.
 const MODE_BLOCK: usize = 64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each node has its own value, and a function of sqrt(eps) is found between them, to rounding.
+    #[test]
+    fn interpolation_goes_through_the_nodes() {
+        let space = PressureSpace::new(4, 2.0);
+        for first in (0..NODE_COUNT).step_by(LANES) {
+            let weights =
+                space.interpolation::<false>(std::array::from_fn(|i| space.arcs[first + i].half_angle));
+            for (node, weight) in weights.iter().enumerate() {
+                assert_eq!(weight.0, std::array::from_fn(|i| if node == first + i { 1.0 } else { 0.0 }));
+            }
+        }
+        let half_angles = std::array::from_fn(|i| 0.01 * 1.9_f64.powi(i as i32));
+        let weights = space.interpolation::<false>(half_angles);
+        for (lane, half_angle) in half_angles.into_iter().enumerate() {
+            let function = |half_angle: f64| (half_angle.sqrt() - 0.3).cos();
+            let found: f64 = weights
+                .iter()
+                .zip(&space.arcs)
+                .map(|(weight, arc)| weight.0[lane] * function(arc.half_angle))
+                .sum();
+            assert!((found - function(half_angle)).abs() < 1e-14, "{half_angle}");
+        }
+    }
+}
