@@ -1,0 +1,240 @@
+//! From designs to outcomes: what each row says of itself, finer meshes where they are needed, and bodies shared by
+//! designs, batches and steps without a trace.
+
+#[path = "common/random.rs"]
+mod random;
+
+use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::outcome::{Method, Response, StepOutcome};
+use jointsweep::engine::plan::{first_level, mesh_error};
+use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
+use jointsweep::mechanics::grading::LEVEL_COUNT;
+use jointsweep::mechanics::material::{Idealization, Material};
+use jointsweep::study::config::{MethodChoice, SolveOptions};
+use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use random::Random;
+
+const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
+
+fn part(shape: &'static Shape, parameters: [f64; 3]) -> Part {
+    Part { shape, parameters, support: 0, material: STEEL }
+}
+
+fn half() -> Part {
+    part(&half_disc::SHAPE, [0.0; 3])
+}
+
+fn disc() -> Part {
+    part(&cored_disc::SHAPE, [0.3, 0.0, 0.0])
+}
+
+fn ring(outer_radius_ratio: f64) -> Part {
+    part(&annulus::SHAPE, [outer_radius_ratio, 0.0, 0.0])
+}
+
+fn joint(pin: Part, plate: Part) -> JointDesign {
+    JointDesign {
+        idealization: Idealization::PlaneStress,
+        hole_radius: 10.0,
+        radial_clearance: 0.05,
+        thickness: 8.0,
+        pin,
+        plate,
+    }
+}
+
+fn case(joint: JointDesign, steps: &[Load]) -> DesignCase {
+    DesignCase { index: 0, joint, steps: steps.to_vec() }
+}
+
+fn alone(case: &DesignCase, method: MethodChoice, accuracy: f64) -> Vec<StepOutcome> {
+    CpuBackend::new(SolveOptions { accuracy, method }).solve(vec![case.clone()]).remove(0).steps
+}
+
+fn statuses(joint: JointDesign, method: MethodChoice, accuracy: f64, steps: &[Load]) -> Vec<String> {
+    alone(&case(joint, steps), method, accuracy).into_iter().map(|step| step.status).collect()
+}
+
+/// (dR + delta)/R2 of 5 % and no other length decides, whether it is prescribed or found from a force.
+#[test]
+fn large_displacements_are_said() {
+    let loose = JointDesign { radial_clearance: 0.4, ..joint(disc(), ring(3.0)) };
+    let steps = [0.099, 0.101].map(Load::Indentation);
+    let outcomes = alone(&case(loose, &steps), MethodChoice::Auto, 0.01);
+    let said: Vec<&str> = outcomes.iter().map(|step| step.status.as_str()).collect();
+    assert_eq!(said, ["ok", "large displacement"]);
+    let forces: Vec<Load> = outcomes.iter().map(|step| Load::Force(step.response.unwrap().force)).collect();
+    assert_eq!(statuses(loose, MethodChoice::Auto, 0.01, &forces), said);
+}
+
+/// Each remark alone and together, and the row keeps its numbers.
+#[test]
+fn what_falls_short_is_said() {
+    // No mesh gives nine digits.
+    let steps = [Load::Indentation(0.01), Load::Indentation(1.0)];
+    let outcomes = alone(&case(joint(disc(), ring(2.0)), &steps), MethodChoice::Fe, 1e-9);
+    assert_eq!(outcomes[0].status, "accuracy not met");
+    assert_eq!(outcomes[1].status, "large displacement; accuracy not met");
+    assert!(outcomes.iter().all(|step| step.response.is_some_and(|response| response.force_error > 1e-9)));
+    // Beside a wall of 2 % of the radius ten trial pressures ring.
+    let walled = joint(disc(), part(&block::SHAPE, [1.02, 5.0, 5.0]));
+    let said = statuses(walled, MethodChoice::Auto, 1e-4, &[Load::Indentation(0.05)]);
+    assert_eq!(said, ["pressure not positive everywhere; accuracy not met"]);
+}
+
+/// A step that fails leaves the others as they are, and every step stays in its place.
+#[test]
+fn a_failed_step_leaves_the_others() {
+    let [fine, nothing, wide] = [0.05, 0.0, 50.0].map(Load::Indentation);
+    let joint = joint(half(), ring(1.2));
+    let expected = alone(&case(joint, &[fine]), MethodChoice::Auto, 0.01).remove(0);
+    let outcomes = alone(&case(joint, &[wide, nothing, fine, wide, fine]), MethodChoice::Auto, 0.01);
+    // A half disc's contact ends short of its held face, at 1.54 rad.
+    let refused = StepOutcome { response: None, status: "failed: contact wider than 88 deg".into() };
+    let unloaded = outcomes[1].clone();
+    assert_eq!(
+        (unloaded.status.as_str(), unloaded.response.map(|response| response.force)),
+        ("ok", Some(0.0))
+    );
+    assert_eq!(outcomes, [refused.clone(), unloaded, expected.clone(), refused, expected]);
+}
+
+#[test]
+fn series_refuses_what_it_has_no_modes_of() {
+    let plate = part(&block::SHAPE, [2.0, 3.0, 2.0]);
+    for joint in [joint(disc(), plate), joint(half(), ring(2.0)), joint(half(), plate)] {
+        let said = statuses(joint, MethodChoice::Series, 0.01, &[Load::Indentation(0.05), Load::Force(0.0)]);
+        assert_eq!(said, ["failed: series needs a rigid-core pin in an annulus"; 2]);
+    }
+}
+
+/// The rows say what they were made with, and how well: exact compliances to what their interpolation leaves.
+#[test]
+fn methods_are_told_with_their_errors() {
+    let told = |joint, method| {
+        let outcome = alone(&case(joint, &[Load::Indentation(0.05)]), method, 0.01).remove(0);
+        outcome.response.map(|response| (response.method, response.force_error)).unwrap()
+    };
+    let concentric = joint(disc(), ring(2.0));
+    for method in [MethodChoice::Series, MethodChoice::Auto] {
+        let (method, error) = told(concentric, method);
+        assert!(method == Method::Series && (1e-8..1e-7).contains(&error), "{error:e}");
+    }
+    // One mesh makes a row of finite elements.
+    for (joint, method) in [(concentric, MethodChoice::Fe), (joint(half(), ring(2.0)), MethodChoice::Auto)] {
+        let (method, error) = told(joint, method);
+        assert!(method == Method::Fe && (1e-5..1e-2).contains(&error), "{error:e}");
+    }
+}
+
+/// Johnson's law is per thickness; the row is for the joint. Rounding.
+#[test]
+fn the_closed_form_is_for_the_whole_joint() {
+    let whole = joint(disc(), ring(2.0));
+    let thin = JointDesign { thickness: 1.0, ..whole };
+    let at = |joint, load| {
+        let outcome = alone(&case(joint, &[load]), MethodChoice::ClosedForm, 0.01).remove(0);
+        outcome.response.unwrap()
+    };
+    let (a, b) = (at(whole, Load::Indentation(0.01)), at(thin, Load::Indentation(0.01)));
+    assert!((a.force / b.force / 8.0 - 1.0).abs() < 1e-14);
+    assert!((a.tangent_stiffness / b.tangent_stiffness / 8.0 - 1.0).abs() < 1e-14);
+    assert!((at(whole, Load::Force(a.force)).indentation / 0.01 - 1.0).abs() < 1e-12);
+}
+
+/// The coarsest mesh that can be as good as asked: for the accuracies people ask for, and not beyond the last.
+#[test]
+fn the_accuracy_decides_where_to_begin() {
+    let levels = [0.05, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-9].map(first_level);
+    assert_eq!(levels, [1, 1, 2, 3, 4, LEVEL_COUNT - 1, LEVEL_COUNT - 1]);
+    for accuracy in [0.05, 0.01, 3e-3, 1e-3, 3e-4, 1e-4] {
+        let level = first_level(accuracy);
+        // A mesh may settle where it begins, and a coarser one is given up for a reason.
+        assert!(mesh_error(level, 0.0) < accuracy);
+        assert!(level == 1 || mesh_error(level, 0.0) < mesh_error(level - 1, 0.0));
+    }
+}
+
+/// A narrow contact of a half disc in a thin ring is estimated at 0.18 % on the second mesh, where 0.17 % begins, too.
+#[test]
+fn finer_meshes_are_taken_where_they_are_needed() {
+    let narrow = case(joint(half(), ring(1.2)), &[1e-3, 0.05].map(Load::Indentation));
+    let wide = case(joint(half(), ring(2.0)), &[Load::Indentation(0.05)]);
+    let error = |steps: &[StepOutcome]| steps[0].response.unwrap().force_error;
+    let second = alone(&narrow, MethodChoice::Auto, 3e-3);
+    assert!(first_level(1.7e-3) == first_level(3e-3) && error(&second) > 1.7e-3);
+    // In company that is content with the second mesh.
+    let options = SolveOptions { accuracy: 1.7e-3, method: MethodChoice::Auto };
+    let outcomes = CpuBackend::new(options).solve(vec![wide.clone(), narrow.clone(), wide.clone()]);
+    let climbed = &outcomes[1].steps;
+    assert!(climbed.iter().all(|step| step.status == "ok" && step.response.unwrap().force_error <= 1.7e-3));
+    // Both steps come from the third mesh, though the last is good on the second.
+    assert_eq!(first_level(1.4e-3), first_level(1.7e-3) + 1);
+    assert_eq!(*climbed, alone(&narrow, MethodChoice::Auto, 1.4e-3));
+    for index in [0, 2] {
+        assert_eq!(outcomes[index].steps, alone(&wide, MethodChoice::Auto, 3e-3));
+    }
+}
+
+/// Bodies of all shapes that differ in any one respect, in one batch: nothing of one reaches the others.
+#[test]
+fn a_batch_is_what_its_designs_are_alone() {
+    let mut random = Random::new(11);
+    let mut cases = Vec::new();
+    for index in 0..36 {
+        let mut plate = match index % 3 {
+            0 => ring(random.log(1.2, 20.0)),
+            _ => part(&block::SHAPE, [(); 3].map(|()| random.log(1.3, 8.0))),
+        };
+        plate.material =
+            Material { youngs_modulus: random.log(1e4, 1e6), poissons_ratio: random.linear(-0.5, 0.49) };
+        let pin = if index % 2 == 0 { half() } else { disc() };
+        let joint = JointDesign { idealization: Idealization::ALL[index / 2 % 2], ..joint(pin, plate) };
+        cases.push(case(joint, &[Load::Indentation(random.log(1e-3, 0.3))]));
+        // The same but for one of: the pin and with it the widest contact, support, idealization, one ratio, nu.
+        let mut other = joint;
+        match index % 6 {
+            0 => other.pin = disc(),
+            1 => other.plate.support = 1,
+            2 | 3 => other.idealization = Idealization::ALL[1 - index / 2 % 2],
+            4 => other.plate.parameters[2] *= 1.5,
+            _ => other.plate.material.poissons_ratio = 0.1,
+        }
+        cases.push(case(other, &cases[cases.len() - 1].steps.clone()));
+    }
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    let outcomes = CpuBackend::new(options).solve(cases.clone());
+    for (index, (outcome, case)) in outcomes.iter().zip(&cases).enumerate() {
+        assert_eq!(outcome.steps, alone(case, MethodChoice::Fe, 0.01), "design {index}: {case:?}");
+    }
+}
+
+/// More bodies than are kept, some of each batch known from the one before, the first ones asked for again at the end.
+#[test]
+fn forgetting_bodies_changes_nothing() {
+    const BATCH: usize = 500;
+    let design = |index: usize| {
+        let pin = part(&cored_disc::SHAPE, [0.1 + 1e-4 * (index / 7) as f64, 0.0, 0.0]);
+        case(joint(pin, ring(1.5 + 1e-3 * index as f64)), &[Load::Indentation(0.02)])
+    };
+    let mut backend = CpuBackend::new(SolveOptions { accuracy: 0.01, method: MethodChoice::Series });
+    for start in (0..6000).step_by(BATCH - 150).chain([0]) {
+        let outcomes = backend.solve((start..start + BATCH).map(design).collect());
+        assert_eq!(outcomes.len(), BATCH);
+        for (index, outcome) in (start..).zip(&outcomes).step_by(249) {
+            assert_eq!(outcome.steps, alone(&design(index), MethodChoice::Series, 0.01), "design {index}");
+        }
+    }
+}
+
+/// Steel in a neat hole yields from the first micrometre: no load is no force, by either kind of load.
+#[test]
+fn no_load_on_a_neat_fit_is_no_force() {
+    let neat = JointDesign { radial_clearance: 0.0, ..joint(half(), ring(2.0)) };
+    for load in [Load::Indentation(0.0), Load::Force(0.0)] {
+        let outcome = alone(&case(neat, &[load]), MethodChoice::Auto, 0.01).remove(0);
+        let Response { force, indentation, force_error, method, .. } = outcome.response.unwrap();
+        assert_eq!((force, indentation, force_error, method), (0.0, 0.0, 0.0, Method::Fe));
+        assert_eq!(outcome.status, "ok");
+    }
+}
