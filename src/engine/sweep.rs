@@ -90,7 +90,7 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
                 let times = backend.library.times;
                 statistics.distinct_bodies = distinct.hashes.len() as u64;
                 statistics.stages = vec![
-                    ("shared meshes and near fields", times.shared),
+                    ("preparation", times.shared),
                     ("series", times.series),
                     ("condensation", times.condense),
                     ("contact", backend.contact_time),

@@ -148,8 +148,10 @@ pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> V
     let rows = 2 * grading.layer_count;
     let angles = half_steps(&grading.angles, 1);
     let targets = boundary_angles(body, &grading.angles);
+    let centre = (body.shape.depth_range)(&body.parameters).1;
     let radius = |depth: f64| match (body.shape.side, body.shape.reaches_centre) {
-        (_, true) => 1.0 - depth,
+        // To the ring like the others, whose near field it shares, and to zero at the centre.
+        (_, true) => (-depth).exp() - (-centre).exp() * (depth / centre).powi(2),
         (Side::Plate, _) => depth.exp(),
         (Side::Pin, _) => (-depth).exp(),
     };

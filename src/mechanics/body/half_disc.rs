@@ -13,10 +13,13 @@ pub static SHAPE: Shape = Shape {
     supports: &[],
     end_angle: FRAC_PI_2,
     end_face_held: true,
-    depth: |_, _| 1.0,
+    depth: |_, _| CENTRE,
     reaches_centre: true,
     corners: |_| Vec::new(),
     straight_boundary: false,
     boundary_held: |_, _| true,
-    depth_range: |_| (1.0, 1.0),
+    depth_range: |_| (CENTRE, CENTRE),
 };
+
+/// The depth given to the centre: layers towards it end at about exp(-CENTRE).
+const CENTRE: f64 = 1.5;

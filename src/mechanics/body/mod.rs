@@ -44,8 +44,8 @@ pub struct Shape {
     pub end_angle: f64,
     /// Whether the face at the end angle is held.
     pub end_face_held: bool,
-    /// How deep below the ring the far boundary lies along the ray at an angle: |ln r|, or 1 - r for a shape that
-    /// `reaches_centre`; r over the ring's radius.
+    /// How deep below the ring the far boundary lies along the ray at an angle: |ln r|, r over the ring's radius; for a
+    /// shape that `reaches_centre`, where ln r has no value, a depth given to the centre.
     pub depth: fn(&[f64; MAX_PARAMETERS], f64) -> f64,
     /// Whether the shape includes the ring's centre, where ln r has no value. Elsewhere layers are even in ln r, which
     /// resolves a small core as well as a distant boundary.

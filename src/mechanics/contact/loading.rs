@@ -150,7 +150,7 @@ impl Search {
     }
 
     /// Takes the excess at `next`: inverse quadratic interpolation through it and the bracket, bisection where that
-    /// does not shrink the bracket well (Chandrupatla, Advances in Engineering Software 28 (1997) 145-149).
+    /// leaves the bracket.
     fn feed(&mut self, state: ArcState, excess: f64) {
         let latest = (self.next, excess);
         let narrow = (self.b.0 - self.a.0).abs() < 1e-14;

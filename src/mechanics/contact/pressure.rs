@@ -92,9 +92,10 @@ impl<'a> JointCompliance<'a> {
         Arch::new().dispatch(Evaluate { joint: self, arcs, nodes: None })
     }
 
-    /// For each state, the share by which a change of the joint's compliance (`values` as in `PressureCompliance`, over
-    /// one unit of the moduli) changes the work of the pressure: to first order the relative change of the force, since
-    /// the work is stationary in the pressure.
+    /// For each state, the share by which a change of the joint's compliance (`values` as in `PressureCompliance`, times
+    /// one unit of the moduli) changes the work of the pressure: since that is stationary in the pressure, to first
+    /// order the relative change of the energy at a given indentation, and of the force where it changes evenly with the
+    /// load.
     pub fn relative_changes(&self, states: &[ArcState], values: &[f64]) -> Vec<f64> {
         states
             .chunks(LANES)
