@@ -63,12 +63,25 @@ impl BodyRequest {
 /// The elements of every mesh: the error of a compliance is of fourth order with Q8, of second with Q4 (tests/lame.rs).
 const ELEMENT: ElementKind = ElementKind::Quad8;
 
-/// Unknowns of a body's mesh at a level.
-pub fn unknown_count(body: &Body, level: usize) -> u64 {
+/// How large a body's mesh is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MeshSize {
+    pub unknowns: u64,
+    pub layers: u64,
+}
+
+/// The size of a body's mesh at a level.
+pub fn mesh_size(body: &Body, level: usize) -> MeshSize {
     let class = GradingClass::of(body, ELEMENT, level);
     let columns = class.grading(body.shape.end_angle).angles.len() as u64 - 1;
+    let layers = class.layer_count as u64;
     // Two unknowns a node: corner rows of 2 columns + 1 nodes, mid-side rows of columns + 1; supports are few.
-    2 * class.layer_count as u64 * (3 * columns + 2)
+    MeshSize { unknowns: 2 * layers * (3 * columns + 2), layers }
+}
+
+/// What is alike for bodies whose meshes of a level can be condensed side by side.
+pub fn topology(request: &BodyRequest, level: usize) -> impl std::hash::Hash + use<> {
+    plan_key(request, GradingClass::of(&request.body, ELEMENT, level))
 }
 
 /// Bodies of one plan share their topology and can fill the lanes of one batch.
