@@ -3,10 +3,12 @@
 
 use divan::{Bencher, black_box};
 use jointsweep::mechanics::compliance::PressureCompliance;
-use jointsweep::mechanics::compliance::pressure_space::{PressureSpace, TERM_CHOICES};
+use jointsweep::mechanics::compliance::arc::TERM_CHOICES;
+use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
 use jointsweep::mechanics::compliance::series::ConcentricBody;
+use jointsweep::mechanics::contact::arc_state::ArcState;
 use jointsweep::mechanics::contact::loading::{DimensionlessLoad, JointCurve};
-use jointsweep::mechanics::contact::pressure::{ArcState, JointCompliance};
+use jointsweep::mechanics::contact::pressure::JointCompliance;
 use jointsweep::mechanics::material::Idealization;
 
 const RADIAL_CLEARANCE: f64 = 1e-3;

@@ -3,10 +3,12 @@
 #[path = "common/random.rs"]
 mod random;
 
-use jointsweep::mechanics::compliance::pressure_space::{PressureSpace, TERM_CHOICES};
+use jointsweep::mechanics::compliance::arc::TERM_CHOICES;
+use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
 use jointsweep::mechanics::compliance::series::ConcentricBody;
+use jointsweep::mechanics::contact::arc_state::ArcState;
 use jointsweep::mechanics::contact::loading::{DimensionlessLoad, JointCurve};
-use jointsweep::mechanics::contact::pressure::{ArcState, JointCompliance};
+use jointsweep::mechanics::contact::pressure::JointCompliance;
 use jointsweep::mechanics::material::Idealization;
 use random::Random;
 

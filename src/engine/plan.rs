@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::engine::bodies::{BodyRequest, Fidelity, SpaceKey};
-use crate::mechanics::body::{Body, annulus, cored_disc};
+use crate::mechanics::body::Body;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::study::config::MethodChoice;
 use crate::study::design::JointDesign;
@@ -15,11 +15,6 @@ pub struct JointPlan {
     pub plate: BodyRequest,
     /// Of the bodies on meshes.
     pub level: usize,
-}
-
-/// Whether `series` has the body's exact compliance.
-pub fn is_concentric(body: &Body) -> bool {
-    std::ptr::eq(body.shape, &annulus::SHAPE) || std::ptr::eq(body.shape, &cored_disc::SHAPE)
 }
 
 /// The mesh level to begin with for an accuracy (relative, of the force): the coarsest whose typical error, measured
@@ -51,14 +46,14 @@ impl JointPlan {
     /// For a design at a mesh level (from 1 on); `None` where `series` is asked for bodies it has no modes of.
     pub fn new(joint: &JointDesign, method: MethodChoice, level: usize) -> Option<JointPlan> {
         let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
-        if method == MethodChoice::Series && !(is_concentric(&pin) && is_concentric(&plate)) {
+        if method == MethodChoice::Series && !(pin.shape.concentric && plate.shape.concentric) {
             return None;
         }
         let depth = |body: &Body| (body.shape.depth_range)(&body.parameters).0;
         let space =
             SpaceKey { half_ring: pin.shape.end_angle < PI, terms: terms(depth(&pin).min(depth(&plate))) };
         let request = |body: Body| {
-            let exact = method != MethodChoice::Fe && is_concentric(&body);
+            let exact = method != MethodChoice::Fe && body.shape.concentric;
             let fidelity = if exact { Fidelity::Series } else { Fidelity::Mesh { level } };
             BodyRequest { body, fidelity, space }
         };

@@ -5,7 +5,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use jointsweep::mechanics::body::Body;
-use jointsweep::mechanics::compliance::pressure_space::ContactArc;
+use jointsweep::mechanics::compliance::arc::ContactArc;
 use jointsweep::mechanics::element::quadrature::gauss_legendre;
 use jointsweep::mechanics::element::stiffness::{Elasticity, ElementRule, element_stiffness};
 use jointsweep::mechanics::element::{ElementKind, MAX_NODES, side_functions};

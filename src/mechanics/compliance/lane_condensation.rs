@@ -5,7 +5,8 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::pressure_space::{MAX_TERMS, PressureSpace, TERM_CHOICES, packed, packed_count};
+use super::arc::{MAX_TERMS, TERM_CHOICES, packed, packed_count};
+use super::pressure_space::PressureSpace;
 use super::ring_loads::{ArcLoads, ring_loads};
 use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::Body;

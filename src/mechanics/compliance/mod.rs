@@ -1,6 +1,8 @@
 //! What contact needs to know of a body: how its ring yields.
 
 pub mod condense;
+pub mod arc;
+pub mod kernels;
 pub mod pressure_space;
 pub mod series;
 pub mod ring_loads;

@@ -3,7 +3,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::pressure_space::{PressureSpace, cosines};
+use super::arc::cosines;
+use super::pressure_space::PressureSpace;
 use crate::mechanics::element::quadrature::gauss_legendre;
 use crate::mechanics::element::{ElementKind, side_functions};
 
@@ -58,7 +59,7 @@ pub fn ring_loads(space: &PressureSpace, element: ElementKind, ring_angles: &[f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::compliance::pressure_space::ContactArc;
+    use crate::mechanics::compliance::arc::ContactArc;
 
     /// A rigid translation along y does the work of the vertical resultant, pi/2 delta_k0 - versine.
     #[test]

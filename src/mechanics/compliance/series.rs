@@ -13,7 +13,8 @@
 
 use std::f64::consts::PI;
 
-use super::pressure_space::{PressureSpace, packed, packed_count};
+use super::arc::{packed, packed_count};
+use super::pressure_space::PressureSpace;
 use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::Side;
 use crate::mechanics::material::Idealization;

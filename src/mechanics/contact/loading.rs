@@ -1,6 +1,7 @@
 //! From a load to the contact half angle: one-dimensional roots on the joint's curve.
 
-use super::pressure::{ArcState, JointCompliance};
+use super::arc_state::ArcState;
+use super::pressure::JointCompliance;
 use crate::mechanics::real::LANES;
 
 /// What a joint is loaded by, dimensionless: lengths over the hole's radius, forces over thickness, hole radius and
@@ -21,7 +22,7 @@ pub enum NoState {
 }
 
 /// The smallest contact half angle looked at, rad.
-const SMALLEST: f64 = 1e-9;
+const SMALLEST: f64 = 1e-18;
 
 /// Where a search ends: the logarithm of (what the load prescribes over what the state gives).
 const TOLERANCE: f64 = 1e-11;

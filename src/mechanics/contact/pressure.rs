@@ -17,14 +17,12 @@ use std::f64::consts::FRAC_PI_2;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::mechanics::compliance::pressure_space::{
-    ContactArc, MAX_TERMS, PressureSpace, TERM_CHOICES, packed, packed_count,
-};
+use super::arc_state::ArcState;
+
+use crate::mechanics::compliance::arc::{ContactArc, MAX_TERMS, TERM_CHOICES, packed, packed_count};
+use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::real::{LANES, Lanes, Real};
-
-/// Tension that truncation may leave at the edge, over the peak pressure.
-const TENSION: f64 = 0.01;
 
 /// The compliance of both bodies of a joint to the trial pressures of a space.
 pub struct JointCompliance<'a> {
@@ -32,24 +30,6 @@ pub struct JointCompliance<'a> {
     amplitude: f64,
     /// `[node][packed lower triangle]`.
     values: Vec<f64>,
-}
-
-/// The joint at one contact half angle, whole joint (both halves), per unit thickness, hole radius 1, and per unit of
-/// the centres' offset e; forces in the unit of the moduli.
-#[derive(Clone, Copy, Debug)]
-pub struct ArcState {
-    pub arc: ContactArc,
-    /// delta/e: 0 without load, 1 for a neat fit.
-    pub indentation: f64,
-    /// F/e.
-    pub force: f64,
-    /// dF/d delta.
-    pub tangent_stiffness: f64,
-    /// Strain energy of both bodies over e^2.
-    pub energy: f64,
-    terms: usize,
-    /// Coefficients of the trial pressures over e.
-    pressure: [f64; MAX_TERMS],
 }
 
 impl<'a> JointCompliance<'a> {
@@ -304,63 +284,6 @@ impl Change<'_> {
             work += pressure[j] * (row + row + matrix[j][j] * pressure[j]);
         }
         std::array::from_fn(|lane| work.0[lane] / state(lane).energy)
-    }
-}
-
-impl ArcState {
-    /// The last two trial pressures over the largest, squared: of that order is what leaving out further ones costs in
-    /// the force.
-    pub fn truncation(&self) -> f64 {
-        let tail = self.pressure[self.terms - 2..self.terms].iter().map(|c| c.abs()).sum::<f64>();
-        let most = self.pressure[..self.terms].iter().fold(f64::MIN_POSITIVE, |most, c| most.max(c.abs()));
-        (tail / most).powi(2)
-    }
-
-    /// dR/e; negative beyond the angle of a neat fit, where no clearance reaches.
-    pub fn clearance(&self) -> f64 {
-        1.0 - self.indentation
-    }
-
-    /// Contact pressure over e at the load line.
-    pub fn peak_pressure(&self) -> f64 {
-        let alternating =
-            |sum: f64, (k, value): (usize, &f64)| if k % 2 == 0 { sum + value } else { sum - value };
-        self.pressure[..self.terms].iter().enumerate().fold(0.0, alternating) / (2.0 * self.arc.b)
-    }
-
-    /// Whether there is no tension: looked at between the zeros of the highest trial pressure.
-    pub fn pressure_is_positive(&self) -> bool {
-        // p(tau) > 0 where the sum of c_k cos(2 k tau) is; at tau = i pi/(2 count) each cosine is one of 2 count.
-        let count = 2 * self.terms;
-        let turn = 2.0 * (std::f64::consts::PI / count as f64).cos();
-        let mut cosines = [0.0; 4 * MAX_TERMS];
-        (cosines[0], cosines[1]) = (1.0, 0.5 * turn);
-        for i in 2..2 * count {
-            cosines[i] = turn * cosines[i - 1] - cosines[i - 2];
-        }
-        let series = |i: usize| -> f64 {
-            let mut turned = 0;
-            let terms = self.pressure[..self.terms].iter().map(|c| {
-                let term = c * cosines[turned];
-                turned += i;
-                turned -= if turned >= 2 * count { 2 * count } else { 0 };
-                term
-            });
-            terms.sum()
-        };
-        let least = -TENSION * series(count);
-        (1..=count).all(|i| series(i) >= least)
-    }
-
-    /// Contact pressure over e at tau, 0 < tau <= pi/2; phi = `arc.angle(tau)`.
-    pub fn pressure_at(&self, tau: f64) -> f64 {
-        let series: f64 = self.pressure[..self.terms]
-            .iter()
-            .enumerate()
-            .map(|(k, c)| c * (2.0 * k as f64 * tau).cos())
-            .sum();
-        let s = self.arc.b * tau.cos();
-        series * (1.0 + s * s) / (2.0 * self.arc.b * tau.sin())
     }
 }
 

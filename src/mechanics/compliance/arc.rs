@@ -1,0 +1,114 @@
+//! The contact pressures that are tried: a contact half angle, and on it Chebyshev polynomials over the square-root
+//! singularity of a punch.
+//!
+//! With b = tan(eps/2), s = tan(phi/2)/b = cos(tau), the trial pressures are
+//!
+//! ```text
+//!   p_k d(phi) = cos(2 k tau) d(tau) = T_2k(s)/sqrt(1 - s^2) ds,      k = 0, 1, ... terms - 1.
+//! ```
+//!
+//! Their sum of coefficients is the strength of the edge singularity; contact with a free edge is where it vanishes.
+//! In this basis the logarithmic kernel of plane elasticity is diagonal up to rank two, and every other integral is
+//! smooth.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use crate::mechanics::real::Real;
+
+/// The most trial pressures a space may have.
+pub const MAX_TERMS: usize = 24;
+
+/// Counts of trial pressures there is compiled code for.
+pub const TERM_CHOICES: [usize; 3] = [10, 16, MAX_TERMS];
+
+/// Geometry of one contact half angle.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactArc {
+    /// Contact half angle, rad.
+    pub half_angle: f64,
+    /// b = tan(eps/2).
+    pub b: f64,
+    /// t = tan(atan(b)/2): 1 + b^2 cos^2(tau) = (1 + 2 t^2 cos(2 tau) + t^4)/(1 - t^2)^2.
+    pub(super) t: f64,
+}
+
+impl ContactArc {
+    pub fn new(half_angle: f64) -> ContactArc {
+        let b = (0.5 * half_angle).tan();
+        ContactArc { half_angle, b, t: b / (1.0 + (1.0 + b * b).sqrt()) }
+    }
+
+    /// phi at tau.
+    pub fn angle(&self, tau: f64) -> f64 {
+        2.0 * (self.b * tau.cos()).atan()
+    }
+
+    /// tau at phi, 0 at and beyond the edge.
+    pub fn tau(&self, angle: f64) -> f64 {
+        ((0.5 * angle).tan() / self.b).min(1.0).acos()
+    }
+
+    /// Integral of p_k over the half arc: pi/2 for k = 0, else 0.
+    pub fn resultant(k: usize) -> f64 {
+        if k == 0 { FRAC_PI_2 } else { 0.0 }
+    }
+
+    /// Integrals of p_k (1 - cos phi) for k = 0, 1, ...: pi [delta_k0 - (-t^2)^k/sqrt(1 + b^2)], free of cancellation.
+    #[inline(always)]
+    pub fn versines<T: Real, const TERMS: usize>(b: T) -> [T; TERMS] {
+        let (one, pi) = (T::from_f64(1.0), T::from_f64(PI));
+        let root = (one + b * b).sqrt();
+        let t = b / (one + root);
+        let ratio = -(t * t);
+        let mut next = -(pi / root) * ratio;
+        let mut versines = [pi * b * b / (root * (one + root)); TERMS];
+        for versine in &mut versines[1..] {
+            *versine = next;
+            next = next * ratio;
+        }
+        versines
+    }
+}
+
+/// Entries of the lower triangle of a symmetric `terms` x `terms` matrix.
+pub const fn packed_count(terms: usize) -> usize {
+    terms * (terms + 1) / 2
+}
+
+/// Position of (row, column), row >= column, in the packed lower triangle. It does not depend on the count of terms,
+/// so a space of fewer terms is a prefix of one of more.
+pub const fn packed(row: usize, column: usize) -> usize {
+    row * (row + 1) / 2 + column
+}
+
+/// cos(k x) for k = 0 ... `MAX_TERMS` - 1 from cos x.
+pub fn cosines(cosine: f64) -> [f64; MAX_TERMS] {
+    let (mut value, mut previous) = (1.0, cosine);
+    std::array::from_fn(|_| {
+        let current = value;
+        (value, previous) = (2.0 * cosine * value - previous, value);
+        current
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::element::quadrature::gauss_legendre;
+
+    #[test]
+    fn versine_equals_its_integral() {
+        let arc = ContactArc::new(1.3);
+        let versines: [f64; 5] = ContactArc::versines(arc.b);
+        for (k, versine) in versines.iter().enumerate() {
+            let sum: f64 = gauss_legendre(40)
+                .iter()
+                .map(|(x, w)| {
+                    let tau = 0.5 * FRAC_PI_2 * (1.0 + x);
+                    0.5 * FRAC_PI_2 * w * (2.0 * k as f64 * tau).cos() * (1.0 - arc.angle(tau).cos())
+                })
+                .sum();
+            assert!((versine - sum).abs() < 1e-14, "k = {k}");
+        }
+    }
+}
