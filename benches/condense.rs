@@ -5,8 +5,6 @@
 //! median time a body, GFLOP/s and their share of the peak, which a loop of independent multiply-adds measures. Then
 //! divan's figures of the same batches.
 
-use std::time::Instant;
-
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use jointsweep::mechanics::body::{Body, MAX_PARAMETERS, annulus};
@@ -16,7 +14,11 @@ use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::{GradingClass, LEVEL_COUNT};
 use jointsweep::mechanics::material::Idealization;
 use jointsweep::mechanics::real::LANES;
-use pulp::{Arch, Simd, WithSimd};
+
+#[path = "common/peak.rs"]
+mod peak;
+
+use peak::{median, peak};
 
 /// Plates of ratio 3 and a little less: one class, one topology.
 fn bodies() -> [Body; LANES] {
@@ -35,46 +37,8 @@ fn plan(level: usize) -> CondensationPlan {
     CondensationPlan::new(body, class.grading(body.shape.end_angle), &PressureSpace::new(10, 2.4))
 }
 
-/// Multiply-adds that do not wait for each other, as many as hide their latency.
-const CHAINS: usize = 16;
-const LINKS: usize = 100_000;
-
-struct Peak;
-
-impl WithSimd for Peak {
-    /// Operations done.
-    type Output = usize;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> usize {
-        let (factor, term) = black_box((simd.splat_f64s(0.5), simd.splat_f64s(1.0)));
-        let mut sums = [simd.splat_f64s(0.0); CHAINS];
-        for _ in 0..LINKS {
-            for sum in &mut sums {
-                *sum = simd.mul_add_f64s(factor, *sum, term);
-            }
-        }
-        black_box(sums);
-        2 * CHAINS * LINKS * S::F64_LANES
-    }
-}
-
-/// Median seconds of `work`.
-fn median(runs: usize, mut work: impl FnMut()) -> f64 {
-    let mut seconds: Vec<f64> = (0..runs)
-        .map(|_| {
-            let started = Instant::now();
-            work();
-            started.elapsed().as_secs_f64()
-        })
-        .collect();
-    seconds.sort_by(f64::total_cmp);
-    seconds[runs / 2]
-}
-
 fn main() {
-    let operations = Arch::new().dispatch(Peak) as f64;
-    let peak = operations / median(101, || _ = Arch::new().dispatch(Peak));
+    let peak = peak();
     println!("peak {:.1} GFLOP/s", peak / 1e9);
     println!("level  unknowns   elements  factorise       arcs  FLOP/body   us/body  GFLOP/s  of peak");
     let bodies = bodies();

@@ -8,7 +8,7 @@ use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::compliance::NODE_COUNT;
 use jointsweep::mechanics::compliance::arc::{packed, packed_count};
 use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
-use jointsweep::mechanics::compliance::near_field::{NearField, PoissonRange};
+use jointsweep::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
 use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
 use jointsweep::mechanics::compliance::ring_loads::ring_loads;
 use jointsweep::mechanics::compliance::series::ConcentricBody;
@@ -128,15 +128,19 @@ fn the_near_field_removes_the_error_of_the_ring() {
         let plan = CondensationPlan::new(&body, class.grading(body.shape.end_angle), &space);
         let mut corrected = plan.condense(&[body]).remove(0);
         let plain = corrected.values.clone();
-        NearField::new(
-            body.shape.side,
-            &class,
-            body.shape.end_angle,
-            body.idealization,
-            PoissonRange::Positive,
+        let near_field = NearFieldClass {
+            side: body.shape.side,
+            half_ring: false,
+            grading: class,
+            idealization: body.idealization,
+            range: PoissonRange::Positive,
+        };
+        let highest = near_field.highest_mode();
+        NearField::new(&near_field, &space, &space.moments(highest), highest).correct(
             &space,
-        )
-        .correct(&space, body.poissons_ratio, &mut corrected);
+            body.poissons_ratio,
+            &mut corrected,
+        );
         let mut worst = [0.0_f64; 2];
         for node in 0..NODE_COUNT {
             // The work of a punch-like pressure, p_0.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use jointsweep::engine::plan::Estimate;
+use jointsweep::engine::cost::Estimate;
 use jointsweep::output::manifest::{Manifest, State};
 
 /// The most causes of failure that are listed; the table has them all.
@@ -17,7 +17,7 @@ pub fn estimate(estimate: &Estimate, table: &Path) -> String {
     line("rows", estimate.rows.to_string());
     line("distinct bodies", estimate.distinct_bodies.to_string());
     line("unknowns", estimate.unknowns.to_string());
-    line("time", format!("about {}", duration(estimate.seconds)));
+    line("core time", format!("about {}, which the threads share", duration(estimate.seconds)));
     line("table", table.display().to_string());
     text
 }

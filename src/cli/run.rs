@@ -9,7 +9,7 @@ use std::thread::available_parallelism;
 use std::time::SystemTime;
 
 use jointsweep::Error;
-use jointsweep::engine::plan;
+use jointsweep::engine::cost;
 use jointsweep::engine::sweep::{self, SweepOptions};
 use jointsweep::output::folder::ResultFolder;
 use jointsweep::output::manifest::{Conditions, State};
@@ -29,7 +29,7 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     let study = Study::load(&args.config)?;
     let folder = ResultFolder::check(args.out.as_deref(), &study, args.force)?;
     if args.dry_run {
-        let text = report::estimate(&plan::estimate(&study)?, &folder.table());
+        let text = report::estimate(&cost::estimate(&study)?, &folder.table());
         let _ = std::io::stdout().write_all(text.as_bytes());
         return Ok(Ending::Complete);
     }

@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use crate::mechanics::body::{Body, BodyKey, Side};
+use crate::mechanics::body::{Body, BodyKey};
 use crate::mechanics::compliance::PressureCompliance;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
-use crate::mechanics::compliance::near_field::{NearField, PoissonRange};
+use crate::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::element::ElementKind;
@@ -63,12 +63,25 @@ impl BodyRequest {
 /// The elements of every mesh: the error of a compliance is of fourth order with Q8, of second with Q4 (tests/lame.rs).
 const ELEMENT: ElementKind = ElementKind::Quad8;
 
-/// Unknowns of a body's mesh at a level.
-pub fn unknown_count(body: &Body, level: usize) -> u64 {
+/// How large a body's mesh is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MeshSize {
+    pub unknowns: u64,
+    pub layers: u64,
+}
+
+/// The size of a body's mesh at a level.
+pub fn mesh_size(body: &Body, level: usize) -> MeshSize {
     let class = GradingClass::of(body, ELEMENT, level);
     let columns = class.grading(body.shape.end_angle).angles.len() as u64 - 1;
+    let layers = class.layer_count as u64;
     // Two unknowns a node: corner rows of 2 columns + 1 nodes, mid-side rows of columns + 1; supports are few.
-    2 * class.layer_count as u64 * (3 * columns + 2)
+    MeshSize { unknowns: 2 * layers * (3 * columns + 2), layers }
+}
+
+/// What is alike for bodies whose meshes of a level can be condensed side by side.
+pub fn topology(request: &BodyRequest, level: usize) -> impl std::hash::Hash + use<> {
+    plan_key(request, GradingClass::of(&request.body, ELEMENT, level))
 }
 
 /// Bodies of one plan share their topology and can fill the lanes of one batch.
@@ -81,15 +94,7 @@ struct PlanKey {
     space: SpaceKey,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct NearFieldKey {
-    side: Side,
-    half_ring: bool,
-    class: GradingClass,
-    idealization: Idealization,
-    range: PoissonRange,
-    space: SpaceKey,
-}
+type NearFieldKey = (NearFieldClass, SpaceKey);
 
 /// A pressure space with the moments that `series` needs of it.
 struct Space {
@@ -146,7 +151,10 @@ impl BodyLibrary {
             self.solved.retain(|key, _| asked.contains(key));
         }
         let started = Instant::now();
-        self.prepare_spaces(&missing);
+        self.prepare_spaces(missing.iter().map(|request| match request.fidelity {
+            Fidelity::Series => (request.space, concentric(&request.body).highest_mode()),
+            Fidelity::Mesh { .. } => (request.space, 0),
+        }));
         let (series, meshed): (Vec<_>, Vec<_>) =
             missing.iter().partition::<Vec<BodyRequest>, _>(|request| request.fidelity == Fidelity::Series);
         let batches = self.prepare_meshes(&meshed);
@@ -188,26 +196,24 @@ impl BodyLibrary {
         requests.iter().map(BodyRequest::key).zip(compliances).collect()
     }
 
-    /// The pressure spaces of the requests, with moments up to the highest mode any of them needs.
-    fn prepare_spaces(&mut self, requests: &[BodyRequest]) {
+    /// Makes the pressure spaces that are asked for, each with its moments up to a mode.
+    fn prepare_spaces(&mut self, needs: impl Iterator<Item = (SpaceKey, usize)>) {
         let mut highest: HashMap<SpaceKey, usize> = HashMap::new();
-        for request in requests {
-            let needed = match request.fidelity {
-                Fidelity::Series => concentric(&request.body).highest_mode(),
-                Fidelity::Mesh { .. } => 0,
-            };
-            let entry = highest.entry(request.space).or_default();
+        for (key, needed) in needs {
+            let entry = highest.entry(key).or_default();
             *entry = needed.max(*entry);
         }
-        let stale = |(key, highest): &(SpaceKey, usize)| match self.spaces.get(key) {
-            Some(space) => space.highest < *highest,
-            None => true,
-        };
-        let build: Vec<(SpaceKey, usize)> = highest.into_iter().filter(stale).collect();
-        let built: Vec<(SpaceKey, Space)> = build
+        let known = |key: &SpaceKey| self.spaces.get(key).map(|space| space.highest);
+        highest.retain(|key, highest| known(key).is_none_or(|known| known < *highest));
+        let stale: Vec<(SpaceKey, usize, Option<Space>)> =
+            highest.into_iter().map(|(key, highest)| (key, highest, self.spaces.remove(&key))).collect();
+        let built: Vec<(SpaceKey, Space)> = stale
             .into_par_iter()
-            .map(|(key, highest)| {
-                let space = PressureSpace::new(key.terms, key.limit());
+            .map(|(key, highest, old)| {
+                let space = match old {
+                    Some(old) => old.space,
+                    None => PressureSpace::new(key.terms, key.limit()),
+                };
                 let moments = space.moments(highest);
                 (key, Space { space, moments, highest })
             })
@@ -218,16 +224,17 @@ impl BodyLibrary {
     /// The plans and near fields of the requests; returns the requests in batches that fill the lanes of one plan.
     fn prepare_meshes(&mut self, requests: &[BodyRequest]) -> Vec<(PlanKey, Vec<BodyRequest>)> {
         let mut groups: HashMap<PlanKey, Vec<BodyRequest>> = HashMap::new();
-        let mut near_fields: HashMap<NearFieldKey, BodyRequest> = HashMap::new();
+        let mut near_fields: HashSet<NearFieldKey> = HashSet::new();
         for request in requests {
             let Fidelity::Mesh { level } = request.fidelity else { continue };
             let class = GradingClass::of(&request.body, ELEMENT, level);
             let near_field = near_field_key(request, class);
             if !self.near_fields.contains_key(&near_field) {
-                near_fields.entry(near_field).or_insert(*request);
+                near_fields.insert(near_field);
             }
             groups.entry(plan_key(request, class)).or_default().push(*request);
         }
+        self.prepare_spaces(near_fields.iter().map(|(class, space)| (*space, class.highest_mode())));
         let new_plans: Vec<(PlanKey, CondensationPlan)> = groups
             .par_iter()
             .filter(|(key, _)| !self.plans.contains_key(*key))
@@ -239,12 +246,9 @@ impl BodyLibrary {
             .collect();
         let new_near_fields: Vec<(NearFieldKey, NearField)> = near_fields
             .into_par_iter()
-            .map(|(key, request)| {
-                let Body { shape, idealization, .. } = request.body;
-                let space = self.space(key.space);
-                let near_field =
-                    NearField::new(shape.side, &key.class, shape.end_angle, idealization, key.range, space);
-                (key, near_field)
+            .map(|key| {
+                let Space { space, moments, highest } = &self.spaces[&key.1];
+                (key, NearField::new(&key.0, space, moments, *highest))
             })
             .collect();
         self.plans.extend(new_plans);
@@ -272,7 +276,7 @@ fn near_field_key(request: &BodyRequest, class: GradingClass) -> NearFieldKey {
     let Body { shape, idealization, poissons_ratio, .. } = request.body;
     let half_ring = shape.end_angle < std::f64::consts::PI;
     let range = PoissonRange::of(poissons_ratio);
-    NearFieldKey { side: shape.side, half_ring, class, idealization, range, space: request.space }
+    (NearFieldClass { side: shape.side, half_ring, grading: class, idealization, range }, request.space)
 }
 
 fn concentric(body: &Body) -> ConcentricBody {

@@ -1,5 +1,6 @@
 pub mod outcome;
 pub mod bodies;
 pub mod plan;
+pub mod cost;
 pub mod backend;
 pub mod sweep;

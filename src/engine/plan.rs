@@ -1,14 +1,11 @@
-//! From the accuracy asked to what is computed: for each body exact modes or a mesh, and how fine; what a sweep costs.
+//! From the accuracy asked to what is computed: for each body exact modes or a mesh, and how fine.
 
-use std::collections::HashSet;
 use std::f64::consts::PI;
-use std::hash::{BuildHasher, RandomState};
 
-use crate::engine::bodies::{BodyRequest, Fidelity, SpaceKey, unknown_count};
-use crate::error::Error;
-use crate::mechanics::body::{Body, annulus, cored_disc};
+use crate::engine::bodies::{BodyRequest, Fidelity, SpaceKey};
+use crate::mechanics::body::Body;
 use crate::mechanics::grading::LEVEL_COUNT;
-use crate::study::config::{MethodChoice, SolveOptions, Study};
+use crate::study::config::MethodChoice;
 use crate::study::design::JointDesign;
 
 /// What a design is solved with, at one rung of the ladder of resolutions.
@@ -18,11 +15,6 @@ pub struct JointPlan {
     pub plate: BodyRequest,
     /// Of the bodies on meshes.
     pub level: usize,
-}
-
-/// Whether `series` has the body's exact compliance.
-pub fn is_concentric(body: &Body) -> bool {
-    std::ptr::eq(body.shape, &annulus::SHAPE) || std::ptr::eq(body.shape, &cored_disc::SHAPE)
 }
 
 /// The mesh level to begin with for an accuracy (relative, of the force): the coarsest whose typical error, measured
@@ -54,14 +46,14 @@ impl JointPlan {
     /// For a design at a mesh level (from 1 on); `None` where `series` is asked for bodies it has no modes of.
     pub fn new(joint: &JointDesign, method: MethodChoice, level: usize) -> Option<JointPlan> {
         let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
-        if method == MethodChoice::Series && !(is_concentric(&pin) && is_concentric(&plate)) {
+        if method == MethodChoice::Series && !(pin.shape.concentric && plate.shape.concentric) {
             return None;
         }
         let depth = |body: &Body| (body.shape.depth_range)(&body.parameters).0;
         let space =
             SpaceKey { half_ring: pin.shape.end_angle < PI, terms: terms(depth(&pin).min(depth(&plate))) };
         let request = |body: Body| {
-            let exact = method != MethodChoice::Fe && is_concentric(&body);
+            let exact = method != MethodChoice::Fe && body.shape.concentric;
             let fidelity = if exact { Fidelity::Series } else { Fidelity::Mesh { level } };
             BodyRequest { body, fidelity, space }
         };
@@ -82,52 +74,4 @@ pub fn coarser(request: &BodyRequest) -> Option<BodyRequest> {
             Some(BodyRequest { fidelity: Fidelity::Mesh { level: level - 1 }, ..*request })
         }
     }
-}
-
-/// What a sweep will take.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Estimate {
-    pub designs: u64,
-    pub rows: u64,
-    pub distinct_bodies: u64,
-    /// Unknowns of all meshes that will be solved.
-    pub unknowns: u64,
-    /// Core time, s, from the rates measured in `results/sweep.csv`; divide by the threads.
-    pub seconds: f64,
-}
-
-/// Core time of one unknown on a mesh, of one exact body, of one design's curve and of one row, s.
-const UNKNOWN_SECONDS: f64 = 0.25e-6;
-const SERIES_SECONDS: f64 = 20e-6;
-const DESIGN_SECONDS: f64 = 40e-6;
-const ROW_SECONDS: f64 = 6e-6;
-
-/// Goes through the designs of a study without solving any.
-pub fn estimate(study: &Study) -> Result<Estimate, Error> {
-    let SolveOptions { accuracy, method } = study.solve;
-    let level = first_level(accuracy);
-    let hasher = RandomState::new();
-    // Hashes, not keys: 8 bytes a body keep a million designs small.
-    let mut bodies = HashSet::new();
-    let mut meshes = HashSet::new();
-    let mut estimate =
-        Estimate { designs: study.design_count(), rows: study.step_count(), ..Estimate::default() };
-    for case in study.cases()? {
-        let joint = case?.joint;
-        let plan = JointPlan::new(&joint, method, level).filter(|_| method != MethodChoice::ClosedForm);
-        for request in plan.iter().flat_map(JointPlan::requests) {
-            bodies.insert(hasher.hash_one(request.body.key()));
-            if meshes.insert(hasher.hash_one(request.key())) {
-                match request.fidelity {
-                    Fidelity::Series => estimate.seconds += SERIES_SECONDS,
-                    Fidelity::Mesh { level } => estimate.unknowns += unknown_count(&request.body, level),
-                }
-            }
-        }
-    }
-    estimate.distinct_bodies = bodies.len() as u64;
-    estimate.seconds += estimate.unknowns as f64 * UNKNOWN_SECONDS
-        + estimate.designs as f64 * DESIGN_SECONDS
-        + estimate.rows as f64 * ROW_SECONDS;
-    Ok(estimate)
 }

@@ -37,7 +37,7 @@ pub struct SweepOptions {
 }
 
 /// Designs solved at a time: enough to fill the lanes of many topologies, few enough to stay small.
-const BATCH: usize = 2048;
+const BATCH: usize = 1024;
 
 /// Designs of the first batch, so that a slow sweep shows its first rows soon.
 const FIRST_BATCH: usize = 64;

@@ -17,6 +17,7 @@ pub static SHAPE: Shape = Shape {
     end_angle: PI,
     end_face_held: false,
     depth: |&[ratio, ..], _| ratio.ln(),
+    concentric: true,
     reaches_centre: false,
     corners: |_| Vec::new(),
     straight_boundary: false,

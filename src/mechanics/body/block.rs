@@ -32,6 +32,7 @@ pub static SHAPE: Shape = Shape {
         let to_end = if cosine > 0.0 { depth / cosine } else { -height / cosine };
         to_side.min(to_end.abs()).ln()
     },
+    concentric: false,
     reaches_centre: false,
     corners: |&[half_width, depth, height]| vec![half_width.atan2(depth), PI - half_width.atan2(height)],
     straight_boundary: true,

@@ -12,6 +12,7 @@ pub static SHAPE: Shape = Shape {
     end_angle: PI,
     end_face_held: false,
     depth: |&[core, ..], _| -core.ln(),
+    concentric: true,
     reaches_centre: false,
     corners: |_| Vec::new(),
     straight_boundary: false,

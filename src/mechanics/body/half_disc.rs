@@ -14,6 +14,7 @@ pub static SHAPE: Shape = Shape {
     end_angle: FRAC_PI_2,
     end_face_held: true,
     depth: |_, _| CENTRE,
+    concentric: false,
     reaches_centre: true,
     corners: |_| Vec::new(),
     straight_boundary: false,

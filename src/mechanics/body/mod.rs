@@ -47,6 +47,9 @@ pub struct Shape {
     /// How deep below the ring the far boundary lies along the ray at an angle: |ln r|, r over the ring's radius; for a
     /// shape that `reaches_centre`, where ln r has no value, a depth given to the centre.
     pub depth: fn(&[f64; MAX_PARAMETERS], f64) -> f64,
+    /// Whether the shape lies between the ring and a concentric circle that is held, the radius ratio of which is its
+    /// first parameter: `series` has the exact compliance.
+    pub concentric: bool,
     /// Whether the shape includes the ring's centre, where ln r has no value. Elsewhere layers are even in ln r, which
     /// resolves a small core as well as a distant boundary.
     pub reaches_centre: bool,

@@ -13,7 +13,7 @@
 //! (subtraction of the singularity). What is left is the far field's error. The difference in brackets is a smooth
 //! function of Poisson's ratio and is interpolated between Chebyshev nodes, which fill the lanes of one batch.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use pulp::Arch;
 
@@ -57,6 +57,31 @@ impl PoissonRange {
     }
 }
 
+/// Bodies of one class share a near field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct NearFieldClass {
+    pub side: Side,
+    /// Whether the ring ends at pi/2.
+    pub half_ring: bool,
+    pub grading: GradingClass,
+    pub idealization: Idealization,
+    pub range: PoissonRange,
+}
+
+impl NearFieldClass {
+    /// The concentric body that stands for the class, but for its Poisson's ratio.
+    fn reference(&self) -> ConcentricBody {
+        let depth = self.grading.nominal_depth().min(DEEPEST_REFERENCE);
+        let fixed_radius = if self.side == Side::Plate { depth.exp() } else { (-depth).exp() };
+        ConcentricBody { fixed_radius, poissons_ratio: 0.0, idealization: self.idealization }
+    }
+
+    /// The highest mode whose moments the near field needs.
+    pub fn highest_mode(&self) -> usize {
+        self.reference().highest_mode()
+    }
+}
+
 /// The difference between the exact and the condensed compliance of a class's reference body.
 pub struct NearField {
     range: PoissonRange,
@@ -65,35 +90,25 @@ pub struct NearField {
 }
 
 impl NearField {
-    /// For pins or plates of `class` whose ring ends at `end_angle` (pi/2 or pi), in one idealization and one range of Poisson's ratio.
-    pub fn new(
-        side: Side,
-        class: &GradingClass,
-        end_angle: f64,
-        idealization: Idealization,
-        range: PoissonRange,
-        space: &PressureSpace,
-    ) -> NearField {
-        let (shape, fixed_radius) = match side {
-            Side::Pin => (&cored_disc::SHAPE, (-class.nominal_depth().min(DEEPEST_REFERENCE)).exp()),
-            Side::Plate => (&annulus::SHAPE, class.nominal_depth().min(DEEPEST_REFERENCE).exp()),
-        };
+    /// `moments` are `space.moments(highest)` with `highest` at least the class's `highest_mode()`.
+    pub fn new(class: &NearFieldClass, space: &PressureSpace, moments: &[f64], highest: usize) -> NearField {
+        let NearFieldClass { side, half_ring, grading, idealization, range } = *class;
+        let reference = class.reference();
         let mut parameters = [0.0; MAX_PARAMETERS];
-        parameters[0] = fixed_radius;
+        parameters[0] = reference.fixed_radius;
         let bodies = range.nodes().map(|(poissons_ratio, _)| Body {
-            shape,
+            shape: if side == Side::Plate { &annulus::SHAPE } else { &cored_disc::SHAPE },
             parameters,
             support: 0,
             poissons_ratio,
             idealization,
         });
-        let plan = CondensationPlan::new(&bodies[0], whole_ring(class, end_angle), space);
+        let end_angle = if half_ring { FRAC_PI_2 } else { PI };
+        let plan = CondensationPlan::new(&bodies[0], whole_ring(&grading, end_angle), space);
         let mut condensed = plan.condense(&bodies).into_iter();
-        let concentric = |poissons_ratio| ConcentricBody { fixed_radius, poissons_ratio, idealization };
-        let highest = concentric(0.0).highest_mode();
-        let moments = space.moments(highest);
         let values = bodies.map(|body| {
-            let exact = concentric(body.poissons_ratio).compliance(space, &moments, highest);
+            let exact = ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference };
+            let exact = exact.compliance(space, moments, highest);
             let Some(mut mesh) = condensed.next() else { unreachable!("one compliance a body") };
             remove_logarithm(space, &mut mesh);
             exact.values.iter().zip(&mesh.values).map(|(exact, mesh)| exact - mesh).collect()

@@ -22,7 +22,7 @@ pub enum NoState {
 }
 
 /// The smallest contact half angle looked at, rad.
-const SMALLEST: f64 = 1e-9;
+const SMALLEST: f64 = 1e-18;
 
 /// Where a search ends: the logarithm of (what the load prescribes over what the state gives).
 const TOLERANCE: f64 = 1e-11;
