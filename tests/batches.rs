@@ -25,6 +25,7 @@ const BODY: BodyCounts = BodyCounts {
     matrix_values: 4_000,
     longest_row: 42,
     ring_columns: 21,
+    geometry: 1_200,
     joints: 1,
     steps: 10,
 };
@@ -63,7 +64,8 @@ fn a_buffer_is_filled_to_its_last_byte() {
     let many_values = BodyCounts { matrix_values: 100_000, ..BODY };
     let many_joints = BodyCounts { joints: 5_000, ..BODY };
     let many_columns = BodyCounts { ring_columns: 120, unknowns: 10, longest_row: 10, ..BODY };
-    for body in [BODY, many_values, many_joints, many_columns] {
+    let fine_mesh = BodyCounts { geometry: 100_000, ..BODY };
+    for body in [BODY, many_values, many_joints, many_columns, fine_mesh] {
         let bodies = [body; 10];
         let bytes = body.bytes(4).iter().map(|(_, bytes)| *bytes).max().unwrap();
         for (room, expected) in [
@@ -80,7 +82,7 @@ fn a_buffer_is_filled_to_its_last_byte() {
     }
 }
 
-/// All four of them, and each is what fills a buffer first in one of the cases above.
+/// All five of them, and each is what fills a buffer first in one of the cases above.
 #[test]
 fn each_buffer_is_counted() {
     let fullest = |body: BodyCounts| body.bytes(4).into_iter().max_by_key(|(_, bytes)| *bytes).unwrap();
@@ -89,6 +91,7 @@ fn each_buffer_is_counted() {
     assert_eq!(fullest(BodyCounts { joints: 5_000, ..BODY }), ("responses", 5_000 * 10 * 8 * 4));
     let wide = BodyCounts { ring_columns: 121, unknowns: 10, ..BODY };
     assert_eq!(fullest(wide), ("compliance", 121 * 124 * 4));
+    assert_eq!(fullest(BodyCounts { geometry: 100_000, ..BODY }), ("geometry", 800_000));
     assert_eq!(BODY.bytes(8)[1].1, 2 * BODY.bytes(4)[1].1);
 }
 

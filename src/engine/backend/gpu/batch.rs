@@ -42,6 +42,8 @@ pub struct BodyCounts {
     /// Nonzeros of its longest row.
     pub longest_row: u64,
     pub ring_columns: u64,
+    /// Pairs of numbers of the mesh, from which the matrix is made (`MeshLayout::geometry_count`).
+    pub geometry: u64,
     /// Joints this body belongs to, and load steps of each.
     pub joints: u64,
     pub steps: u64,
@@ -92,13 +94,14 @@ impl BodyCounts {
     }
 
     /// Bytes of each buffer that grows with the bodies.
-    pub fn bytes(&self, real: u64) -> [(&'static str, u64); 4] {
+    pub fn bytes(&self, real: u64) -> [(&'static str, u64); 5] {
         let systems = self.blocks() * COLUMNS_ABREAST;
         // A response is force, indentation, stiffness, half angle, peak pressure, energy, error and status.
         let responses = self.joints * self.steps * 8;
         [
             ("matrix values", self.matrix_values * real),
             ("iterates", self.unknowns * systems * ITERATES * real),
+            ("geometry", 2 * self.geometry * real),
             ("compliance", self.ring_columns * systems * real),
             ("responses", responses * real),
         ]
@@ -183,7 +186,7 @@ fn next_batch(
     let most = most_in_time.min(limit);
 
     let buffer = limits.binding_bytes.min(limits.buffer_bytes);
-    let mut used = [0; 4];
+    let mut used = [0; 5];
     let mut end = first;
     for (body, next) in bodies.iter().enumerate().skip(first) {
         let bytes = next.bytes(kernel.bytes_per_real);

@@ -16,6 +16,12 @@ pub enum GpuError {
     NoSuchAdapter { wanted: String, found: Vec<String> },
     #[error("{adapter} gives no device: {problem}")]
     DeviceRefused { adapter: String, problem: String },
+    #[error("{adapter} lacks {what}")]
+    Lacks { adapter: String, what: String },
+    #[error("{adapter}, {what}: {problem}")]
+    Failed { adapter: String, what: &'static str, problem: String },
+    #[error("{adapter} was lost: {problem}")]
+    Lost { adapter: String, problem: String },
 }
 
 /// What an adapter is made of, best first.
@@ -125,6 +131,24 @@ impl Adapters {
             problem: error.to_string(),
         })?;
         Ok(GpuDevice { device, queue, facts })
+    }
+}
+
+impl GpuDevice {
+    /// Runs `work` and gives what the device has to say against it: misuse or want of memory. Without this, wgpu
+    /// panics.
+    pub fn checked<T>(&self, what: &'static str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let misuse = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let done = work();
+        let problems = [pollster::block_on(misuse.pop()), pollster::block_on(memory.pop())];
+        match problems.into_iter().flatten().next() {
+            None => Ok(done),
+            Some(problem) => {
+                let adapter = self.facts.name.clone();
+                Err(GpuError::Failed { adapter, what, problem: problem.to_string() })
+            }
+        }
     }
 }
 
