@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 mod bench;
+mod devices;
 mod progress;
 mod report;
 mod run;
@@ -29,6 +30,8 @@ enum Command {
     Run(RunArgs),
     /// Measures whole runs of configs and writes sweep.csv and sweep.manifest.json
     Bench(BenchArgs),
+    /// Lists the GPUs with a Vulkan driver, and what a sweep would be computed on
+    Devices,
 }
 
 #[derive(Args)]
@@ -98,6 +101,7 @@ pub fn main() -> ExitCode {
     let ending = match cli.command {
         Command::Run(args) => run::run(&args),
         Command::Bench(args) => bench::bench(&args),
+        Command::Devices => devices::devices(),
     };
     match ending {
         Ok(Ending::Complete) => ExitCode::SUCCESS,

@@ -273,6 +273,20 @@ fn a_bad_command_line_exits_with_1_and_help_with_0() {
     assert_eq!(work.files(), ["small.toml"]);
 }
 
+/// With and without a Vulkan driver: a driver list that names no file leaves none.
+#[test]
+fn devices_are_listed_with_what_would_be_used() {
+    let work = Workdir::new("devices");
+    let listed = work.run(&["devices"]).expect(0).stdout;
+    assert!(listed.contains("--backend auto   the processor"), "{listed}");
+    let mut without = work.command(&["devices"]);
+    for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
+        without.env(variable, work.path("no-such-driver.json"));
+    }
+    let listed = Ended::new(without.output().unwrap()).expect(0).stdout;
+    assert!(listed.contains("--backend gpu    not in this build yet; no Vulkan adapter"), "{listed}");
+}
+
 #[test]
 fn a_missing_gpu_backend_is_said() {
     let work = small("gpu");

@@ -139,6 +139,55 @@ impl RingTopology {
     }
 }
 
+/// How one line of a mesh runs from the ring to the far boundary.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    /// Depth of its end, in the shape's measure.
+    pub depth: f64,
+    /// Factor from one layer to the next.
+    pub growth: f64,
+    /// Its end.
+    pub far: [f64; 2],
+}
+
+/// The lines of `body`, one a column in half elements.
+pub fn lines(body: &Body, grading: &Grading) -> Vec<Line> {
+    let (mut depth, mut growth, mut far_radius) = (f64::NAN, f64::NAN, f64::NAN);
+    let line = |target: f64| {
+        let own_depth = (body.shape.depth)(&body.parameters, target);
+        if own_depth != depth {
+            depth = own_depth;
+            growth = layer_growth(grading, depth);
+            far_radius = radius(body, depth);
+        }
+        Line { depth, growth, far: polar(far_radius, target) }
+    };
+    boundary_angles(body, &grading.angles).into_iter().map(line).collect()
+}
+
+/// Points of the ring, one a column in half elements.
+pub fn ring_points(grading: &Grading) -> Vec<[f64; 2]> {
+    half_steps(&grading.angles, 1).into_iter().map(|angle| polar(1.0, angle)).collect()
+}
+
+/// Distance from the ring's centre at a depth.
+fn radius(body: &Body, depth: f64) -> f64 {
+    match body.shape.side {
+        Side::Plate => depth.exp(),
+        // To the ring like the others, whose near field it shares, and to zero at the centre.
+        Side::Pin => (-depth).exp() - centre_pull(body) * (depth / deepest(body)).powi(2),
+    }
+}
+
+/// What takes the lines of a shape that reaches the ring's centre to the centre: exp(-depth) of its end, else zero.
+pub fn centre_pull(body: &Body) -> f64 {
+    if body.shape.reaches_centre { (-deepest(body)).exp() } else { 0.0 }
+}
+
+fn deepest(body: &Body) -> f64 {
+    (body.shape.depth_range)(&body.parameters).1
+}
+
 /// Coordinates of all nodes of `body`, over the ring's radius, origin at the ring's centre, y against the load.
 ///
 /// Layers grow from `first_layer` along each line, so that every body is divided alike near the ring whatever lies
@@ -146,48 +195,37 @@ impl RingTopology {
 pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> Vec<[f64; 2]> {
     let columns = 2 * (grading.angles.len() - 1);
     let rows = 2 * grading.layer_count;
-    let angles = half_steps(&grading.angles, 1);
-    let targets = boundary_angles(body, &grading.angles);
-    let centre = (body.shape.depth_range)(&body.parameters).1;
-    let radius = |depth: f64| match (body.shape.side, body.shape.reaches_centre) {
-        // To the ring like the others, whose near field it shares, and to zero at the centre.
-        (_, true) => (-depth).exp() - (-centre).exp() * (depth / centre).powi(2),
-        (Side::Plate, _) => depth.exp(),
-        (Side::Pin, _) => (-depth).exp(),
-    };
     // Straight lines, which cannot leave a convex body (but can cut the ring, where it is divided too coarsely for a
     // thin place: assembly refuses such a mesh). Mid-side nodes of layers lie half-way between corner nodes.
-    let mut lines: Vec<Vec<[f64; 2]>> = Vec::with_capacity(columns + 1);
+    let mut places: Vec<Vec<[f64; 2]>> = Vec::with_capacity(columns + 1);
     let mut layers: Vec<f64> = Vec::new();
     let mut depth = f64::NAN;
-    for column in 0..=columns {
-        let own_depth = (body.shape.depth)(&body.parameters, targets[column]);
-        if own_depth != depth {
-            depth = own_depth;
-            layers = layer_depths(grading, depth).into_iter().map(radius).collect();
+    for (line, on_ring) in lines(body, grading).iter().zip(ring_points(grading)) {
+        if line.depth != depth {
+            depth = line.depth;
+            let depths = layer_depths(grading, line);
+            layers = depths.into_iter().map(|depth| radius(body, depth)).collect();
         }
-        let far_radius = radius(depth);
-        let on_ring = polar(1.0, angles[column]);
-        let far = polar(far_radius, targets[column]);
+        let far_radius = radius(body, line.depth);
         let corner = |radius: &f64| -> [f64; 2] {
             let share = (radius - 1.0) / (far_radius - 1.0);
-            [0, 1].map(|axis| on_ring[axis] + share * (far[axis] - on_ring[axis]))
+            [0, 1].map(|axis| on_ring[axis] + share * (line.far[axis] - on_ring[axis]))
         };
-        let mut line = Vec::with_capacity(rows + 1);
+        let mut nodes = Vec::with_capacity(rows + 1);
         for (layer, point) in layers.iter().map(corner).enumerate() {
             if layer > 0 {
-                line.push(midpoint(line[2 * layer - 2], point));
+                nodes.push(midpoint(nodes[2 * layer - 2], point));
             }
-            line.push(point);
+            nodes.push(point);
         }
-        lines.push(line);
+        places.push(nodes);
     }
     if body.shape.straight_boundary {
         for column in (1..columns).step_by(2) {
-            lines[column] = bowed(&lines[column - 1], &lines[column], &lines[column + 1]);
+            places[column] = bowed(&places[column - 1], &places[column], &places[column + 1]);
         }
     }
-    topology.grid.iter().map(|&(row, column)| lines[column][row]).collect()
+    topology.grid.iter().map(|&(row, column)| places[column][row]).collect()
 }
 
 /// The line of mid-side nodes half-way between two lines of corner nodes: bowed at the ring as `line` is there,
@@ -221,9 +259,8 @@ fn half_steps(values: &[f64], step: usize) -> Vec<f64> {
     (0..2 * values.len() - 1).step_by(step).map(at).collect()
 }
 
-/// Depths below the ring of the layers' ends: from the first layer on they grow by one factor, up to the thickest
-/// allowed, to `depth` in all.
-fn layer_depths(grading: &Grading, depth: f64) -> Vec<f64> {
+/// The one factor by which layers grow, from the first on and up to the thickest allowed, to be `depth` in all.
+fn layer_growth(grading: &Grading, depth: f64) -> f64 {
     let Grading { first_layer, thickest_layer, layer_count, .. } = *grading;
     let total =
         |growth: f64| layer_thicknesses(first_layer, thickest_layer, growth).take(layer_count).sum::<f64>();
@@ -239,14 +276,20 @@ fn layer_depths(grading: &Grading, depth: f64) -> Vec<f64> {
             high = middle;
         }
     }
+    high
+}
+
+/// Depths below the ring of the layers' ends.
+fn layer_depths(grading: &Grading, line: &Line) -> Vec<f64> {
+    let Grading { first_layer, thickest_layer, layer_count, .. } = *grading;
     let mut reached = 0.0;
     let mut depths = vec![0.0];
-    for thickness in layer_thicknesses(first_layer, thickest_layer, high).take(layer_count) {
+    for thickness in layer_thicknesses(first_layer, thickest_layer, line.growth).take(layer_count) {
         reached += thickness;
         depths.push(reached);
     }
     // The growth factor is only as good as the bisection; the far boundary is where it is.
-    let scale = depth / reached;
+    let scale = line.depth / reached;
     depths.iter_mut().for_each(|end| *end *= scale);
     depths
 }

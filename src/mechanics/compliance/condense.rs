@@ -1,5 +1,5 @@
 //! From a meshed body to the compliance of its ring: C = B^T K^-1 B, where the columns of B are unit forces on the
-//! ring's unknowns, which are the last ones.
+//! ring's unknowns, which are the last ones. `variational_compliance` is the twin of `shaders/condense.wgsl`.
 
 use crate::mechanics::assembly::{Assembly, AssemblyError, Csr};
 use crate::mechanics::compliance::RingCompliance;

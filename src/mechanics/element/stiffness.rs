@@ -35,7 +35,7 @@ impl<T: Real> Elasticity<T> {
 /// Shape functions at the 2 x 2 points, evaluated once per topology.
 pub struct ElementRule {
     pub kind: ElementKind,
-    points: [ShapeFunctions; 4],
+    pub points: [ShapeFunctions; 4],
     centre: ShapeFunctions,
 }
 

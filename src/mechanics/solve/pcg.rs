@@ -1,4 +1,4 @@
-//! Conjugate gradients with Jacobi's preconditioner: the readable twin of a kernel.
+//! Conjugate gradients with Jacobi's preconditioner: the readable twin of `shaders/pcg.wgsl`.
 //!
 //! Hestenes & Stiefel, J. Res. Nat. Bur. Standards 49 (1952) 409-436; with the preconditioner as in Saad, Iterative
 //! Methods for Sparse Linear Systems (2003), algorithm 9.1. M = diag K:
@@ -11,9 +11,9 @@
 //!       beta = r.z / rho,  rho = r.z,  p = z + beta p
 //! ```
 //!
-//! One workgroup would own one system, that is one right-hand side: the whole iteration runs inside it, its
-//! invocations stride over the rows, sums are taken over the strides and then as a tree, and each system stops
-//! on its own.
+//! One workgroup of the kernel owns four systems, that is right-hand sides, of one body: the whole iteration runs inside
+//! it, its invocations stride over the rows, sums are taken over the strides and then as a tree, and each system stops
+//! on its own. Here the systems go one after the other, with the same sums in the same order.
 //!
 //! **Norm.** Both sides of the stop test, and both residuals reported, are |r| = sqrt(r.M^-1 r) over |b| in the same
 //! norm: rho is at hand, and it weighs large and small elements of a graded mesh alike. The recursive r drifts from

@@ -1,0 +1,227 @@
+//! From bodies to dispatches: pure arithmetic, before any device is touched.
+//!
+//! A batch is a run of neighbouring bodies of one topology that fits the device's limits; its systems are iterated by
+//! dispatches of `iterations` steps each, resumed from stored state until every system has stopped. Both are chosen
+//! so that a dispatch takes about `TARGET`: long enough to hide its start, short enough for watchdogs.
+//!
+//! ```text
+//!   bodies       0 1 2 3 4 5 6 7 8 ...       in order, each in exactly one batch
+//!   batches      |--- A ---|- A -|-- B --|   A, B: topologies; the cut within A is a limit or the time
+//! ```
+
+use std::ops::Range;
+use std::time::Duration;
+
+use super::context::DeviceLimits;
+
+/// Systems (ring columns) that one workgroup of `pcg` advances abreast: the components of a WGSL vector.
+pub const COLUMNS_ABREAST: u64 = 4;
+
+/// Vectors that the iteration keeps of every system: x, r, p and q.
+pub const ITERATES: u64 = 4;
+
+/// How long a dispatch should take. Between `SHORTEST` and `LONGEST` nothing is changed.
+pub const TARGET: Duration = Duration::from_millis(100);
+pub const SHORTEST: Duration = Duration::from_millis(50);
+pub const LONGEST: Duration = Duration::from_millis(200);
+
+/// Mesa 22 silently leaves all loops after 65,535 trips in total per invocation and dispatch.
+pub const MOST_TRIPS: u64 = 60_000;
+
+/// A dispatch of fewer steps spends too much of its time loading and storing state: fewer bodies then.
+const FEWEST_STEPS: u64 = 10;
+
+/// What one body asks of a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BodyCounts {
+    /// Bodies of equal `topology` share mesh, sparsity and all counts but the last two.
+    pub topology: u32,
+    pub unknowns: u64,
+    /// Nonzeros of the stiffness.
+    pub matrix_values: u64,
+    /// Nonzeros of its longest row.
+    pub longest_row: u64,
+    pub ring_columns: u64,
+    /// Pairs of numbers of the mesh, from which the matrix is made (`MeshLayout::geometry_count`).
+    pub geometry: u64,
+    /// Joints this body belongs to, and load steps of each.
+    pub joints: u64,
+    pub steps: u64,
+}
+
+/// How kernels are built and what they were measured to cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KernelFacts {
+    /// 4 or 8.
+    pub bytes_per_real: u64,
+    /// Invocations of a workgroup.
+    pub invocations: u64,
+    /// Time of one iteration of all systems of one body, as the last dispatch had it.
+    pub seconds_per_iteration: f64,
+}
+
+/// Bodies solved together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Batch {
+    pub bodies: Range<usize>,
+    /// Workgroups of `pcg`: one for each body and block of columns.
+    pub workgroups: [u32; 2],
+    /// Steps of one dispatch.
+    pub iterations: u32,
+}
+
+/// Why bodies cannot be split into batches.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BatchError {
+    #[error("body {body} needs {needed} bytes of {what}, this device has {limit} a buffer")]
+    BodyTooLarge { body: usize, what: &'static str, needed: u64, limit: u64 },
+    #[error("body {body} needs {needed} workgroups, this device has {limit} a dimension")]
+    TooManyColumns { body: usize, needed: u64, limit: u64 },
+    #[error("body {body}: an invocation would make {trips} loop trips, {limit} are safe in a dispatch")]
+    TooManyTrips { body: usize, trips: u64, limit: u64 },
+    #[error("a workgroup needs {needed} bytes of its own memory, this device has {limit}")]
+    WorkgroupMemory { needed: u64, limit: u64 },
+    #[error("a workgroup has {needed} invocations, this device allows {limit}")]
+    WorkgroupSize { needed: u64, limit: u64 },
+    #[error("{seconds} s an iteration is no time")]
+    NoTime { seconds: f64 },
+}
+
+impl BodyCounts {
+    /// Blocks of columns that go abreast.
+    pub fn blocks(&self) -> u64 {
+        self.ring_columns.div_ceil(COLUMNS_ABREAST)
+    }
+
+    /// Bytes of each buffer that grows with the bodies.
+    pub fn bytes(&self, real: u64) -> [(&'static str, u64); 5] {
+        let systems = self.blocks() * COLUMNS_ABREAST;
+        // A response is force, indentation, stiffness, half angle, peak pressure, energy, error and status.
+        let responses = self.joints * self.steps * 8;
+        [
+            ("matrix values", self.matrix_values * real),
+            ("iterates", self.unknowns * systems * ITERATES * real),
+            ("geometry", 2 * self.geometry * real),
+            ("compliance", self.ring_columns * systems * real),
+            ("responses", responses * real),
+        ]
+    }
+
+    /// Loop trips of one invocation in one iteration of `pcg`, all loops together: for each of its rows one of the
+    /// product and its entries, one of the update and one of the new direction; and the trees of two sums.
+    pub fn trips(&self, invocations: u64) -> u64 {
+        let rows = self.unknowns.div_ceil(invocations);
+        1 + rows * (self.longest_row + 3) + 2 * u64::from(invocations.ilog2() + 1)
+    }
+
+    /// The most loop trips of one invocation in the kernels that are not split into steps. In `assemble`: its values,
+    /// each of at most four elements, those of four points; in `condense`: its rows, each over all unknowns.
+    pub fn whole_trips(&self, invocations: u64) -> u64 {
+        let assemble = self.matrix_values.div_ceil(invocations) * (1 + 4 * (1 + 4));
+        let condense = self.ring_columns.div_ceil(invocations) * (1 + COLUMNS_ABREAST + self.unknowns);
+        assemble.max(condense)
+    }
+}
+
+impl KernelFacts {
+    /// Bytes that the invocations of a workgroup of `pcg` share: partial sums of all columns abreast, and their state.
+    pub fn workgroup_bytes(&self) -> u64 {
+        (self.invocations + 2) * COLUMNS_ABREAST * self.bytes_per_real + 2 * COLUMNS_ABREAST * 4
+    }
+}
+
+/// Splits `bodies` into batches: in order, none lost, none twice.
+pub fn batches(
+    bodies: &[BodyCounts],
+    kernel: &KernelFacts,
+    limits: &DeviceLimits,
+) -> Result<Vec<Batch>, BatchError> {
+    check_kernel(kernel, limits)?;
+    let mut batches = Vec::new();
+    let mut first = 0;
+    while first < bodies.len() {
+        let batch = next_batch(bodies, first, kernel, limits)?;
+        first = batch.bodies.end;
+        batches.push(batch);
+    }
+    Ok(batches)
+}
+
+fn check_kernel(kernel: &KernelFacts, limits: &DeviceLimits) -> Result<(), BatchError> {
+    let (needed, limit) = (kernel.workgroup_bytes(), u64::from(limits.workgroup_bytes));
+    if needed > limit {
+        return Err(BatchError::WorkgroupMemory { needed, limit });
+    }
+    let (needed, limit) = (kernel.invocations, u64::from(limits.invocations_per_workgroup));
+    if needed > limit {
+        return Err(BatchError::WorkgroupSize { needed, limit });
+    }
+    let seconds = kernel.seconds_per_iteration;
+    if !(seconds > 0.0 && seconds.is_finite()) {
+        return Err(BatchError::NoTime { seconds });
+    }
+    Ok(())
+}
+
+/// The batch that begins with body `first`.
+fn next_batch(
+    bodies: &[BodyCounts],
+    first: usize,
+    kernel: &KernelFacts,
+    limits: &DeviceLimits,
+) -> Result<Batch, BatchError> {
+    let counts = &bodies[first];
+    let limit = u64::from(limits.workgroups_per_dimension);
+    if counts.blocks() > limit {
+        return Err(BatchError::TooManyColumns { body: first, needed: counts.blocks(), limit });
+    }
+    let trips = counts.trips(kernel.invocations);
+    let longest = trips.max(counts.whole_trips(kernel.invocations));
+    if longest > MOST_TRIPS {
+        return Err(BatchError::TooManyTrips { body: first, trips: longest, limit: MOST_TRIPS });
+    }
+    let most_steps = MOST_TRIPS / trips;
+    let steps_in_target = TARGET.as_secs_f64() / kernel.seconds_per_iteration;
+    let most_in_time = (steps_in_target / most_steps.min(FEWEST_STEPS) as f64).max(1.0) as u64;
+    let most = most_in_time.min(limit);
+
+    let buffer = limits.binding_bytes.min(limits.buffer_bytes);
+    let mut used = [0; 5];
+    let mut end = first;
+    for (body, next) in bodies.iter().enumerate().skip(first) {
+        let bytes = next.bytes(kernel.bytes_per_real);
+        if let Some(&(what, needed)) = bytes.iter().find(|(_, needed)| *needed > buffer) {
+            // A batch before it is still good; it is met again as the first of the next one.
+            if body > first {
+                break;
+            }
+            return Err(BatchError::BodyTooLarge { body, what, needed, limit: buffer });
+        }
+        let fits = used.iter().zip(&bytes).all(|(used, (_, more))| used + more <= buffer);
+        if next.topology != counts.topology || !fits || (body - first) as u64 == most {
+            break;
+        }
+        used.iter_mut().zip(&bytes).for_each(|(used, (_, more))| *used += more);
+        end = body + 1;
+    }
+    let count = (end - first) as u64;
+    let iterations = ((steps_in_target / count as f64) as u64).clamp(1, most_steps);
+    Ok(Batch {
+        bodies: first..end,
+        workgroups: [count as u32, counts.blocks() as u32],
+        iterations: iterations as u32,
+    })
+}
+
+/// The time of an iteration of one body after a dispatch that took `taken`: for the next call of `batches`.
+///
+/// Kept where the dispatch was as long as it should be, so that one slow dispatch does not change the next.
+pub fn adapted(kernel: &KernelFacts, batch: &Batch, taken: Duration) -> KernelFacts {
+    if (SHORTEST..=LONGEST).contains(&taken) {
+        return *kernel;
+    }
+    let work = batch.bodies.len() as f64 * f64::from(batch.iterations);
+    // A clock that saw nothing still saw less than a microsecond.
+    let seconds = taken.as_secs_f64().max(1e-6) / work;
+    KernelFacts { seconds_per_iteration: seconds, ..*kernel }
+}

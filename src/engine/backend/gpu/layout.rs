@@ -1,0 +1,253 @@
+//! What travels between host and device: the structs that both sides share, and the numbers of topologies and bodies.
+//!
+//! Shared structs hold only `f32` and `u32`, so that no padding can differ; `tests/shaders.rs` compares their offsets.
+//! Numbers in the precision of the kernels travel as plain arrays.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::batch::COLUMNS_ABREAST;
+use crate::mechanics::assembly::Assembly;
+use crate::mechanics::body::{Body, Side};
+use crate::mechanics::element::ElementKind;
+use crate::mechanics::element::stiffness::{Elasticity, ElementRule};
+use crate::mechanics::mesh::{Grading, RingTopology, centre_pull, lines, ring_points};
+use crate::mechanics::solve::pcg::PcgSettings;
+
+/// What `assemble` is told.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct AssembleParameters {
+    pub column_count: u32,
+    pub row_count: u32,
+    pub element_count: u32,
+    pub value_count: u32,
+    pub system_count: u32,
+    pub line_count: u32,
+    pub is_bowed: u32,
+}
+
+/// What `pcg` and `condense` are told.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct SystemParameters {
+    pub unknown_count: u32,
+    pub value_count: u32,
+    pub block_count: u32,
+    pub ring_start: u32,
+    pub ring_count: u32,
+    pub step_count: u32,
+    pub iteration_limit: u32,
+    pub tolerance: f32,
+}
+
+/// How one system stands; `outcome` is a `SystemOutcome`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct SystemState {
+    pub outcome: u32,
+    pub iterations: u32,
+}
+
+/// How a system ended. A kernel cannot tell stagnation: that is what its true residual is for.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SystemOutcome {
+    Running = 0,
+    Converged = 1,
+    IterationLimit = 2,
+    Indefinite = 3,
+    NotFinite = 4,
+    /// An element is turned inside out, or a coordinate is not finite.
+    Inverted = 5,
+}
+
+impl SystemState {
+    /// `None` for a number that stands for nothing.
+    pub fn outcome(&self) -> Option<SystemOutcome> {
+        use SystemOutcome::*;
+        let outcomes = [Running, Converged, IterationLimit, Indefinite, NotFinite, Inverted];
+        outcomes.into_iter().find(|outcome| *outcome as u32 == self.outcome)
+    }
+}
+
+/// Sizes and sparsity that the systems of a batch share: all that `pcg` and `condense` know.
+#[derive(Clone, Debug)]
+pub struct SystemLayout {
+    pub row_starts: Vec<u32>,
+    pub columns: Vec<u32>,
+    /// The value on the diagonal of each row.
+    pub diagonal_places: Vec<u32>,
+    pub ring_start: u32,
+}
+
+/// The sparsity has a row without a diagonal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("row {row} has no value on its diagonal")]
+pub struct NoDiagonal {
+    pub row: usize,
+}
+
+impl SystemLayout {
+    pub fn new(row_starts: &[u32], columns: &[u32], ring_start: usize) -> Result<SystemLayout, NoDiagonal> {
+        let place = |row: usize| {
+            let start = row_starts[row] as usize;
+            let own = &columns[start..row_starts[row + 1] as usize];
+            own.iter().position(|&column| column as usize == row).map(|place| (start + place) as u32)
+        };
+        let places = (0..row_starts.len() - 1).map(|row| place(row).ok_or(NoDiagonal { row }));
+        Ok(SystemLayout {
+            diagonal_places: places.collect::<Result<_, _>>()?,
+            row_starts: row_starts.to_vec(),
+            columns: columns.to_vec(),
+            ring_start: ring_start as u32,
+        })
+    }
+
+    pub fn unknown_count(&self) -> usize {
+        self.row_starts.len() - 1
+    }
+
+    pub fn ring_count(&self) -> usize {
+        self.unknown_count() - self.ring_start as usize
+    }
+
+    pub fn block_count(&self) -> usize {
+        self.ring_count().div_ceil(COLUMNS_ABREAST as usize)
+    }
+
+    pub fn system_count(&self) -> usize {
+        self.block_count() * COLUMNS_ABREAST as usize
+    }
+
+    pub fn parameters(&self, settings: &PcgSettings, step_count: u32) -> SystemParameters {
+        SystemParameters {
+            unknown_count: self.unknown_count() as u32,
+            value_count: self.columns.len() as u32,
+            block_count: self.block_count() as u32,
+            ring_start: self.ring_start,
+            ring_count: self.ring_count() as u32,
+            step_count,
+            iteration_limit: settings.iteration_limit as u32,
+            tolerance: settings.tolerance as f32,
+        }
+    }
+}
+
+/// What bodies of one topology share, as `assemble` takes it.
+#[derive(Clone, Debug)]
+pub struct MeshLayout {
+    grading: Grading,
+    pub systems: SystemLayout,
+    pub source_starts: Vec<u32>,
+    pub sources: Vec<u32>,
+    /// `[element][node]`: row * column_count + column, in half elements from the ring's load line.
+    pub element_grid: Vec<u32>,
+    pub shared_numbers: Vec<f64>,
+    pub parameters: AssembleParameters,
+}
+
+/// Why bodies cannot be laid out for `assemble`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LayoutError {
+    #[error("the kernels know {known:?} only, not {asked:?}")]
+    Element { known: ElementKind, asked: ElementKind },
+    #[error(transparent)]
+    NoDiagonal(#[from] NoDiagonal),
+}
+
+impl MeshLayout {
+    /// For bodies like `body` (same shape family, supports and class), divided by `grading`.
+    pub fn new(body: &Body, grading: &Grading) -> Result<MeshLayout, LayoutError> {
+        if grading.element != ElementKind::Quad8 {
+            return Err(LayoutError::Element { known: ElementKind::Quad8, asked: grading.element });
+        }
+        let topology = RingTopology::new(body, grading);
+        let assembly = Assembly::of_ring(&topology);
+        let pattern = assembly.matrix::<f64>(&[]);
+        let systems = SystemLayout::new(pattern.row_starts, pattern.columns, topology.ring_start)?;
+        let (source_starts, sources) = assembly.sources();
+        let column_count = topology.ring_angles.len();
+        let place = |&node: &u32| {
+            let (row, column) = topology.grid[node as usize];
+            (row * column_count + column) as u32
+        };
+        let parameters = AssembleParameters {
+            column_count: column_count as u32,
+            row_count: 2 * topology.layer_count as u32 + 1,
+            element_count: topology.element_count() as u32,
+            value_count: systems.columns.len() as u32,
+            system_count: systems.system_count() as u32,
+            // Only a straight boundary gives each line a depth and a direction of its own.
+            line_count: if body.shape.straight_boundary { column_count as u32 } else { 1 },
+            is_bowed: u32::from(body.shape.straight_boundary),
+        };
+        Ok(MeshLayout {
+            grading: grading.clone(),
+            systems,
+            source_starts: source_starts.to_vec(),
+            sources: sources.to_vec(),
+            element_grid: topology.connectivity.iter().map(place).collect(),
+            shared_numbers: shared_numbers(body, grading),
+            parameters,
+        })
+    }
+
+    /// Points of the grid of half elements: rows times columns.
+    pub fn grid_count(&self) -> usize {
+        (self.parameters.row_count * self.parameters.column_count) as usize
+    }
+
+    /// Pairs of numbers of one body's mesh on the device: the reach of each grid point, then for each of the four
+    /// points of each element eight gradients and |J|.
+    pub fn geometry_count(&self) -> usize {
+        self.grid_count() + 4 * 9 * self.parameters.element_count as usize
+    }
+
+    /// The numbers of one body: elasticity, then depth, growth and end of each line that is its own.
+    ///
+    /// The end of a line is given as what takes the ring's point to it: far - ring = scale ring + turn ring', ring'
+    /// being the ring's point turned by a right angle. For a concentric body that is the same on all lines.
+    pub fn body_numbers(&self, body: &Body) -> Vec<f64> {
+        let Elasticity { direct, cross, shear } = Elasticity::new(body.idealization, body.poissons_ratio);
+        let mut numbers = vec![direct, cross, shear];
+        let lines = lines(body, &self.grading);
+        for (line, [x, y]) in
+            lines.iter().zip(ring_points(&self.grading)).take(self.parameters.line_count as usize)
+        {
+            let [far_x, far_y] = [line.far[0] - x, line.far[1] - y];
+            numbers.extend([line.depth, line.growth, far_x * x + far_y * y, far_y * x - far_x * y]);
+        }
+        numbers
+    }
+}
+
+/// `shared_numbers` of `assemble.wgsl`.
+fn shared_numbers(body: &Body, grading: &Grading) -> Vec<f64> {
+    let ring = ring_points(grading);
+    let difference = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
+    let step = |column: usize| match ring.get(column + 1) {
+        Some(next) => difference(*next, ring[column]),
+        None => [0.0; 2],
+    };
+    let sagitta = |column: usize| {
+        if column.is_multiple_of(2) {
+            return [0.0; 2];
+        }
+        let [before, after] = [ring[column - 1], ring[column + 1]];
+        difference(ring[column], [0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])])
+    };
+    let sign = match body.shape.side {
+        Side::Plate => 1.0,
+        Side::Pin => -1.0,
+    };
+    let rule = ElementRule::new(grading.element);
+    let derivatives = rule.points.iter().flat_map(|point| point.by_xi.into_iter().zip(point.by_eta));
+    [[grading.first_layer, grading.thickest_layer], [sign, centre_pull(body)]]
+        .into_iter()
+        .chain(ring.iter().copied())
+        .chain((0..ring.len()).map(step))
+        .chain((0..ring.len()).map(sagitta))
+        .chain(derivatives.map(|(by_xi, by_eta)| [by_xi, by_eta]))
+        .flatten()
+        .collect()
+}

@@ -1,0 +1,213 @@
+//! How a sweep is split into dispatches: limits met exactly, order kept, nothing lost or doubled. No device needed.
+
+use std::time::Duration;
+
+use jointsweep::engine::backend::gpu::batch::{
+    Batch, BatchError, BodyCounts, KernelFacts, LONGEST, MOST_TRIPS, SHORTEST, TARGET, adapted, batches,
+};
+use jointsweep::engine::backend::gpu::context::DeviceLimits;
+
+const LIMITS: DeviceLimits = DeviceLimits {
+    binding_bytes: 128 << 20,
+    buffer_bytes: 2 << 30,
+    workgroups_per_dimension: 65_535,
+    workgroup_bytes: 32 << 10,
+    invocations_per_workgroup: 1024,
+    storage_buffers: 8,
+};
+
+/// So fast that time decides nothing.
+const KERNEL: KernelFacts = KernelFacts { bytes_per_real: 4, invocations: 64, seconds_per_iteration: 1e-12 };
+
+const BODY: BodyCounts = BodyCounts {
+    topology: 0,
+    unknowns: 150,
+    matrix_values: 4_000,
+    longest_row: 42,
+    ring_columns: 21,
+    geometry: 1_200,
+    joints: 1,
+    steps: 10,
+};
+
+/// The batches, after the promise that holds for all of them: in order, nothing lost or doubled, one topology each.
+fn split(bodies: &[BodyCounts], kernel: &KernelFacts, limits: &DeviceLimits) -> Vec<Batch> {
+    let batches = batches(bodies, kernel, limits).unwrap();
+    let mut next = 0;
+    for batch in &batches {
+        assert_eq!(batch.bodies.start, next);
+        assert!(batch.bodies.end > next);
+        next = batch.bodies.end;
+        let inside = &bodies[batch.bodies.clone()];
+        assert!(inside.iter().all(|body| body.topology == inside[0].topology));
+        assert_eq!(batch.workgroups, [inside.len() as u32, inside[0].blocks() as u32]);
+        assert!(batch.iterations >= 1);
+        let trips = inside[0].trips(kernel.invocations) * u64::from(batch.iterations);
+        assert!(trips <= MOST_TRIPS, "{trips}");
+    }
+    assert_eq!(next, bodies.len());
+    batches
+}
+
+fn sizes(batches: &[Batch]) -> Vec<usize> {
+    batches.iter().map(|batch| batch.bodies.len()).collect()
+}
+
+#[test]
+fn no_bodies_are_no_batches() {
+    assert_eq!(split(&[], &KERNEL, &LIMITS), []);
+}
+
+/// 10 bodies in a buffer of exactly 10, of one byte less, and of exactly 5, for each buffer that may be the fullest.
+#[test]
+fn a_buffer_is_filled_to_its_last_byte() {
+    let many_values = BodyCounts { matrix_values: 100_000, ..BODY };
+    let many_joints = BodyCounts { joints: 5_000, ..BODY };
+    let many_columns = BodyCounts { ring_columns: 120, unknowns: 10, longest_row: 10, ..BODY };
+    let fine_mesh = BodyCounts { geometry: 100_000, ..BODY };
+    for body in [BODY, many_values, many_joints, many_columns, fine_mesh] {
+        let bodies = [body; 10];
+        let bytes = body.bytes(4).iter().map(|(_, bytes)| *bytes).max().unwrap();
+        for (room, expected) in [
+            (10 * bytes, vec![10]),
+            (10 * bytes - 1, vec![9, 1]),
+            (5 * bytes, vec![5, 5]),
+            (bytes, vec![1; 10]),
+        ] {
+            let narrow = DeviceLimits { binding_bytes: room, ..LIMITS };
+            assert_eq!(sizes(&split(&bodies, &KERNEL, &narrow)), expected);
+            let small = DeviceLimits { buffer_bytes: room, ..LIMITS };
+            assert_eq!(sizes(&split(&bodies, &KERNEL, &small)), expected);
+        }
+    }
+}
+
+/// All five of them, and each is what fills a buffer first in one of the cases above.
+#[test]
+fn each_buffer_is_counted() {
+    let fullest = |body: BodyCounts| body.bytes(4).into_iter().max_by_key(|(_, bytes)| *bytes).unwrap();
+    assert_eq!(fullest(BODY), ("iterates", 150 * 24 * 4 * 4));
+    assert_eq!(fullest(BodyCounts { matrix_values: 100_000, ..BODY }), ("matrix values", 400_000));
+    assert_eq!(fullest(BodyCounts { joints: 5_000, ..BODY }), ("responses", 5_000 * 10 * 8 * 4));
+    let wide = BodyCounts { ring_columns: 121, unknowns: 10, ..BODY };
+    assert_eq!(fullest(wide), ("compliance", 121 * 124 * 4));
+    assert_eq!(fullest(BodyCounts { geometry: 100_000, ..BODY }), ("geometry", 800_000));
+    assert_eq!(BODY.bytes(8)[1].1, 2 * BODY.bytes(4)[1].1);
+}
+
+#[test]
+fn a_body_that_fits_no_buffer_is_named_and_those_before_it_do_not_hide_it() {
+    let huge = BodyCounts { joints: 1 << 20, ..BODY };
+    let error = batches(&[BODY, BODY, huge, BODY], &KERNEL, &LIMITS).unwrap_err();
+    let (needed, limit) = (10 << 25, 1 << 27);
+    assert_eq!(error, BatchError::BodyTooLarge { body: 2, what: "responses", needed, limit });
+}
+
+#[test]
+fn workgroups_fill_a_dimension_and_no_more() {
+    let limits = DeviceLimits { workgroups_per_dimension: 100, ..LIMITS };
+    assert_eq!(sizes(&split(&[BODY; 250], &KERNEL, &limits)), [100, 100, 50]);
+    assert_eq!(sizes(&split(&[BODY; 200], &KERNEL, &limits)), [100, 100]);
+    let wide = BodyCounts { ring_columns: 401, ..BODY };
+    let error = batches(&[wide], &KERNEL, &limits).unwrap_err();
+    assert_eq!(error, BatchError::TooManyColumns { body: 0, needed: 101, limit: 100 });
+    split(&[BodyCounts { ring_columns: 400, ..BODY }], &KERNEL, &limits);
+}
+
+#[test]
+fn topologies_are_not_mixed() {
+    let other = BodyCounts { topology: 1, ring_columns: 30, ..BODY };
+    assert_eq!(sizes(&split(&[BODY, BODY, other, BODY, other, other], &KERNEL, &LIMITS)), [2, 1, 1, 2]);
+}
+
+#[test]
+fn a_million_bodies_are_split_in_order() {
+    let bodies: Vec<BodyCounts> = (0..1_000_000)
+        .map(|i| BodyCounts { topology: i / 300_000, joints: 1 + u64::from(i % 3), ..BODY })
+        .collect();
+    let batches = split(&bodies, &KERNEL, &LIMITS);
+    // The iterates decide: 57,600 bytes a body.
+    assert_eq!(batches[0].bodies.len(), (128 << 20) / 57_600);
+    assert!(batches.len() < 450, "{}", batches.len());
+}
+
+/// The count of steps is the largest that stays below the bound; a body without one step is an error.
+#[test]
+fn steps_stay_below_the_bound_on_loop_trips() {
+    for unknowns in [1, 63, 64, 65, 150, 1_000, 4_000, 20_000] {
+        let body = BodyCounts { unknowns, ..BODY };
+        let batch = &split(&[body], &KERNEL, &LIMITS)[0];
+        let trips = body.trips(64);
+        assert_eq!(u64::from(batch.iterations), 60_000 / trips, "{unknowns}");
+    }
+    // 64 x 45 rows in trips, and the trees.
+    assert_eq!(BodyCounts { unknowns: 4_096, ..BODY }.trips(64), 1 + 64 * 45 + 14);
+    let deep = BodyCounts { unknowns: 55_000, longest_row: 70, ..BODY };
+    let trips = deep.trips(64);
+    let error = batches(&[deep], &KERNEL, &LIMITS).unwrap_err();
+    assert_eq!(error, BatchError::TooManyTrips { body: 0, trips, limit: 60_000 });
+    // Twice the invocations halve the rows of each.
+    split(&[deep], &KernelFacts { invocations: 128, ..KERNEL }, &LIMITS);
+    // Kernels that are not split into steps: 2,858 values of 21 trips are one too many, and so are 2 x 30,001 unknowns.
+    for body in [
+        BodyCounts { matrix_values: 64 * 2_857 + 1, ..BODY },
+        BodyCounts { unknowns: 29_996, ring_columns: 65, longest_row: 1, ..BODY },
+    ] {
+        let error = batches(&[body], &KERNEL, &LIMITS).unwrap_err();
+        assert!(matches!(error, BatchError::TooManyTrips { trips: 60_001..60_100, .. }), "{error}");
+    }
+    split(&[BodyCounts { matrix_values: 64 * 2_857, ..BODY }], &KERNEL, &LIMITS);
+    split(&[BodyCounts { unknowns: 29_995, ring_columns: 65, longest_row: 1, ..BODY }], &KERNEL, &LIMITS);
+}
+
+/// Whatever a body costs, a dispatch is as long as it should be, unless there is too little work or a single step of a
+/// single body is longer.
+#[test]
+fn dispatches_take_their_time() {
+    let bodies = [BODY; 20_000];
+    let most_steps = f64::from(split(&[BODY], &KERNEL, &LIMITS)[0].iterations);
+    for seconds in [1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 0.02, 0.09] {
+        let kernel = KernelFacts { seconds_per_iteration: seconds, ..KERNEL };
+        for batch in split(&bodies, &kernel, &LIMITS) {
+            let time = batch.bodies.len() as f64 * f64::from(batch.iterations) * seconds;
+            assert!(time <= 0.2, "{seconds}: {time}");
+            let limited = f64::from(batch.iterations) == most_steps;
+            assert!(time >= 0.05 || limited || batch.bodies.end == bodies.len(), "{seconds}: {time}");
+        }
+    }
+    let slow = KernelFacts { seconds_per_iteration: 3.0, ..KERNEL };
+    for batch in split(&bodies[..3], &slow, &LIMITS) {
+        assert_eq!((batch.bodies.len(), batch.iterations), (1, 1));
+    }
+}
+
+#[test]
+fn the_measured_time_is_taken_over_only_where_a_dispatch_was_too_long_or_too_short() {
+    let batch = Batch { bodies: 10..110, workgroups: [100, 6], iterations: 20 };
+    for fine in [SHORTEST, TARGET, LONGEST] {
+        assert_eq!(adapted(&KERNEL, &batch, fine), KERNEL);
+    }
+    for (milliseconds, seconds) in [(400, 2e-4), (2, 1e-6)] {
+        let taken = adapted(&KERNEL, &batch, Duration::from_millis(milliseconds)).seconds_per_iteration;
+        assert!((taken / seconds - 1.0).abs() < 1e-12, "{taken}");
+    }
+    assert!(adapted(&KERNEL, &batch, Duration::ZERO).seconds_per_iteration > 0.0);
+}
+
+#[test]
+fn a_kernel_that_a_device_cannot_run_is_refused() {
+    let exact = DeviceLimits { workgroup_bytes: 66 * 16 + 32, ..LIMITS };
+    split(&[BODY], &KERNEL, &exact);
+    let one_less = DeviceLimits { workgroup_bytes: 66 * 16 + 31, ..LIMITS };
+    let error = BatchError::WorkgroupMemory { needed: 1088, limit: 1087 };
+    assert_eq!(batches(&[BODY], &KERNEL, &one_less), Err(error));
+    let narrow = DeviceLimits { invocations_per_workgroup: 63, ..LIMITS };
+    let error = BatchError::WorkgroupSize { needed: 64, limit: 63 };
+    assert_eq!(batches(&[BODY], &KERNEL, &narrow), Err(error));
+    for seconds in [0.0, -1.0, f64::INFINITY] {
+        let kernel = KernelFacts { seconds_per_iteration: seconds, ..KERNEL };
+        assert_eq!(batches(&[BODY], &kernel, &LIMITS), Err(BatchError::NoTime { seconds }));
+    }
+    let kernel = KernelFacts { seconds_per_iteration: f64::NAN, ..KERNEL };
+    assert!(matches!(batches(&[BODY], &kernel, &LIMITS), Err(BatchError::NoTime { .. })));
+}

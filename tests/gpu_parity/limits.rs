@@ -1,0 +1,203 @@
+//! What must not matter, and what goes wrong: company, resuming, workgroups, bad systems, bad meshes, refusals.
+
+use super::*;
+
+/// How steps are split over dispatches, and who else is in the batch, does not change a bit.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn resuming_and_company_do_not_change_a_bit() {
+    let bodies = plates();
+    for (precision, _) in precisions() {
+        let settings = PcgSettings { tolerance: 1e-4, iteration_limit: 300 };
+        let values = bodies.values(precision);
+        let solve = |values: &[f64], count: usize, steps: u32| {
+            let batch = SystemBatch::new(kernels(precision), &bodies.layout.systems, count).unwrap();
+            batch.write_values(values).unwrap();
+            batch.pcg(&settings, steps).unwrap();
+            (batch.read_columns().unwrap(), batch.read_reports().unwrap().states)
+        };
+        let (together, states) = solve(&values, bodies.count(), 300);
+        for steps in [1, 7, 50] {
+            assert!(solve(&values, bodies.count(), steps) == (together.clone(), states.clone()), "{steps}");
+        }
+        let last = bodies.count() - 1;
+        let alone = solve(of_body(&values, &bodies, last), 1, 50);
+        assert!(alone.0 == of_body(&together, &bodies, last) && alone.1 == of_body(&states, &bodies, last));
+    }
+}
+
+/// Each spoils one body of a batch; the twin says how its systems end, and the others do not notice.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_bad_system_ends_as_the_twin_says_and_spoils_no_other() {
+    let bodies = plates();
+    let settings = PcgSettings { tolerance: 1e-4, iteration_limit: 400 };
+    let middle = bodies.layout.systems.unknown_count() / 2;
+    let row_starts = &bodies.layout.systems.row_starts;
+    let row = row_starts[middle] as usize..row_starts[middle + 1] as usize;
+    let diagonal = bodies.layout.systems.diagonal_places[middle] as usize;
+    type Spoil<'a> = (&'a str, Box<dyn Fn(&mut [f64]) + 'a>);
+    let spoils: [Spoil; 5] = [
+        ("a row of zeros", Box::new(|values| values[row.clone()].fill(0.0))),
+        ("a negative matrix", Box::new(|values| values.iter_mut().for_each(|value| *value = -*value))),
+        ("an indefinite matrix", Box::new(|values| values[diagonal] *= 1e-3)),
+        ("NaN off the diagonal", Box::new(|values| values[row.start] = f64::NAN)),
+        ("an infinite entry", Box::new(|values| values[row.start] = f64::INFINITY)),
+    ];
+    for (precision, _) in precisions() {
+        let good = bodies.values(precision);
+        let solve = |values: &[f64]| -> (Vec<f64>, SystemReports) {
+            let batch = bodies.batch(precision);
+            batch.write_values(values).unwrap();
+            batch.pcg(&settings, 40).unwrap();
+            (batch.read_columns().unwrap(), batch.read_reports().unwrap())
+        };
+        let (good_columns, good_reports) = solve(&good);
+        for (what, spoil) in &spoils {
+            let mut values = good.clone();
+            let count = bodies.value_count();
+            spoil(&mut values[2 * count..3 * count]);
+            let (columns, reports) = solve(&values);
+            let (_, expected) = twin(&bodies, &values[2 * count..3 * count], precision, &settings);
+            for (state, report) in of_body(&reports.states, &bodies, 2).iter().zip(&expected) {
+                assert_eq!(
+                    state.outcome(),
+                    Some(expected_outcome(report)),
+                    "{what} {precision:?} {report:?}"
+                );
+                assert_ne!(state.outcome(), Some(SystemOutcome::Converged), "{what} {precision:?}");
+            }
+            for other in [0, 1, 3, 4] {
+                assert!(
+                    of_body(&columns, &bodies, other) == of_body(&good_columns, &bodies, other),
+                    "{what}"
+                );
+                assert!(
+                    of_body(&reports.states, &bodies, other) == of_body(&good_reports.states, &bodies, other)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn the_iteration_limit_is_kept() {
+    let bodies = plates();
+    for (precision, _) in precisions() {
+        let settings = PcgSettings { tolerance: 1e-4, iteration_limit: 11 };
+        let batch = bodies.batch(precision);
+        batch.write_values(&bodies.values(precision)).unwrap();
+        // More steps in the dispatches than the limit allows.
+        batch.pcg(&settings, 4).unwrap();
+        let reports = batch.read_reports().unwrap();
+        for index in 0..bodies.count() {
+            for state in &of_body(&reports.states, &bodies, index)[..bodies.layout.systems.ring_count()] {
+                assert_eq!((state.outcome(), state.iterations), (Some(SystemOutcome::IterationLimit), 11));
+            }
+        }
+    }
+}
+
+/// Elements turned inside out and numbers that are none refuse their own body before it is solved.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_body_without_a_mesh_is_refused_and_spoils_no_other() {
+    let bodies = plates();
+    let settings = PcgSettings { tolerance: 1e-4, iteration_limit: 400 };
+    for (precision, _) in precisions() {
+        let solve = |numbers: &[f64]| {
+            let batch = bodies.batch(precision);
+            batch.assemble(&bodies.layout, numbers).unwrap();
+            batch.pcg(&settings, 40).unwrap();
+            (batch.read_columns().unwrap(), batch.read_reports().unwrap().states)
+        };
+        let good = bodies.numbers();
+        let (good_columns, good_states) = solve(&good);
+        let own = good.len() / bodies.count();
+        // Depth and scale of the lines.
+        for (place, wrong) in [(3, f64::NAN), (3, f64::INFINITY), (5, f64::NAN), (5, -2.0), (5, 0.0)] {
+            let mut numbers = good.clone();
+            numbers[own + place] = wrong;
+            let (columns, states) = solve(&numbers);
+            for state in of_body(&states, &bodies, 1) {
+                assert_eq!(
+                    (state.outcome(), state.iterations),
+                    (Some(SystemOutcome::Inverted), 0),
+                    "{place} {wrong}"
+                );
+            }
+            for other in [0, 2, 3, 4] {
+                assert!(
+                    of_body(&columns, &bodies, other) == of_body(&good_columns, &bodies, other),
+                    "{wrong}"
+                );
+                assert!(of_body(&states, &bodies, other) == of_body(&good_states, &bodies, other), "{wrong}");
+            }
+        }
+    }
+}
+
+/// The size of a workgroup changes the order of sums and nothing else.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn any_size_of_workgroup_will_do() {
+    let bodies = plates();
+    let settings = PcgSettings { tolerance: 1e-4, iteration_limit: 1000 };
+    let compliance = |kernels: &Kernels, invocations: u32| {
+        let batch = SystemBatch::new(kernels, &bodies.layout.systems, bodies.count()).unwrap();
+        batch.assemble(&bodies.layout, &bodies.numbers()).unwrap();
+        // Fewer invocations make more trips each: a fixed count of steps would run into Mesa's bound on loops.
+        let steps = MOST_TRIPS / bodies.counts().trips(u64::from(invocations));
+        batch.pcg(&settings, steps as u32).unwrap();
+        batch.condense(&settings).unwrap();
+        batch.read_compliance().unwrap()
+    };
+    let usual = compliance(kernels(Precision::F32), INVOCATIONS);
+    for invocations in [2, 16, 256] {
+        let other = Kernels::new(device(), Precision::F32, invocations).unwrap();
+        let worst = difference(&compliance(&other, invocations), &usual);
+        println!("{invocations}: {worst:.1e}");
+        assert!(worst < 1e-5, "{invocations}: {worst:e}");
+    }
+}
+
+/// What the device refuses comes back as an error, and the device is as good as before.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn what_cannot_be_had_is_an_error() {
+    for invocations in [0, 48, 1 << 20] {
+        let refused = Kernels::new(device(), Precision::F32, invocations).err();
+        assert!(matches!(refused, Some(GpuError::Lacks { .. })), "{invocations}: {refused:?}");
+    }
+    let bodies = plates();
+    let too_many = SystemBatch::new(kernels(Precision::F32), &bodies.layout.systems, 1 << 24).err();
+    assert!(matches!(too_many, Some(GpuError::Failed { what: "room for a batch", .. })), "{too_many:?}");
+    let batch = bodies.batch(Precision::F32);
+    let values = bodies.values(Precision::F32);
+    let twice = batch.write_values(&[values.clone(), values.clone()].concat()).err();
+    assert!(matches!(twice, Some(GpuError::Failed { what: "matrix values", .. })), "{twice:?}");
+    batch.write_values(&values).unwrap();
+    assert!(batch.read_values().unwrap() == values);
+}
+
+/// A planned batch fits the device, and where memory ended it, one more body does not.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn the_planner_fills_the_device_and_no_more() {
+    let bodies = plates();
+    let invocations = u64::from(INVOCATIONS);
+    let kernel = KernelFacts { bytes_per_real: 4, invocations, seconds_per_iteration: 1e-9 };
+    let counts = vec![bodies.counts(); 10_000];
+    let first = batches(&counts, &kernel, &device().facts.limits).unwrap().swap_remove(0).bodies.len();
+    println!("{first} bodies of {:?}", counts[0]);
+    // Matrices of zeros: every system ends at once.
+    let fits = |count: usize| {
+        let batch = SystemBatch::new(kernels(Precision::F32), &bodies.layout.systems, count)?;
+        batch.pcg(&PcgSettings { tolerance: 1e-4, iteration_limit: 1 }, 1)
+    };
+    fits(first).unwrap();
+    if first < counts.len() {
+        assert!(matches!(fits(first + 1), Err(GpuError::Failed { .. })));
+    }
+}

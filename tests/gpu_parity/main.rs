@@ -1,0 +1,192 @@
+//! The kernels on a device against their twins on the processor, stage by stage and all together.
+//!
+//! Any Vulkan adapter will do, software too. Without a driver these tests are ignored; with JOINTSWEEP_REQUIRE_GPU
+//! set, a missing adapter or a missing f64 is a failure.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod limits;
+mod stages;
+
+use std::sync::OnceLock;
+
+use common::greatest;
+use common::rings::{MeshedBody, body};
+use jointsweep::engine::backend::gpu::batch::{BodyCounts, KernelFacts, MOST_TRIPS, batches};
+use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
+use jointsweep::engine::backend::gpu::kernels::{Kernels, Precision};
+use jointsweep::engine::backend::gpu::layout::{MeshLayout, SystemOutcome};
+use jointsweep::engine::backend::gpu::stages::{SystemBatch, SystemReports};
+use jointsweep::mechanics::body::Body;
+use jointsweep::mechanics::compliance::condense::variational_compliance;
+use jointsweep::mechanics::element::ElementKind;
+use jointsweep::mechanics::grading::GradingClass;
+use jointsweep::mechanics::material::Idealization;
+use jointsweep::mechanics::mesh::{Grading, ring_points};
+use jointsweep::mechanics::solve::pcg::{PcgOutcome, PcgReport, PcgSettings, pcg};
+
+/// As many invocations as the twin has partial sums.
+const INVOCATIONS: u32 = 64;
+
+fn device() -> &'static GpuDevice {
+    static DEVICE: OnceLock<GpuDevice> = OnceLock::new();
+    DEVICE.get_or_init(|| {
+        // Every name holds the empty one: the best adapter, be it software.
+        let gpu =
+            Adapters::enumerate().open(AdapterChoice::Named("")).unwrap_or_else(|error| panic!("{error}"));
+        println!("{} with {}", gpu.facts.name, gpu.facts.driver);
+        gpu
+    })
+}
+
+fn kernels(precision: Precision) -> &'static Kernels<'static> {
+    static KERNELS: [OnceLock<Kernels<'static>>; 2] = [OnceLock::new(), OnceLock::new()];
+    let slot = &KERNELS[if precision == Precision::F32 { 0 } else { 1 }];
+    slot.get_or_init(|| Kernels::new(device(), precision, INVOCATIONS).unwrap())
+}
+
+/// f32, and f64 where the adapter has it, with the rounding of each.
+fn precisions() -> Vec<(Precision, f64)> {
+    let mut precisions = vec![(Precision::F32, f64::from(f32::EPSILON))];
+    if device().facts.features.f64 {
+        precisions.push((Precision::F64, f64::EPSILON));
+    } else {
+        assert!(std::env::var_os("JOINTSWEEP_REQUIRE_GPU").is_none(), "no f64 on {}", device().facts.name);
+    }
+    precisions
+}
+
+/// Bodies of one topology, their meshes, and what the device is told of them.
+struct Bodies {
+    bodies: Vec<Body>,
+    grading: Grading,
+    meshed: Vec<MeshedBody>,
+    layout: MeshLayout,
+}
+
+impl Bodies {
+    fn new(bodies: Vec<Body>, level: usize) -> Bodies {
+        let class = GradingClass::of(&bodies[0], ElementKind::Quad8, level);
+        assert!(bodies.iter().all(|body| GradingClass::of(body, ElementKind::Quad8, level) == class));
+        let grading = class.grading(bodies[0].shape.end_angle);
+        let meshed: Vec<MeshedBody> = bodies.iter().map(|body| MeshedBody::new(body, &grading)).collect();
+        assert!(meshed.iter().all(|body| body.topology == meshed[0].topology));
+        let layout = MeshLayout::new(&bodies[0], &grading).unwrap();
+        // Nothing is to come out even.
+        assert_ne!(layout.systems.unknown_count() % INVOCATIONS as usize, 0);
+        Bodies { bodies, grading, meshed, layout }
+    }
+
+    fn count(&self) -> usize {
+        self.bodies.len()
+    }
+
+    fn batch(&self, precision: Precision) -> SystemBatch<'_> {
+        SystemBatch::new(kernels(precision), &self.layout.systems, self.count()).unwrap()
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        self.bodies.iter().flat_map(|body| self.layout.body_numbers(body)).collect()
+    }
+
+    /// The twin's matrices, rounded to what the device holds.
+    fn values(&self, precision: Precision) -> Vec<f64> {
+        let values = self.meshed.iter().flat_map(MeshedBody::stiffness_values);
+        match precision {
+            Precision::F32 => values.map(|value| f64::from(value as f32)).collect(),
+            Precision::F64 => values.collect(),
+        }
+    }
+
+    fn counts(&self) -> BodyCounts {
+        let systems = &self.layout.systems;
+        let longest_row = systems.row_starts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap();
+        BodyCounts {
+            topology: 0,
+            unknowns: systems.unknown_count() as u64,
+            matrix_values: systems.columns.len() as u64,
+            longest_row: u64::from(longest_row),
+            ring_columns: systems.ring_count() as u64,
+            geometry: self.layout.geometry_count() as u64,
+            joints: 1,
+            steps: 10,
+        }
+    }
+
+    /// Values of one body's matrix.
+    fn value_count(&self) -> usize {
+        self.layout.systems.columns.len()
+    }
+}
+
+/// Of every shape, support and boundary, Poisson's ratios from ordinary to nearly incompressible.
+fn families() -> Vec<(&'static str, Bodies)> {
+    let of = |name: &str, ratios: &[&[f64]], support: usize| {
+        let bodies = ratios.iter().zip([0.3, 0.1, 0.45]).map(|(ratios, poissons_ratio)| Body {
+            support,
+            ..body(name, ratios, Idealization::PlaneStrain, poissons_ratio)
+        });
+        Bodies::new(bodies.collect(), 1)
+    };
+    vec![
+        ("annulus", of("annulus", &[&[2.8], &[3.0], &[3.1]], 0)),
+        ("rigid-core", of("rigid-core", &[&[0.3], &[0.28], &[0.29]], 0)),
+        ("rigid-midplane", of("rigid-midplane", &[&[], &[], &[]], 0)),
+        ("block on its base", of("block", &[&[2.0, 3.0, 1.6], &[2.02, 3.0, 1.62], &[2.0, 3.05, 1.6]], 0)),
+        ("block held around", of("block", &[&[2.0, 3.0, 1.6], &[2.02, 3.0, 1.62], &[2.0, 3.05, 1.6]], 1)),
+    ]
+}
+
+fn plates() -> Bodies {
+    let bodies = [(2.8, 0.3), (3.0, 0.1), (3.1, 0.49), (2.9, -0.5), (2.85, 0.2)];
+    let plate = |(ratio, nu)| body("annulus", &[ratio], Idealization::PlaneStrain, nu);
+    Bodies::new(bodies.map(plate).to_vec(), 1)
+}
+
+/// The greatest difference over the greatest value.
+fn difference(found: &[f64], expected: &[f64]) -> f64 {
+    assert_eq!(found.len(), expected.len());
+    greatest(found.iter().zip(expected).map(|(a, b)| a - b)) / greatest(expected.iter().copied())
+}
+
+/// The twin's solution of one body in the precision of the device: columns, reports.
+fn twin(
+    bodies: &Bodies,
+    values: &[f64],
+    precision: Precision,
+    settings: &PcgSettings,
+) -> (Vec<f64>, Vec<PcgReport>) {
+    let assembly = &bodies.meshed[0].assembly;
+    let unknowns = assembly.unknown_count();
+    let ring_start = bodies.meshed[0].topology.ring_start;
+    let mut loads = vec![0.0; unknowns * (unknowns - ring_start)];
+    (ring_start..unknowns).for_each(|unknown| loads[(unknown - ring_start) * unknowns + unknown] = 1.0);
+    let exact = assembly.matrix(values);
+    match precision {
+        Precision::F32 => {
+            let rounded: Vec<f32> = values.iter().map(|&value| value as f32).collect();
+            let solution = pcg(assembly.matrix(&rounded), exact, &loads, settings);
+            (solution.columns.into_iter().map(f64::from).collect(), solution.reports)
+        }
+        Precision::F64 => {
+            let solution = pcg(exact, exact, &loads, settings);
+            (solution.columns, solution.reports)
+        }
+    }
+}
+
+/// As a kernel can tell: it knows nothing of stagnation.
+fn expected_outcome(report: &PcgReport) -> SystemOutcome {
+    match report.outcome {
+        PcgOutcome::Converged | PcgOutcome::Stagnated => SystemOutcome::Converged,
+        PcgOutcome::IterationLimit => SystemOutcome::IterationLimit,
+        PcgOutcome::Indefinite => SystemOutcome::Indefinite,
+        PcgOutcome::NotFinite => SystemOutcome::NotFinite,
+    }
+}
+
+/// Systems of one body in the reports.
+fn of_body<'a, T>(all: &'a [T], bodies: &Bodies, index: usize) -> &'a [T] {
+    let count = all.len() / bodies.count();
+    &all[index * count..(index + 1) * count]
+}

@@ -1,0 +1,197 @@
+//! Stage by stage, and all together.
+
+use super::*;
+
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn coordinates_are_those_of_the_twin() {
+    for (name, bodies) in families() {
+        for (precision, rounding) in precisions() {
+            let batch = bodies.batch(precision);
+            let geometry = batch.assemble(&bodies.layout, &bodies.numbers()).unwrap();
+            let reaches = batch.read_reaches(&geometry).unwrap();
+            let ring = ring_points(&bodies.grading);
+            let grid = reaches.len() / bodies.count();
+            for (meshed, reaches) in bodies.meshed.iter().zip(reaches.chunks_exact(grid)) {
+                let topology = &meshed.topology;
+                let mut worst: f64 = 0.0;
+                for (place, &(row, column)) in meshed.coordinates.iter().zip(&topology.grid) {
+                    let reach = reaches[row * ring.len() + column];
+                    for axis in 0..2 {
+                        let expected = place[axis] - ring[column][axis];
+                        worst = worst.max((reach[axis] - expected).abs());
+                    }
+                }
+                println!("{name} {precision:?}: {worst:.1e}");
+                // Some ten operations a number, numbers up to 4.
+                assert!(worst < 40.0 * rounding, "{name} {precision:?}: {worst:e}");
+            }
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn matrices_are_those_of_the_twin() {
+    for (name, bodies) in families() {
+        for (precision, rounding) in precisions() {
+            let batch = bodies.batch(precision);
+            batch.assemble(&bodies.layout, &bodies.numbers()).unwrap();
+            let found = batch.read_values().unwrap();
+            let expected: Vec<Vec<f64>> = bodies.meshed.iter().map(MeshedBody::stiffness_values).collect();
+            for (found, expected) in found.chunks_exact(bodies.value_count()).zip(&expected) {
+                let worst = difference(found, expected);
+                println!("{name} {precision:?}: {worst:.1e}");
+                // Some thirty operations a value, and coordinates of an element that are good to ten roundings.
+                assert!(worst < 40.0 * rounding, "{name} {precision:?}: {worst:e}");
+            }
+            // Control: what is compared differs from body to body by far more.
+            assert!(difference(&expected[0], &expected[1]) > 1e-2, "{name}");
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn conjugate_gradients_are_those_of_the_twin() {
+    let pins = [0.3, 0.1, 0.49].map(|nu| body("rigid-midplane", &[], Idealization::PlaneStrain, nu));
+    let pins = Bodies::new(pins.to_vec(), 1);
+    // The last block has a system without a load.
+    assert_ne!(pins.layout.systems.ring_count() % 4, 0);
+    for bodies in [plates(), pins] {
+        as_the_twin(&bodies);
+    }
+}
+
+fn as_the_twin(bodies: &Bodies) {
+    let unknowns = bodies.layout.systems.unknown_count();
+    let ring = bodies.layout.systems.ring_count();
+    for (precision, rounding) in precisions() {
+        let tolerance = if precision == Precision::F32 { 1e-4 } else { 1e-9 };
+        let settings = PcgSettings { tolerance, iteration_limit: 1000 };
+        let values = bodies.values(precision);
+        let batch = bodies.batch(precision);
+        batch.write_values(&values).unwrap();
+        batch.pcg(&settings, 40).unwrap();
+        batch.condense(&settings).unwrap();
+        let (columns, reports) = (batch.read_columns().unwrap(), batch.read_reports().unwrap());
+        let mut counts = Vec::new();
+        for index in 0..bodies.count() {
+            let own_values = of_body(&values, bodies, index);
+            let (expected, expected_reports) = twin(bodies, own_values, precision, &settings);
+            let found = of_body(&columns, bodies, index);
+            let states = of_body(&reports.states, bodies, index);
+            let true_residuals = of_body(&reports.true_residuals, bodies, index);
+            for (system, report) in expected_reports.iter().enumerate() {
+                let state = states[system];
+                assert_eq!(state.outcome(), Some(expected_outcome(report)), "{precision:?} {index} {system}");
+                // A sum rounded otherwise may tip one step over the tolerance.
+                let iterations = state.iterations as usize;
+                assert!(iterations.abs_diff(report.iterations) <= 1, "{iterations} {}", report.iterations);
+                counts.push(iterations);
+                // The kernel takes the residual of a rounded x in its own precision.
+                let norm = true_residuals[system];
+                assert!(
+                    (norm - report.true_residual).abs() < 0.5 * report.true_residual + 1e3 * rounding,
+                    "{norm} {report:?}"
+                );
+            }
+            // Beyond the ring's unknowns there is nothing to solve.
+            for (system, state) in states.iter().enumerate().skip(ring) {
+                assert_eq!((state.outcome(), state.iterations), (Some(SystemOutcome::Converged), 0));
+                assert!(found[system * unknowns..(system + 1) * unknowns].iter().all(|x| *x == 0.0));
+            }
+            let worst = difference(&found[..ring * unknowns], &expected);
+            println!("{precision:?} body {index}: {worst:.1e}, {} steps", states[0].iterations);
+            // Both are within the tolerance of the same solution, in a norm that bounds the greatest entry.
+            assert!(worst < 10.0 * tolerance, "{precision:?} {index}: {worst:e}");
+        }
+        let (least, most) = (counts.iter().min().unwrap(), counts.iter().max().unwrap());
+        println!("{precision:?}: {least} to {most} steps");
+        assert!(*most as f64 > 1.5 * *least as f64, "all systems stop at once: {least} {most}");
+    }
+}
+
+/// The condensation alone: the same columns on both sides.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn compliances_are_those_of_the_twin() {
+    let bodies = plates();
+    let systems = &bodies.layout.systems;
+    for (precision, rounding) in precisions() {
+        let settings = PcgSettings { tolerance: 1e-2, iteration_limit: 1000 };
+        let values = bodies.values(precision);
+        let batch = bodies.batch(precision);
+        batch.write_values(&values).unwrap();
+        batch.pcg(&settings, 40).unwrap();
+        batch.condense(&settings).unwrap();
+        let (columns, found) = (batch.read_columns().unwrap(), batch.read_compliance().unwrap());
+        for index in 0..bodies.count() {
+            let exact = bodies.meshed[0].assembly.matrix(of_body(&values, &bodies, index));
+            let columns =
+                &of_body(&columns, &bodies, index)[..systems.ring_count() * systems.unknown_count()];
+            let expected = variational_compliance(exact, systems.ring_start as usize, columns).values;
+            let found = of_body(&found, &bodies, index);
+            let worst = difference(found, &expected);
+            println!("{precision:?} body {index}: {worst:.1e}");
+            // K x cancels: |K||x| is some hundred times |b|, rounded once an entry.
+            assert!(worst < 100.0 * rounding, "{precision:?} {index}: {worst:e}");
+            for i in 0..systems.ring_count() {
+                for j in 0..i {
+                    let (a, b) = (found[i * systems.ring_count() + j], found[j * systems.ring_count() + i]);
+                    assert!((a - b).abs() <= 4.0 * rounding * greatest(expected.iter().copied()));
+                }
+            }
+        }
+        // Control: without the correction the columns themselves are off by far more.
+        let plain: Vec<f64> = (0..systems.ring_count())
+            .flat_map(|j| {
+                let column = &columns[j * systems.unknown_count()..(j + 1) * systems.unknown_count()];
+                column[systems.ring_start as usize..].to_vec()
+            })
+            .collect();
+        assert!(difference(of_body(&found, &bodies, 0), &plain) > 1e-4);
+    }
+}
+
+/// From a few numbers a body to the compliance of its ring, against sparse Cholesky in f64.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn the_whole_chain_gives_the_compliance_of_cholesky() {
+    for (name, bodies) in families() {
+        for (precision, rounding) in precisions() {
+            let tolerance = if precision == Precision::F32 { 1e-4 } else { 1e-6 };
+            let settings = PcgSettings { tolerance, iteration_limit: 1000 };
+            let batch = bodies.batch(precision);
+            batch.assemble(&bodies.layout, &bodies.numbers()).unwrap();
+            batch.pcg(&settings, 40).unwrap();
+            batch.condense(&settings).unwrap();
+            let (found, columns) = (batch.read_compliance().unwrap(), batch.read_columns().unwrap());
+            for (index, meshed) in bodies.meshed.iter().enumerate() {
+                let expected = meshed.condense().values;
+                let worst = difference(of_body(&found, &bodies, index), &expected);
+                // The values of K alone, good to some roundings, change C by that part of |U|^T |K| |U|; and the error
+                // of the columns counts by its square, in a norm of at most 100 times that of the tolerance.
+                let energy = absolute_energy(meshed, of_body(&columns, &bodies, index));
+                let share = energy / greatest(expected.iter().copied());
+                // Roundings of unlike sign leave a thirtieth of the former where it is large (block on its base).
+                let allowed = (4.0 * rounding * share).min(2e-4) + 100.0 * tolerance * tolerance;
+                println!("{name} {precision:?} body {index}: {worst:.1e} of {allowed:.1e}");
+                assert!(worst < allowed, "{name} {precision:?} {index}: {worst:e}");
+            }
+        }
+    }
+}
+
+/// The greatest |u|^T |K| |u| of any column u.
+fn absolute_energy(meshed: &MeshedBody, columns: &[f64]) -> f64 {
+    let values: Vec<f64> = meshed.stiffness_values().iter().map(|value| value.abs()).collect();
+    let matrix = meshed.assembly.matrix(&values);
+    let mut product = vec![0.0; matrix.row_count()];
+    let energies = columns.chunks_exact(matrix.row_count()).map(|column| {
+        let sizes: Vec<f64> = column.iter().map(|u| u.abs()).collect();
+        matrix.multiply(&sizes, &mut product);
+        sizes.iter().zip(&product).map(|(u, force)| u * force).sum()
+    });
+    greatest(energies)
+}

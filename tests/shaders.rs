@@ -1,0 +1,202 @@
+//! The kernels without a device: every variant is parsed and validated, and what both sides share is compared.
+
+use std::mem::offset_of;
+
+use jointsweep::engine::backend::gpu::batch::KernelFacts;
+use jointsweep::engine::backend::gpu::kernels::{
+    ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, PCG, Precision,
+};
+use jointsweep::engine::backend::gpu::layout::{
+    AssembleParameters, SystemOutcome, SystemParameters, SystemState,
+};
+use wgpu::naga;
+use wgpu::naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+
+const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
+
+/// What a kernel of this precision may ask of a device.
+fn capabilities(precision: Precision) -> Capabilities {
+    match precision {
+        Precision::F32 => Capabilities::empty(),
+        Precision::F64 => Capabilities::FLOAT64,
+    }
+}
+
+fn check(source: &str, capabilities: Capabilities) -> Result<(naga::Module, ModuleInfo), String> {
+    let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
+    let info = Validator::new(ValidationFlags::all(), capabilities)
+        .validate(&module)
+        .map_err(|error| error.emit_to_string(source))?;
+    Ok((module, info))
+}
+
+fn module(file: &KernelFile, precision: Precision) -> naga::Module {
+    check(&file.source(precision, 64), capabilities(precision)).unwrap_or_else(|error| panic!("{error}")).0
+}
+
+#[test]
+fn every_variant_is_valid() {
+    for file in KERNEL_FILES {
+        for precision in PRECISIONS {
+            for invocations in [32, 64, 128, 256] {
+                let source = file.source(precision, invocations);
+                let (module, _) =
+                    check(&source, capabilities(precision)).unwrap_or_else(|error| panic!("{error}"));
+                let found: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+                assert_eq!(found, file.entry_points, "{}", file.name);
+                for entry in &module.entry_points {
+                    assert_eq!(entry.workgroup_size, [invocations, 1, 1], "{}", entry.name);
+                }
+            }
+        }
+    }
+}
+
+/// Negative control: what is wrong is found, by the parser, by the validator, and for want of f64.
+#[test]
+fn a_broken_kernel_is_refused() {
+    let good = PCG.source(Precision::F32, 64);
+    check(&good, Capabilities::empty()).unwrap();
+    for (right, wrong) in [
+        ("let beta = ", "let gamma = "),
+        ("own += residual * (", "own += systems.outcome * ("),
+        ("workgroupUniformLoad(&held)", "workgroupUniformLoad(&norms)"),
+    ] {
+        assert!(good.contains(right), "{right}");
+        assert!(check(&good.replace(right, wrong), Capabilities::empty()).is_err(), "{wrong}");
+    }
+    assert!(check(&PCG.source(Precision::F64, 64), Capabilities::empty()).is_err());
+}
+
+/// Name and offset of each member, and the size of the whole.
+type Layout = (Vec<(String, u32)>, u32);
+
+fn layout_in(module: &naga::Module, name: &str) -> Option<Layout> {
+    let (_, found) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name))?;
+    let naga::TypeInner::Struct { members, span } = &found.inner else { return None };
+    let member = |member: &naga::StructMember| (member.name.clone().unwrap_or_default(), member.offset);
+    Some((members.iter().map(member).collect(), *span))
+}
+
+macro_rules! layout_here {
+    ($name:ty, $($member:ident),+) => {
+        (
+            vec![$((stringify!($member).to_string(), offset_of!($name, $member) as u32)),+],
+            size_of::<$name>() as u32,
+        )
+    };
+}
+
+#[test]
+fn shared_structs_have_the_same_members_at_the_same_places() {
+    let assemble: Layout = layout_here!(
+        AssembleParameters,
+        column_count,
+        row_count,
+        element_count,
+        value_count,
+        system_count,
+        line_count,
+        is_bowed
+    );
+    let systems: Layout = layout_here!(
+        SystemParameters,
+        unknown_count,
+        value_count,
+        block_count,
+        ring_start,
+        ring_count,
+        step_count,
+        iteration_limit,
+        tolerance
+    );
+    let state: Layout = layout_here!(SystemState, outcome, iterations);
+    for precision in PRECISIONS {
+        assert_eq!(layout_in(&module(&ASSEMBLE, precision), "AssembleParameters").as_ref(), Some(&assemble));
+        assert_eq!(layout_in(&module(&ASSEMBLE, precision), "SystemState").as_ref(), Some(&state));
+        for file in [&PCG, &CONDENSE] {
+            assert_eq!(layout_in(&module(file, precision), "SystemParameters").as_ref(), Some(&systems));
+        }
+        assert_eq!(layout_in(&module(&PCG, precision), "SystemState").as_ref(), Some(&state));
+    }
+    // Negative control: two members exchanged.
+    let source = PCG.source(Precision::F32, 64);
+    let moved = source
+        .replace("    outcome: u32,\n", "")
+        .replace("    iterations: u32,\n}", "    iterations: u32,\n    outcome: u32,\n}");
+    let exchanged = naga::front::wgsl::parse_str(
+        &moved
+            .replace("SystemState(stored.outcome[system], stored.iterations[system])", "SystemState(0u, 0u)"),
+    )
+    .unwrap();
+    assert_ne!(layout_in(&exchanged, "SystemState"), Some(state));
+}
+
+/// Group 0, binding by binding: one uniform, then storage, read or written as the host binds it.
+#[test]
+fn bindings_are_as_the_host_makes_them() {
+    for file in KERNEL_FILES {
+        let module = module(file, Precision::F32);
+        let mut bindings: Vec<(u32, naga::AddressSpace)> = module
+            .global_variables
+            .iter()
+            .filter_map(|(_, variable)| Some((variable.binding.as_ref()?, variable.space)))
+            .map(|(binding, space)| {
+                assert_eq!(binding.group, 0);
+                (binding.binding, space)
+            })
+            .collect();
+        bindings.sort_by_key(|(binding, _)| *binding);
+        let storage = file.written.iter().map(|written| {
+            let access = naga::StorageAccess::LOAD;
+            let written = if *written { naga::StorageAccess::STORE } else { naga::StorageAccess::empty() };
+            naga::AddressSpace::Storage { access: access | written }
+        });
+        let expected: Vec<_> =
+            (0..).zip(std::iter::once(naga::AddressSpace::Uniform).chain(storage)).collect();
+        assert_eq!(bindings, expected, "{}", file.name);
+        // The least that every device of WebGPU has.
+        assert!(file.written.len() <= 8);
+    }
+}
+
+/// wgpu does not check the memory of a workgroup, so the planner must know it.
+#[test]
+fn the_planner_knows_the_memory_of_a_workgroup() {
+    for precision in PRECISIONS {
+        for invocations in [32, 128] {
+            let source = PCG.source(precision, invocations);
+            let (module, _) = check(&source, capabilities(precision)).unwrap();
+            let mut layouter = naga::proc::Layouter::default();
+            layouter.update(module.to_ctx()).unwrap();
+            let shared =
+                module.global_variables.iter().filter(|(_, v)| v.space == naga::AddressSpace::WorkGroup);
+            let bytes: u32 = shared.map(|(_, variable)| layouter[variable.ty].size).sum();
+            let facts = KernelFacts {
+                bytes_per_real: precision.bytes(),
+                invocations: u64::from(invocations),
+                seconds_per_iteration: 1.0,
+            };
+            assert_eq!(u64::from(bytes), facts.workgroup_bytes(), "{precision:?}");
+        }
+    }
+}
+
+#[test]
+fn outcomes_have_the_same_numbers() {
+    use SystemOutcome::*;
+    let source = PCG.source(Precision::F32, 64);
+    for (name, outcome) in [
+        ("RUNNING", Running),
+        ("CONVERGED", Converged),
+        ("ITERATION_LIMIT", IterationLimit),
+        ("INDEFINITE", Indefinite),
+        ("NOT_FINITE", NotFinite),
+        ("INVERTED", Inverted),
+    ] {
+        let number = outcome as u32;
+        assert!(source.contains(&format!("const {name} = {number}u;")), "{name}");
+        assert_eq!(SystemState { outcome: number, iterations: 0 }.outcome(), Some(outcome));
+    }
+    assert_eq!(SystemState { outcome: 6, iterations: 0 }.outcome(), None);
+}
