@@ -154,3 +154,42 @@ fn the_near_field_removes_the_error_of_the_ring() {
         assert!(worst[1] < 0.01 * worst[0] && worst[1] < 5e-3);
     }
 }
+
+/// On the body that stands for a class the near field leaves nothing but what it interpolates between Poisson's ratios.
+#[test]
+fn the_near_field_makes_its_own_reference_exact() {
+    let space = PressureSpace::new(10, 2.4);
+    for (name, range, idealization) in [
+        ("annulus", PoissonRange::Positive, Idealization::PlaneStress),
+        ("rigid-core", PoissonRange::Negative, Idealization::PlaneStrain),
+    ] {
+        let of = |ratio: f64, nu: f64| body(name, &[ratio], idealization, nu);
+        let grading =
+            GradingClass::of(&of(if name == "annulus" { 1.6 } else { 0.6 }, 0.0), ElementKind::Quad8, 1);
+        let side = of(2.0, 0.0).shape.side;
+        let class = NearFieldClass { side, half_ring: false, grading, idealization, range };
+        let highest = class.highest_mode();
+        let moments = space.moments(highest);
+        let near_field = NearField::new(&class, &space, &moments, highest);
+        let depth = grading.nominal_depth();
+        let ratio = if name == "annulus" { depth.exp() } else { (-depth).exp() };
+        let plan = CondensationPlan::new(&of(ratio, 0.0), grading.grading(std::f64::consts::PI), &space);
+        let (low, high) = if range == PoissonRange::Positive { (0.0, 0.5) } else { (-1.0, 0.0) };
+        let node = |i: usize| {
+            let angle: f64 = std::f64::consts::PI * (i as f64 + 0.5) / 8.0;
+            0.5 * (low + high) + 0.5 * (high - low) * angle.cos()
+        };
+        // On nodes to rounding; between them to what eight nodes leave, seen 4e-8.
+        for (poissons_ratio, tolerance) in [(node(0), 1e-12), (node(3), 1e-12), (node(3) + 0.01, 4e-7)] {
+            let mut corrected = plan.condense(&[of(ratio, poissons_ratio)]).remove(0);
+            near_field.correct(&space, poissons_ratio, &mut corrected);
+            let concentric = ConcentricBody { fixed_radius: ratio, poissons_ratio, idealization };
+            let exact = concentric.compliance(&space, &moments, highest);
+            let largest = exact.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            let pairs = corrected.values.iter().zip(&exact.values);
+            let difference = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / largest;
+            println!("{name} at {poissons_ratio}: {difference:.0e}");
+            assert!(difference < tolerance, "{name} at {poissons_ratio}: {difference:e}");
+        }
+    }
+}
