@@ -56,6 +56,7 @@ fn largest_differences(one: &PressureSpace, other: &PressureSpace) -> [f64; 4] {
             a.arc.half_angle / b.arc.half_angle - 1.0,
         ];
         for (worst, difference) in worst.iter_mut().zip(differences) {
+            assert!(difference.is_finite());
             *worst = worst.max(difference.abs());
         }
     }
