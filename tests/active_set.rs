@@ -158,8 +158,8 @@ fn condensed_equals_full() {
                         .filter(|&dof| meshed.topology.unknowns[dof] == SUPPORTED)
                         .map(|dof| half.modulus * force[dof])
                         .sum();
-                    balance_error =
-                        balance_error.max((half.side * reaction / (0.5 * contact.force) - 1.0).abs());
+                    let balance = half.side * reaction / (0.5 * contact.force) - 1.0;
+                    balance_error = greatest([balance_error, balance]);
                 }
                 for (worst, error) in worst.iter_mut().zip([force_error, gap_error, balance_error]) {
                     // Rounding times the condition of K, 1e4: measured below 1e-12.

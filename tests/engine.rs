@@ -76,10 +76,11 @@ fn what_falls_short_is_said() {
     assert_eq!(outcomes[0].status, "accuracy not met");
     assert_eq!(outcomes[1].status, "large displacement; accuracy not met");
     assert!(outcomes.iter().all(|step| step.response.is_some_and(|response| response.force_error > 1e-9)));
-    // Beside a wall of 2 % of the radius ten trial pressures ring.
+    // Beside a wall of 2 % of the radius the pressures ring as contact comes near it, and end where it reaches it.
     let walled = joint(disc(), part(&block::SHAPE, [1.02, 5.0, 5.0]));
-    let said = statuses(walled, MethodChoice::Auto, 1e-4, &[Load::Indentation(0.05)]);
-    assert_eq!(said, ["pressure not positive everywhere; accuracy not met"]);
+    let said = statuses(walled, MethodChoice::Auto, 1e-4, &[0.05, 1.0].map(Load::Indentation));
+    let ringing = "pressure not positive everywhere; accuracy not met";
+    assert_eq!(said, [ringing, "failed: compliance not positive definite"]);
 }
 
 /// A step that fails leaves the others as they are, and every step stays in its place.
@@ -181,7 +182,7 @@ fn finer_meshes_are_taken_where_they_are_needed() {
 fn a_batch_is_what_its_designs_are_alone() {
     let mut random = Random::new(11);
     let mut cases = Vec::new();
-    for index in 0..36 {
+    for index in 0..18 {
         let mut plate = match index % 3 {
             0 => ring(random.log(1.2, 20.0)),
             _ => part(&block::SHAPE, [(); 3].map(|()| random.log(1.3, 8.0))),
@@ -221,7 +222,7 @@ fn forgetting_bodies_changes_nothing() {
     for start in (0..6000).step_by(BATCH - 150).chain([0]) {
         let outcomes = backend.solve((start..start + BATCH).map(design).collect());
         assert_eq!(outcomes.len(), BATCH);
-        for (index, outcome) in (start..).zip(&outcomes).step_by(249) {
+        for (index, outcome) in (start..).zip(&outcomes).step_by(BATCH - 1) {
             assert_eq!(outcome.steps, alone(&design(index), MethodChoice::Series, 0.01), "design {index}");
         }
     }

@@ -52,15 +52,19 @@ fn at(joint: &JointDesign, method: MethodChoice, load: Load) -> Response {
 
 const INDENTATIONS: [f64; 4] = [1e-4, 3e-3, 0.05, 1.0];
 
+/// The relative deviation, which must be within the tolerance.
 #[track_caller]
-fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found / expected - 1.0).abs() <= tolerance, "{what}: {found} instead of {expected}");
+fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) -> f64 {
+    let deviation = (found / expected - 1.0).abs();
+    assert!(deviation <= tolerance, "{what}: {found} instead of {expected}");
+    deviation
 }
 
 /// F' = k_t. Exact compliances: what the difference quotient leaves. Meshes: the mesh's arc is not the exact one, so
 /// the discrete F and k_t differ by a share of the error of F.
 #[test]
 fn tangent_stiffness_is_the_slope_of_the_force() {
+    let mut worst = [0.0_f64; 2];
     for (joint, method) in joints() {
         let tolerance = if method == MethodChoice::Series { 1e-6 } else { 2e-3 };
         for delta in INDENTATIONS {
@@ -68,14 +72,19 @@ fn tangent_stiffness_is_the_slope_of_the_force() {
             let loads = [delta - step, delta, delta + step].map(Load::Indentation).to_vec();
             let [low, middle, high] = solve(&joint, method, loads)[..] else { unreachable!() };
             let slope = (high.force - low.force) / (2.0 * step);
-            assert_close(middle.tangent_stiffness, slope, tolerance, &format!("{method:?} at {delta}"));
+            let deviation =
+                assert_close(middle.tangent_stiffness, slope, tolerance, &format!("{method:?} at {delta}"));
+            let worst = &mut worst[usize::from(method != MethodChoice::Series)];
+            *worst = worst.max(deviation);
         }
     }
+    println!("dF/d delta less k_t: series {:.0e}, meshes {:.0e}", worst[0], worst[1]);
 }
 
 /// dU/d delta = F: the strain energy is the work done. Tolerances as above.
 #[test]
 fn energy_is_the_work_of_the_force() {
+    let mut worst = [0.0_f64; 2];
     for (joint, method) in joints() {
         let tolerance = if method == MethodChoice::Series { 1e-6 } else { 2e-3 };
         for delta in INDENTATIONS {
@@ -83,9 +92,12 @@ fn energy_is_the_work_of_the_force() {
             let loads = [delta - step, delta, delta + step].map(Load::Indentation).to_vec();
             let [low, middle, high] = solve(&joint, method, loads)[..] else { unreachable!() };
             let slope = (high.energy.unwrap() - low.energy.unwrap()) / (2.0 * step);
-            assert_close(middle.force, slope, tolerance, &format!("{method:?} at {delta}"));
+            let deviation = assert_close(middle.force, slope, tolerance, &format!("{method:?} at {delta}"));
+            let worst = &mut worst[usize::from(method != MethodChoice::Series)];
+            *worst = worst.max(deviation);
         }
     }
+    println!("dU/d delta less F: series {:.0e}, meshes {:.0e}", worst[0], worst[1]);
 }
 
 /// A force found from an indentation leads back to it. The search ends at 1e-11 of the load.
@@ -172,6 +184,7 @@ fn no_load_is_no_force() {
 #[test]
 fn nearly_incompressible_bodies_do_not_lock() {
     for poissons_ratio in [0.49, 0.495, 0.499] {
+        let mut worst = 0.0_f64;
         let rubber = Material { youngs_modulus: 5.0, poissons_ratio };
         let disc = part(&cored_disc::SHAPE, [0.3, 0.0, 0.0], rubber);
         let ring = part(&annulus::SHAPE, [2.0, 0.0, 0.0], rubber);
@@ -179,8 +192,10 @@ fn nearly_incompressible_bodies_do_not_lock() {
         for delta in INDENTATIONS {
             let exact = at(&joint, MethodChoice::Series, Load::Indentation(delta));
             let meshed = at(&joint, MethodChoice::Fe, Load::Indentation(delta));
-            assert_close(meshed.force, exact.force, 0.01, &format!("nu = {poissons_ratio} at {delta}"));
+            let what = format!("nu = {poissons_ratio} at {delta}");
+            worst = worst.max(assert_close(meshed.force, exact.force, 0.01, &what));
         }
+        println!("nu {poissons_ratio}: force within {worst:.1e}");
     }
 }
 

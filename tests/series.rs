@@ -3,11 +3,12 @@
 #[path = "common/random.rs"]
 mod random;
 
+use jointsweep::mechanics::compliance::NODE_COUNT;
 use jointsweep::mechanics::compliance::arc::TERM_CHOICES;
 use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
 use jointsweep::mechanics::compliance::series::ConcentricBody;
 use jointsweep::mechanics::contact::arc_state::ArcState;
-use jointsweep::mechanics::contact::loading::{DimensionlessLoad, JointCurve};
+use jointsweep::mechanics::contact::loading::{DimensionlessLoad, JointCurve, NoState};
 use jointsweep::mechanics::contact::pressure::JointCompliance;
 use jointsweep::mechanics::material::Idealization;
 use random::Random;
@@ -56,6 +57,7 @@ fn largest_differences(one: &PressureSpace, other: &PressureSpace) -> [f64; 4] {
             a.arc.half_angle / b.arc.half_angle - 1.0,
         ];
         for (worst, difference) in worst.iter_mut().zip(differences) {
+            assert!(difference.is_finite());
             *worst = worst.max(difference.abs());
         }
     }
@@ -80,4 +82,24 @@ fn other_nodes_change_nothing() {
     println!("other nodes in eps: {differences:?}");
     // Interpolation between 32 nodes; the half angle is the most sensitive.
     assert!(differences[0] < 1e-8 && differences[1..].iter().all(|difference| *difference < 1e-7));
+}
+
+/// A compliance that is not one, at any of the nodes in eps, makes no curve.
+#[test]
+fn a_broken_compliance_has_no_curve() {
+    let space = PressureSpace::new(10, 2.4);
+    let joint = draw(&mut Random::new(1));
+    let highest = joint.pin.highest_mode().max(joint.plate.highest_mode());
+    let moments = space.moments(highest);
+    let [pin, plate] = [joint.pin, joint.plate].map(|body| body.compliance(&space, &moments, highest));
+    let end = |pin: &_| JointCurve::new(JointCompliance::new(&space, (pin, 1.0), (&plate, 1.0))).err();
+    assert_eq!(end(&pin), None);
+    let entries = pin.values.len() / NODE_COUNT;
+    for node in [0, NODE_COUNT - 1] {
+        for value in [f64::NAN, f64::INFINITY, -1e3] {
+            let mut broken = pin.clone();
+            broken.values[node * entries] = value;
+            assert_eq!(end(&broken), Some(NoState::BrokenCompliance), "{value} at node {node}");
+        }
+    }
 }

@@ -208,7 +208,7 @@ mod tests {
             for pair in angles.windows(2) {
                 let rule = (pair[0] / level.spread).max(class.first_layer()).min(widest);
                 let share = (pair[1] - pair[0]) / rule;
-                assert!((0.6..1.5).contains(&share), "{body:?} {class:?}: {share} at {}", pair[0]);
+                assert!((0.75..1.3).contains(&share), "{body:?} {class:?}: {share} at {}", pair[0]);
             }
             // The load line is where narrow contacts are.
             assert!((angles[1] / class.first_layer().min(widest) - 1.0).abs() < 0.05, "{body:?} {class:?}");

@@ -79,3 +79,60 @@ impl ArcState {
         series * (1.0 + s * s) / (2.0 * self.arc.b * tau.sin())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    use super::*;
+
+    /// A state with the first of so many terms; the rest is of no account.
+    fn state(terms: usize, pressure: &[f64]) -> ArcState {
+        let mut padded = [0.0; MAX_TERMS];
+        padded[..pressure.len()].copy_from_slice(pressure);
+        ArcState {
+            arc: ContactArc::new(1.2),
+            indentation: 0.25,
+            force: f64::NAN,
+            tangent_stiffness: f64::NAN,
+            energy: f64::NAN,
+            terms,
+            pressure: padded,
+        }
+    }
+
+    /// 1 - cos(2 tau) is a pressure without singularity; its integral is pi/2 c_0 and its value at the load line the peak.
+    #[test]
+    fn the_pressure_has_its_resultant_and_its_peak() {
+        let state = state(2, &[1.0, -1.0]);
+        assert!((state.pressure_at(FRAC_PI_2) / state.peak_pressure() - 1.0).abs() < 1e-15);
+        assert!((state.peak_pressure() * state.arc.b - 1.0).abs() < 1e-15);
+        // Midpoints in tau, differences of the angle: the error falls as the square of the count.
+        let count = 2000;
+        let step = FRAC_PI_2 / f64::from(count);
+        let piece = |i: i32| {
+            let tau = f64::from(i) * step;
+            let width = state.arc.angle(tau) - state.arc.angle(tau + step);
+            state.pressure_at(tau + 0.5 * step) * width
+        };
+        let resultant: f64 = (0..count).map(piece).sum();
+        assert!((resultant / (0.5 * PI) - 1.0).abs() < 1e-6, "{resultant}");
+    }
+
+    /// Tension below a percent of the peak is what truncation leaves; 2 % near the edge, or any at the load line, is not.
+    #[test]
+    fn tension_is_found_wherever_it_is() {
+        let positive = |pressure: &[f64]| state(10, pressure).pressure_is_positive();
+        assert!(positive(&[1.0, -1.0]) && positive(&[1.0, -1.03]) && positive(&[1.0, 0.5, 0.2]));
+        assert!(!positive(&[1.0, -1.05]));
+        assert!(!positive(&[1.0, 1.5]));
+        // 1 + 2 cos(4 tau): between edge and load line.
+        assert!(!positive(&[1.0, 0.0, 2.0]));
+    }
+
+    #[test]
+    fn truncation_is_the_square_of_the_tail() {
+        assert!((state(4, &[0.5, -2.0, 0.1, -0.3]).truncation() - 0.04).abs() < 1e-15);
+        assert!((state(4, &[0.5, -2.0, 0.1, -0.3]).clearance() - 0.75).abs() < 1e-15);
+    }
+}
