@@ -4,13 +4,20 @@
 #[path = "common/random.rs"]
 mod random;
 
+use std::ops::ControlFlow;
+
 use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::bodies::mesh_size;
+use jointsweep::engine::cost;
 use jointsweep::engine::outcome::{Method, Response, StepOutcome};
-use jointsweep::engine::plan::{first_level, mesh_error};
+use jointsweep::engine::plan::{JointPlan, first_level, mesh_error};
+use jointsweep::engine::sweep::{self, Statistics, SweepOptions};
 use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
-use jointsweep::mechanics::grading::LEVEL_COUNT;
+use jointsweep::mechanics::element::ElementKind;
+use jointsweep::mechanics::grading::{GradingClass, LEVEL_COUNT};
 use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::study::config::{MethodChoice, SolveOptions};
+use jointsweep::mechanics::mesh::RingTopology;
+use jointsweep::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
 use random::Random;
 
@@ -146,13 +153,30 @@ fn the_closed_form_is_for_the_whole_joint() {
 /// The coarsest mesh that can be as good as asked: for the accuracies people ask for, and not beyond the last.
 #[test]
 fn the_accuracy_decides_where_to_begin() {
-    let levels = [0.05, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-9].map(first_level);
-    assert_eq!(levels, [1, 1, 2, 3, 4, LEVEL_COUNT - 1, LEVEL_COUNT - 1]);
+    let levels = [0.05, 0.01, 5e-3, 3e-3, 1e-3, 3e-4, 1e-4, 1e-9].map(first_level);
+    assert_eq!(levels, [1, 1, 2, 2, 3, 4, LEVEL_COUNT - 1, LEVEL_COUNT - 1]);
     for accuracy in [0.05, 0.01, 3e-3, 1e-3, 3e-4, 1e-4] {
         let level = first_level(accuracy);
         // A mesh may settle where it begins, and a coarser one is given up for a reason.
         assert!(mesh_error(level, 0.0) < accuracy);
         assert!(level == 1 || mesh_error(level, 0.0) < mesh_error(level - 1, 0.0));
+    }
+}
+
+/// The thinner of the two bodies decides, and both answer to the same pressures.
+#[test]
+fn thin_bodies_get_more_trial_pressures() {
+    let core = |ratio| part(&cored_disc::SHAPE, [ratio, 0.0, 0.0]);
+    for (pin, plate, terms) in [
+        (disc(), ring(2.0), 10),
+        (half(), ring(1.3), 16),
+        (core(0.8), ring(3.0), 16),
+        (disc(), ring(1.1), 24),
+        (core(0.9), ring(3.0), 24),
+        (core(0.8), ring(1.1), 24),
+    ] {
+        let plan = JointPlan::new(&joint(pin, plate), MethodChoice::Fe, 1).unwrap();
+        assert_eq!((plan.pin.space, plan.pin.space.terms), (plan.plate.space, terms));
     }
 }
 
@@ -237,5 +261,76 @@ fn no_load_on_a_neat_fit_is_no_force() {
         let Response { force, indentation, force_error, method, .. } = outcome.response.unwrap();
         assert_eq!((force, indentation, force_error, method), (0.0, 0.0, 0.0, Method::Fe));
         assert_eq!(outcome.status, "ok");
+    }
+}
+
+const STUDY: &str = r#"
+[joint]
+idealization = "plane-stress"
+hole_radius = "10 mm"
+radial_clearance = "0.05 mm"
+thickness = ["8 mm", "9 mm"]
+[joint.pin]
+model = "rigid-midplane"
+youngs_modulus = "210 GPa"
+poissons_ratio = 0.3
+[joint.plate]
+model = "annulus"
+outer_radius_ratio = [2.0, 3.0]
+youngs_modulus = "210 GPa"
+poissons_ratio = 0.3
+[load]
+indentation = ["0.01 mm", "0.1 mm", "1 mm"]
+[solve]
+method = "fe"
+accuracy = "1 %"
+"#;
+
+/// Four designs of three bodies and three steps: what is told before the run, and counted in it.
+#[test]
+fn a_sweep_counts_its_designs_bodies_and_rows() {
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("counted.toml");
+    std::fs::write(&path, STUDY).unwrap();
+    let study = Study::load(&path).unwrap();
+    let estimate = cost::estimate(&study).unwrap();
+    assert_eq!((estimate.designs, estimate.rows, estimate.distinct_bodies), (4, 12, 3));
+    let joint = joint(half(), half());
+    let bodies = [half(), ring(2.0), ring(3.0)].map(|part| joint.body(&part));
+    // On the first mesh and the one before it.
+    let unknowns = bodies.iter().flat_map(|body| [0, 1].map(|level| mesh_size(body, level).unknowns));
+    assert_eq!(estimate.unknowns, unknowns.sum::<u64>());
+
+    let run = |most: u64| -> Statistics {
+        let mut received = 0;
+        sweep::run(&study, &SweepOptions { threads: 2 }, &mut |outcome| {
+            assert_eq!((outcome.case.index, outcome.steps.len()), (received, 3));
+            received += 1;
+            Ok(if received == most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        })
+        .unwrap()
+    };
+    let whole = run(u64::MAX);
+    assert_eq!((whole.designs, whole.steps, whole.distinct_bodies, whole.interrupted), (4, 12, 3, false));
+    let statuses: Vec<(&str, u64)> =
+        whole.statuses.iter().map(|(name, count)| (name.as_str(), *count)).collect();
+    assert_eq!(statuses, [("large displacement", 4), ("ok", 8)]);
+    let part = run(3);
+    assert_eq!((part.designs, part.steps, part.interrupted), (3, 9, true));
+    // Broken off after the last there is nothing left to interrupt.
+    assert!(!run(4).interrupted);
+}
+
+/// The count of unknowns is told without a mesh; supports are few.
+#[test]
+fn unknowns_are_those_of_the_mesh() {
+    for body in [half(), disc(), ring(2.0), part(&block::SHAPE, [2.0, 3.0, 1.6])] {
+        let body = joint(half(), half()).body(&body);
+        for level in 1..4 {
+            let class = GradingClass::of(&body, ElementKind::Quad8, level);
+            let mesh = RingTopology::new(&body, &class.grading(body.shape.end_angle));
+            let told = mesh_size(&body, level).unknowns as f64;
+            let excess = told / mesh.unknown_count as f64 - 1.0;
+            assert!((-0.1..0.25).contains(&excess), "{} level {level}: {excess}", body.shape.name);
+        }
     }
 }
