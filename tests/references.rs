@@ -205,7 +205,7 @@ fn the_engine_equals_plain_meshes() {
 
 /// A half disc's elements at the ring are not its reference's, and a contact narrower than an element shows it.
 #[test]
-fn narrow_contacts_of_a_half_disc_are_within_a_third_of_a_percent() {
+fn narrow_contacts_of_a_half_disc_are_within_a_fifth_of_a_percent() {
     for indentation in [4e-8, 3.3e-7, 2.6e-6] {
         let joint = joint(&half_disc::SHAPE, 0.0, 2.0, 1e-3);
         let engine = Solver::new(2.5e-3).solve(joint, Load::Indentation(indentation));
@@ -220,7 +220,7 @@ fn narrow_contacts_of_a_half_disc_are_within_a_third_of_a_percent() {
             100.0 * engine.force_error,
             100.0 * peak
         );
-        // Seen: 0.23 % of the force where the estimate says 0.11 %; 0.8 % of the peak, 0.2 % of it the plain mesh's own.
-        assert!(force.abs() < 3.3e-3 && peak.abs() < 0.012);
+        // Seen: 0.11 % of the force where the estimate says 0.085 %; 0.22 % of the peak, 0.2 % of it the plain mesh's own.
+        assert!(force.abs() < 2e-3 && peak.abs() < 5e-3);
     }
 }
