@@ -1,5 +1,29 @@
 //! Parametric sweeps of pin joints with clearance.
 //!
+//! ```
+//! use jointsweep::engine::backend::cpu::CpuBackend;
+//! use jointsweep::mechanics::body::{annulus, cored_disc};
+//! use jointsweep::mechanics::material::{Idealization, Material};
+//! use jointsweep::study::config::{MethodChoice, SolveOptions};
+//! use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+//!
+//! let steel = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
+//! let joint = JointDesign {
+//!     idealization: Idealization::PlaneStress,
+//!     hole_radius: 10.0,
+//!     radial_clearance: 0.05,
+//!     thickness: 8.0,
+//!     pin: Part { shape: &cored_disc::SHAPE, parameters: [0.2, 0.0, 0.0], support: 0, material: steel },
+//!     plate: Part { shape: &annulus::SHAPE, parameters: [3.0, 0.0, 0.0], support: 0, material: steel },
+//! };
+//! let case = DesignCase { index: 0, joint, steps: vec![Load::Indentation(0.01), Load::Force(2e4)] };
+//! let mut backend = CpuBackend::new(SolveOptions { accuracy: 0.01, method: MethodChoice::Auto });
+//! let outcome = &backend.solve(vec![case])[0];
+//! let response = outcome.steps[1].response.expect("the contact is free");
+//! assert!(response.tangent_stiffness > outcome.steps[0].response.unwrap().tangent_stiffness);
+//! assert!(response.force_error < 1e-6);
+//! ```
+//!
 //! Data runs one way:
 //! `config -> design -> plan -> body -> mesh -> assembly -> solve -> compliance -> contact -> outcome -> table`.
 //! Four wings, each of which uses only the wings above it (`tests/layering.rs` checks this):
