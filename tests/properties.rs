@@ -165,6 +165,9 @@ fn a_neat_fit_is_linear() {
             "half angle",
         );
         assert_close(one.tangent_stiffness, one.force / 0.001, 1e-8, "stiffness");
+        let nothing = at(&neat, method, Load::Indentation(0.0));
+        assert_eq!((nothing.force, nothing.energy), (0.0, Some(0.0)));
+        assert_close(nothing.tangent_stiffness, one.tangent_stiffness, 1e-9, "stiffness without load");
     }
 }
 

@@ -131,7 +131,10 @@ fn solve_design(
                 StepOutcome { response: None, status: failure(reason, space.limit) }
             }
             Some(((Ok(state), error), load_over)) => {
-                let offset = curve.offset(&state, clearance, load_over) * joint.hole_radius;
+                let offset = match *load {
+                    Load::Indentation(0.0) | Load::Force(0.0) => 0.0,
+                    _ => curve.offset(&state, clearance, load_over) * joint.hole_radius,
+                };
                 let (accurate, positive) = (error <= accuracy, state.pressure_is_positive());
                 settled &= accurate && positive;
                 StepOutcome {
@@ -170,9 +173,13 @@ fn force_errors(
         .collect()
 }
 
-/// A load over the joint's sizes, `None` for no load.
+/// A load over the joint's sizes, `None` where there is no contact yet.
 fn dimensionless(joint: &JointDesign, load: Load) -> Option<DimensionlessLoad> {
     match load {
+        // A neat fit has one state, which any load shows.
+        Load::Indentation(0.0) | Load::Force(0.0) if joint.radial_clearance == 0.0 => {
+            Some(DimensionlessLoad::Indentation(1.0))
+        }
         Load::Indentation(0.0) | Load::Force(0.0) => None,
         Load::Indentation(delta) => Some(DimensionlessLoad::Indentation(delta / joint.hole_radius)),
         Load::Force(force) => Some(DimensionlessLoad::Force(force / (joint.thickness * joint.hole_radius))),
