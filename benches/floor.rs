@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use jointsweep::engine::bodies::{Fidelity, topology};
+use jointsweep::engine::request::{Fidelity, TopologyKey};
 use jointsweep::engine::plan::{JointPlan, first_level};
 use jointsweep::engine::sweep::{SweepOptions, run};
 use jointsweep::mechanics::compliance::NODE_COUNT;
@@ -35,7 +35,7 @@ fn condensation(study: &Study) -> Operations {
             let space = spaces
                 .entry(request.space)
                 .or_insert_with(|| PressureSpace::new(request.space.terms, request.space.limit()));
-            let operations = *of_topology.entry(hash(topology(&request, level))).or_insert_with(|| {
+            let operations = *of_topology.entry(hash(TopologyKey::of(&request))).or_insert_with(|| {
                 let class = GradingClass::of(&request.body, ElementKind::Quad8, level);
                 let grading = class.grading(request.body.shape.end_angle);
                 CondensationPlan::new(&request.body, grading, space).operations()
@@ -76,7 +76,9 @@ fn main() {
     let mut fastest: Option<Vec<(&str, f64)>> = None;
     let total = |stages: &[(&str, f64)]| stages.iter().map(|(_, seconds)| seconds).sum::<f64>();
     for _ in 0..7 {
-        let statistics = run(&study, &SweepOptions { threads: 1 }, &mut |_| Ok(ControlFlow::Continue(())));
+        let statistics = run(&study, &SweepOptions { threads: 1, ..Default::default() }, &mut |_| {
+            Ok(ControlFlow::Continue(()))
+        });
         let stages = statistics.unwrap().stages;
         let stages: Vec<_> = stages.iter().map(|(name, time)| (*name, time.as_secs_f64())).collect();
         if fastest.as_ref().is_none_or(|fastest| total(&stages) < total(fastest)) {

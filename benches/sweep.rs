@@ -28,7 +28,7 @@ fn measure(bencher: Bencher, study: &Study, threads: usize) {
     let designs = ItemsCount::new(study.design_count() as usize);
     bencher.counter(designs).bench_local(|| {
         let mut rows = 0;
-        run(study, &SweepOptions { threads }, &mut |outcome| {
+        run(study, &SweepOptions { threads, ..Default::default() }, &mut |outcome| {
             rows += black_box(outcome).steps.len();
             Ok(ControlFlow::Continue(()))
         })

@@ -3,7 +3,7 @@
 
 use divan::Bencher;
 use divan::counter::{BytesCount, ItemsCount};
-use jointsweep::engine::outcome::{DesignOutcome, Method, Response, StepOutcome};
+use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
 use jointsweep::mechanics::body::{annulus, cored_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
 use jointsweep::output::table::Table;
@@ -40,7 +40,11 @@ fn outcome(index: u64, step_count: usize) -> DesignOutcome {
         status: "ok".into(),
     };
     let steps = (0..step_count).map(|step| Load::Indentation(wild(0.01, step as u64))).collect();
-    DesignOutcome { case: DesignCase { index, joint, steps }, steps: (0..step_count).map(step).collect() }
+    DesignOutcome {
+        case: DesignCase { index, joint, steps },
+        backend: BackendKind::Cpu,
+        steps: (0..step_count).map(step).collect(),
+    }
 }
 
 const ROWS: usize = 1000;
@@ -53,7 +57,7 @@ fn main() {
 #[divan::bench(args = [1, 10])]
 fn rows(bencher: Bencher, step_count: usize) {
     let mut outcomes: Vec<_> = (0..ROWS / step_count).map(|i| outcome(i as u64, step_count)).collect();
-    let mut table = Table::new("cpu");
+    let mut table = Table::default();
     let mut text = Vec::new();
     let mut write = || {
         text.clear();

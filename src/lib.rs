@@ -18,7 +18,7 @@
 //! };
 //! let case = DesignCase { index: 0, joint, steps: vec![Load::Indentation(0.01), Load::Force(2e4)] };
 //! let mut backend = CpuBackend::new(SolveOptions { accuracy: 0.01, method: MethodChoice::Auto });
-//! let outcome = &backend.solve(vec![case])[0];
+//! let outcome = &backend.solve(&[case])[0];
 //! let response = outcome.steps[1].response.expect("the contact is free");
 //! assert!(response.tangent_stiffness > outcome.steps[0].response.unwrap().tangent_stiffness);
 //! assert!(response.force_error < 1e-6);

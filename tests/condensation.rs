@@ -151,11 +151,8 @@ fn the_near_field_removes_the_error_of_the_ring() {
             range: PoissonRange::Positive,
         };
         let highest = near_field.highest_mode();
-        NearField::new(&near_field, &space, &space.moments(highest), highest).correct(
-            &space,
-            body.poissons_ratio,
-            &mut corrected,
-        );
+        NearField::new(&near_field, &space, &space.moments(highest), highest)
+            .correct(body.poissons_ratio, &mut corrected);
         let mut worst = [0.0_f64; 2];
         for node in 0..NODE_COUNT {
             // The work of a punch-like pressure, p_0.
@@ -197,7 +194,7 @@ fn the_near_field_makes_its_own_reference_exact() {
         // On nodes to rounding; between them to what eight nodes leave, seen 4e-8.
         for (poissons_ratio, tolerance) in [(node(0), 1e-12), (node(3), 1e-12), (node(3) + 0.01, 4e-7)] {
             let mut corrected = plan.condense(&[of(ratio, poissons_ratio)]).remove(0);
-            near_field.correct(&space, poissons_ratio, &mut corrected);
+            near_field.correct(poissons_ratio, &mut corrected);
             let concentric = ConcentricBody { fixed_radius: ratio, poissons_ratio, idealization };
             let exact = concentric.compliance(&space, &moments, highest);
             let pairs = corrected.values.iter().zip(&exact.values);

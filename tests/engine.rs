@@ -7,10 +7,10 @@ mod random;
 use std::ops::ControlFlow;
 
 use jointsweep::engine::backend::cpu::CpuBackend;
-use jointsweep::engine::bodies::mesh_size;
 use jointsweep::engine::cost;
 use jointsweep::engine::outcome::{Method, Response, StepOutcome};
 use jointsweep::engine::plan::{JointPlan, first_level, mesh_error};
+use jointsweep::engine::request::mesh_size;
 use jointsweep::engine::sweep::{self, Statistics, SweepOptions};
 use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
 use jointsweep::mechanics::element::ElementKind;
@@ -55,7 +55,7 @@ fn case(joint: JointDesign, steps: &[Load]) -> DesignCase {
 }
 
 fn alone(case: &DesignCase, method: MethodChoice, accuracy: f64) -> Vec<StepOutcome> {
-    CpuBackend::new(SolveOptions { accuracy, method }).solve(vec![case.clone()]).remove(0).steps
+    CpuBackend::new(SolveOptions { accuracy, method }).solve(std::slice::from_ref(case)).remove(0).steps
 }
 
 fn statuses(joint: JointDesign, method: MethodChoice, accuracy: f64, steps: &[Load]) -> Vec<String> {
@@ -190,7 +190,7 @@ fn finer_meshes_are_taken_where_they_are_needed() {
     assert!(first_level(1.7e-3) == first_level(3e-3) && error(&second) > 1.7e-3);
     // In company that is content with the second mesh.
     let options = SolveOptions { accuracy: 1.7e-3, method: MethodChoice::Auto };
-    let outcomes = CpuBackend::new(options).solve(vec![wide.clone(), narrow.clone(), wide.clone()]);
+    let outcomes = CpuBackend::new(options).solve(&[wide.clone(), narrow.clone(), wide.clone()]);
     let climbed = &outcomes[1].steps;
     assert!(climbed.iter().all(|step| step.status == "ok" && step.response.unwrap().force_error <= 1.7e-3));
     // Both steps come from the third mesh, though the last is good on the second.
@@ -228,7 +228,7 @@ fn a_batch_is_what_its_designs_are_alone() {
         cases.push(case(other, &cases[cases.len() - 1].steps.clone()));
     }
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
-    let outcomes = CpuBackend::new(options).solve(cases.clone());
+    let outcomes = CpuBackend::new(options).solve(&cases);
     for (index, (outcome, case)) in outcomes.iter().zip(&cases).enumerate() {
         assert_eq!(outcome.steps, alone(case, MethodChoice::Fe, 0.01), "design {index}: {case:?}");
     }
@@ -244,7 +244,7 @@ fn forgetting_bodies_changes_nothing() {
     };
     let mut backend = CpuBackend::new(SolveOptions { accuracy: 0.01, method: MethodChoice::Series });
     for start in (0..6000).step_by(BATCH - 150).chain([0]) {
-        let outcomes = backend.solve((start..start + BATCH).map(design).collect());
+        let outcomes = backend.solve(&(start..start + BATCH).map(design).collect::<Vec<_>>());
         assert_eq!(outcomes.len(), BATCH);
         for (index, outcome) in (start..).zip(&outcomes).step_by(BATCH - 1) {
             assert_eq!(outcome.steps, alone(&design(index), MethodChoice::Series, 0.01), "design {index}");
@@ -303,7 +303,7 @@ fn a_sweep_counts_its_designs_bodies_and_rows() {
 
     let run = |most: u64| -> Statistics {
         let mut received = 0;
-        sweep::run(&study, &SweepOptions { threads: 2 }, &mut |outcome| {
+        sweep::run(&study, &SweepOptions { threads: 2, ..Default::default() }, &mut |outcome| {
             assert_eq!((outcome.case.index, outcome.steps.len()), (received, 3));
             received += 1;
             Ok(if received == most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })

@@ -64,7 +64,7 @@ fn disc_in_block(random: &mut Random) -> (Part, Part) {
 }
 
 fn solve(cases: &[DesignCase], method: MethodChoice, accuracy: f64) -> Vec<Option<Response>> {
-    let outcomes = CpuBackend::new(SolveOptions { accuracy, method }).solve(cases.to_vec());
+    let outcomes = CpuBackend::new(SolveOptions { accuracy, method }).solve(cases);
     outcomes.into_iter().map(|outcome| outcome.steps[0].response).collect()
 }
 

@@ -42,7 +42,7 @@ fn joints() -> [(JointDesign, MethodChoice); 3] {
 
 fn solve(joint: &JointDesign, method: MethodChoice, steps: Vec<Load>) -> Vec<Response> {
     let case = DesignCase { index: 0, joint: *joint, steps };
-    let outcomes = CpuBackend::new(SolveOptions { accuracy: 0.01, method }).solve(vec![case]);
+    let outcomes = CpuBackend::new(SolveOptions { accuracy: 0.01, method }).solve(&[case]);
     outcomes[0].steps.iter().map(|step| step.response.unwrap_or_else(|| panic!("{}", step.status))).collect()
 }
 
@@ -234,7 +234,7 @@ fn threads_do_not_change_the_outcomes() {
     let study = Study::load(&path).unwrap();
     let run = |threads: usize| -> Vec<DesignOutcome> {
         let mut outcomes = Vec::new();
-        let options = jointsweep::engine::sweep::SweepOptions { threads };
+        let options = jointsweep::engine::sweep::SweepOptions { threads, ..Default::default() };
         let statistics = jointsweep::engine::sweep::run(&study, &options, &mut |outcome| {
             outcomes.push(outcome);
             Ok(ControlFlow::Continue(()))

@@ -48,7 +48,7 @@ fn recorder(work: &Workdir, folder: &str) -> (Study, Recorder) {
 
 fn outcomes(study: &Study) -> Vec<DesignOutcome> {
     let mut outcomes = Vec::new();
-    let options = SweepOptions { threads: 1 };
+    let options = SweepOptions { threads: 1, ..Default::default() };
     let mut receive = |outcome| {
         outcomes.push(outcome);
         Ok(ControlFlow::Continue(()))

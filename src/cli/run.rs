@@ -39,7 +39,7 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     let conditions = Conditions { backend: "cpu", precision: "f64", threads, started };
     let mut recorder = Recorder::new(folder.clone(), &study, &conditions)?;
     let mut progress = Progress::new(study.design_count(), args.quiet);
-    let outcome = sweep::run(&study, &SweepOptions { threads }, &mut |outcome| {
+    let outcome = sweep::run(&study, &SweepOptions { threads, ..Default::default() }, &mut |outcome| {
         recorder.write(outcome)?;
         progress.advance();
         Ok(if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })

@@ -3,8 +3,8 @@
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, RandomState};
 
-use crate::engine::bodies::{Fidelity, MeshSize, mesh_size, topology};
 use crate::engine::plan::{JointPlan, first_level};
+use crate::engine::request::{Fidelity, MeshSize, TopologyKey, mesh_size};
 use crate::error::Error;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::mechanics::real::LANES;
@@ -89,7 +89,7 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
                     estimate.seconds += SERIES_SECONDS;
                     continue;
                 };
-                let group = groups.entry(hasher.hash_one(topology(&request, level))).or_default();
+                let group = groups.entry(hasher.hash_one(TopologyKey::of(&request))).or_default();
                 group.half_ring = request.space.half_ring;
                 group.size = mesh_size(&request.body, level);
                 if level > first {

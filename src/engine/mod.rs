@@ -1,6 +1,9 @@
 pub mod outcome;
+pub mod request;
+pub mod near_fields;
 pub mod bodies;
 pub mod plan;
+pub mod respond;
 pub mod cost;
 pub mod backend;
 pub mod sweep;

@@ -21,6 +21,23 @@ impl Method {
     }
 }
 
+/// What has computed a design.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BackendKind {
+    Cpu,
+    Gpu,
+}
+
+impl BackendKind {
+    /// The name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            BackendKind::Cpu => "cpu",
+            BackendKind::Gpu => "gpu",
+        }
+    }
+}
+
 /// The state of contact after one load step. Everything is for the whole joint (both halves, times thickness).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
@@ -53,5 +70,6 @@ pub struct StepOutcome {
 #[derive(Clone, Debug)]
 pub struct DesignOutcome {
     pub case: DesignCase,
+    pub backend: BackendKind,
     pub steps: Vec<StepOutcome>,
 }

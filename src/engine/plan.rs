@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::engine::bodies::{BodyRequest, Fidelity, SpaceKey};
+use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::study::config::MethodChoice;

@@ -6,8 +6,9 @@ use std::ops::ControlFlow;
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
 
-use crate::engine::backend::cpu::CpuBackend;
-use crate::engine::outcome::DesignOutcome;
+use crate::engine::backend::Solver;
+use crate::engine::backend::gpu::solver::{GpuBackend, GpuChoice};
+use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::error::Error;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
@@ -22,6 +23,10 @@ pub struct Statistics {
     pub statuses: BTreeMap<String, u64>,
     /// Wall time of each stage, in the order they run, summed over threads.
     pub stages: Vec<(&'static str, Duration)>,
+    /// Designs that the processor solved, of those given to a GPU.
+    pub designs_on_cpu: u64,
+    /// Why the GPU was given up, if it was.
+    pub fallback: Option<String>,
     /// True when the receiver ended the sweep before its last design.
     pub interrupted: bool,
 }
@@ -30,14 +35,15 @@ pub struct Statistics {
 pub type Receive<'a> = &'a mut dyn FnMut(DesignOutcome) -> Result<ControlFlow<()>, Error>;
 
 /// How a sweep is run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SweepOptions {
+#[derive(Clone, Copy, Default)]
+pub struct SweepOptions<'a> {
     /// Threads that solve; 0 for one a processor.
     pub threads: usize,
+    /// The GPU that solves; without one the processor does.
+    pub gpu: Option<GpuChoice<'a>>,
+    /// Told at once, in one line, that the GPU was given up and why.
+    pub notify: Option<&'a (dyn Fn(&str) + Sync)>,
 }
-
-/// Designs solved at a time: enough to fill the lanes of many topologies, few enough to stay small.
-const BATCH: usize = 1024;
 
 /// Designs of the first batch, so that a slow sweep shows its first rows soon.
 const FIRST_BATCH: usize = 64;
@@ -59,17 +65,29 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
     let (solved_sender, solved) = sync_channel::<Result<Vec<DesignOutcome>, Error>>(1);
     std::thread::scope(|scope| {
         let solver = scope.spawn(move || {
-            let mut backend = CpuBackend::new(study.solve);
+            let mut fallback = None;
+            let mut solver = match options.gpu.map(|gpu| GpuBackend::new(gpu, study.solve)) {
+                None => Solver::on_cpu(study.solve),
+                Some(Ok(backend)) => Solver::with(Box::new(backend), study.solve),
+                Some(Err(error)) => {
+                    fallback = given_up(options, &error.to_string());
+                    Solver::on_cpu(study.solve)
+                }
+            };
             let mut distinct = Distinct::default();
             let mut size = FIRST_BATCH;
             loop {
                 let batch: Result<Vec<DesignCase>, Error> = cases.by_ref().take(size).collect();
-                size = BATCH;
+                size = solver.batch_size();
                 let solved = match batch {
                     Ok(batch) if batch.is_empty() => break,
                     Ok(batch) => {
                         batch.iter().for_each(|case| distinct.meet(case));
-                        Ok(pool.install(|| backend.solve(batch)))
+                        let (outcomes, lost) = pool.install(|| solver.solve(&batch));
+                        if let Some(error) = lost {
+                            fallback = given_up(options, &error.to_string());
+                        }
+                        Ok(outcomes)
                     }
                     Err(error) => Err(error),
                 };
@@ -79,29 +97,35 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
                     break;
                 }
             }
-            (backend, distinct)
+            (solver.stages(), distinct, fallback)
         });
         let mut received = Duration::ZERO;
         let result = receive_all(&solved, receive, &mut statistics, &mut received);
+        if options.gpu.is_none() {
+            statistics.designs_on_cpu = 0;
+        }
         drop(solved);
         statistics.interrupted &= statistics.designs < total;
         match solver.join() {
-            Ok((backend, distinct)) => {
-                let times = backend.library.times;
+            Ok((stages, distinct, fallback)) => {
                 statistics.distinct_bodies = distinct.hashes.len() as u64;
-                statistics.stages = vec![
-                    ("preparation", times.shared),
-                    ("series", times.series),
-                    ("condensation", times.condense),
-                    ("contact", backend.contact_time),
-                    ("table", received),
-                ];
+                statistics.stages = stages;
+                statistics.stages.push(("table", received));
+                statistics.fallback = fallback;
             }
             Err(panic) => std::panic::resume_unwind(panic),
         }
         result
     })?;
     Ok(statistics)
+}
+
+/// Says that the processor goes on alone.
+fn given_up(options: &SweepOptions, problem: &str) -> Option<String> {
+    if let Some(notify) = options.notify {
+        notify(&format!("warning: {problem}; the processor goes on alone"));
+    }
+    Some(problem.to_string())
 }
 
 fn receive_all(
@@ -115,6 +139,7 @@ fn receive_all(
         for outcome in batch? {
             statistics.designs += 1;
             statistics.steps += outcome.steps.len() as u64;
+            statistics.designs_on_cpu += u64::from(outcome.backend == BackendKind::Cpu);
             for step in &outcome.steps {
                 match statistics.statuses.get_mut(&step.status) {
                     Some(count) => *count += 1,

@@ -48,7 +48,7 @@ impl Recorder {
             folder,
             created,
             manifest: Manifest::new(study, conditions),
-            table: Table::new(conditions.backend),
+            table: Table::default(),
             waiting: Vec::new(),
             file: None,
             finished: false,

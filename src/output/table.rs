@@ -2,7 +2,7 @@
 //!
 //! The inputs are exact: a table's own input columns are a valid designs file. Results have nine significant digits.
 
-use crate::engine::outcome::{DesignOutcome, Response, StepOutcome};
+use crate::engine::outcome::{BackendKind, DesignOutcome, Response, StepOutcome};
 use crate::output::number::{push_exact, push_rounded};
 use crate::study::columns::{self, Cell, Column};
 use crate::study::design::{DesignCase, Load};
@@ -24,17 +24,17 @@ const REMARKS: [&str; 3] = ["method", "backend", "status"];
 /// Writes outcomes as rows.
 pub struct Table {
     inputs: Vec<Column>,
-    backend: &'static str,
     /// The text of a design's inputs, the same in each of its rows; kept only to spare the allocation.
     input_text: Vec<u8>,
 }
 
-impl Table {
-    /// `backend` is the one the outcomes come from.
-    pub fn new(backend: &'static str) -> Table {
-        Table { inputs: columns::joint_columns(), backend, input_text: Vec::new() }
+impl Default for Table {
+    fn default() -> Table {
+        Table { inputs: columns::joint_columns(), input_text: Vec::new() }
     }
+}
 
+impl Table {
     /// The names of all columns.
     pub fn names(&self) -> Vec<String> {
         let mut names = vec!["design".to_string()];
@@ -60,37 +60,37 @@ impl Table {
         for (load, step) in outcome.case.steps.iter().zip(&mut outcome.steps) {
             refuse_non_finite(step);
             out.extend_from_slice(&self.input_text);
-            self.push_step(out, load, step);
+            push_step(out, load, step, outcome.backend);
         }
     }
+}
 
-    fn push_step(&self, out: &mut Vec<u8>, load: &Load, step: &StepOutcome) {
-        let response = step.response.as_ref();
-        match *load {
-            Load::Indentation(indentation) => {
-                push_exact(out, indentation);
-                out.push(b',');
-                push_result(out, response.map(|response| response.force));
-            }
-            Load::Force(force) => {
-                push_result(out, response.map(|response| response.indentation));
-                out.push(b',');
-                push_exact(out, force);
-            }
-        }
-        for (_, value) in RESULTS {
+fn push_step(out: &mut Vec<u8>, load: &Load, step: &StepOutcome, backend: BackendKind) {
+    let response = step.response.as_ref();
+    match *load {
+        Load::Indentation(indentation) => {
+            push_exact(out, indentation);
             out.push(b',');
-            push_result(out, response.and_then(value));
+            push_result(out, response.map(|response| response.force));
         }
-        let (method, backend) = response.map_or(("", ""), |r| (r.method.name(), self.backend));
-        for word in [method, backend] {
+        Load::Force(force) => {
+            push_result(out, response.map(|response| response.indentation));
             out.push(b',');
-            out.extend_from_slice(word.as_bytes());
+            push_exact(out, force);
         }
-        out.push(b',');
-        push_text(out, &step.status);
-        out.push(b'\n');
     }
+    for (_, value) in RESULTS {
+        out.push(b',');
+        push_result(out, response.and_then(value));
+    }
+    let (method, backend) = response.map_or(("", ""), |r| (r.method.name(), backend.name()));
+    for word in [method, backend] {
+        out.push(b',');
+        out.extend_from_slice(word.as_bytes());
+    }
+    out.push(b',');
+    push_text(out, &step.status);
+    out.push(b'\n');
 }
 
 /// Appends the design's number and its inputs, each with a comma behind.
@@ -166,7 +166,7 @@ mod tests {
         };
         let case = DesignCase { index: 7, joint, steps: loads.to_vec() };
         let mut text = Vec::new();
-        Table::new("cpu").push_rows(&mut text, &mut DesignOutcome { case, steps });
+        Table::default().push_rows(&mut text, &mut DesignOutcome { case, backend: BackendKind::Cpu, steps });
         String::from_utf8(text).unwrap()
     }
 
@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn every_row_has_a_cell_for_each_column() {
         let mut text = Vec::new();
-        Table::new("cpu").push_header(&mut text);
+        Table::default().push_header(&mut text);
         let steps = vec![step(Some(RESPONSE), "ok"), step(None, "a \"quoted\", long\nstatus")];
         text.extend_from_slice(rows(&[Load::Indentation(0.1); 2], steps).as_bytes());
         let mut reader = csv::Reader::from_reader(text.as_slice());

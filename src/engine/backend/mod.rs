@@ -1,2 +1,84 @@
+//! What computes: the processor, or a GPU with the processor behind it.
+
 pub mod cpu;
 pub mod gpu;
+
+use std::time::Duration;
+
+use cpu::CpuBackend;
+use gpu::context::GpuError;
+
+use crate::engine::outcome::DesignOutcome;
+use crate::study::config::SolveOptions;
+use crate::study::design::DesignCase;
+
+/// Solves batches of designs, and may be lost.
+pub trait Backend: Send {
+    /// Outcomes of `cases`, in their order. After an error nothing may be asked of it again.
+    fn solve(&mut self, cases: &[DesignCase]) -> Result<Vec<DesignOutcome>, GpuError>;
+
+    /// Designs of a batch that keeps it busy.
+    fn batch_size(&self) -> usize;
+
+    /// Where the time went, in the order the stages run.
+    fn stages(&self) -> Vec<(&'static str, Duration)>;
+}
+
+/// The processor, and before it, as long as it lasts, what else there is.
+pub struct Solver<'a> {
+    cpu: CpuBackend,
+    accelerator: Option<Box<dyn Backend + 'a>>,
+    /// Of the accelerator that was lost.
+    lost_stages: Vec<(&'static str, Duration)>,
+}
+
+/// Designs that the processor solves at a time: enough to fill the lanes of many topologies, few enough to stay small.
+const CPU_BATCH: usize = 1024;
+
+impl<'a> Solver<'a> {
+    /// With the processor alone.
+    pub fn on_cpu(options: SolveOptions) -> Solver<'a> {
+        Solver { cpu: CpuBackend::new(options), accelerator: None, lost_stages: Vec::new() }
+    }
+
+    /// With `accelerator`, and the processor should it be lost.
+    pub fn with(accelerator: Box<dyn Backend + 'a>, options: SolveOptions) -> Solver<'a> {
+        Solver { accelerator: Some(accelerator), ..Solver::on_cpu(options) }
+    }
+
+    pub fn batch_size(&self) -> usize {
+        self.accelerator.as_ref().map_or(CPU_BATCH, |accelerator| accelerator.batch_size())
+    }
+
+    /// Outcomes of `cases`, in their order, and why the accelerator was given up if it was. A batch is handed over whole
+    /// or not at all, so giving up loses no design and none is met twice.
+    pub fn solve(&mut self, cases: &[DesignCase]) -> (Vec<DesignOutcome>, Option<GpuError>) {
+        let mut given_up = None;
+        if let Some(accelerator) = &mut self.accelerator {
+            match accelerator.solve(cases) {
+                Ok(outcomes) => return (outcomes, None),
+                Err(error) => {
+                    self.lost_stages = accelerator.stages();
+                    given_up = Some(error);
+                    // Letting go of a device that hangs may never end.
+                    std::mem::forget(self.accelerator.take());
+                }
+            }
+        }
+        (cases.chunks(CPU_BATCH).flat_map(|cases| self.cpu.solve(cases)).collect(), given_up)
+    }
+
+    pub fn stages(&self) -> Vec<(&'static str, Duration)> {
+        let mut stages = match &self.accelerator {
+            Some(accelerator) => accelerator.stages(),
+            None => self.lost_stages.clone(),
+        };
+        for (name, time) in self.cpu.stages() {
+            match stages.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, sum)) => *sum += time,
+                None => stages.push((name, time)),
+            }
+        }
+        stages
+    }
+}

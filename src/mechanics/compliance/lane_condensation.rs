@@ -5,7 +5,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::arc::{MAX_TERMS, TERM_CHOICES, packed, packed_count};
+use super::arc::{MAX_TERMS, TERM_CHOICES, packed_count};
 use super::pressure_space::PressureSpace;
 use super::ring_loads::{ArcLoads, ring_loads};
 use super::{NODE_COUNT, PressureCompliance};
@@ -83,7 +83,8 @@ impl CondensationPlan {
     }
 
     /// Up to `LANES` bodies at a time; the order is kept. A body whose mesh is turned inside out or
-    /// whose stiffness is not positive definite gives NaN.
+    /// whose stiffness is not positive definite gives NaN. The part -pi/2 c ln b of entry (0, 0), which
+    /// `PressureCompliance` leaves out, is still in: the near field takes it out.
     pub fn condense(&self, bodies: &[Body]) -> Vec<PressureCompliance> {
         bodies
             .chunks(LANES)
@@ -229,13 +230,5 @@ impl Condense<'_> {
                 }
             }
         }
-    }
-}
-
-/// Takes the part -pi/2 c ln b of entry (0, 0) out of `values`, as `PressureCompliance` asks.
-pub fn remove_logarithm(space: &PressureSpace, compliance: &mut PressureCompliance) {
-    let entries = packed_count(compliance.terms);
-    for (arc, values) in space.arcs.iter().zip(compliance.values.chunks_exact_mut(entries)) {
-        values[packed(0, 0)] += std::f64::consts::FRAC_PI_2 * compliance.amplitude * arc.b.ln();
     }
 }

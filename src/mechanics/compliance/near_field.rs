@@ -18,7 +18,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use pulp::Arch;
 
 use super::PressureCompliance;
-use super::lane_condensation::{CondensationPlan, remove_logarithm};
+use super::lane_condensation::CondensationPlan;
 use super::pressure_space::PressureSpace;
 use super::series::ConcentricBody;
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
@@ -86,7 +86,7 @@ impl NearFieldClass {
 pub struct NearField {
     range: PoissonRange,
     /// `[node of Poisson's ratio][node in eps][packed lower triangle]`.
-    values: [Vec<f64>; LANES],
+    pub values: [Vec<f64>; LANES],
 }
 
 impl NearField {
@@ -109,29 +109,28 @@ impl NearField {
         let values = bodies.map(|body| {
             let exact = ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference };
             let exact = exact.compliance(space, moments, highest);
-            let Some(mut mesh) = condensed.next() else { unreachable!("one compliance a body") };
-            remove_logarithm(space, &mut mesh);
+            let Some(mesh) = condensed.next() else { unreachable!("one compliance a body") };
             exact.values.iter().zip(&mesh.values).map(|(exact, mesh)| exact - mesh).collect()
         });
         NearField { range, values }
     }
 
-    /// Adds the near field to a condensed compliance of a body of the class, and takes its logarithm out.
-    pub fn correct(&self, space: &PressureSpace, poissons_ratio: f64, compliance: &mut PressureCompliance) {
-        remove_logarithm(space, compliance);
-        let nodes = self.range.nodes();
-        let mut weights = [0.0; LANES];
-        for (i, (node, weight)) in nodes.iter().enumerate() {
-            let distance = poissons_ratio - node;
-            if distance == 0.0 {
-                weights = [0.0; LANES];
-                weights[i] = 1.0;
-                break;
-            }
-            weights[i] = weight / distance;
+    /// Shares of the `LANES` nodes of Poisson's ratio in the near field of a body; they sum to one.
+    pub fn shares(range: PoissonRange, poissons_ratio: f64) -> [f64; LANES] {
+        let nodes = range.nodes();
+        if let Some(node) = nodes.iter().position(|(node, _)| *node == poissons_ratio) {
+            return std::array::from_fn(|i| if i == node { 1.0 } else { 0.0 });
         }
+        let weights = nodes.map(|(node, weight)| weight / (poissons_ratio - node));
         let sum: f64 = weights.iter().sum();
-        let shares = weights.map(|weight| weight / sum);
+        weights.map(|weight| weight / sum)
+    }
+
+    /// Adds the near field to a condensed compliance of a body of the class.
+    ///
+    /// The exact compliance comes without its -pi/2 c ln b, so the sum does too: c is a polynomial of Poisson's ratio.
+    pub fn correct(&self, poissons_ratio: f64, compliance: &mut PressureCompliance) {
+        let shares = NearField::shares(self.range, poissons_ratio);
         Arch::new().dispatch(|| {
             for (share, values) in shares.iter().zip(&self.values) {
                 compliance.values.iter_mut().zip(values).for_each(|(value, near)| *value += share * near);

@@ -104,14 +104,6 @@ impl<'a> JointCurve<'a> {
         let next = if guess > a.0 && guess < b.0 { guess } else { 0.5 * (a.0 + b.0) };
         Search { a, b, next, evaluations: 0, found: None }
     }
-
-    /// Centre offset e = dR + delta over the hole's radius, at a state found for `load`.
-    pub fn offset(&self, state: &ArcState, clearance: f64, load: DimensionlessLoad) -> f64 {
-        match load {
-            DimensionlessLoad::Indentation(delta) => clearance + delta,
-            DimensionlessLoad::Force(force) => force / state.force,
-        }
-    }
 }
 
 /// Load of the state over the load asked. A power law of eps for small angles; its logarithm is the `excess` whose root

@@ -8,3 +8,4 @@ pub mod batch;
 pub mod layout;
 pub mod kernels;
 pub mod stages;
+pub mod solver;

@@ -1,0 +1,118 @@
+//! What is asked of a body: how finely, in which pressure space, and what it then shares with others.
+
+use crate::mechanics::body::{Body, BodyKey};
+use crate::mechanics::compliance::series::ConcentricBody;
+use crate::mechanics::element::ElementKind;
+use crate::mechanics::grading::GradingClass;
+use crate::mechanics::material::Idealization;
+use crate::mechanics::mesh::{Grading, held_columns};
+
+/// Which `PressureSpace` a body is solved in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SpaceKey {
+    /// Whether the pin's ring ends at pi/2.
+    pub half_ring: bool,
+    pub terms: usize,
+}
+
+impl SpaceKey {
+    /// The largest contact half angle, rad: just short of a half ring's end, where its face is held, and beyond any
+    /// free contact of a whole ring.
+    pub fn limit(self) -> f64 {
+        if self.half_ring { 1.54 } else { 2.4 }
+    }
+}
+
+/// How a body's compliance is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Fidelity {
+    /// Exact, mode by mode; concentric bodies only.
+    Series,
+    /// On a mesh of this level.
+    Mesh { level: usize },
+}
+
+/// A body to solve.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyRequest {
+    pub body: Body,
+    pub fidelity: Fidelity,
+    pub space: SpaceKey,
+}
+
+/// Equal for requests with the same answer.
+pub type RequestKey = (BodyKey, Fidelity, SpaceKey);
+
+impl BodyRequest {
+    pub fn key(&self) -> RequestKey {
+        (self.body.key(), self.fidelity, self.space)
+    }
+}
+
+/// The elements of every mesh: the error of a compliance is of fourth order with Q8, of second with Q4 (tests/lame.rs).
+pub const ELEMENT: ElementKind = ElementKind::Quad8;
+
+/// How large a body's mesh is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MeshSize {
+    pub unknowns: u64,
+    pub layers: u64,
+}
+
+/// The size of a body's mesh at a level.
+pub fn mesh_size(body: &Body, level: usize) -> MeshSize {
+    let class = GradingClass::of(body, ELEMENT, level);
+    let columns = class.grading(body.shape.end_angle).angles.len() as u64 - 1;
+    let layers = class.layer_count as u64;
+    // Two unknowns a node: corner rows of 2 columns + 1 nodes, mid-side rows of columns + 1; supports are few.
+    MeshSize { unknowns: 2 * layers * (3 * columns + 2), layers }
+}
+
+/// Bodies with one of these share their topology, and can fill one batch.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct TopologyKey {
+    shape: &'static str,
+    idealization: Idealization,
+    held: Vec<bool>,
+    class: GradingClass,
+    pub space: SpaceKey,
+}
+
+impl TopologyKey {
+    /// Of a body on a mesh.
+    pub fn of(request: &BodyRequest) -> TopologyKey {
+        let body = &request.body;
+        let level = match request.fidelity {
+            Fidelity::Mesh { level } => level,
+            Fidelity::Series => unreachable!("an exact body has no mesh"),
+        };
+        let class = GradingClass::of(body, ELEMENT, level);
+        // Only where the far boundary is partly held does the topology depend on the body's own ratios.
+        let held = if body.shape.straight_boundary {
+            held_columns(body, &class.grading(body.shape.end_angle))
+        } else {
+            Vec::new()
+        };
+        TopologyKey {
+            shape: body.shape.name,
+            idealization: body.idealization,
+            held,
+            class,
+            space: request.space,
+        }
+    }
+
+    /// The division of the ring of a body of this topology.
+    pub fn grading(&self, body: &Body) -> Grading {
+        self.class.grading(body.shape.end_angle)
+    }
+}
+
+/// An annulus or a disc as `series` takes it.
+pub fn concentric(body: &Body) -> ConcentricBody {
+    ConcentricBody {
+        fixed_radius: body.parameters[0],
+        poissons_ratio: body.poissons_ratio,
+        idealization: body.idealization,
+    }
+}
