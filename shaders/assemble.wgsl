@@ -29,11 +29,11 @@ struct AssembleParameters {
 
 @group(0) @binding(0) var<uniform> parameters: AssembleParameters;
 // [body][direct, cross, shear, then for each line: depth, growth, scale, turn]
-@group(0) @binding(1) var<storage, read> bodies: array<real>;
+@group(0) @binding(1) var<storage, read> bodies: array<wide>;
 // Shared by the topology: (first layer, thickest layer), (sign, pull of the centre), then for each column the ring's
 // point, its step to the next point, and how far it lies off the chord of its neighbours; then the derivatives of the
 // shape functions by (xi, eta), [point][node].
-@group(0) @binding(2) var<storage, read> shared_numbers: array<real2>;
+@group(0) @binding(2) var<storage, read> shared_numbers: array<wide2>;
 // [element][node]: grid index.
 @group(0) @binding(3) var<storage, read> element_grid: array<u32>;
 // [value]: its first source; the end of the last one closes the list.
@@ -41,9 +41,9 @@ struct AssembleParameters {
 // [source]: (element * 16 + i) * 16 + j of the element entry that is added.
 @group(0) @binding(5) var<storage, read> sources: array<u32>;
 // [body][reach of each grid point, then of each point of each element 8 gradients and (|J|, 0)]
-@group(0) @binding(6) var<storage, read_write> geometry: array<real2>;
+@group(0) @binding(6) var<storage, read_write> geometry: array<wide2>;
 // [body][value]
-@group(0) @binding(7) var<storage, read_write> values: array<real>;
+@group(0) @binding(7) var<storage, read_write> values: array<wide>;
 // [body][system]
 @group(0) @binding(8) var<storage, read_write> states: array<SystemState>;
 
@@ -57,21 +57,21 @@ var<workgroup> sound_total: u32;
 
 // e^x - 1 without cancellation: Taylor's series of a halved argument, doubled back by e(2x) = e(x) (e(x) + 2).
 // (WGSL has no exp for f64.)
-fn exp_minus_one(x: real) -> real {
+fn exp_minus_one(x: wide) -> wide {
     var argument = x;
     var halvings = 0u;
-    while abs(argument) > real(0.5) && halvings < 20u {
-        argument *= real(0.5);
+    while abs(argument) > wide(0.5) && halvings < 20u {
+        argument *= wide(0.5);
         halvings += 1u;
     }
     // Fourteen terms: 0.5^15/15! is below the rounding of f64.
-    var sum = real(1.0);
+    var sum = wide(1.0);
     for (var k = 14u; k >= 2u; k--) {
-        sum = real(1.0) + argument * sum / real(k);
+        sum = wide(1.0) + argument * sum / wide(k);
     }
     var value = argument * sum;
     for (var k = 0u; k < halvings; k++) {
-        value *= value + real(2.0);
+        value *= value + wide(2.0);
     }
     return value;
 }
@@ -82,9 +82,9 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32) {
     let depth = bodies[line];
     let growth = bodies[line + 1u];
     let on_ring = shared_numbers[2u + column];
-    var span = bodies[line + 2u] * on_ring + bodies[line + 3u] * real2(-on_ring.y, on_ring.x);
+    var span = bodies[line + 2u] * on_ring + bodies[line + 3u] * wide2(-on_ring.y, on_ring.x);
     if parameters.is_bowed != 0u && column % 2u == 1u {
-        span = real2(real(1.0), real(0.0));
+        span = wide2(wide(1.0), wide(0.0));
     }
     let first_layer = shared_numbers[0].x;
     let thickest = shared_numbers[0].y;
@@ -92,24 +92,24 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32) {
     let pull = shared_numbers[1].y;
     let layer_count = parameters.row_count / 2u;
     // The growth factor is only as good as the host's bisection; the far boundary is where it is.
-    var total = real(0.0);
+    var total = wide(0.0);
     var thickness = first_layer;
     for (var layer = 0u; layer < layer_count; layer++) {
         total += thickness;
         thickness = min(thickness * growth, thickest);
     }
     let far = exp_minus_one(sign * depth) - pull;
-    var reached = real(0.0);
-    var share_before = real(0.0);
+    var reached = wide(0.0);
+    var share_before = wide(0.0);
     thickness = first_layer;
-    geometry[grid + column] = real2(real(0.0), real(0.0));
+    geometry[grid + column] = wide2(wide(0.0), wide(0.0));
     for (var layer = 0u; layer < layer_count; layer++) {
         reached += thickness;
         thickness = min(thickness * growth, thickest);
         let part = reached / total;
         let share = (exp_minus_one(sign * depth * part) - pull * part * part) / far;
         let row = grid + 2u * layer * parameters.column_count + column;
-        geometry[row + parameters.column_count] = real(0.5) * (share_before + share) * span;
+        geometry[row + parameters.column_count] = wide(0.5) * (share_before + share) * span;
         geometry[row + 2u * parameters.column_count] = share * span;
         share_before = share;
     }
@@ -121,7 +121,7 @@ fn bow(column: u32, grid: u32) {
     for (var row = 0u; row < parameters.row_count; row++) {
         let place = grid + row * parameters.column_count + column;
         let share = geometry[place].x;
-        geometry[place] = real(0.5) * (geometry[place - 1u] + geometry[place + 1u]) - share * sagitta;
+        geometry[place] = wide(0.5) * (geometry[place - 1u] + geometry[place + 1u]) - share * sagitta;
     }
 }
 
@@ -131,8 +131,8 @@ fn gradients(item: u32, grid: u32, points: u32) -> bool {
     let rule = 2u + 3u * parameters.column_count + (item % POINTS) * NODES;
     let origin = element_grid[element * NODES];
     let first_column = origin % parameters.column_count;
-    var by_xi = real2(real(0.0), real(0.0));
-    var by_eta = real2(real(0.0), real(0.0));
+    var by_xi = wide2(wide(0.0), wide(0.0));
+    var by_eta = wide2(wide(0.0), wide(0.0));
     for (var node = 0u; node < NODES; node++) {
         let at = element_grid[element * NODES + node];
         var place = geometry[grid + at] - geometry[grid + origin];
@@ -145,28 +145,28 @@ fn gradients(item: u32, grid: u32, points: u32) -> bool {
         by_eta += derivative.y * place;
     }
     let determinant = by_xi.x * by_eta.y - by_xi.y * by_eta.x;
-    let inverse = real(1.0) / determinant;
+    let inverse = wide(1.0) / determinant;
     let out = points + item * POINT_SIZE;
     for (var node = 0u; node < NODES; node++) {
         let derivative = shared_numbers[rule + node];
-        geometry[out + node] = inverse * real2(
+        geometry[out + node] = inverse * wide2(
             by_eta.y * derivative.x - by_xi.y * derivative.y,
             by_xi.x * derivative.y - by_eta.x * derivative.x,
         );
     }
-    geometry[out + NODES] = real2(determinant, real(0.0));
-    return is_finite(determinant) && determinant > real(0.0);
+    geometry[out + NODES] = wide2(determinant, wide(0.0));
+    return is_finite(determinant) && determinant > wide(0.0);
 }
 
 // Entry (i, j) of an element's stiffness: sum over points of |J| B_i^T D B_j.
-fn entry(source: u32, numbers: u32, points: u32) -> real {
+fn entry(source: u32, numbers: u32, points: u32) -> wide {
     let element = source / 256u;
     let i = (source / 16u) % 16u;
     let j = source % 16u;
     let is_direct = i % 2u == j % 2u;
     let along = select(bodies[numbers + 1u], bodies[numbers], is_direct);
     let shear = bodies[numbers + 2u];
-    var sum = real(0.0);
+    var sum = wide(0.0);
     for (var point = 0u; point < POINTS; point++) {
         let at = points + (element * POINTS + point) * POINT_SIZE;
         let a = geometry[at + i / 2u];
@@ -218,7 +218,7 @@ fn assemble(
     }
     let outcome = select(INVERTED, RUNNING, workgroupUniformLoad(&sound_total) == point_count);
     for (var value = invocation; value < parameters.value_count; value += INVOCATIONS) {
-        var sum = real(0.0);
+        var sum = wide(0.0);
         for (var source = source_starts[value]; source < source_starts[value + 1u]; source++) {
             sum += entry(sources[source], numbers, points);
         }

@@ -1,11 +1,13 @@
 // Joined as text in front of every kernel, after the lines that choose precision and size:
 //
-//     alias real = f32;               // or f64
+//     alias real = f32;               // or f64: of the iteration
+//     alias wide = f64;               // of all else; f64 where `real` is, else either
 //     const INVOCATIONS = 64u;        // of a workgroup
 
-alias real2 = vec2<real>;
+alias wide2 = vec2<wide>;
 // Four systems side by side: one component each.
 alias real4 = vec4<real>;
+alias wide4 = vec4<wide>;
 
 // How a system stands. The host's twin is `layout::SystemOutcome`.
 const RUNNING = 0u;
@@ -14,6 +16,7 @@ const ITERATION_LIMIT = 2u;
 const INDEFINITE = 3u;
 const NOT_FINITE = 4u;
 const INVERTED = 5u;
+const STAGNATED = 6u;
 
 struct SystemState {
     outcome: u32,
@@ -21,7 +24,7 @@ struct SystemState {
     iterations: u32,
 }
 
-// What pcg and condense are told.
+// What pcg, refine and condense are told.
 struct SystemParameters {
     unknown_count: u32,
     // Of one body's matrix.
@@ -33,13 +36,21 @@ struct SystemParameters {
     ring_count: u32,
     // Of this dispatch.
     step_count: u32,
-    // Of a system.
+    // Of a system, all rounds together.
     iteration_limit: u32,
-    // sqrt(r.M^-1 r) to reach, over that of b.
+    // |r| that a round has to reach, over the one it began with; |v| = sqrt(v.M^-1 v).
     tolerance: f32,
+    // |b - K x|/|b| that ends a system.
+    goal: f32,
 }
 
 // By its bits: compilers may turn comparisons around as if there were no NaN.
-fn is_finite(value: real) -> bool {
+fn is_finite(value: wide) -> bool {
     return (bitcast<u32>(f32(value)) & 0x7f800000u) != 0x7f800000u;
+}
+
+// Not above a positive value, and 2^-126 at least: to scale by it rounds nothing.
+fn power_of_two(values: wide4) -> wide4 {
+    let exponents = bitcast<vec4<u32>>(vec4<f32>(values)) & vec4<u32>(0x7f800000u);
+    return wide4(bitcast<vec4<f32>>(max(exponents, vec4<u32>(0x00800000u))));
 }

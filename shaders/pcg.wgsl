@@ -1,13 +1,13 @@
 // Twin: src/mechanics/solve/pcg.rs.
 //
-// Conjugate gradients with Jacobi's preconditioner M = diag K, for unit forces on the ring's unknowns of many bodies;
-// algorithm and norm as in the twin. `start` once, then `solve` until every system has stopped.
+// Conjugate gradients with Jacobi's preconditioner M = diag K, for systems of many bodies; algorithm and norm as in the
+// twin. refine.wgsl begins and ends the rounds.
 //
 // One workgroup advances four systems of one body: a value of K is read once for all four. Its invocations stride
 // over the rows; sums are taken over the strides and then as a tree. A system that has stopped goes along unchanged,
 // and a workgroup whose four have stopped ends.
 //
-// x, r, p and the four numbers of a system stay in storage, so that a dispatch of `step_count` steps goes on where the
+// d, r, p and the numbers of a system stay in storage, so that a dispatch of `step_count` steps goes on where the
 // one before has ended: how the steps are split over dispatches does not change a bit.
 
 @group(0) @binding(0) var<uniform> parameters: SystemParameters;
@@ -19,17 +19,18 @@
 @group(0) @binding(3) var<storage, read> diagonal_places: array<u32>;
 // [body][value]
 @group(0) @binding(4) var<storage, read> values: array<real>;
-// [body][block][x, r, p, q][unknown]
+// [body][block][d, r, p, q][unknown]
 @group(0) @binding(5) var<storage, read_write> iterates: array<real4>;
-// [body][block][rho = r.M^-1 r, |b|, |b - K x|/|b| (of condense)]
-@group(0) @binding(6) var<storage, read_write> norms: array<real4>;
+// [body][block][rho = r.M^-1 r, |b|, |b - K x|/|b| as the round began]
+@group(0) @binding(6) var<storage, read_write> norms: array<wide4>;
 // [body][block][system]
 @group(0) @binding(7) var<storage, read_write> states: array<SystemState>;
 
 // Four systems, as their workgroup holds them.
 struct Systems {
     rho: real4,
-    norm_b: real4,
+    // The |r| to reach.
+    stop: real4,
     outcome: vec4<u32>,
     iterations: vec4<u32>,
 }
@@ -50,44 +51,37 @@ fn sum_of_workgroup(invocation: u32, own: real4) -> real4 {
     return workgroupUniformLoad(&partial[0]);
 }
 
-// What becomes of a running system, in the twin's order.
-fn judged(outcome: u32, rho: real, norm_b: real, iterations: u32) -> u32 {
-    if outcome != RUNNING {
-        return outcome;
-    }
-    if !is_finite(rho) {
-        return NOT_FINITE;
-    }
-    if sqrt(rho) <= real(parameters.tolerance) * norm_b {
-        return CONVERGED;
-    }
-    return select(RUNNING, ITERATION_LIMIT, iterations == parameters.iteration_limit);
+// Which systems take a step: those that neither broke down nor ended their round.
+fn are_stepping(systems: Systems) -> vec4<bool> {
+    return (systems.outcome == vec4<u32>(RUNNING))
+        & (sqrt(systems.rho) > systems.stop)
+        & (systems.iterations < vec4<u32>(parameters.iteration_limit));
 }
 
-fn all_judged(systems: Systems) -> vec4<u32> {
-    return vec4<u32>(
-        judged(systems.outcome.x, systems.rho.x, systems.norm_b.x, systems.iterations.x),
-        judged(systems.outcome.y, systems.rho.y, systems.norm_b.y, systems.iterations.y),
-        judged(systems.outcome.z, systems.rho.z, systems.norm_b.z, systems.iterations.z),
-        judged(systems.outcome.w, systems.rho.w, systems.norm_b.w, systems.iterations.w),
-    );
-}
-
-// What p.K p says of a running system.
-fn bent(outcome: u32, curvature: real) -> u32 {
-    if outcome != RUNNING {
+// What p.K p says of a system that steps.
+fn bent(outcome: u32, is_stepping: bool, curvature: real) -> u32 {
+    if !is_stepping {
         return outcome;
     }
-    if !is_finite(curvature) {
+    if !is_finite(wide(curvature)) {
         return NOT_FINITE;
     }
     return select(INDEFINITE, RUNNING, curvature > real(0.0));
 }
 
+// What the new rho says.
+fn shortened(outcome: u32, rho: real) -> u32 {
+    return select(outcome, NOT_FINITE, outcome == RUNNING && !is_finite(wide(rho)));
+}
+
 fn load(block: u32) -> Systems {
     var systems: Systems;
-    systems.rho = norms[3u * block];
-    systems.norm_b = norms[3u * block + 1u];
+    systems.rho = real4(norms[3u * block]);
+    // In the scale of the round. It need not go below the goal; half of that is left to rounding.
+    let norm_b = norms[3u * block + 1u];
+    let begin = norms[3u * block + 2u] * norm_b;
+    let enough = max(wide(parameters.tolerance) * begin, wide(0.5) * wide(parameters.goal) * norm_b);
+    systems.stop = real4(enough / power_of_two(begin));
     for (var system = 0u; system < 4u; system++) {
         let state = states[4u * block + system];
         systems.outcome[system] = state.outcome;
@@ -97,55 +91,10 @@ fn load(block: u32) -> Systems {
 }
 
 fn store(block: u32, systems: Systems) {
-    norms[3u * block] = systems.rho;
-    norms[3u * block + 1u] = systems.norm_b;
+    norms[3u * block] = wide4(systems.rho);
     var stored = systems;
     for (var system = 0u; system < 4u; system++) {
         states[4u * block + system] = SystemState(stored.outcome[system], stored.iterations[system]);
-    }
-}
-
-// x = 0, r = b, p = M^-1 b; systems that assembly refused stay refused.
-@compute @workgroup_size(INVOCATIONS)
-fn start(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) invocation: u32,
-) {
-    let size = parameters.unknown_count;
-    let block = group.x * parameters.block_count + group.y;
-    let first_value = group.x * parameters.value_count;
-    let x = 4u * size * block;
-    let r = x + size;
-    let p = r + size;
-    var own = real4();
-    var own_not_positive = real4();
-    for (var row = invocation; row < size; row += INVOCATIONS) {
-        let diagonal = values[first_value + diagonal_places[row]];
-        if is_finite(diagonal) && diagonal <= real(0.0) {
-            own_not_positive += real4(real(1.0));
-        }
-        var load = real4();
-        let ring = row - parameters.ring_start;
-        if row >= parameters.ring_start && ring / 4u == group.y {
-            load[ring % 4u] = real(1.0);
-        }
-        let z = load / diagonal;
-        iterates[x + row] = real4();
-        iterates[r + row] = load;
-        iterates[p + row] = z;
-        own += load * z;
-    }
-    let rho = sum_of_workgroup(invocation, own);
-    let not_positive = sum_of_workgroup(invocation, own_not_positive).x;
-    if invocation == 0u {
-        var systems = load(block);
-        systems.rho = rho;
-        systems.norm_b = sqrt(rho);
-        if not_positive > real(0.0) {
-            systems.outcome = select(systems.outcome, vec4<u32>(INDEFINITE), systems.outcome == vec4<u32>(RUNNING));
-        }
-        systems.outcome = all_judged(systems);
-        store(block, systems);
     }
 }
 
@@ -158,8 +107,8 @@ fn solve(
     let size = parameters.unknown_count;
     let block = group.x * parameters.block_count + group.y;
     let first_value = group.x * parameters.value_count;
-    let x = 4u * size * block;
-    let r = x + size;
+    let d = 4u * size * block;
+    let r = d + size;
     let p = r + size;
     let q = p + size;
     if invocation == 0u {
@@ -167,7 +116,8 @@ fn solve(
     }
     var systems = workgroupUniformLoad(&held);
     for (var step = 0u; step < parameters.step_count; step++) {
-        if !any(systems.outcome == vec4<u32>(RUNNING)) {
+        let is_stepping = are_stepping(systems);
+        if !any(is_stepping) {
             break;
         }
         // q = K p
@@ -181,34 +131,39 @@ fn solve(
             own += iterates[p + row] * sum;
         }
         let curvature = sum_of_workgroup(invocation, own);
-        systems.iterations += select(vec4<u32>(), vec4<u32>(1u), systems.outcome == vec4<u32>(RUNNING));
+        systems.iterations += select(vec4<u32>(), vec4<u32>(1u), is_stepping);
         systems.outcome = vec4<u32>(
-            bent(systems.outcome.x, curvature.x),
-            bent(systems.outcome.y, curvature.y),
-            bent(systems.outcome.z, curvature.z),
-            bent(systems.outcome.w, curvature.w),
+            bent(systems.outcome.x, is_stepping.x, curvature.x),
+            bent(systems.outcome.y, is_stepping.y, curvature.y),
+            bent(systems.outcome.z, is_stepping.z, curvature.z),
+            bent(systems.outcome.w, is_stepping.w, curvature.w),
         );
-        let running = systems.outcome == vec4<u32>(RUNNING);
-        // x += alpha p, r -= alpha q, z = M^-1 r
-        let alpha = select(real4(), systems.rho / curvature, running);
+        let goes_on = is_stepping & (systems.outcome == vec4<u32>(RUNNING));
+        // d += alpha p, r -= alpha q, z = M^-1 r
+        let alpha = select(real4(), systems.rho / curvature, goes_on);
         own = real4();
         for (var row = invocation; row < size; row += INVOCATIONS) {
-            iterates[x + row] += alpha * iterates[p + row];
+            iterates[d + row] += alpha * iterates[p + row];
             let residual = iterates[r + row] - alpha * iterates[q + row];
             iterates[r + row] = residual;
             own += residual * (residual / values[first_value + diagonal_places[row]]);
         }
         let next = sum_of_workgroup(invocation, own);
         // p = z + beta p
-        let beta = select(real4(), next / systems.rho, running);
-        systems.rho = select(systems.rho, next, running);
+        let beta = select(real4(), next / systems.rho, goes_on);
+        systems.rho = select(systems.rho, next, goes_on);
         for (var row = invocation; row < size; row += INVOCATIONS) {
             let z = iterates[r + row] / values[first_value + diagonal_places[row]];
             iterates[p + row] = z + beta * iterates[p + row];
         }
         storageBarrier();
         workgroupBarrier();
-        systems.outcome = all_judged(systems);
+        systems.outcome = vec4<u32>(
+            shortened(systems.outcome.x, systems.rho.x),
+            shortened(systems.outcome.y, systems.rho.y),
+            shortened(systems.outcome.z, systems.rho.z),
+            shortened(systems.outcome.w, systems.rho.w),
+        );
     }
     if invocation == 0u {
         store(block, systems);

@@ -4,7 +4,7 @@ use std::mem::offset_of;
 
 use jointsweep::engine::backend::gpu::batch::KernelFacts;
 use jointsweep::engine::backend::gpu::kernels::{
-    ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, PCG, Precision,
+    ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE,
 };
 use jointsweep::engine::backend::gpu::layout::{
     AssembleParameters, SystemOutcome, SystemParameters, SystemState,
@@ -12,13 +12,13 @@ use jointsweep::engine::backend::gpu::layout::{
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
-const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
+const PRECISIONS: [Precision; 3] = [Precision::F32, Precision::F64, Precision::Mixed];
 
 /// What a kernel of this precision may ask of a device.
 fn capabilities(precision: Precision) -> Capabilities {
     match precision {
         Precision::F32 => Capabilities::empty(),
-        Precision::F64 => Capabilities::FLOAT64,
+        Precision::F64 | Precision::Mixed => Capabilities::FLOAT64,
     }
 }
 
@@ -108,16 +108,19 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         ring_count,
         step_count,
         iteration_limit,
-        tolerance
+        tolerance,
+        goal
     );
     let state: Layout = layout_here!(SystemState, outcome, iterations);
     for precision in PRECISIONS {
         assert_eq!(layout_in(&module(&ASSEMBLE, precision), "AssembleParameters").as_ref(), Some(&assemble));
         assert_eq!(layout_in(&module(&ASSEMBLE, precision), "SystemState").as_ref(), Some(&state));
-        for file in [&PCG, &CONDENSE] {
+        for file in [&NARROW, &PCG, &REFINE, &CONDENSE] {
             assert_eq!(layout_in(&module(file, precision), "SystemParameters").as_ref(), Some(&systems));
         }
-        assert_eq!(layout_in(&module(&PCG, precision), "SystemState").as_ref(), Some(&state));
+        for file in [&PCG, &REFINE] {
+            assert_eq!(layout_in(&module(file, precision), "SystemState").as_ref(), Some(&state));
+        }
     }
     // Negative control: two members exchanged.
     let source = PCG.source(Precision::F32, 64);
@@ -165,19 +168,23 @@ fn bindings_are_as_the_host_makes_them() {
 fn the_planner_knows_the_memory_of_a_workgroup() {
     for precision in PRECISIONS {
         for invocations in [32, 128] {
-            let source = PCG.source(precision, invocations);
-            let (module, _) = check(&source, capabilities(precision)).unwrap();
-            let mut layouter = naga::proc::Layouter::default();
-            layouter.update(module.to_ctx()).unwrap();
-            let shared =
-                module.global_variables.iter().filter(|(_, v)| v.space == naga::AddressSpace::WorkGroup);
-            let bytes: u32 = shared.map(|(_, variable)| layouter[variable.ty].size).sum();
+            let bytes = |file: &KernelFile| -> u64 {
+                let source = file.source(precision, invocations);
+                let (module, _) = check(&source, capabilities(precision)).unwrap();
+                let mut layouter = naga::proc::Layouter::default();
+                layouter.update(module.to_ctx()).unwrap();
+                let shared =
+                    module.global_variables.iter().filter(|(_, v)| v.space == naga::AddressSpace::WorkGroup);
+                shared.map(|(_, variable)| u64::from(layouter[variable.ty].size)).sum()
+            };
             let facts = KernelFacts {
-                bytes_per_real: precision.bytes(),
+                bytes_per_real: precision.real_bytes(),
+                bytes_per_wide: precision.wide_bytes(),
                 invocations: u64::from(invocations),
                 seconds_per_iteration: 1.0,
             };
-            assert_eq!(u64::from(bytes), facts.workgroup_bytes(), "{precision:?}");
+            let most = KERNEL_FILES.map(bytes).into_iter().max();
+            assert_eq!(most, Some(facts.workgroup_bytes()), "{precision:?}");
         }
     }
 }
@@ -193,10 +200,11 @@ fn outcomes_have_the_same_numbers() {
         ("INDEFINITE", Indefinite),
         ("NOT_FINITE", NotFinite),
         ("INVERTED", Inverted),
+        ("STAGNATED", Stagnated),
     ] {
         let number = outcome as u32;
         assert!(source.contains(&format!("const {name} = {number}u;")), "{name}");
         assert_eq!(SystemState { outcome: number, iterations: 0 }.outcome(), Some(outcome));
     }
-    assert_eq!(SystemState { outcome: 6, iterations: 0 }.outcome(), None);
+    assert_eq!(SystemState { outcome: 7, iterations: 0 }.outcome(), None);
 }

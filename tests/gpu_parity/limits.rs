@@ -8,7 +8,7 @@ use super::*;
 fn resuming_and_company_do_not_change_a_bit() {
     let bodies = plates();
     for (precision, _) in precisions() {
-        let settings = PcgSettings { tolerance: 1e-4, iteration_limit: 300 };
+        let settings = plain(1e-4, 300);
         let values = bodies.values(precision);
         let solve = |values: &[f64], count: usize, steps: u32| {
             let batch = SystemBatch::new(kernels(precision), &bodies.layout.systems, count).unwrap();
@@ -31,7 +31,7 @@ fn resuming_and_company_do_not_change_a_bit() {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn a_bad_system_ends_as_the_twin_says_and_spoils_no_other() {
     let bodies = plates();
-    let settings = PcgSettings { tolerance: 1e-4, iteration_limit: 400 };
+    let settings = plain(1e-4, 400);
     let middle = bodies.layout.systems.unknown_count() / 2;
     let row_starts = &bodies.layout.systems.row_starts;
     let row = row_starts[middle] as usize..row_starts[middle + 1] as usize;
@@ -85,7 +85,7 @@ fn a_bad_system_ends_as_the_twin_says_and_spoils_no_other() {
 fn the_iteration_limit_is_kept() {
     let bodies = plates();
     for (precision, _) in precisions() {
-        let settings = PcgSettings { tolerance: 1e-4, iteration_limit: 11 };
+        let settings = plain(1e-4, 11);
         let batch = bodies.batch(precision);
         batch.write_values(&bodies.values(precision)).unwrap();
         // More steps in the dispatches than the limit allows.
@@ -104,7 +104,7 @@ fn the_iteration_limit_is_kept() {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn a_body_without_a_mesh_is_refused_and_spoils_no_other() {
     let bodies = plates();
-    let settings = PcgSettings { tolerance: 1e-4, iteration_limit: 400 };
+    let settings = plain(1e-4, 400);
     for (precision, _) in precisions() {
         let solve = |numbers: &[f64]| {
             let batch = bodies.batch(precision);
@@ -143,14 +143,14 @@ fn a_body_without_a_mesh_is_refused_and_spoils_no_other() {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn any_size_of_workgroup_will_do() {
     let bodies = plates();
-    let settings = PcgSettings { tolerance: 1e-4, iteration_limit: 1000 };
+    let settings = plain(1e-4, 1000);
     let compliance = |kernels: &Kernels, invocations: u32| {
         let batch = SystemBatch::new(kernels, &bodies.layout.systems, bodies.count()).unwrap();
         batch.assemble(&bodies.layout, &bodies.numbers()).unwrap();
         // Fewer invocations make more trips each: a fixed count of steps would run into Mesa's bound on loops.
         let steps = MOST_TRIPS / bodies.counts().trips(u64::from(invocations));
         batch.pcg(&settings, steps as u32).unwrap();
-        batch.condense(&settings).unwrap();
+        batch.condense().unwrap();
         batch.read_compliance().unwrap()
     };
     let usual = compliance(kernels(Precision::F32), INVOCATIONS);
@@ -187,14 +187,15 @@ fn what_cannot_be_had_is_an_error() {
 fn the_planner_fills_the_device_and_no_more() {
     let bodies = plates();
     let invocations = u64::from(INVOCATIONS);
-    let kernel = KernelFacts { bytes_per_real: 4, invocations, seconds_per_iteration: 1e-9 };
+    let kernel =
+        KernelFacts { bytes_per_real: 4, bytes_per_wide: 4, invocations, seconds_per_iteration: 1e-9 };
     let counts = vec![bodies.counts(); 10_000];
     let first = batches(&counts, &kernel, &device().facts.limits).unwrap().swap_remove(0).bodies.len();
     println!("{first} bodies of {:?}", counts[0]);
     // Matrices of zeros: every system ends at once.
     let fits = |count: usize| {
         let batch = SystemBatch::new(kernels(Precision::F32), &bodies.layout.systems, count)?;
-        batch.pcg(&PcgSettings { tolerance: 1e-4, iteration_limit: 1 }, 1)
+        batch.pcg(&plain(1e-4, 1), 1)
     };
     fits(first).unwrap();
     if first < counts.len() {

@@ -67,13 +67,19 @@ fn as_the_twin(bodies: &Bodies) {
     let unknowns = bodies.layout.systems.unknown_count();
     let ring = bodies.layout.systems.ring_count();
     for (precision, rounding) in precisions() {
-        let tolerance = if precision == Precision::F32 { 1e-4 } else { 1e-9 };
-        let settings = PcgSettings { tolerance, iteration_limit: 1000 };
+        let settings = match precision {
+            Precision::F32 => plain(1e-4, 1000),
+            Precision::F64 => plain(1e-9, 1000),
+            // Three rounds.
+            Precision::Mixed => {
+                RefineSettings { tolerance: 1e-3, goal: 2e-9, round_limit: 4, iteration_limit: 1000 }
+            }
+        };
         let values = bodies.values(precision);
         let batch = bodies.batch(precision);
         batch.write_values(&values).unwrap();
         batch.pcg(&settings, 40).unwrap();
-        batch.condense(&settings).unwrap();
+        batch.condense().unwrap();
         let (columns, reports) = (batch.read_columns().unwrap(), batch.read_reports().unwrap());
         let mut counts = Vec::new();
         for index in 0..bodies.count() {
@@ -85,9 +91,11 @@ fn as_the_twin(bodies: &Bodies) {
             for (system, report) in expected_reports.iter().enumerate() {
                 let state = states[system];
                 assert_eq!(state.outcome(), Some(expected_outcome(report)), "{precision:?} {index} {system}");
-                // A sum rounded otherwise may tip one step over the tolerance.
+                // A sum rounded otherwise may tip a step over the tolerance, and a second round begins with a residual
+                // rounded otherwise: where f32 is at its end (nu = 0.49) that was seen to change 1 % of the steps.
                 let iterations = state.iterations as usize;
-                assert!(iterations.abs_diff(report.iterations) <= 1, "{iterations} {}", report.iterations);
+                let allowed = if settings.round_limit == 0 { 1 } else { 3 + report.iterations / 50 };
+                assert!(iterations.abs_diff(report.iterations) <= allowed, "{iterations} {report:?}");
                 counts.push(iterations);
                 // The kernel takes the residual of a rounded x in its own precision.
                 let norm = true_residuals[system];
@@ -104,7 +112,7 @@ fn as_the_twin(bodies: &Bodies) {
             let worst = difference(&found[..ring * unknowns], &expected);
             println!("{precision:?} body {index}: {worst:.1e}, {} steps", states[0].iterations);
             // Both are within the tolerance of the same solution, in a norm that bounds the greatest entry.
-            assert!(worst < 10.0 * tolerance, "{precision:?} {index}: {worst:e}");
+            assert!(worst < 5.0 * settings.goal, "{precision:?} {index}: {worst:e}");
         }
         let (least, most) = (counts.iter().min().unwrap(), counts.iter().max().unwrap());
         println!("{precision:?}: {least} to {most} steps");
@@ -119,12 +127,13 @@ fn compliances_are_those_of_the_twin() {
     let bodies = plates();
     let systems = &bodies.layout.systems;
     for (precision, rounding) in precisions() {
-        let settings = PcgSettings { tolerance: 1e-2, iteration_limit: 1000 };
+        // With a rest large enough to see the correction.
+        let settings = plain(1e-2, 1000);
         let values = bodies.values(precision);
         let batch = bodies.batch(precision);
         batch.write_values(&values).unwrap();
         batch.pcg(&settings, 40).unwrap();
-        batch.condense(&settings).unwrap();
+        batch.condense().unwrap();
         let (columns, found) = (batch.read_columns().unwrap(), batch.read_compliance().unwrap());
         for index in 0..bodies.count() {
             let exact = bodies.meshed[0].assembly.matrix(of_body(&values, &bodies, index));
@@ -154,31 +163,100 @@ fn compliances_are_those_of_the_twin() {
     }
 }
 
-/// From a few numbers a body to the compliance of its ring, against sparse Cholesky in f64.
+/// From a few numbers a body to the compliance of its ring, as far as the settings promise, against sparse Cholesky in
+/// f64.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn the_whole_chain_gives_the_compliance_of_cholesky() {
     for (name, bodies) in families() {
         for (precision, rounding) in precisions() {
-            let tolerance = if precision == Precision::F32 { 1e-4 } else { 1e-6 };
-            let settings = PcgSettings { tolerance, iteration_limit: 1000 };
-            let batch = bodies.batch(precision);
-            batch.assemble(&bodies.layout, &bodies.numbers()).unwrap();
-            batch.pcg(&settings, 40).unwrap();
-            batch.condense(&settings).unwrap();
-            let (found, columns) = (batch.read_compliance().unwrap(), batch.read_columns().unwrap());
+            let promised = match precision {
+                Precision::F32 => 2e-4,
+                Precision::Mixed => 1e-8,
+                Precision::F64 => 1e-10,
+            };
+            let (found, columns, reports) = whole_chain(&bodies, precision, &precision.settings());
             for (index, meshed) in bodies.meshed.iter().enumerate() {
                 let expected = meshed.condense().values;
                 let worst = difference(of_body(&found, &bodies, index), &expected);
+                assert!(worst < promised, "{name} {precision:?} {index}: {worst:e}");
                 // The values of K alone, good to some roundings, change C by that part of |U|^T |K| |U|; and the error
-                // of the columns counts by its square, in a norm of at most 100 times that of the tolerance.
+                // of the columns counts by its square, in a norm of which ten were measured.
                 let energy = absolute_energy(meshed, of_body(&columns, &bodies, index));
                 let share = energy / greatest(expected.iter().copied());
-                // Roundings of unlike sign leave a thirtieth of the former where it is large (block on its base).
-                let allowed = (4.0 * rounding * share).min(2e-4) + 100.0 * tolerance * tolerance;
+                let residual = greatest(of_body(&reports.true_residuals, &bodies, index).iter().copied());
+                let allowed = 4.0 * rounding * share + 10.0 * residual * residual;
                 println!("{name} {precision:?} body {index}: {worst:.1e} of {allowed:.1e}");
                 assert!(worst < allowed, "{name} {precision:?} {index}: {worst:e}");
+                let ring = bodies.layout.systems.ring_count();
+                for state in &of_body(&reports.states, &bodies, index)[..ring] {
+                    assert_eq!(state.outcome(), Some(SystemOutcome::Converged), "{name} {precision:?}");
+                }
             }
+        }
+    }
+}
+
+/// All stages in one go: compliances, columns, reports.
+fn whole_chain(
+    bodies: &Bodies,
+    precision: Precision,
+    settings: &RefineSettings,
+) -> (Vec<f64>, Vec<f64>, SystemReports) {
+    let batch = bodies.batch(precision);
+    let steps = MOST_TRIPS / bodies.counts().trips(u64::from(INVOCATIONS));
+    batch.assemble_and_condense(&bodies.layout, &bodies.numbers(), settings, steps as u32).unwrap();
+    (batch.read_compliance().unwrap(), batch.read_columns().unwrap(), batch.read_reports().unwrap())
+}
+
+/// Nearly incompressible plane strain, where f32 is unusable: mixed precision gets there by its rounds, and what does
+/// not get there says so.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn mixed_precision_reaches_the_nearly_incompressible() {
+    if precisions().len() == 1 {
+        return;
+    }
+    let ratios = [0.499, 0.4999];
+    let concentric = families_at(1, &ratios).into_iter().filter(|(name, _)| !name.starts_with("block"));
+    for (name, bodies) in concentric {
+        let settings = Precision::Mixed.settings();
+        let few = RefineSettings { round_limit: 0, ..settings };
+        let (refined, _, reports) = whole_chain(&bodies, Precision::Mixed, &settings);
+        let (unrefined, _, unrefined_reports) = whole_chain(&bodies, Precision::Mixed, &few);
+        let (narrow, _, narrow_reports) = whole_chain(&bodies, Precision::F32, &Precision::F32.settings());
+        for (index, nu) in ratios.iter().enumerate() {
+            let expected = bodies.meshed[index].condense().values;
+            let [error, without, in_f32] = [&refined, &unrefined, &narrow]
+                .map(|found| difference(of_body(found, &bodies, index), &expected));
+            println!("{name} nu {nu}: {error:.1e}, {without:.1e} in one round, {in_f32:.1e} in f32");
+            assert!(error < 1e-8, "{name} {nu}: {error:e}");
+            // Control: the rounds are what does it.
+            assert!(without > 5.0 * error && in_f32 > 1e-5, "{name} {nu}: {without:e} {in_f32:e}");
+            let ring = bodies.layout.systems.ring_count();
+            for system in 0..ring {
+                let outcome = |reports: &SystemReports| {
+                    let state = of_body(&reports.states, &bodies, index)[system];
+                    (state.outcome().unwrap(), of_body(&reports.true_residuals, &bodies, index)[system])
+                };
+                let (ended, residual) = outcome(&reports);
+                assert!(
+                    ended == SystemOutcome::Converged && residual <= settings.goal,
+                    "{ended:?} {residual}"
+                );
+                for (reports, goal) in
+                    [(&unrefined_reports, settings.goal), (&narrow_reports, Precision::F32.settings().goal)]
+                {
+                    let (ended, residual) = outcome(reports);
+                    let expected =
+                        if residual <= goal { SystemOutcome::Converged } else { SystemOutcome::Stagnated };
+                    assert_eq!(ended, expected, "{name} {nu} {residual}");
+                }
+            }
+            let stagnated = of_body(&unrefined_reports.states, &bodies, index)[..ring]
+                .iter()
+                .filter(|state| state.outcome() == Some(SystemOutcome::Stagnated));
+            assert!(stagnated.count() > ring / 2, "{name} {nu}");
         }
     }
 }

@@ -96,7 +96,7 @@ pub fn pcg<T: Real + PartialOrd + Into<f64>>(
 }
 
 /// One workgroup's work: x from 0 to the solution of K x = b. The true residual is left to the host.
-fn pcg_system<T: Real + PartialOrd + Into<f64>>(
+pub(super) fn pcg_system<T: Real + PartialOrd + Into<f64>>(
     matrix: Csr<'_, T>,
     b: &[T],
     settings: &PcgSettings,
@@ -185,6 +185,6 @@ fn true_residual<T: Real + Into<f64>>(exact: Csr<'_, f64>, diagonal: &[f64], loa
 }
 
 /// A load of zero is solved by zero.
-fn relative(norm: f64, norm_b: f64) -> f64 {
+pub(super) fn relative(norm: f64, norm_b: f64) -> f64 {
     if norm == 0.0 { 0.0 } else { norm / norm_b }
 }

@@ -17,8 +17,11 @@ use super::context::DeviceLimits;
 /// Systems (ring columns) that one workgroup of `pcg` advances abreast: the components of a WGSL vector.
 pub const COLUMNS_ABREAST: u64 = 4;
 
-/// Vectors that the iteration keeps of every system: x, r, p and q.
+/// Vectors that the iteration keeps of every system: d, r, p and q.
 pub const ITERATES: u64 = 4;
+
+/// Vectors that its rounds keep, in wide numbers: x and b - K x.
+pub const SOLUTIONS: u64 = 2;
 
 /// How long a dispatch should take. Between `SHORTEST` and `LONGEST` nothing is changed.
 pub const TARGET: Duration = Duration::from_millis(100);
@@ -52,8 +55,10 @@ pub struct BodyCounts {
 /// How kernels are built and what they were measured to cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KernelFacts {
-    /// 4 or 8.
+    /// 4 or 8, of a number of the iteration.
     pub bytes_per_real: u64,
+    /// 4 or 8, of a number of the other stages.
+    pub bytes_per_wide: u64,
     /// Invocations of a workgroup.
     pub invocations: u64,
     /// Time of one iteration of all systems of one body, as the last dispatch had it.
@@ -93,17 +98,19 @@ impl BodyCounts {
         self.ring_columns.div_ceil(COLUMNS_ABREAST)
     }
 
-    /// Bytes of each buffer that grows with the bodies.
-    pub fn bytes(&self, real: u64) -> [(&'static str, u64); 5] {
+    /// Bytes of each buffer that grows with the bodies, for numbers of so many bytes.
+    pub fn bytes(&self, real: u64, wide: u64) -> [(&'static str, u64); 7] {
         let systems = self.blocks() * COLUMNS_ABREAST;
         // A response is force, indentation, stiffness, half angle, peak pressure, energy, error and status.
         let responses = self.joints * self.steps * 8;
         [
-            ("matrix values", self.matrix_values * real),
+            ("matrix values", self.matrix_values * wide),
+            ("narrowed values", if real == wide { 0 } else { self.matrix_values * real }),
             ("iterates", self.unknowns * systems * ITERATES * real),
-            ("geometry", 2 * self.geometry * real),
-            ("compliance", self.ring_columns * systems * real),
-            ("responses", responses * real),
+            ("solutions", self.unknowns * systems * SOLUTIONS * wide),
+            ("geometry", 2 * self.geometry * wide),
+            ("compliance", self.ring_columns * systems * wide),
+            ("responses", responses * wide),
         ]
     }
 
@@ -115,18 +122,22 @@ impl BodyCounts {
     }
 
     /// The most loop trips of one invocation in the kernels that are not split into steps. In `assemble`: its values,
-    /// each of at most four elements, those of four points; in `condense`: its rows, each over all unknowns.
+    /// each of at most four elements, those of four points; in `refine`: its rows, once with their entries; in
+    /// `condense`: its rows, each over all unknowns.
     pub fn whole_trips(&self, invocations: u64) -> u64 {
         let assemble = self.matrix_values.div_ceil(invocations) * (1 + 4 * (1 + 4));
+        // As many loops over the rows as a step has, and four over the systems of a block.
+        let refine = self.trips(invocations) + 4 * COLUMNS_ABREAST;
         let condense = self.ring_columns.div_ceil(invocations) * (1 + COLUMNS_ABREAST + self.unknowns);
-        assemble.max(condense)
+        assemble.max(refine).max(condense)
     }
 }
 
 impl KernelFacts {
-    /// Bytes that the invocations of a workgroup of `pcg` share: partial sums of all columns abreast, and their state.
+    /// Bytes that the invocations of a workgroup of `refine` share, which are no fewer than those of `pcg`: partial
+    /// sums of all columns abreast, and their state.
     pub fn workgroup_bytes(&self) -> u64 {
-        (self.invocations + 2) * COLUMNS_ABREAST * self.bytes_per_real + 2 * COLUMNS_ABREAST * 4
+        (self.invocations + 2) * COLUMNS_ABREAST * self.bytes_per_wide + 2 * COLUMNS_ABREAST * 4
     }
 }
 
@@ -186,10 +197,10 @@ fn next_batch(
     let most = most_in_time.min(limit);
 
     let buffer = limits.binding_bytes.min(limits.buffer_bytes);
-    let mut used = [0; 5];
+    let mut used = [0; 7];
     let mut end = first;
     for (body, next) in bodies.iter().enumerate().skip(first) {
-        let bytes = next.bytes(kernel.bytes_per_real);
+        let bytes = next.bytes(kernel.bytes_per_real, kernel.bytes_per_wide);
         if let Some(&(what, needed)) = bytes.iter().find(|(_, needed)| *needed > buffer) {
             // A batch before it is still good; it is met again as the first of the next one.
             if body > first {

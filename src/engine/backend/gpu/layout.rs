@@ -11,7 +11,7 @@ use crate::mechanics::body::{Body, Side};
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::element::stiffness::{Elasticity, ElementRule};
 use crate::mechanics::mesh::{Grading, RingTopology, centre_pull, lines, ring_points};
-use crate::mechanics::solve::pcg::PcgSettings;
+use crate::mechanics::solve::refine::RefineSettings;
 
 /// What `assemble` is told.
 #[repr(C)]
@@ -26,7 +26,7 @@ pub struct AssembleParameters {
     pub is_bowed: u32,
 }
 
-/// What `pcg` and `condense` are told.
+/// What `pcg`, `refine` and `condense` are told.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct SystemParameters {
@@ -38,6 +38,7 @@ pub struct SystemParameters {
     pub step_count: u32,
     pub iteration_limit: u32,
     pub tolerance: f32,
+    pub goal: f32,
 }
 
 /// How one system stands; `outcome` is a `SystemOutcome`.
@@ -48,7 +49,7 @@ pub struct SystemState {
     pub iterations: u32,
 }
 
-/// How a system ended. A kernel cannot tell stagnation: that is what its true residual is for.
+/// How a system ended.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SystemOutcome {
@@ -59,18 +60,20 @@ pub enum SystemOutcome {
     NotFinite = 4,
     /// An element is turned inside out, or a coordinate is not finite.
     Inverted = 5,
+    /// Rounding, or the limit on rounds, keeps the true residual above the goal.
+    Stagnated = 6,
 }
 
 impl SystemState {
     /// `None` for a number that stands for nothing.
     pub fn outcome(&self) -> Option<SystemOutcome> {
         use SystemOutcome::*;
-        let outcomes = [Running, Converged, IterationLimit, Indefinite, NotFinite, Inverted];
+        let outcomes = [Running, Converged, IterationLimit, Indefinite, NotFinite, Inverted, Stagnated];
         outcomes.into_iter().find(|outcome| *outcome as u32 == self.outcome)
     }
 }
 
-/// Sizes and sparsity that the systems of a batch share: all that `pcg` and `condense` know.
+/// Sizes and sparsity that the systems of a batch share: all that solving and condensing know.
 #[derive(Clone, Debug)]
 pub struct SystemLayout {
     pub row_starts: Vec<u32>,
@@ -119,7 +122,7 @@ impl SystemLayout {
         self.block_count() * COLUMNS_ABREAST as usize
     }
 
-    pub fn parameters(&self, settings: &PcgSettings, step_count: u32) -> SystemParameters {
+    pub fn parameters(&self, settings: &RefineSettings, step_count: u32) -> SystemParameters {
         SystemParameters {
             unknown_count: self.unknown_count() as u32,
             value_count: self.columns.len() as u32,
@@ -129,6 +132,7 @@ impl SystemLayout {
             step_count,
             iteration_limit: settings.iteration_limit as u32,
             tolerance: settings.tolerance as f32,
+            goal: settings.goal as f32,
         }
     }
 }

@@ -7,11 +7,11 @@ use bytemuck::Pod;
 use wgpu::BufferUsages;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-use super::batch::ITERATES;
+use super::batch::{ITERATES, SOLUTIONS};
 use super::context::{GpuDevice, GpuError};
 use super::kernels::{Kernels, Stage};
 use super::layout::{MeshLayout, SystemLayout, SystemState};
-use crate::mechanics::solve::pcg::PcgSettings;
+use crate::mechanics::solve::refine::RefineSettings;
 
 /// Systems of a batch on the device: matrices of one sparsity, their iterates, and the compliances of their rings.
 pub struct SystemBatch<'a> {
@@ -22,7 +22,10 @@ pub struct SystemBatch<'a> {
     columns: wgpu::Buffer,
     diagonal_places: wgpu::Buffer,
     values: wgpu::Buffer,
+    /// As the iteration reads them: rounded, or the same buffer.
+    narrowed: wgpu::Buffer,
     iterates: wgpu::Buffer,
+    solutions: wgpu::Buffer,
     norms: wgpu::Buffer,
     states: wgpu::Buffer,
     compliance: wgpu::Buffer,
@@ -32,7 +35,7 @@ pub struct SystemBatch<'a> {
 #[derive(Clone, Debug)]
 pub struct SystemReports {
     pub states: Vec<SystemState>,
-    /// |r|/|b| of the recursion and |b - K x|/|b|, in the precision of the kernels.
+    /// |r| of the recursion over that at the begin of the last round, and |b - K x|/|b| in wide numbers.
     pub recursive_residuals: Vec<f64>,
     pub true_residuals: Vec<f64>,
 }
@@ -45,21 +48,30 @@ impl<'a> SystemBatch<'a> {
         body_count: usize,
     ) -> Result<SystemBatch<'a>, GpuError> {
         let device = &kernels.gpu.device;
-        let real = kernels.precision.bytes();
+        let (real, wide) = (kernels.precision.real_bytes(), kernels.precision.wide_bytes());
         let (bodies, systems) = (body_count as u64, (body_count * layout.system_count()) as u64);
+        let (unknowns, value_count) = (layout.unknown_count() as u64, bodies * layout.columns.len() as u64);
         let empty = |label, bytes| empty_buffer(device, label, bytes);
-        kernels.gpu.checked("room for a batch", || SystemBatch {
-            kernels,
-            layout,
-            body_count,
-            row_starts: filled_buffer(device, "row_starts", &layout.row_starts),
-            columns: filled_buffer(device, "columns", &layout.columns),
-            diagonal_places: filled_buffer(device, "diagonal_places", &layout.diagonal_places),
-            values: empty("values", bodies * layout.columns.len() as u64 * real),
-            iterates: empty("iterates", systems * ITERATES * layout.unknown_count() as u64 * real),
-            norms: empty("norms", systems * 3 * real),
-            states: empty("states", systems * size_of::<SystemState>() as u64),
-            compliance: empty("compliance", systems * layout.ring_count() as u64 * real),
+        kernels.gpu.checked("room for a batch", || {
+            let values = empty("values", value_count * wide);
+            SystemBatch {
+                kernels,
+                layout,
+                body_count,
+                row_starts: filled_buffer(device, "row_starts", &layout.row_starts),
+                columns: filled_buffer(device, "columns", &layout.columns),
+                diagonal_places: filled_buffer(device, "diagonal_places", &layout.diagonal_places),
+                narrowed: match &kernels.narrow {
+                    Some(_) => empty("narrowed", value_count * real),
+                    None => values.clone(),
+                },
+                values,
+                iterates: empty("iterates", systems * ITERATES * unknowns * real),
+                solutions: empty("solutions", systems * SOLUTIONS * unknowns * wide),
+                norms: empty("norms", systems * 3 * wide),
+                states: empty("states", systems * size_of::<SystemState>() as u64),
+                compliance: empty("compliance", systems * layout.ring_count() as u64 * wide),
+            }
         })
     }
 
@@ -78,7 +90,7 @@ impl<'a> SystemBatch<'a> {
         let reals = |label, numbers: &[f64]| filled_buffer(&gpu.device, label, &precision.encode(numbers));
         let (grid, size) = (mesh.grid_count(), mesh.geometry_count());
         gpu.checked("assemble", || {
-            let bytes = (self.body_count * size) as u64 * 2 * precision.bytes();
+            let bytes = (self.body_count * size) as u64 * 2 * precision.wide_bytes();
             let geometry = empty_buffer(&gpu.device, "geometry", bytes);
             let bindings = [
                 &uniform_buffer(&gpu.device, &mesh.parameters),
@@ -91,71 +103,93 @@ impl<'a> SystemBatch<'a> {
                 &self.values,
                 &self.states,
             ];
-            self.submit(&self.kernels.assemble, &bindings, &[0], [self.body_count as u32, 1]);
+            let stage = &self.kernels.assemble;
+            let group = self.bind(stage, &bindings);
+            self.submit([(&stage.pipelines[0], &group, [self.body_count as u32, 1])]);
             Geometry { buffer: geometry, grid, size }
         })
     }
 
-    /// Solves for unit forces on the ring's unknowns, `step_count` steps a dispatch, until all systems must have
-    /// stopped: those that have, end at once. `step_count` is that of the `Batch`: with more, Mesa 22 leaves the
+    /// Solves for unit forces on the ring's unknowns in rounds of `step_count` steps a dispatch, until all systems must
+    /// have stopped: those that have, end at once. `step_count` is that of the `Batch`: with more, Mesa 22 leaves the
     /// iteration early and says nothing.
-    pub fn pcg(&self, settings: &PcgSettings, step_count: u32) -> Result<(), GpuError> {
-        let dispatches = settings.iteration_limit.div_ceil(step_count as usize);
-        let entries: Vec<usize> = std::iter::once(0).chain(std::iter::repeat_n(1, dispatches)).collect();
-        self.run("pcg", &self.kernels.pcg, settings, step_count, &self.states, &entries)
-    }
-
-    /// The true residuals and, from the columns as they are, the compliances of the rings.
-    pub fn condense(&self, settings: &PcgSettings) -> Result<(), GpuError> {
-        self.run("condense", &self.kernels.condense, settings, 0, &self.compliance, &[0, 1])
-    }
-
-    fn run(
-        &self,
-        what: &'static str,
-        stage: &Stage,
-        settings: &PcgSettings,
-        step_count: u32,
-        last: &wgpu::Buffer,
-        entries: &[usize],
-    ) -> Result<(), GpuError> {
-        let gpu = self.kernels.gpu;
-        gpu.checked(what, || {
-            let bindings = [
-                &uniform_buffer(&gpu.device, &self.layout.parameters(settings, step_count)),
-                &self.row_starts,
-                &self.columns,
-                &self.diagonal_places,
-                &self.values,
-                &self.iterates,
-                &self.norms,
-                last,
-            ];
-            self.submit(
-                stage,
-                &bindings,
-                entries,
-                [self.body_count as u32, self.layout.block_count() as u32],
-            );
+    pub fn pcg(&self, settings: &RefineSettings, step_count: u32) -> Result<(), GpuError> {
+        let Kernels { gpu, narrow, pcg, refine, .. } = self.kernels;
+        let groups = self.block_groups();
+        gpu.checked("pcg", || {
+            let parameters = uniform_buffer(&gpu.device, &self.layout.parameters(settings, step_count));
+            let bind = |stage, values, others: &[&wgpu::Buffer]| {
+                let sparsity = [&parameters, &self.row_starts, &self.columns, &self.diagonal_places, values];
+                self.bind(stage, &[&sparsity, others].concat())
+            };
+            let steps = bind(pcg, &self.narrowed, &[&self.iterates, &self.norms, &self.states]);
+            let others = [&self.iterates, &self.norms, &self.states, &self.solutions];
+            let rounds = bind(refine, &self.values, &others);
+            let [start, next, last] = [0, 1, 2].map(|entry| (&refine.pipelines[entry], &rounds, groups));
+            if let Some(narrow) = narrow {
+                let group = self.bind(narrow, &[&parameters, &self.values, &self.narrowed]);
+                self.submit([(&narrow.pipelines[0], &group, [groups[0], 1])]);
+            }
+            self.submit([start]);
+            let dispatches = settings.iteration_limit.div_ceil(step_count as usize);
+            for round in 0..=settings.round_limit {
+                let end = if round == settings.round_limit { last } else { next };
+                let steps = std::iter::repeat_n((&pcg.pipelines[0], &steps, groups), dispatches);
+                self.submit(steps.chain([end]));
+            }
         })
     }
 
-    /// One dispatch for each of `entries`, in order.
-    fn submit(&self, stage: &Stage, bindings: &[&wgpu::Buffer], entries: &[usize], groups: [u32; 2]) {
-        let GpuDevice { device, queue, .. } = self.kernels.gpu;
+    /// From the columns as they are, the compliances of the rings.
+    pub fn condense(&self) -> Result<(), GpuError> {
+        let Kernels { gpu, condense, .. } = self.kernels;
+        gpu.checked("condense", || {
+            let parameters = uniform_buffer(&gpu.device, &self.layout.parameters(&NOTHING_TO_SOLVE, 0));
+            let group = self.bind(condense, &[&parameters, &self.solutions, &self.compliance]);
+            self.submit([(&condense.pipelines[0], &group, self.block_groups())]);
+        })
+    }
+
+    /// All stages: from the numbers of each body to the compliance of its ring.
+    pub fn assemble_and_condense(
+        &self,
+        mesh: &MeshLayout,
+        body_numbers: &[f64],
+        settings: &RefineSettings,
+        step_count: u32,
+    ) -> Result<(), GpuError> {
+        self.assemble(mesh, body_numbers)?;
+        self.pcg(settings, step_count)?;
+        self.condense()
+    }
+
+    /// Workgroups of the stages that have one for each body and block of columns.
+    fn block_groups(&self) -> [u32; 2] {
+        [self.body_count as u32, self.layout.block_count() as u32]
+    }
+
+    fn bind(&self, stage: &Stage, bindings: &[&wgpu::Buffer]) -> wgpu::BindGroup {
         let resources = bindings.iter().map(|buffer| buffer.as_entire_binding());
         let bound =
             (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        self.kernels.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &stage.layout,
             entries: &bound.collect::<Vec<_>>(),
-        });
+        })
+    }
+
+    /// Dispatches in order, each of a kernel, its bindings and its workgroups.
+    fn submit<'b>(
+        &self,
+        dispatches: impl IntoIterator<Item = (&'b wgpu::ComputePipeline, &'b wgpu::BindGroup, [u32; 2])>,
+    ) {
+        let GpuDevice { device, queue, .. } = self.kernels.gpu;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for &entry in entries {
+        for (pipeline, group, groups) in dispatches {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&stage.pipelines[entry]);
-            pass.set_bind_group(0, &group, &[]);
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[]);
             pass.dispatch_workgroups(groups[0], groups[1], 1);
         }
         queue.submit([encoder.finish()]);
@@ -163,15 +197,15 @@ impl<'a> SystemBatch<'a> {
 
     /// The matrices, `[body][value]`.
     pub fn read_values(&self) -> Result<Vec<f64>, GpuError> {
-        self.read_reals(&self.values)
+        self.read_wides(&self.values)
     }
 
     /// The solutions, `[body][system][unknown]`, with systems beyond the ring's unknowns.
     pub fn read_columns(&self) -> Result<Vec<f64>, GpuError> {
         let size = self.layout.unknown_count();
-        let iterates = self.read_reals(&self.iterates)?;
-        // Of [body][block][x, r, p, q][unknown][system in block] the x.
-        let blocks = iterates.chunks_exact(16 * size);
+        let solutions = self.read_wides(&self.solutions)?;
+        // Of [body][block][x, b - K x][unknown][system in block] the x.
+        let blocks = solutions.chunks_exact(8 * size);
         Ok(blocks
             .flat_map(|block| {
                 (0..4).flat_map(move |system| block[system..4 * size].iter().step_by(4).copied())
@@ -181,38 +215,32 @@ impl<'a> SystemBatch<'a> {
 
     /// The compliances of the rings, `[body][row][column]`.
     pub fn read_compliance(&self) -> Result<Vec<f64>, GpuError> {
-        let padded = self.read_reals(&self.compliance)?;
+        let padded = self.read_wides(&self.compliance)?;
         let rows = padded.chunks_exact(self.layout.system_count());
         Ok(rows.flat_map(|row| row[..self.layout.ring_count()].iter().copied()).collect())
     }
 
     pub fn read_reports(&self) -> Result<SystemReports, GpuError> {
         let states = bytemuck::pod_collect_to_vec(&self.read(&self.states)?);
-        let norms = self.read_reals(&self.norms)?;
+        let norms = self.read_wides(&self.norms)?;
         let blocks = || norms.chunks_exact(12);
-        let recursive = |block: &'_ [f64], system: usize| {
-            let (norm, norm_b) = (block[system].sqrt(), block[4 + system]);
-            if norm == 0.0 { 0.0 } else { norm / norm_b }
-        };
         Ok(SystemReports {
             states,
-            recursive_residuals: blocks()
-                .flat_map(|block| [0, 1, 2, 3].map(|i| recursive(block, i)))
-                .collect(),
+            recursive_residuals: blocks().flat_map(|block| [0, 1, 2, 3].map(|i| block[i].sqrt())).collect(),
             true_residuals: blocks().flat_map(|block| [8, 9, 10, 11].map(|i| block[i])).collect(),
         })
     }
 
     /// Coordinates less those of the ring's point of their line, `[body][row][column]`.
     pub fn read_reaches(&self, geometry: &Geometry) -> Result<Vec<[f64; 2]>, GpuError> {
-        let numbers = self.read_reals(&geometry.buffer)?;
+        let numbers = self.read_wides(&geometry.buffer)?;
         let bodies = numbers.chunks_exact(2 * geometry.size);
         Ok(bodies
             .flat_map(|body| body[..2 * geometry.grid].chunks_exact(2).map(|place| [place[0], place[1]]))
             .collect())
     }
 
-    fn read_reals(&self, buffer: &wgpu::Buffer) -> Result<Vec<f64>, GpuError> {
+    fn read_wides(&self, buffer: &wgpu::Buffer) -> Result<Vec<f64>, GpuError> {
         Ok(self.kernels.precision.decode(&self.read(buffer)?))
     }
 
@@ -241,6 +269,10 @@ impl<'a> SystemBatch<'a> {
         Ok(view.to_vec())
     }
 }
+
+/// For kernels that are told sizes only.
+const NOTHING_TO_SOLVE: RefineSettings =
+    RefineSettings { tolerance: 0.0, goal: 0.0, round_limit: 0, iteration_limit: 0 };
 
 /// A batch that takes longer hangs. After that even letting go of the device may block.
 const LONGEST_WAIT: Duration = Duration::from_secs(120);
