@@ -15,6 +15,8 @@ struct ContactParameters {
     slot_size: u32,
     // Of one search.
     evaluation_limit: u32,
+    // TERMS, as a number that compilers do not know: loops that they unroll by hundreds take seconds to compile.
+    term_count: u32,
 }
 
 struct Step {
@@ -34,9 +36,8 @@ struct Step {
 // [design][1/E of the pin, of the plate], then of each step the logarithm of e over what the load prescribes.
 @group(0) @binding(4) var<storage, read> numbers: array<wide>;
 @group(0) @binding(5) var<storage, read> steps: array<Step>;
-// [design][sample][ln(delta/e), ln(F/dR)], BEYOND in the first where there is no state, and in the second where no
-// clearance reaches.
-@group(0) @binding(6) var<storage, read_write> samples: array<wide2>;
+// [design][sample]: the `Readings` of each state, 0 in the last where there is none.
+@group(0) @binding(6) var<storage, read_write> samples: array<wide4>;
 // [step][RESPONSE_SIZE]; the twin is `contact::LoadResponse`.
 @group(0) @binding(7) var<storage, read_write> responses: array<wide>;
 
@@ -45,9 +46,9 @@ const SAMPLES = NODES + 1u;
 const RESPONSE_SIZE = 12u;
 const NONE = 0xffffffffu;
 const SMALLEST = wide(1e-18);
-const BEYOND = wide(1e30);
-const PI = wide(3.14159265358979323846264338327950288lf);
-const HALF_PI = wide(1.57079632679489661923132169163975144lf);
+const FAR_BELOW = wide(-1e30);
+const PI = wide(3.14159265358979323846264338327950288);
+const HALF_PI = wide(1.57079632679489661923132169163975144);
 
 // How a search ended.
 const FOUND = 0u;
@@ -70,6 +71,10 @@ var<private> matrix: array<wide, ENTRIES>;
 var<private> pressure: array<wide, TERMS>;
 // Of the nodes in eps at one half angle.
 var<private> weights: array<wide, NODES>;
+
+fn entry_count() -> u32 {
+    return parameters.term_count * (parameters.term_count + 1u) / 2u;
+}
 
 fn node_half_angle(node: u32) -> wide {
     return space[4u + 3u * node + 2u];
@@ -100,7 +105,7 @@ fn weigh(half_angle: wide) {
 
 // The joint's compliance at the half angle of the weights.
 fn interpolate(pin: u32, plate: u32, share: wide2) {
-    for (var entry = 0u; entry < ENTRIES; entry++) {
+    for (var entry = 0u; entry < entry_count(); entry++) {
         var sum = wide(0.0);
         // Four nodes a trip: Mesa 22 bounds the trips of an invocation.
         for (var node = 0u; node < NODES; node += 4u) {
@@ -119,7 +124,7 @@ fn interpolate(pin: u32, plate: u32, share: wide2) {
 
 // The joint's compliance at a node.
 fn gather(pin: u32, plate: u32, share: wide2, node: u32) {
-    for (var entry = 0u; entry < ENTRIES; entry++) {
+    for (var entry = 0u; entry < entry_count(); entry++) {
         let at = SLOT_HEADER + node * ENTRIES + entry;
         matrix[entry] = share.x * slots[pin + at] + share.y * slots[plate + at];
     }
@@ -133,14 +138,14 @@ fn evaluate(b: wide, ln_b: wide, amplitude: wide) -> State {
     var load_versine: array<wide, TERMS>;
     load_versine[0] = PI / (root * (wide(1.0) + root));
     var next_versine = PI / (root * (wide(1.0) + root) * (wide(1.0) + root));
-    for (var k = 1u; k < TERMS; k++) {
+    for (var k = 1u; k < parameters.term_count; k++) {
         load_versine[k] = next_versine;
         next_versine *= -(t * t);
     }
     var one: array<wide, TERMS>;
     var versine: array<wide, TERMS>;
     var inverse: array<wide, TERMS>;
-    for (var row = 0u; row < TERMS; row++) {
+    for (var row = 0u; row < parameters.term_count; row++) {
         let of_row = row * (row + 1u) / 2u;
         for (var column = 0u; column <= row; column++) {
             let of_column = column * (column + 1u) / 2u;
@@ -167,11 +172,11 @@ fn evaluate(b: wide, ln_b: wide, amplitude: wide) -> State {
         one[row] = own_one * inverse[row];
         versine[row] = own_versine * inverse[row];
     }
-    for (var back = 0u; back < TERMS; back++) {
+    for (var back = 0u; back < parameters.term_count; back++) {
         let row = TERMS - 1u - back;
         var own_one = one[row];
         var own_versine = versine[row];
-        for (var k = row + 1u; k < TERMS; k++) {
+        for (var k = row + 1u; k < parameters.term_count; k++) {
             let entry = matrix[k * (k + 1u) / 2u + row];
             own_one -= entry * one[k];
             own_versine -= entry * versine[k];
@@ -181,13 +186,13 @@ fn evaluate(b: wide, ln_b: wide, amplitude: wide) -> State {
     }
     var sum_one = wide(0.0);
     var sum_versine = wide(0.0);
-    for (var k = 0u; k < TERMS; k++) {
+    for (var k = 0u; k < parameters.term_count; k++) {
         sum_one += one[k];
         sum_versine += versine[k];
     }
     var state: State;
     state.indentation = sum_versine / sum_one;
-    for (var k = 0u; k < TERMS; k++) {
+    for (var k = 0u; k < parameters.term_count; k++) {
         let load_one = select(wide(0.0), HALF_PI, k == 0u);
         let cosine = wide(2.0) * (load_one - b * b * load_versine[k]);
         pressure[k] = state.indentation * one[k] - versine[k];
@@ -199,17 +204,14 @@ fn evaluate(b: wide, ln_b: wide, amplitude: wide) -> State {
     return state;
 }
 
-// [ln(delta/e), ln(F/dR)] of a sound state; far below all others where it has neither.
-fn logarithms(state: State, b: wide, ln_b: wide) -> wide2 {
-    if !(state.indentation > wide(0.0) && state.force > wide(0.0)) {
-        return wide2(-BEYOND, -BEYOND);
+// What a search must know of a state: ln(delta/e), ln(F/e), dR/e, and 1. The logarithms are far below all others where
+// there is nothing to take them of.
+fn readings_of(state: State, b: wide, ln_b: wide) -> wide4 {
+    var logarithms = wide2(FAR_BELOW, FAR_BELOW);
+    if state.indentation > wide(0.0) && state.force > wide(0.0) {
+        logarithms = wide2(logarithm(state.indentation), logarithm(state.force)) + wide(2.0) * ln_b;
     }
-    let clearance = wide(1.0) - b * b * state.indentation;
-    var of_force = BEYOND;
-    if clearance > wide(0.0) {
-        of_force = logarithm(state.force) + wide(2.0) * ln_b - logarithm(clearance);
-    }
-    return wide2(logarithm(state.indentation) + wide(2.0) * ln_b, of_force);
+    return wide4(logarithms, wide(1.0) - b * b * state.indentation, wide(1.0));
 }
 
 fn are_sound(of_design: vec4<u32>) -> bool {
@@ -250,11 +252,11 @@ fn sample(
     let b = tangent(wide(0.5) * sample_half_angle(own));
     let ln_b = logarithm(b);
     let state = evaluate(b, ln_b, joint_amplitude(pin, plate, share));
-    var logs = wide2(BEYOND, BEYOND);
+    var readings = wide4();
     if state.is_sound && are_sound(of_design) {
-        logs = logarithms(state, b, ln_b);
+        readings = readings_of(state, b, ln_b);
     }
-    samples[index] = logs;
+    samples[index] = readings;
 }
 
 // The position at which the polynomial through (position, value), taken as position of value, has the value zero.
@@ -277,10 +279,10 @@ fn inverse_interpolation(points: array<wide2, 4>, count: u32) -> wide {
 fn samples_in_use(first: u32) -> u32 {
     var count = SAMPLES;
     for (var i = 0u; i < SAMPLES; i++) {
-        if samples[first + i].x == BEYOND {
+        if samples[first + i].w == wide(0.0) {
             return 0u;
         }
-        if count == SAMPLES && samples[first + i].y == BEYOND {
+        if count == SAMPLES && samples[first + i].z <= wide(0.0) {
             count = i + 1u;
         }
     }
@@ -292,21 +294,24 @@ fn samples_in_use(first: u32) -> u32 {
     return count;
 }
 
-// What a load makes of logarithms: the logarithm of the state's load over it, BEYOND where that is without bound.
-fn excess_of(logs: wide2, step: u32) -> wide {
+// How much the state's load exceeds the one asked: the logarithm of their ratio. A force grows without bound towards a
+// neat fit, where dR/e ends; so there it is the difference of dR/e and what it should be, which goes on beyond.
+fn excess_of(readings: wide4, step: u32) -> wide {
+    let factor = numbers[2u * parameters.design_count + step];
     if steps[step].by_force == 0u {
-        return logs.x + numbers[2u * parameters.design_count + step];
+        return readings.x + factor;
     }
-    if logs.y == BEYOND {
-        return BEYOND;
+    let wanted = readings.y + factor;
+    if readings.z > wide(0.5) {
+        return wanted - logarithm(readings.z);
     }
-    return logs.y + numbers[2u * parameters.design_count + step];
+    return exponential(min(wanted, wide(80.0))) - readings.z;
 }
 
 // The quadratic form of the change of a body's compliance with the pressure, of the weights' half angle.
 fn work_of_change(fine: u32, coarse: u32) -> wide {
     var work = wide(0.0);
-    for (var row = 0u; row < TERMS; row++) {
+    for (var row = 0u; row < parameters.term_count; row++) {
         for (var column = 0u; column <= row; column++) {
             let entry = row * (row + 1u) / 2u + column;
             var sum = wide(0.0);
@@ -328,7 +333,7 @@ fn series_of_pressure(i: u32) -> wide {
     let cosines = 4u + 3u * NODES;
     var sum = wide(0.0);
     var turned = 0u;
-    for (var k = 0u; k < TERMS; k++) {
+    for (var k = 0u; k < parameters.term_count; k++) {
         sum += pressure[k] * space[cosines + turned];
         turned += i;
         turned -= select(0u, 4u * TERMS, turned >= 4u * TERMS);
@@ -349,7 +354,7 @@ fn pressure_is_positive() -> bool {
 fn truncation() -> wide {
     let tail = abs(pressure[TERMS - 2u]) + abs(pressure[TERMS - 1u]);
     var most = wide(0.0);
-    for (var k = 0u; k < TERMS; k++) {
+    for (var k = 0u; k < parameters.term_count; k++) {
         most = max(most, abs(pressure[k]));
     }
     return (tail / most) * (tail / most);
@@ -408,17 +413,15 @@ fn find(
     let below = above - 1u;
     let origin = sample_half_angle(below);
     var points: array<wide2, 4>;
-    var point_count = 0u;
-    for (var i = max(below, 1u) - 1u; i <= min(above + 1u, count - 1u); i++) {
-        let excess = excess_of(samples[first + i], step);
-        if excess != BEYOND {
-            points[point_count] = wide2(logarithm(sample_half_angle(i) / origin), excess);
-            point_count += 1u;
-        }
+    let first_point = max(below, 1u) - 1u;
+    let last_point = min(above + 1u, count - 1u);
+    for (var i = first_point; i <= last_point; i++) {
+        let position = logarithm(sample_half_angle(i) / origin);
+        points[i - first_point] = wide2(position, excess_of(samples[first + i], step));
     }
     var a = wide2(wide(0.0), excess_of(samples[first + below], step));
     var b = wide2(logarithm(sample_half_angle(above) / origin), excess_of(samples[first + above], step));
-    var next = inverse_interpolation(points, point_count);
+    var next = inverse_interpolation(points, last_point + 1u - first_point);
     if !(next > a.x && next < b.x) {
         next = wide(0.5) * (a.x + b.x);
     }
@@ -437,9 +440,10 @@ fn find(
             finish(step, BROKEN);
             return;
         }
-        let excess = excess_of(logarithms(state, edge, ln_b), step);
+        let readings = readings_of(state, edge, ln_b);
+        let excess = excess_of(readings, step);
         let is_narrow = b.x - a.x < space[2] * max(wide(1.0), b.x);
-        if abs(excess) < space[1] || (is_narrow && excess != BEYOND) {
+        if abs(excess) < space[1] || is_narrow {
             is_found = true;
             break;
         }
@@ -451,15 +455,12 @@ fn find(
         } else {
             b = wide2(next, excess);
         }
-        next = wide(0.5) * (a.x + b.x);
-        if b.y != BEYOND && dropped.y != BEYOND {
-            points[0] = a;
-            points[1] = b;
-            points[2] = dropped;
-            let guess = inverse_interpolation(points, 3u);
-            if guess > a.x && guess < b.x {
-                next = guess;
-            }
+        points[0] = a;
+        points[1] = b;
+        points[2] = dropped;
+        next = inverse_interpolation(points, 3u);
+        if !(next > a.x && next < b.x) {
+            next = wide(0.5) * (a.x + b.x);
         }
     }
     if !is_found {
@@ -474,7 +475,7 @@ fn find(
         change += share.y * abs(work_of_change(plate, of_design.w * parameters.slot_size));
     }
     var peak = wide(0.0);
-    for (var k = 0u; k < TERMS; k++) {
+    for (var k = 0u; k < parameters.term_count; k++) {
         peak += select(pressure[k], -pressure[k], k % 2u == 1u);
     }
     let at = step * RESPONSE_SIZE;

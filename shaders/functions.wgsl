@@ -21,9 +21,10 @@ fn exp_minus_one(x: wide) -> wide {
     return value;
 }
 
-// e^x, x >= 0: the doubling above loses all digits of a small e^x.
+// e^x; by way of e^|x|, since the doubling above loses all digits of a small e^x.
 fn exponential(x: wide) -> wide {
-    return wide(1.0) + exp_minus_one(x);
+    let large = wide(1.0) + exp_minus_one(abs(x));
+    return select(large, wide(1.0) / large, x < wide(0.0));
 }
 
 // ln x of a positive x in the range of f32: its logarithm y in f32, and in f64 the rest,
@@ -33,8 +34,7 @@ fn logarithm(x: wide) -> wide {
     if !IS_WIDE_DOUBLE {
         return guess;
     }
-    let power = exponential(abs(guess));
-    let ratio = select(x * power, x / power, guess > wide(0.0));
+    let ratio = x * exponential(-guess);
     let share = (ratio - wide(1.0)) / (ratio + wide(1.0));
     return guess + wide(2.0) * share * (wide(1.0) + share * share / wide(3.0));
 }

@@ -14,14 +14,6 @@ struct GramParameters {
     arc_count: u32,
     // Of a whole slot.
     slot_size: u32,
-    // A body with a larger |b - K x|/|b| is not solved.
-    residual_limit: f32,
-}
-
-// Which near field is a body's own, and where its compliance goes.
-struct GramBody {
-    near_field: u32,
-    slot: u32,
 }
 
 @group(0) @binding(0) var<uniform> parameters: GramParameters;
@@ -29,9 +21,10 @@ struct GramBody {
 @group(0) @binding(1) var<storage, read> compliance: array<wide4>;
 // [arc][ring unknown][k]
 @group(0) @binding(2) var<storage, read> loads: array<wide>;
-// [class][node of Poisson's ratio][arc][entry]
-@group(0) @binding(3) var<storage, read> near_fields: array<wide>;
-@group(0) @binding(4) var<storage, read> bodies: array<GramBody>;
+// [node of Poisson's ratio][arc][entry]
+@group(0) @binding(3) var<storage, read> near_field: array<wide>;
+// [body]: where its compliance goes.
+@group(0) @binding(4) var<storage, read> targets: array<u32>;
 // [body][amplitude, then the share of each node of Poisson's ratio]
 @group(0) @binding(5) var<storage, read> shares: array<wide>;
 // [body][system]
@@ -65,7 +58,7 @@ fn worst_residual(body: u32) -> wide {
         let residuals = norms[3u * (body * parameters.block_count + block) + 2u];
         for (var i = 0u; i < 4u; i++) {
             let outcome = states[4u * (body * parameters.block_count + block) + i].outcome;
-            if (outcome != CONVERGED && outcome != STAGNATED) || !is_finite(residuals[i]) {
+            if outcome != CONVERGED {
                 return BEYOND;
             }
             worst = max(worst, residuals[i]);
@@ -82,7 +75,7 @@ fn gram(
     let body = group.x;
     let arc = group.y;
     let ring_count = parameters.ring_count;
-    let slot = bodies[body].slot * parameters.slot_size;
+    let slot = targets[body] * parameters.slot_size;
     let arc_loads = arc * ring_count * TERMS;
     var sums: array<wide, OWN>;
     for (var own = 0u; own < OWN; own++) {
@@ -119,21 +112,20 @@ fn gram(
             }
         }
     }
-    let near_field = (bodies[body].near_field * NEAR_FIELD_NODES * parameters.arc_count + arc) * ENTRIES;
     for (var own = 0u; own < OWN; own++) {
         let entry = invocation + own * INVOCATIONS;
         if entry < ENTRIES {
             var sum = sums[own];
             for (var node = 0u; node < NEAR_FIELD_NODES; node++) {
                 let share = shares[body * (1u + NEAR_FIELD_NODES) + 1u + node];
-                sum += share * near_fields[near_field + node * parameters.arc_count * ENTRIES + entry];
+                sum += share * near_field[(node * parameters.arc_count + arc) * ENTRIES + entry];
             }
             slots[slot + SLOT_HEADER + arc * ENTRIES + entry] = sum;
         }
     }
     if arc == 0u && invocation == 0u {
         let residual = worst_residual(body);
-        slots[slot] = select(wide(0.0), wide(1.0), f32(residual) <= parameters.residual_limit);
+        slots[slot] = select(wide(1.0), wide(0.0), residual == BEYOND);
         slots[slot + 1u] = shares[body * (1u + NEAR_FIELD_NODES)];
         slots[slot + 2u] = residual;
     }

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+mod backend;
 mod bench;
 mod devices;
 mod progress;
@@ -41,9 +42,8 @@ struct RunArgs {
     /// Folder of the result [default: out/<config's name>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// What computes
-    #[arg(long, value_enum, default_value_t = Backend::Auto)]
-    backend: Backend,
+    #[command(flatten)]
+    backend: BackendArgs,
     /// Threads that compute [default: all cores]
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -74,12 +74,34 @@ struct BenchArgs {
     out: PathBuf,
 }
 
+#[derive(Args)]
+struct BackendArgs {
+    /// What computes
+    #[arg(long, value_enum, default_value_t = Backend::Auto)]
+    backend: Backend,
+    /// The GPU whose name or driver holds this, software too; `jointsweep devices` lists them
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// The numbers a GPU computes in [default: mixed where it has f64, else f32]
+    #[arg(long, value_enum)]
+    precision: Option<Precision>,
+}
+
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Backend {
-    /// The fastest there is
+    /// A GPU for large sweeps on meshes where there is one, else the processor
     Auto,
     Cpu,
+    /// A GPU, and the processor where there is none or it is lost
     Gpu,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Precision {
+    F32,
+    F64,
+    /// Conjugate gradients in f32, refined in f64; all else in f64
+    Mixed,
 }
 
 /// How a command that met no error has ended.

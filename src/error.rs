@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::engine::backend::gpu::context::GpuError;
+
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     #[error("cannot {action} {path}: {source}", path = path.display())]
@@ -28,8 +30,11 @@ pub enum Error {
     #[error("{}: the run to measure failed: {problem}", config.display())]
     MeasuredRun { config: PathBuf, problem: String },
 
-    #[error("this build has no GPU backend")]
-    NoGpu,
+    #[error("--adapter names a GPU, --backend cpu asks for none: leave one of them out")]
+    AdapterForCpu,
+
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
 }
 
 /// `file:line: key: `, without the parts that are not known.

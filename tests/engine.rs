@@ -5,10 +5,13 @@
 mod random;
 
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::backend::gpu::context::GpuError;
+use jointsweep::engine::backend::{Backend, Solver};
 use jointsweep::engine::cost;
-use jointsweep::engine::outcome::{Method, Response, StepOutcome};
+use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
 use jointsweep::engine::plan::{JointPlan, first_level, mesh_error};
 use jointsweep::engine::request::mesh_size;
 use jointsweep::engine::sweep::{self, Statistics, SweepOptions};
@@ -334,4 +337,64 @@ fn unknowns_are_those_of_the_mesh() {
             assert!((-0.1..0.25).contains(&excess), "{} level {level}: {excess}", body.shape.name);
         }
     }
+}
+
+/// An accelerator that gives up at its second batch.
+struct GivesUp(CpuBackend, u32);
+
+impl Backend for GivesUp {
+    fn solve(&mut self, cases: &[DesignCase]) -> Result<Vec<DesignOutcome>, GpuError> {
+        self.1 += 1;
+        if self.1 == 2 {
+            return Err(GpuError::NoAdapter);
+        }
+        assert!(self.1 < 2, "asked again after it gave up");
+        let mut outcomes = self.0.solve(cases);
+        outcomes.iter_mut().for_each(|outcome| outcome.backend = BackendKind::Gpu);
+        Ok(outcomes)
+    }
+
+    fn batch_size(&self) -> usize {
+        3
+    }
+
+    fn stages(&self) -> Vec<(&'static str, Duration)> {
+        vec![("contact", Duration::from_secs(1000)), ("its own", Duration::from_secs(1))]
+    }
+
+    fn worst_residual(&self) -> f64 {
+        1e-5
+    }
+}
+
+/// The processor takes over with the batch at hand: every design once, in order, and the reason told once.
+#[test]
+fn an_accelerator_that_gives_up_loses_no_design() {
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Auto };
+    let design = |index: u64| DesignCase {
+        index,
+        ..case(joint(disc(), ring(2.0 + index as f64)), &[Load::Indentation(0.01)])
+    };
+    let cases: Vec<DesignCase> = (0..8).map(design).collect();
+    let mut solver = Solver::with(Box::new(GivesUp(CpuBackend::new(options), 0)), options);
+    assert_eq!((solver.batch_size(), solver.worst_residual()), (3, Some(1e-5)));
+    let mut outcomes = Vec::new();
+    let mut reasons = Vec::new();
+    for batch in cases.chunks(3) {
+        let (solved, reason) = solver.solve(batch);
+        outcomes.extend(solved);
+        reasons.extend(reason);
+    }
+    assert_eq!(reasons, [GpuError::NoAdapter]);
+    let expected = CpuBackend::new(options).solve(&cases);
+    for (index, (outcome, expected)) in outcomes.iter().zip(&expected).enumerate() {
+        assert_eq!((outcome.case.index, &outcome.steps), (index as u64, &expected.steps));
+        assert_eq!(outcome.backend, if index < 3 { BackendKind::Gpu } else { BackendKind::Cpu });
+    }
+    assert_eq!(outcomes.len(), cases.len());
+    // Times of both, those of one stage together; the batch is the processor's own size now.
+    assert!(solver.stages().iter().any(|(name, time)| *name == "contact" && time.as_secs() == 1000));
+    assert!(solver.stages().contains(&("its own", Duration::from_secs(1))));
+    assert!(solver.batch_size() > 3);
+    assert_eq!(solver.worst_residual(), Some(1e-5));
 }

@@ -1,67 +1,21 @@
 //! Finite elements against the exact `series`, and against themselves on the finest mesh where there is no series.
 //!
-//! Designs are drawn over the whole range the program is meant for: dissimilar materials, both idealizations, dR/R2 from
-//! 1e-6 to 0.03, delta/dR from 0.01 to 100, plates from thin (1.2) to wide (50). What is seen stands in
-//! docs/verification.md; run with `--nocapture` to see it again.
+//! What is seen stands in docs/verification.md; run with `--nocapture` to see it again.
 
+#[path = "common/draws.rs"]
+mod draws;
 #[path = "common/random.rs"]
 mod random;
 
+use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
 use jointsweep::engine::backend::cpu::CpuBackend;
 use jointsweep::engine::outcome::Response;
-use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
-use jointsweep::mechanics::material::{Idealization, Material};
 use jointsweep::study::config::{MethodChoice, SolveOptions};
-use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
-use random::Random;
+use jointsweep::study::design::DesignCase;
 
 /// Designs drawn for the comparison with `series`, and for each with the finest mesh, which takes longer.
 const COUNT: u64 = 300;
 const COUNT_FINEST: u64 = 150;
-
-fn part(random: &mut Random, shape: &'static Shape, parameters: [f64; 3], support: usize) -> Part {
-    let material =
-        Material { youngs_modulus: random.log(1e3, 5e5), poissons_ratio: random.linear(0.0, 0.49) };
-    Part { shape, parameters, support, material }
-}
-
-/// Designs with the bodies that `shapes` draws.
-fn draw(seed: u64, count: u64, shapes: fn(&mut Random) -> (Part, Part)) -> Vec<DesignCase> {
-    let mut random = Random::new(seed);
-    (0..count)
-        .map(|index| {
-            let hole_radius = random.log(1.0, 1000.0);
-            let radial_clearance = hole_radius * random.log(1e-6, 0.03);
-            let indentation = radial_clearance * random.log(0.01, 100.0);
-            let (pin, plate) = shapes(&mut random);
-            let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
-            let joint =
-                JointDesign { idealization, hole_radius, radial_clearance, thickness: 1.0, pin, plate };
-            DesignCase { index, joint, steps: vec![Load::Indentation(indentation)] }
-        })
-        .collect()
-}
-
-fn concentric(random: &mut Random) -> (Part, Part) {
-    let core = random.linear(0.03, 0.8);
-    let ratio = random.log(1.2, 50.0);
-    (
-        part(random, &cored_disc::SHAPE, [core, 0.0, 0.0], 0),
-        part(random, &annulus::SHAPE, [ratio, 0.0, 0.0], 0),
-    )
-}
-
-fn half_disc_in_annulus(random: &mut Random) -> (Part, Part) {
-    let ratio = random.log(1.2, 50.0);
-    (part(random, &half_disc::SHAPE, [0.0; 3], 0), part(random, &annulus::SHAPE, [ratio, 0.0, 0.0], 0))
-}
-
-fn disc_in_block(random: &mut Random) -> (Part, Part) {
-    let core = random.linear(0.03, 0.8);
-    let ratios = [random.log(1.2, 10.0), random.log(1.2, 10.0), random.log(1.2, 10.0)];
-    let support = (random.unit() * 2.0) as usize;
-    (part(random, &cored_disc::SHAPE, [core, 0.0, 0.0], 0), part(random, &block::SHAPE, ratios, support))
-}
 
 fn solve(cases: &[DesignCase], method: MethodChoice, accuracy: f64) -> Vec<Option<Response>> {
     let outcomes = CpuBackend::new(SolveOptions { accuracy, method }).solve(cases);

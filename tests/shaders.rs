@@ -3,12 +3,18 @@
 use std::mem::offset_of;
 
 use jointsweep::engine::backend::gpu::batch::KernelFacts;
+use jointsweep::engine::backend::gpu::contact::{ContactParameters, NO_SLOT, RESPONSE_SIZE, Step};
 use jointsweep::engine::backend::gpu::kernels::{
     ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE,
 };
+use jointsweep::engine::backend::gpu::kernels::{CONTACT, GRAM};
 use jointsweep::engine::backend::gpu::layout::{
     AssembleParameters, SystemOutcome, SystemParameters, SystemState,
 };
+use jointsweep::engine::backend::gpu::slots::GramParameters;
+use jointsweep::engine::backend::gpu::trial;
+use jointsweep::mechanics::compliance::NODE_COUNT;
+use jointsweep::mechanics::compliance::arc::TERM_CHOICES;
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
@@ -138,8 +144,9 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
 /// Group 0, binding by binding: one uniform, then storage, read or written as the host binds it.
 #[test]
 fn bindings_are_as_the_host_makes_them() {
-    for file in KERNEL_FILES {
-        let module = module(file, Precision::F32);
+    let of_bodies = KERNEL_FILES.map(|file| (file, module(file, Precision::F32)));
+    let of_trials = [&GRAM, &CONTACT].map(|file| (file, trial_module(file, Precision::F32, 10)));
+    for (file, module) in of_bodies.into_iter().chain(of_trials) {
         let mut bindings: Vec<(u32, naga::AddressSpace)> = module
             .global_variables
             .iter()
@@ -207,4 +214,56 @@ fn outcomes_have_the_same_numbers() {
         assert_eq!(SystemState { outcome: number, iterations: 0 }.outcome(), Some(outcome));
     }
     assert_eq!(SystemState { outcome: 7, iterations: 0 }.outcome(), None);
+}
+
+fn trial_module(file: &KernelFile, precision: Precision, terms: usize) -> naga::Module {
+    let source = trial::source(file, precision, 64, terms);
+    check(&source, capabilities(precision)).unwrap_or_else(|error| panic!("{error}")).0
+}
+
+#[test]
+fn every_variant_of_the_trial_pressures_is_valid() {
+    for file in [&GRAM, &CONTACT] {
+        for precision in PRECISIONS {
+            for terms in TERM_CHOICES {
+                let module = trial_module(file, precision, terms);
+                let found: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+                assert_eq!(found, file.entry_points, "{}", file.name);
+            }
+        }
+        assert!(check(&trial::source(file, Precision::F64, 64, 10), Capabilities::empty()).is_err());
+    }
+}
+
+#[test]
+fn structs_of_the_trial_pressures_are_the_same_on_both_sides() {
+    let gram: Layout = layout_here!(GramParameters, ring_count, block_count, arc_count, slot_size);
+    let contact: Layout =
+        layout_here!(ContactParameters, design_count, step_count, slot_size, evaluation_limit, term_count);
+    let step: Layout = layout_here!(Step, design, by_force);
+    for precision in PRECISIONS {
+        let module = trial_module(&GRAM, precision, 10);
+        assert_eq!(layout_in(&module, "GramParameters").as_ref(), Some(&gram));
+        let module = trial_module(&CONTACT, precision, 10);
+        assert_eq!(layout_in(&module, "ContactParameters").as_ref(), Some(&contact));
+        assert_eq!(layout_in(&module, "Step").as_ref(), Some(&step));
+    }
+    assert_ne!(contact, gram);
+}
+
+/// Sizes and codes that stand on both sides as numbers.
+#[test]
+fn numbers_of_the_trial_pressures_are_the_same_on_both_sides() {
+    let source = trial::source(&CONTACT, Precision::F32, 64, 16);
+    for (name, number) in [
+        ("RESPONSE_SIZE", RESPONSE_SIZE as u64),
+        ("TERMS", 16),
+        ("NODES", NODE_COUNT as u64),
+        ("SLOT_HEADER", trial::SLOT_HEADER as u64),
+    ] {
+        assert!(source.contains(&format!("const {name} = {number}u;")), "{name}");
+    }
+    assert!(source.contains(&format!("const NONE = {NO_SLOT:#x}u;")));
+    let slot = trial::SLOT_HEADER + NODE_COUNT * 16 * 17 / 2;
+    assert_eq!(trial::slot_size(16), slot);
 }

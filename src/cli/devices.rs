@@ -7,6 +7,7 @@ use jointsweep::Error;
 use jointsweep::engine::backend::gpu::context::{AdapterChoice, AdapterFacts, Adapters, choose};
 
 use super::Ending;
+use super::backend::WORTH_A_GPU;
 
 pub fn devices() -> Result<Ending, Error> {
     let text = listing(&Adapters::enumerate().facts);
@@ -45,11 +46,15 @@ fn listing(adapters: &[AdapterFacts]) -> String {
         }
         text.push('\n');
     }
-    let gpu = match choose(adapters, AdapterChoice::Best) {
-        Ok(index) => format!("would be {}", adapters[index].name),
-        Err(error) => error.to_string(),
+    let (auto, gpu) = match choose(adapters, AdapterChoice::Best) {
+        Ok(index) => {
+            let name = &adapters[index].name;
+            let auto = format!("{name} for {WORTH_A_GPU} designs and more on meshes, else the processor");
+            (auto, name.clone())
+        }
+        Err(error) => ("the processor".into(), format!("the processor: {error}")),
     };
-    let _ = writeln!(text, "--backend auto   the processor: this build computes sweeps on nothing else yet");
-    let _ = writeln!(text, "--backend gpu    not in this build yet; {gpu}");
+    let _ = writeln!(text, "--backend auto   {auto}");
+    let _ = writeln!(text, "--backend gpu    {gpu}");
     text
 }

@@ -35,12 +35,15 @@ pub fn summary(manifest: &Manifest, table: &Path) -> String {
         plural(counts.designs, "design", "designs"),
         plural(counts.rows, "row", "rows"),
         plural(counts.distinct_bodies, "distinct body", "distinct bodies"),
-        manifest.backend,
+        manifest.computed_by(),
         plural(manifest.threads as u64, "thread", "threads"),
     );
     _ = writeln!(text, "time by stage, summed over the threads:");
     for (stage, seconds) in &manifest.stage_seconds {
         _ = writeln!(text, "  {stage:<32}{}", duration(seconds.as_f64().unwrap_or(0.0)));
+    }
+    if let Some(on_cpu) = counts.designs_on_cpu.filter(|count| *count > 0) {
+        _ = writeln!(text, "{} came from the processor", plural(on_cpu, "design", "designs"));
     }
     if counts.failed_rows > 0 {
         let rows = plural(counts.failed_rows, "row", "rows");

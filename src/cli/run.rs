@@ -9,6 +9,7 @@ use std::thread::available_parallelism;
 use std::time::SystemTime;
 
 use jointsweep::Error;
+use jointsweep::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::engine::cost;
 use jointsweep::engine::sweep::{self, SweepOptions};
 use jointsweep::output::folder::ResultFolder;
@@ -19,13 +20,10 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::progress::Progress;
-use super::{Backend, Ending, INTERRUPTED, RunArgs, report, say};
+use super::{Ending, INTERRUPTED, RunArgs, backend, report, say};
 
 pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();
-    if args.backend == Backend::Gpu {
-        return Err(Error::NoGpu);
-    }
     let study = Study::load(&args.config)?;
     let folder = ResultFolder::check(args.out.as_deref(), &study, args.force)?;
     if args.dry_run {
@@ -34,12 +32,15 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
         return Ok(Ending::Complete);
     }
 
+    let chosen = backend::choose(&args.backend, &study)?;
     let stop = stop_on_signals();
     let threads = args.threads.or(available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    let conditions = Conditions { backend: "cpu", precision: "f64", threads, started };
+    let gpu = chosen.as_ref().map(|(device, precision)| GpuChoice { device, precision: *precision });
+    let conditions = Conditions { gpu, threads, started };
     let mut recorder = Recorder::new(folder.clone(), &study, &conditions)?;
     let mut progress = Progress::new(study.design_count(), args.quiet);
-    let outcome = sweep::run(&study, &SweepOptions { threads, ..Default::default() }, &mut |outcome| {
+    let options = SweepOptions { threads, gpu, notify: Some(&say) };
+    let outcome = sweep::run(&study, &options, &mut |outcome| {
         recorder.write(outcome)?;
         progress.advance();
         Ok(if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })

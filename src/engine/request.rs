@@ -74,7 +74,7 @@ pub struct TopologyKey {
     shape: &'static str,
     idealization: Idealization,
     held: Vec<bool>,
-    class: GradingClass,
+    pub class: GradingClass,
     pub space: SpaceKey,
 }
 

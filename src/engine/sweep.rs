@@ -25,6 +25,8 @@ pub struct Statistics {
     pub stages: Vec<(&'static str, Duration)>,
     /// Designs that the processor solved, of those given to a GPU.
     pub designs_on_cpu: u64,
+    /// The greatest true residual that an outcome of the GPU rests on.
+    pub worst_residual: Option<f64>,
     /// Why the GPU was given up, if it was.
     pub fallback: Option<String>,
     /// True when the receiver ended the sweep before its last design.
@@ -97,7 +99,7 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
                     break;
                 }
             }
-            (solver.stages(), distinct, fallback)
+            (solver.stages(), solver.worst_residual(), distinct, fallback)
         });
         let mut received = Duration::ZERO;
         let result = receive_all(&solved, receive, &mut statistics, &mut received);
@@ -107,7 +109,8 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
         drop(solved);
         statistics.interrupted &= statistics.designs < total;
         match solver.join() {
-            Ok((stages, distinct, fallback)) => {
+            Ok((stages, worst_residual, distinct, fallback)) => {
+                statistics.worst_residual = worst_residual;
                 statistics.distinct_bodies = distinct.hashes.len() as u64;
                 statistics.stages = stages;
                 statistics.stages.push(("table", received));

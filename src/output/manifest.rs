@@ -6,6 +6,7 @@ use std::time::SystemTime;
 
 use serde::Serialize;
 
+use crate::engine::backend::gpu::solver::GpuChoice;
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
@@ -23,10 +24,10 @@ pub enum State {
 }
 
 /// How a study is run, as far as the study itself does not say.
-#[derive(Clone, Copy, Debug)]
-pub struct Conditions {
-    pub backend: &'static str,
-    pub precision: &'static str,
+#[derive(Clone, Copy)]
+pub struct Conditions<'a> {
+    /// The GPU that computes; without one the processor does.
+    pub gpu: Option<GpuChoice<'a>>,
     pub threads: usize,
     pub started: SystemTime,
 }
@@ -43,7 +44,16 @@ pub struct Manifest {
     config: Config,
     designs_file: Option<String>,
     pub backend: &'static str,
+    /// The GPU, if one was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    adapter: Option<Adapter>,
     precision: &'static str,
+    /// Why the GPU was given up, if it was: the processor did the rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fallback: Option<String>,
+    /// The greatest |b - K x|/|b| of conjugate gradients that a row of the GPU rests on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    worst_residual: Option<f64>,
     pub threads: usize,
     started_utc: String,
     pub wall_seconds: f64,
@@ -57,6 +67,14 @@ pub struct Manifest {
     host: Host,
     #[serde(skip)]
     started: SystemTime,
+}
+
+/// What computed beside the processor.
+#[derive(Clone, Debug, Serialize)]
+pub struct Adapter {
+    pub name: String,
+    kind: String,
+    driver: String,
 }
 
 /// The config, as the user named it and word for word.
@@ -84,6 +102,10 @@ pub struct Counts {
     pub failed_designs: u64,
     pub failed_rows: u64,
     pub distinct_bodies: u64,
+    /// Designs that the processor solved although a GPU was asked: those it needs no mesh for, those the GPU found no
+    /// answer to, and all after it was given up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub designs_on_cpu: Option<u64>,
     /// Rows by status, and of these the failed ones.
     pub statuses: BTreeMap<String, u64>,
     pub failures: BTreeMap<String, u64>,
@@ -123,8 +145,15 @@ impl Manifest {
             title: study.title().to_string(),
             config: Config::of(study),
             designs_file: study.designs_file().map(|path| path.display().to_string()),
-            backend: conditions.backend,
-            precision: conditions.precision,
+            backend: if conditions.gpu.is_some() { "gpu" } else { "cpu" },
+            adapter: conditions.gpu.map(|GpuChoice { device, .. }| Adapter {
+                name: device.facts.name.clone(),
+                kind: device.facts.kind.to_string(),
+                driver: device.facts.driver.clone(),
+            }),
+            precision: conditions.gpu.map_or("f64", |gpu| gpu.precision.name()),
+            fallback: None,
+            worst_residual: None,
             threads: conditions.threads,
             started_utc: utc(conditions.started),
             wall_seconds: 0.0,
@@ -141,9 +170,20 @@ impl Manifest {
         }
     }
 
+    /// What a person calls that which computed.
+    pub fn computed_by(&self) -> String {
+        match &self.adapter {
+            Some(adapter) => format!("{}, {}", adapter.name, self.precision),
+            None => "cpu".into(),
+        }
+    }
+
     /// Takes over what only the sweep knows.
     pub fn add_statistics(&mut self, statistics: &Statistics) {
         self.counts.distinct_bodies = statistics.distinct_bodies;
+        self.counts.designs_on_cpu = self.adapter.is_some().then_some(statistics.designs_on_cpu);
+        self.fallback.clone_from(&statistics.fallback);
+        self.worst_residual = statistics.worst_residual;
         for (stage, time) in &statistics.stages {
             self.stage_seconds.insert(stage.to_string(), time.as_secs_f64().into());
         }

@@ -5,8 +5,14 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/draws.rs"]
+mod draws;
+#[path = "../common/random.rs"]
+mod random;
+mod joints;
 mod limits;
 mod stages;
+mod sweeps;
 
 use std::sync::OnceLock;
 
@@ -58,6 +64,7 @@ fn precisions() -> Vec<(Precision, f64)> {
 
 /// Bodies of one topology, their meshes, and what the device is told of them.
 struct Bodies {
+    level: usize,
     bodies: Vec<Body>,
     grading: Grading,
     meshed: Vec<MeshedBody>,
@@ -74,7 +81,7 @@ impl Bodies {
         let layout = MeshLayout::new(&bodies[0], &grading).unwrap();
         // Nothing is to come out even.
         assert_ne!(layout.systems.unknown_count() % INVOCATIONS as usize, 0);
-        Bodies { bodies, grading, meshed, layout }
+        Bodies { level, bodies, grading, meshed, layout }
     }
 
     fn count(&self) -> usize {
@@ -99,18 +106,7 @@ impl Bodies {
     }
 
     fn counts(&self) -> BodyCounts {
-        let systems = &self.layout.systems;
-        let longest_row = systems.row_starts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap();
-        BodyCounts {
-            topology: 0,
-            unknowns: systems.unknown_count() as u64,
-            matrix_values: systems.columns.len() as u64,
-            longest_row: u64::from(longest_row),
-            ring_columns: systems.ring_count() as u64,
-            geometry: self.layout.geometry_count() as u64,
-            joints: 1,
-            steps: 10,
-        }
+        self.layout.counts()
     }
 
     /// Values of one body's matrix.

@@ -22,6 +22,9 @@ pub trait Backend: Send {
 
     /// Where the time went, in the order the stages run.
     fn stages(&self) -> Vec<(&'static str, Duration)>;
+
+    /// The greatest true residual of an iteration that an outcome rests on.
+    fn worst_residual(&self) -> f64;
 }
 
 /// The processor, and before it, as long as it lasts, what else there is.
@@ -30,6 +33,7 @@ pub struct Solver<'a> {
     accelerator: Option<Box<dyn Backend + 'a>>,
     /// Of the accelerator that was lost.
     lost_stages: Vec<(&'static str, Duration)>,
+    lost_residual: Option<f64>,
 }
 
 /// Designs that the processor solves at a time: enough to fill the lanes of many topologies, few enough to stay small.
@@ -38,7 +42,12 @@ const CPU_BATCH: usize = 1024;
 impl<'a> Solver<'a> {
     /// With the processor alone.
     pub fn on_cpu(options: SolveOptions) -> Solver<'a> {
-        Solver { cpu: CpuBackend::new(options), accelerator: None, lost_stages: Vec::new() }
+        Solver {
+            cpu: CpuBackend::new(options),
+            accelerator: None,
+            lost_stages: Vec::new(),
+            lost_residual: None,
+        }
     }
 
     /// With `accelerator`, and the processor should it be lost.
@@ -59,6 +68,7 @@ impl<'a> Solver<'a> {
                 Ok(outcomes) => return (outcomes, None),
                 Err(error) => {
                     self.lost_stages = accelerator.stages();
+                    self.lost_residual = Some(accelerator.worst_residual());
                     given_up = Some(error);
                     // Letting go of a device that hangs may never end.
                     std::mem::forget(self.accelerator.take());
@@ -68,17 +78,28 @@ impl<'a> Solver<'a> {
         (cases.chunks(CPU_BATCH).flat_map(|cases| self.cpu.solve(cases)).collect(), given_up)
     }
 
+    /// The greatest true residual that an outcome of the accelerator rests on.
+    pub fn worst_residual(&self) -> Option<f64> {
+        self.accelerator.as_ref().map(|accelerator| accelerator.worst_residual()).or(self.lost_residual)
+    }
+
+    /// Where the time went, summed over threads of the processor.
     pub fn stages(&self) -> Vec<(&'static str, Duration)> {
         let mut stages = match &self.accelerator {
             Some(accelerator) => accelerator.stages(),
             None => self.lost_stages.clone(),
         };
-        for (name, time) in self.cpu.stages() {
-            match stages.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, sum)) => *sum += time,
-                None => stages.push((name, time)),
-            }
-        }
+        add_stages(&mut stages, self.cpu.stages());
         stages
+    }
+}
+
+/// Adds times to the stages of the same name, or as new ones.
+fn add_stages(stages: &mut Vec<(&'static str, Duration)>, more: Vec<(&'static str, Duration)>) {
+    for (name, time) in more {
+        match stages.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, sum)) => *sum += time,
+            None => stages.push((name, time)),
+        }
     }
 }

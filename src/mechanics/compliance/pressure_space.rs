@@ -59,6 +59,11 @@ impl PressureSpace {
         space
     }
 
+    /// Abscissa and barycentric weight of each node; interpolation is in sqrt(eps/limit).
+    pub fn nodes(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.abscissae.iter().copied().zip(self.weights.iter().copied())
+    }
+
     /// Interpolation weights of the nodes at half angles side by side; those of each lane sum to one.
     #[inline(always)]
     pub fn interpolation<const FUSED: bool>(&self, half_angles: [f64; LANES]) -> [Lanes<FUSED>; NODE_COUNT] {

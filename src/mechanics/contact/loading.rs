@@ -24,7 +24,7 @@ pub enum NoState {
 /// The smallest contact half angle looked at, rad.
 const SMALLEST: f64 = 1e-18;
 
-/// Where a search ends: the logarithm of (what the load prescribes over what the state gives).
+/// Where a search ends: the excess of a load.
 const TOLERANCE: f64 = 1e-11;
 
 /// Evaluations of one search at most; bisection alone would need about 60 in ln(eps).
@@ -76,7 +76,7 @@ impl<'a> JointCurve<'a> {
             for (state, index) in self.joint.at(&half_angles).into_iter().zip(lanes) {
                 match state {
                     Some(state) => {
-                        let excess = load_ratio(&state, clearance, loads[index]).ln();
+                        let excess = excess(&state, clearance, loads[index]);
                         searches[index].feed(state, excess);
                     }
                     None => searches[index].found = Some(Err(NoState::BrokenCompliance)),
@@ -88,33 +88,35 @@ impl<'a> JointCurve<'a> {
 
     /// The bracket of a load among the samples, and a first guess between them.
     fn begin(&self, clearance: f64, load: DimensionlessLoad) -> Search {
-        let Some(above) = self.samples.iter().position(|state| load_ratio(state, clearance, load) >= 1.0)
-        else {
+        let Some(above) = self.samples.iter().position(|state| excess(state, clearance, load) >= 0.0) else {
             return Search::ended(NoState::ContactTooWide);
         };
         let Some(below) = above.checked_sub(1) else { return Search::ended(NoState::BrokenCompliance) };
-        let point = |state: &ArcState| (state.arc.half_angle.ln(), load_ratio(state, clearance, load).ln());
+        let point = |state: &ArcState| (state.arc.half_angle.ln(), excess(state, clearance, load));
         // Inverse interpolation through the neighbours as well, where it stays inside the bracket.
         let first = below.saturating_sub(1);
         let last = (above + 1).min(self.samples.len() - 1);
         let points: Vec<(f64, f64)> = self.samples[first..=last].iter().map(point).collect();
         let (a, b) = (points[below - first], points[above - first]);
-        let finite: Vec<(f64, f64)> = points.into_iter().filter(|point| point.1.is_finite()).collect();
-        let guess = inverse_interpolation(&finite);
+        let guess = inverse_interpolation(&points);
         let next = if guess > a.0 && guess < b.0 { guess } else { 0.5 * (a.0 + b.0) };
         Search { a, b, next, evaluations: 0, found: None }
     }
 }
 
-/// Load of the state over the load asked. A power law of eps for small angles; its logarithm is the `excess` whose root
-/// is searched, negative below and positive above.
-fn load_ratio(state: &ArcState, clearance: f64, load: DimensionlessLoad) -> f64 {
+/// How much the state's load exceeds the one asked: the logarithm of their ratio, a power law of eps for small angles.
+/// A force grows without bound towards a neat fit, where dR/e ends; so there it is the difference of dR/e and what it
+/// should be, which goes on beyond. The root is searched of this, negative below and positive above.
+fn excess(state: &ArcState, clearance: f64, load: DimensionlessLoad) -> f64 {
     match load {
-        DimensionlessLoad::Indentation(delta) => state.indentation * ((clearance + delta) / delta),
+        DimensionlessLoad::Indentation(delta) => (state.indentation * ((clearance + delta) / delta)).ln(),
         // A neat fit has one half angle, whatever the load.
-        DimensionlessLoad::Force(_) if clearance == 0.0 => state.indentation,
-        DimensionlessLoad::Force(_) if state.clearance() <= 0.0 => f64::INFINITY,
-        DimensionlessLoad::Force(force) => state.force / state.clearance() * (clearance / force),
+        DimensionlessLoad::Force(_) if clearance == 0.0 => state.indentation.ln(),
+        DimensionlessLoad::Force(force) => {
+            let wanted = state.force * (clearance / force);
+            let clearance = state.clearance();
+            if clearance > 0.5 { (wanted / clearance).ln() } else { wanted - clearance }
+        }
     }
 }
 
@@ -163,11 +165,7 @@ impl Search {
         };
         let (a, b) = (self.a, self.b);
         let middle = 0.5 * (a.0 + b.0);
-        let guess = if b.1.is_finite() && dropped.1.is_finite() {
-            inverse_interpolation(&[a, b, dropped])
-        } else {
-            middle
-        };
+        let guess = inverse_interpolation(&[a, b, dropped]);
         // A step into the bracket that the last evaluation has shrunk.
         self.next = if guess > a.0 && guess < b.0 { guess } else { middle };
     }

@@ -4,6 +4,7 @@
 //! which panics on an environment variable that matches nothing.
 
 use std::fmt;
+use std::sync::{Arc, OnceLock};
 
 /// Why there is no device to compute on.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -96,11 +97,14 @@ pub struct Adapters {
     pub facts: Vec<AdapterFacts>,
 }
 
-/// A device that is ready for work.
+/// A device that is ready for work; a clone is the same device.
+#[derive(Clone)]
 pub struct GpuDevice {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub facts: AdapterFacts,
+    /// Why it was lost, once it was.
+    loss: Arc<OnceLock<String>>,
 }
 
 impl Adapters {
@@ -128,9 +132,14 @@ impl Adapters {
         });
         let (device, queue) = pollster::block_on(request).map_err(|error| GpuError::DeviceRefused {
             adapter: facts.name.clone(),
-            problem: error.to_string(),
+            problem: one_line(&error.to_string()),
         })?;
-        Ok(GpuDevice { device, queue, facts })
+        let loss = Arc::new(OnceLock::new());
+        let told = Arc::clone(&loss);
+        device.set_device_lost_callback(move |reason, message| {
+            let _ = told.set(one_line(&format!("{reason:?} {message}")));
+        });
+        Ok(GpuDevice { device, queue, facts, loss })
     }
 }
 
@@ -145,11 +154,25 @@ impl GpuDevice {
         match problems.into_iter().flatten().next() {
             None => Ok(done),
             Some(problem) => {
-                let adapter = self.facts.name.clone();
-                Err(GpuError::Failed { adapter, what, problem: problem.to_string() })
+                // A loss is told while polling.
+                let _ = self.device.poll(wgpu::PollType::Poll);
+                let (adapter, problem) = (self.facts.name.clone(), one_line(&problem.to_string()));
+                Err(match self.loss.get() {
+                    Some(loss) => self.lost(loss),
+                    None => GpuError::Failed { adapter, what, problem },
+                })
             }
         }
     }
+
+    pub(super) fn lost(&self, problem: &str) -> GpuError {
+        GpuError::Lost { adapter: self.facts.name.clone(), problem: one_line(problem) }
+    }
+}
+
+/// wgpu's messages have many.
+fn one_line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// The index of the adapter to take: by kind, then in the order given.

@@ -37,6 +37,28 @@ impl Precision {
         self.real_bytes() != self.wide_bytes()
     }
 
+    /// The name on the command line and in manifests.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Precision::F32 => "f32",
+            Precision::F64 => "f64",
+            Precision::Mixed => "mixed",
+        }
+    }
+
+    /// The best a device has.
+    pub fn best(gpu: &GpuDevice) -> Precision {
+        if gpu.facts.features.f64 { Precision::Mixed } else { Precision::F32 }
+    }
+
+    /// Whether a device has these numbers.
+    pub fn check(self, gpu: &GpuDevice) -> Result<(), GpuError> {
+        if self.wide_bytes() == 8 && !gpu.facts.features.f64 {
+            return Err(GpuError::Lacks { adapter: gpu.facts.name.clone(), what: "f64".into() });
+        }
+        Ok(())
+    }
+
     /// How far to solve for what the rounding permits in f32, 1e-8 in mixed and 1e-10 in f64, relative, of the
     /// compliance.
     ///
@@ -121,7 +143,25 @@ pub const CONDENSE: KernelFile = KernelFile {
     written: &[false, true],
 };
 
-/// Every file of kernels.
+pub const GRAM: KernelFile = KernelFile {
+    name: "gram",
+    text: include_str!("../../../../shaders/gram.wgsl"),
+    entry_points: &["gram"],
+    written: &[false, false, false, false, false, false, false, true],
+};
+
+pub const CONTACT: KernelFile = KernelFile {
+    name: "contact",
+    text: concat!(
+        include_str!("../../../../shaders/functions.wgsl"),
+        include_str!("../../../../shaders/contact.wgsl")
+    ),
+    entry_points: &["sample", "find"],
+    written: &[false, false, false, false, false, true, true],
+};
+
+/// The files of kernels that turn bodies into compliances of their rings; those of the trial pressures are compiled for
+/// each count of them (`trial`).
 pub const KERNEL_FILES: [&KernelFile; 5] = [&ASSEMBLE, &NARROW, &PCG, &REFINE, &CONDENSE];
 
 impl KernelFile {
@@ -158,9 +198,7 @@ impl<'a> Kernels<'a> {
     /// `invocations`: of a workgroup, a power of two.
     pub fn new(gpu: &'a GpuDevice, precision: Precision, invocations: u32) -> Result<Kernels<'a>, GpuError> {
         let lacks = |what: &str| GpuError::Lacks { adapter: gpu.facts.name.clone(), what: what.to_string() };
-        if precision.wide_bytes() == 8 && !gpu.facts.features.f64 {
-            return Err(lacks("f64"));
-        }
+        precision.check(gpu)?;
         if !invocations.is_power_of_two() || invocations > gpu.facts.limits.invocations_per_workgroup {
             return Err(lacks(&format!("workgroups of {invocations} invocations")));
         }
@@ -183,7 +221,7 @@ impl<'a> Kernels<'a> {
 }
 
 impl Stage {
-    fn new(device: &wgpu::Device, file: &KernelFile, source: &str) -> Stage {
+    pub(super) fn new(device: &wgpu::Device, file: &KernelFile, source: &str) -> Stage {
         let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: ShaderStages::COMPUTE,

@@ -5,7 +5,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::batch::COLUMNS_ABREAST;
+use super::batch::{BodyCounts, COLUMNS_ABREAST};
 use crate::mechanics::assembly::Assembly;
 use crate::mechanics::body::{Body, Side};
 use crate::mechanics::element::ElementKind;
@@ -194,6 +194,21 @@ impl MeshLayout {
             shared_numbers: shared_numbers(body, grading),
             parameters,
         })
+    }
+
+    /// What one body asks of a device.
+    pub fn counts(&self) -> BodyCounts {
+        let longest_row = self.systems.row_starts.windows(2).map(|ends| ends[1] - ends[0]).max();
+        BodyCounts {
+            topology: 0,
+            unknowns: self.systems.unknown_count() as u64,
+            matrix_values: self.systems.columns.len() as u64,
+            longest_row: u64::from(longest_row.unwrap_or(0)),
+            ring_columns: self.systems.ring_count() as u64,
+            geometry: self.geometry_count() as u64,
+            joints: 0,
+            steps: 0,
+        }
     }
 
     /// Points of the grid of half elements: rows times columns.

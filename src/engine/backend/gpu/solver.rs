@@ -1,10 +1,35 @@
+//! A batch of designs on a device: the distinct bodies first, topology by topology, then the contact of every design.
+//! What comes back is the answer to each load and nothing else. What the device cannot do the processor does.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+use super::batch::{BodyCounts, KernelFacts, adapted, batches};
+use super::contact::{DeviceJoint, LoadResponse, NO_SLOT, RESPONSE_SIZE, answers};
 use super::context::{GpuDevice, GpuError};
-use super::kernels::Precision;
-use crate::engine::backend::Backend;
-use crate::engine::outcome::DesignOutcome;
-use crate::study::config::SolveOptions;
+use super::kernels::{Kernels, Precision};
+use super::layout::MeshLayout;
+use super::slots::{GramShared, Slots};
+use super::stages::SystemBatch;
+use super::trial::{TrialKernels, slot_size};
+use crate::engine::backend::cpu::CpuBackend;
+use crate::engine::backend::{Backend, add_stages};
+use crate::engine::near_fields::{NearFieldLibrary, near_field_key};
+use crate::engine::outcome::{BackendKind, DesignOutcome};
+use crate::engine::plan::{JointPlan, coarser, first_level};
+use crate::engine::request::{BodyRequest, Fidelity, RequestKey, SpaceKey, TopologyKey};
+use crate::engine::respond::{LoadState, Solving, loads_in_contact};
+use crate::mechanics::body::Body;
+use crate::mechanics::compliance::PressureCompliance;
+use crate::mechanics::compliance::near_field::PoissonRange;
+use crate::mechanics::contact::loading::NoState;
+use crate::mechanics::grading::LEVEL_COUNT;
+use crate::mechanics::mesh::RingTopology;
+use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
-use std::time::Duration;
 
 /// A device, and the numbers to compute in.
 #[derive(Clone, Copy)]
@@ -12,22 +37,361 @@ pub struct GpuChoice<'a> {
     pub device: &'a GpuDevice,
     pub precision: Precision,
 }
+
+/// Solves batches on a device; keeps what bodies of a topology share.
 pub struct GpuBackend<'a> {
     choice: GpuChoice<'a>,
+    options: SolveOptions,
+    kernels: Kernels<'a>,
+    /// By the count of trial pressures.
+    trials: HashMap<usize, TrialKernels<'a>>,
+    groups: HashMap<GroupKey, Group>,
+    /// For exact bodies, and designs without an answer.
+    cpu: CpuBackend,
+    pub report: GpuReport,
 }
+
+/// What a device has done so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct GpuReport {
+    /// Bodies condensed, and the columns of their rings that were solved for.
+    pub bodies: u64,
+    pub solves: u64,
+    /// The greatest |b - K x|/|b| of a column that an outcome rests on.
+    pub worst_residual: f64,
+    /// Wall times: plans and what bodies share; from numbers to slots; from slots to answers; from answers to outcomes.
+    pub preparation: Duration,
+    pub condensation: Duration,
+    pub contact: Duration,
+    pub outcomes: Duration,
+}
+
+/// Bodies with one of these go in common batches: one topology, one near field.
+type GroupKey = (TopologyKey, PoissonRange);
+
+/// What they share on the device.
+struct Group {
+    layout: MeshLayout,
+    counts: BodyCounts,
+    shared: GramShared,
+    facts: KernelFacts,
+}
+
+/// Invocations of a workgroup: the twin's count of partial sums, two subgroups of the common size.
+pub const INVOCATIONS: u32 = 64;
+
+/// Time of an iteration of one body before any was measured, s: short for a processor and long for a large GPU.
+const FIRST_GUESS: f64 = 1e-5;
+
+/// Designs of a batch: enough for thousands of bodies of a topology, few enough to stay small here.
+const BATCH: usize = 16_384;
+
+/// Steps of conjugate gradients on Q8 meshes over the root of the unknowns, to a residual of 1e-6.
+const STEPS_PER_ROOT: f64 = 8.0;
+
 impl<'a> GpuBackend<'a> {
-    pub fn new(choice: GpuChoice<'a>, _options: SolveOptions) -> Result<GpuBackend<'a>, GpuError> {
-        Ok(GpuBackend { choice })
+    pub fn new(choice: GpuChoice<'a>, options: SolveOptions) -> Result<GpuBackend<'a>, GpuError> {
+        Ok(GpuBackend {
+            kernels: Kernels::new(choice.device, choice.precision, INVOCATIONS)?,
+            choice,
+            options,
+            trials: HashMap::new(),
+            groups: HashMap::new(),
+            cpu: CpuBackend::new(options),
+            report: GpuReport::default(),
+        })
+    }
+
+    /// The joints of one space: their outcomes and whether there is nothing to gain from a finer mesh; `None` for those
+    /// that the processor must solve.
+    fn solve_joints(
+        &mut self,
+        space: SpaceKey,
+        joints: &[(&DesignCase, JointPlan)],
+    ) -> Result<Vec<Option<(DesignOutcome, bool)>>, GpuError> {
+        let started = Instant::now();
+        let (requests, design_slots) = distinct(joints);
+        let bodies = by_group(&requests);
+        self.prepare(space, &requests, &bodies)?;
+        let (kernels, library) = (&self.trials[&space.terms], &self.cpu.library);
+        let slots = Slots::new(kernels, requests.len())?;
+        let exact = (0..).zip(&requests).filter(|(_, request)| request.fidelity == Fidelity::Series);
+        let known: Vec<(u32, &PressureCompliance)> =
+            exact.map(|(slot, request)| (slot, &**library.compliance(&request.key()))).collect();
+        slots.write(&known)?;
+        self.report.preparation += started.elapsed();
+
+        let started = Instant::now();
+        for (key, bodies) in &bodies {
+            if let Some(group) = self.groups.get_mut(key) {
+                condense(&self.kernels, group, bodies, &slots, &mut self.report)?;
+            }
+        }
+        self.report.condensation += started.elapsed();
+
+        let started = Instant::now();
+        let device_joints: Vec<DeviceJoint> = joints
+            .iter()
+            .zip(design_slots)
+            .map(|((case, _), slots)| DeviceJoint {
+                slots,
+                moduli: [&case.joint.pin, &case.joint.plate].map(|part| part.material.youngs_modulus),
+                clearance: case.joint.radial_clearance / case.joint.hole_radius,
+                loads: loads_in_contact(case).collect(),
+            })
+            .collect();
+        let answers = answers(kernels, &library.shared.space(space).space, &slots, &device_joints)?;
+        self.report.contact += started.elapsed();
+
+        let started = Instant::now();
+        let own: Vec<_> = device_joints
+            .iter()
+            .scan(0, |end, joint| {
+                let start = *end;
+                *end += joint.loads.len();
+                Some(start..*end)
+            })
+            .collect();
+        let accuracy = self.options.accuracy;
+        let solved = joints
+            .par_iter()
+            .zip(own)
+            .with_min_len(64)
+            .map(|((case, plan), own)| {
+                let states: Option<Vec<Result<LoadState, NoState>>> =
+                    answers[own].iter().map(LoadResponse::state).collect();
+                let level = Some(plan.level);
+                let solving = Solving { backend: BackendKind::Gpu, level, limit: space.limit(), accuracy };
+                Some(solving.respond(case, states?))
+            })
+            .collect();
+        for answer in &answers {
+            if let LoadResponse::Found { residual, .. } = answer {
+                self.report.worst_residual = self.report.worst_residual.max(*residual);
+            }
+        }
+        self.report.outcomes += started.elapsed();
+        Ok(solved)
+    }
+
+    /// Makes what the bodies share, and those that are exact.
+    fn prepare(
+        &mut self,
+        space: SpaceKey,
+        requests: &[BodyRequest],
+        groups: &HashMap<GroupKey, Vec<(u32, Body)>>,
+    ) -> Result<(), GpuError> {
+        let GpuChoice { device, precision } = self.choice;
+        if let Entry::Vacant(entry) = self.trials.entry(space.terms) {
+            entry.insert(TrialKernels::new(device, precision, INVOCATIONS, space.terms)?);
+        }
+        let (exact, meshed): (Vec<BodyRequest>, Vec<BodyRequest>) =
+            requests.iter().partition(|request| request.fidelity == Fidelity::Series);
+        self.cpu.library.solve(&exact);
+        let library = &mut self.cpu.library.shared;
+        library.prepare(&meshed);
+        for (key, bodies) in groups {
+            if let Entry::Vacant(entry) = self.groups.entry(key.clone()) {
+                entry.insert(Group::new(&key.0, &bodies[0].1, &self.trials[&space.terms], library)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// The end of the joints, from `first` on, whose slots and whose answers fit into a buffer each; one at least.
+    fn end_of_piece(
+        &self,
+        space: SpaceKey,
+        joints: &[(usize, JointPlan)],
+        cases: &[DesignCase],
+        first: usize,
+    ) -> usize {
+        let limits = &self.choice.device.facts.limits;
+        let numbers = limits.binding_bytes.min(limits.buffer_bytes) / self.choice.precision.wide_bytes();
+        let (mut of_slots, mut of_answers) = (0, 0);
+        let fits = |(index, _): &&(usize, JointPlan)| {
+            of_slots += 4 * slot_size(space.terms) as u64;
+            of_answers += (RESPONSE_SIZE * cases[*index].steps.len()) as u64;
+            of_slots.max(of_answers) <= numbers
+        };
+        first + joints[first..].iter().take_while(fits).count().max(1)
+    }
+
+    /// What `case` is solved with at a level; `None` where no mesh is needed, or none is allowed.
+    fn plan(&self, case: &DesignCase, level: usize) -> Option<JointPlan> {
+        if self.options.method == MethodChoice::ClosedForm {
+            return None;
+        }
+        let plan = JointPlan::new(&case.joint, self.options.method, level)?;
+        let is_meshed = [plan.pin, plan.plate].iter().any(|request| request.fidelity != Fidelity::Series);
+        is_meshed.then_some(plan)
     }
 }
+
 impl Backend for GpuBackend<'_> {
-    fn solve(&mut self, _cases: &[DesignCase]) -> Result<Vec<DesignOutcome>, GpuError> {
-        Err(GpuError::NoAdapter)
+    fn solve(&mut self, cases: &[DesignCase]) -> Result<Vec<DesignOutcome>, GpuError> {
+        let mut outcomes: Vec<Option<DesignOutcome>> = vec![None; cases.len()];
+        let mut for_cpu: Vec<usize> = Vec::new();
+        let mut open: Vec<usize> = (0..cases.len()).collect();
+        for level in first_level(self.options.accuracy)..LEVEL_COUNT {
+            let mut by_space: HashMap<SpaceKey, Vec<(usize, JointPlan)>> = HashMap::new();
+            for index in open.drain(..) {
+                match self.plan(&cases[index], level) {
+                    Some(plan) => by_space.entry(plan.pin.space).or_default().push((index, plan)),
+                    None => for_cpu.push(index),
+                }
+            }
+            for (space, joints) in by_space {
+                let mut first = 0;
+                while first < joints.len() {
+                    let end = self.end_of_piece(space, &joints, cases, first);
+                    let piece = &joints[first..end];
+                    first = end;
+                    let joints: Vec<(&DesignCase, JointPlan)> =
+                        piece.iter().map(|(index, plan)| (&cases[*index], *plan)).collect();
+                    for ((index, _), solved) in piece.iter().zip(self.solve_joints(space, &joints)?) {
+                        match solved {
+                            None => for_cpu.push(*index),
+                            Some((outcome, settled)) => {
+                                outcomes[*index] = Some(outcome);
+                                if !settled {
+                                    open.push(*index);
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        let left: Vec<DesignCase> = for_cpu.iter().map(|index| cases[*index].clone()).collect();
+        for (index, outcome) in for_cpu.into_iter().zip(self.cpu.solve(&left)) {
+            outcomes[index] = Some(outcome);
+        }
+        Ok(outcomes.into_iter().flatten().collect())
     }
+
     fn batch_size(&self) -> usize {
-        1024
+        BATCH
     }
+
     fn stages(&self) -> Vec<(&'static str, Duration)> {
-        Vec::new()
+        let GpuReport { preparation, condensation, contact, outcomes, .. } = self.report;
+        let mut stages = vec![
+            ("preparation", preparation),
+            ("condensation on the GPU", condensation),
+            ("contact on the GPU", contact),
+            ("outcomes", outcomes),
+        ];
+        add_stages(&mut stages, self.cpu.stages());
+        stages
     }
+
+    fn worst_residual(&self) -> f64 {
+        self.report.worst_residual
+    }
+}
+
+impl Group {
+    fn new(
+        key: &TopologyKey,
+        body: &Body,
+        kernels: &TrialKernels,
+        library: &NearFieldLibrary,
+    ) -> Result<Group, GpuError> {
+        let request = BodyRequest {
+            body: *body,
+            fidelity: Fidelity::Mesh { level: key.class.level },
+            space: key.space,
+        };
+        let grading = key.grading(body);
+        let layout = MeshLayout::new(body, &grading).map_err(|error| GpuError::Failed {
+            adapter: kernels.gpu.facts.name.clone(),
+            what: "layout",
+            problem: error.to_string(),
+        })?;
+        let space = &library.space(key.space).space;
+        let near_field = library.near_field(&near_field_key(&request));
+        let shared = GramShared::new(kernels, space, &RingTopology::new(body, &grading), near_field)?;
+        let facts = KernelFacts {
+            bytes_per_real: kernels.precision.real_bytes(),
+            bytes_per_wide: kernels.precision.wide_bytes(),
+            invocations: u64::from(INVOCATIONS),
+            seconds_per_iteration: FIRST_GUESS,
+        };
+        Ok(Group { counts: layout.counts(), layout, shared, facts })
+    }
+}
+
+/// From bodies of one group to their slots, batch by batch. A body too large for the device keeps its slot of zeros,
+/// which is not sound.
+fn condense(
+    kernels: &Kernels,
+    group: &mut Group,
+    bodies: &[(u32, Body)],
+    slots: &Slots,
+    report: &mut GpuReport,
+) -> Result<(), GpuError> {
+    let Group { layout, counts, shared, facts } = group;
+    let precision = kernels.precision;
+    let numbers: Vec<Vec<f64>> =
+        bodies.par_iter().with_min_len(64).map(|(_, body)| layout.body_numbers(body)).collect();
+    let mut first = 0;
+    while first < bodies.len() {
+        // Only the first is used: it tells how the next one is to be cut.
+        let left = vec![*counts; bodies.len() - first];
+        let Ok(planned) = batches(&left, facts, &kernels.gpu.facts.limits) else { break };
+        let Some(batch) = planned.first() else { break };
+        let started = Instant::now();
+        let own = first..first + batch.bodies.len();
+        let systems = SystemBatch::new(kernels, &layout.systems, own.len())?;
+        let settings = precision.settings();
+        systems.assemble_and_condense(layout, &numbers[own.clone()].concat(), &settings, batch.iterations)?;
+        slots.fill(&systems, shared, &bodies[own.clone()])?;
+        // The next batch is cut by the time of this one, and takes its memory.
+        kernels.gpu.wait()?;
+        let steps = STEPS_PER_ROOT * (counts.unknowns as f64).sqrt();
+        let dispatches = (steps / f64::from(batch.iterations)).ceil().max(1.0);
+        *facts = adapted(facts, batch, started.elapsed().div_f64(dispatches));
+        report.bodies += own.len() as u64;
+        report.solves += own.len() as u64 * counts.ring_columns;
+        first = own.end;
+    }
+    Ok(())
+}
+
+/// The distinct bodies of joints, in slots, and the slots of each joint: pin, plate, and both on coarser meshes.
+fn distinct(joints: &[(&DesignCase, JointPlan)]) -> (Vec<BodyRequest>, Vec<[u32; 4]>) {
+    let mut known: HashMap<RequestKey, u32> = HashMap::new();
+    let mut requests = Vec::new();
+    let mut slot = |request: BodyRequest| {
+        *known.entry(request.key()).or_insert_with(|| {
+            requests.push(request);
+            requests.len() as u32 - 1
+        })
+    };
+    let design_slots = joints.iter().map(|(_, JointPlan { pin, plate, .. })| {
+        let coarser = [coarser(pin), coarser(plate)].map(|request| request.map_or(NO_SLOT, &mut slot));
+        [slot(*pin), slot(*plate), coarser[0], coarser[1]]
+    });
+    let design_slots = design_slots.collect();
+    (requests, design_slots)
+}
+
+/// The bodies on meshes with their slots, in groups.
+fn by_group(requests: &[BodyRequest]) -> HashMap<GroupKey, Vec<(u32, Body)>> {
+    let keys: Vec<Option<GroupKey>> = requests
+        .par_iter()
+        .with_min_len(64)
+        .map(|request| {
+            let range = PoissonRange::of(request.body.poissons_ratio);
+            (request.fidelity != Fidelity::Series).then(|| (TopologyKey::of(request), range))
+        })
+        .collect();
+    let mut groups: HashMap<GroupKey, Vec<(u32, Body)>> = HashMap::new();
+    for ((slot, request), key) in (0..).zip(requests).zip(keys) {
+        if let Some(key) = key {
+            groups.entry(key).or_default().push((slot, request.body));
+        }
+    }
+    groups
 }

@@ -16,7 +16,7 @@ use crate::mechanics::solve::refine::RefineSettings;
 /// Systems of a batch on the device: matrices of one sparsity, their iterates, and the compliances of their rings.
 pub struct SystemBatch<'a> {
     kernels: &'a Kernels<'a>,
-    layout: &'a SystemLayout,
+    pub(super) layout: &'a SystemLayout,
     body_count: usize,
     row_starts: wgpu::Buffer,
     columns: wgpu::Buffer,
@@ -26,9 +26,9 @@ pub struct SystemBatch<'a> {
     narrowed: wgpu::Buffer,
     iterates: wgpu::Buffer,
     solutions: wgpu::Buffer,
-    norms: wgpu::Buffer,
-    states: wgpu::Buffer,
-    compliance: wgpu::Buffer,
+    pub(super) norms: wgpu::Buffer,
+    pub(super) states: wgpu::Buffer,
+    pub(super) compliance: wgpu::Buffer,
 }
 
 /// What is known of each system when it has ended, `[body][system]`, with systems beyond the ring's unknowns.

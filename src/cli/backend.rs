@@ -1,0 +1,48 @@
+//! Which device a run is computed on.
+
+use jointsweep::Error;
+use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
+use jointsweep::engine::backend::gpu::kernels::Precision;
+use jointsweep::study::config::{MethodChoice, Study};
+
+use super::{Backend, BackendArgs, say};
+
+/// Designs from which on `auto` starts a GPU: the processor does fewer in about the time that a device takes to start
+/// and its kernels to compile.
+pub const WORTH_A_GPU: u64 = 10_000;
+
+/// The device and the numbers it computes in; `None` for the processor. A device that was asked for and cannot be had
+/// is told in a line; one whose name no adapter has is an error.
+pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Precision)>, Error> {
+    let on_meshes = matches!(study.solve.method, MethodChoice::Auto | MethodChoice::Fe);
+    let choice = match (args.backend, &args.adapter) {
+        (Backend::Cpu, None) => return Ok(None),
+        (Backend::Cpu, Some(_)) => return Err(Error::AdapterForCpu),
+        (_, Some(name)) => AdapterChoice::Named(name),
+        (Backend::Auto, None) if !on_meshes || study.design_count() < WORTH_A_GPU => return Ok(None),
+        (_, None) => AdapterChoice::Best,
+    };
+    let asked = args.backend == Backend::Gpu || args.adapter.is_some();
+    match open(choice, args) {
+        Ok(opened) => Ok(Some(opened)),
+        Err(error @ GpuError::NoSuchAdapter { .. }) => Err(error.into()),
+        // Nothing was promised.
+        Err(GpuError::NoAdapter | GpuError::OnlySoftware { .. }) if !asked => Ok(None),
+        Err(error) => {
+            say(&format!("warning: {error}; the processor computes instead"));
+            Ok(None)
+        }
+    }
+}
+
+fn open(choice: AdapterChoice, args: &BackendArgs) -> Result<(GpuDevice, Precision), GpuError> {
+    let device = Adapters::enumerate().open(choice)?;
+    let precision = match args.precision {
+        None => Precision::best(&device),
+        Some(super::Precision::F32) => Precision::F32,
+        Some(super::Precision::F64) => Precision::F64,
+        Some(super::Precision::Mixed) => Precision::Mixed,
+    };
+    precision.check(&device)?;
+    Ok((device, precision))
+}

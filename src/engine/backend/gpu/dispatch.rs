@@ -1,0 +1,106 @@
+//! Buffers, bindings, submissions and what is read back: the few things that every stage asks of a device.
+
+use std::time::Duration;
+
+use bytemuck::Pod;
+use wgpu::BufferUsages;
+
+use super::context::{GpuDevice, GpuError};
+use super::kernels::Stage;
+
+/// A batch that takes longer hangs. After that even letting go of the device may block.
+const LONGEST_WAIT: Duration = Duration::from_secs(120);
+
+/// One dispatch: what runs, on what, in how many workgroups along two dimensions.
+pub(super) type Pass<'a> = (&'a wgpu::ComputePipeline, &'a wgpu::BindGroup, [u32; 2]);
+
+impl GpuDevice {
+    pub(super) fn uniform<T: Pod>(&self, parameters: &T) -> wgpu::Buffer {
+        self.uploaded("parameters", bytemuck::bytes_of(parameters), BufferUsages::UNIFORM)
+    }
+
+    /// A buffer that kernels only read.
+    pub(super) fn filled<T: Pod>(&self, label: &str, contents: &[T]) -> wgpu::Buffer {
+        self.uploaded(label, bytemuck::cast_slice(contents), BufferUsages::STORAGE)
+    }
+
+    /// Not by wgpu's `create_buffer_init`, which panics where there is no memory or the device is lost.
+    fn uploaded(&self, label: &str, contents: &[u8], usage: BufferUsages) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            // A binding may not be empty.
+            size: contents.len().max(16) as u64,
+            usage: usage | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, contents);
+        buffer
+    }
+
+    /// A buffer that kernels write, of zeros.
+    pub(super) fn empty(&self, label: &str, size: u64) -> wgpu::Buffer {
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// Buffers in the order of the stage's bindings.
+    pub(super) fn bind(&self, stage: &Stage, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
+        let resources = buffers.iter().map(|buffer| buffer.as_entire_binding());
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &stage.layout,
+            entries: &entries,
+        })
+    }
+
+    /// Dispatches in order, in one submission.
+    pub(super) fn submit<'a>(&self, passes: impl IntoIterator<Item = Pass<'a>>) {
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        for (pipeline, group, [x, y]) in passes {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[]);
+            pass.dispatch_workgroups(x, y, 1);
+        }
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// Waits for all work submitted so far.
+    pub(super) fn wait(&self) -> Result<(), GpuError> {
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LONGEST_WAIT) };
+        self.device.poll(wait).map_err(|error| self.lost(&error.to_string()))?;
+        Ok(())
+    }
+
+    /// Waits for all work submitted so far and copies a buffer back.
+    pub(super) fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        let staging = self.checked("reading back", || {
+            let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("staging"),
+                size: buffer.size(),
+                usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+                mapped_at_creation: false,
+            });
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
+            self.queue.submit([encoder.finish()]);
+            staging.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result)));
+            staging
+        })?;
+        self.wait()?;
+        let lost = |problem: String| self.lost(&problem);
+        receiver.recv().map_err(|error| lost(error.to_string()))?.map_err(|error| lost(error.to_string()))?;
+        let view = staging.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
+        Ok(view.to_vec())
+    }
+}

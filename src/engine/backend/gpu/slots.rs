@@ -1,0 +1,148 @@
+//! Slots: what contact must know of a body, one slot a body, on the device. They are filled by `gram.wgsl` from a batch of
+//! systems, or with a compliance that the processor has found.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::context::GpuError;
+use super::stages::SystemBatch;
+use super::trial::{SLOT_HEADER, TrialKernels, slot_size};
+use crate::mechanics::body::Body;
+use crate::mechanics::compliance::near_field::{NearField, PoissonRange};
+use crate::mechanics::compliance::pressure_space::PressureSpace;
+use crate::mechanics::compliance::ring_loads::ring_loads;
+use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance};
+use crate::mechanics::mesh::{RingTopology, SUPPORTED};
+
+/// What `gram` is told.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct GramParameters {
+    pub ring_count: u32,
+    pub block_count: u32,
+    pub arc_count: u32,
+    pub slot_size: u32,
+}
+
+/// What bodies of one topology and near field share: the loads of the trial pressures, and the near field.
+pub struct GramShared {
+    loads: wgpu::Buffer,
+    near_field: wgpu::Buffer,
+}
+
+/// The slots of many bodies.
+pub struct Slots<'a> {
+    kernels: &'a TrialKernels<'a>,
+    pub(super) buffer: wgpu::Buffer,
+}
+
+impl<'a> Slots<'a> {
+    /// Slots of zeros, which are not sound.
+    pub fn new(kernels: &'a TrialKernels<'a>, count: usize) -> Result<Slots<'a>, GpuError> {
+        let bytes = slot_size(kernels.terms) as u64 * kernels.precision.wide_bytes();
+        let gpu = kernels.gpu;
+        let buffer = gpu.checked("slots", || gpu.empty("slots", bytes * count as u64))?;
+        Ok(Slots { kernels, buffer })
+    }
+
+    /// Compliances that are known, each to its slot.
+    pub fn write(&self, known: &[(u32, &PressureCompliance)]) -> Result<(), GpuError> {
+        let TrialKernels { gpu, precision, terms, .. } = self.kernels;
+        let bytes = slot_size(*terms) as u64 * precision.wide_bytes();
+        gpu.checked("exact compliances", || {
+            for (slot, PressureCompliance { amplitude, values, .. }) in known {
+                let mut numbers = vec![1.0, *amplitude, 0.0];
+                numbers.extend(values);
+                gpu.queue.write_buffer(&self.buffer, u64::from(*slot) * bytes, &precision.encode(&numbers));
+            }
+        })
+    }
+
+    /// Compliances of the bodies of a batch that was solved, each to its slot.
+    pub fn fill(
+        &self,
+        systems: &SystemBatch,
+        shared: &GramShared,
+        bodies: &[(u32, Body)],
+    ) -> Result<(), GpuError> {
+        let TrialKernels { gpu, precision, terms, gram, .. } = self.kernels;
+        let parameters = GramParameters {
+            ring_count: systems.layout.ring_count() as u32,
+            block_count: systems.layout.block_count() as u32,
+            arc_count: NODE_COUNT as u32,
+            slot_size: slot_size(*terms) as u32,
+        };
+        let targets: Vec<u32> = bodies.iter().map(|(target, _)| *target).collect();
+        let shares: Vec<f64> = bodies.iter().flat_map(|(_, body)| shares(body)).collect();
+        gpu.checked("gram", || {
+            let group = gpu.bind(
+                gram,
+                &[
+                    &gpu.uniform(&parameters),
+                    &systems.compliance,
+                    &shared.loads,
+                    &shared.near_field,
+                    &gpu.filled("targets", &targets),
+                    &gpu.filled("shares", &precision.encode(&shares)),
+                    &systems.states,
+                    &systems.norms,
+                    &self.buffer,
+                ],
+            );
+            gpu.submit([(&gram.pipelines[0], &group, [bodies.len() as u32, NODE_COUNT as u32])]);
+        })
+    }
+
+    /// Whether each slot is sound, its worst true residual, and its compliance.
+    pub fn read(&self) -> Result<Vec<(bool, f64, PressureCompliance)>, GpuError> {
+        let TrialKernels { gpu, precision, terms, .. } = self.kernels;
+        let numbers = precision.decode(&gpu.read(&self.buffer)?);
+        let slots = numbers.chunks_exact(slot_size(*terms)).map(|slot| {
+            let values = slot[SLOT_HEADER..].to_vec();
+            (slot[0] == 1.0, slot[2], PressureCompliance { terms: *terms, amplitude: slot[1], values })
+        });
+        Ok(slots.collect())
+    }
+}
+
+impl GramShared {
+    pub fn new(
+        kernels: &TrialKernels,
+        space: &PressureSpace,
+        topology: &RingTopology,
+        near_field: &NearField,
+    ) -> Result<GramShared, GpuError> {
+        let TrialKernels { gpu, precision, .. } = kernels;
+        let loads = trial_loads(space, topology);
+        gpu.checked("trial loads and near field", || GramShared {
+            loads: gpu.filled("loads", &precision.encode(&loads)),
+            near_field: gpu.filled("near_field", &precision.encode(&near_field.values.concat())),
+        })
+    }
+}
+
+/// Amplitude, and shares of the nodes of Poisson's ratio.
+fn shares(body: &Body) -> impl Iterator<Item = f64> {
+    let poissons_ratio = body.poissons_ratio;
+    let amplitude = 2.0 / body.idealization.plane_modulus_ratio(poissons_ratio);
+    std::iter::once(amplitude).chain(NearField::shares(PoissonRange::of(poissons_ratio), poissons_ratio))
+}
+
+/// Loads of the trial pressures on the ring's unknowns, `[arc][ring unknown][k]`.
+fn trial_loads(space: &PressureSpace, topology: &RingTopology) -> Vec<f64> {
+    let (count, terms) = (topology.ring_unknown_count(), space.terms);
+    let mut placed = vec![0.0; space.arcs.len() * count * terms];
+    let arcs = ring_loads(space, topology.element, &topology.ring_angles);
+    for (arc, placed) in arcs.iter().zip(placed.chunks_exact_mut(count * terms)) {
+        for node in 0..arc.node_count {
+            for component in 0..2 {
+                let unknown = topology.unknowns[2 * topology.ring_nodes[node] as usize + component];
+                if unknown != SUPPORTED {
+                    let to = (unknown as usize - topology.ring_start) * terms;
+                    let from = (node * 2 + component) * terms;
+                    placed[to..to + terms].copy_from_slice(&arc.values[from..from + terms]);
+                }
+            }
+        }
+    }
+    placed
+}

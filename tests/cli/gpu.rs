@@ -1,0 +1,94 @@
+//! The program on a GPU, be it software: the same config gives the same table as on the processor.
+//!
+//! Without a Vulkan driver these tests are ignored.
+
+use crate::workdir::Workdir;
+
+/// Meshes on both sides, two loads a design, one of them without contact.
+const SWEEP: &str = r#"
+[joint]
+idealization = "plane-strain"
+hole_radius = { from = "5 mm", to = "50 mm", spacing = "log" }
+radial_clearance = { from = "0.01 mm", to = "0.2 mm", spacing = "log" }
+thickness = "5 mm"
+[joint.pin]
+model = "rigid-core"
+core_radius_ratio = { from = 0.1, to = 0.4 }
+youngs_modulus = "210 GPa"
+poissons_ratio = 0.3
+[joint.plate]
+model = "block"
+half_width_ratio = { from = 2.0, to = 4.0 }
+depth_ratio = 3.0
+height_ratio = 2.0
+support = "outer"
+youngs_modulus = { from = "10 GPa", to = "210 GPa" }
+poissons_ratio = { from = 0.1, to = 0.45 }
+[load]
+indentation = ["0 mm", "0.002 mm", "0.02 mm"]
+[sampling]
+method = "latin-hypercube"
+count = 6
+[solve]
+accuracy = "1 %"
+method = "fe"
+"#;
+
+/// Any adapter: every name holds the empty one.
+const ANY: [&str; 2] = ["--adapter", ""];
+
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_config_gives_the_same_table_on_both_backends() {
+    let work = Workdir::new("backends");
+    work.write("sweep.toml", SWEEP);
+    work.run(&["run", "sweep.toml", "--out", "cpu", "--backend", "cpu"]).expect(0);
+    for (precision, allowed) in [("f32", 1e-4), ("f64", 2e-9), ("mixed", 1e-7)] {
+        let arguments = ["run", "sweep.toml", "--out", precision, "--precision", precision];
+        let ended = work.run(&[&arguments[..], &ANY].concat()).expect(0);
+        let summary = ended.stderr;
+        assert!(!summary.contains("warning"), "{summary}");
+        let manifest = work.json(&format!("{precision}/manifest.json"));
+        assert_eq!((&manifest["backend"], &manifest["precision"]), (&"gpu".into(), &precision.into()));
+        let adapter = manifest["adapter"]["name"].as_str().unwrap();
+        assert!(!adapter.is_empty() && summary.contains(adapter), "{summary}");
+        assert!(manifest["adapter"]["driver"].is_string() && manifest["fallback"].is_null());
+        assert_eq!(manifest["counts"]["designs_on_cpu"], 0);
+        let residual = manifest["worst_residual"].as_f64().unwrap();
+        assert!(residual > 0.0 && residual < 3e-3, "{residual}");
+
+        let (found, expected) = (work.table(&format!("{precision}/table.csv")), work.table("cpu/table.csv"));
+        for name in ["design", "hole_radius_mm", "half_width_ratio", "indentation_mm", "method", "status"] {
+            assert_eq!(found.column(name), expected.column(name));
+        }
+        assert_eq!(found.column("backend"), ["gpu"; 18]);
+        let mut worst = 0.0_f64;
+        for name in [
+            "force_n",
+            "tangent_stiffness_n_per_mm",
+            "contact_half_angle_deg",
+            "peak_pressure_mpa",
+            "energy_mj",
+        ] {
+            for (found, expected) in found.column(name).into_iter().zip(expected.column(name)) {
+                let (found, expected): (f64, f64) = (found.parse().unwrap(), expected.parse().unwrap());
+                let difference = if expected == 0.0 { found.abs() } else { (found / expected - 1.0).abs() };
+                worst = worst.max(difference);
+            }
+        }
+        println!("{precision}: {worst:.1e}");
+        assert!(worst < allowed, "{precision}: {worst:e}");
+    }
+}
+
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn an_adapter_that_is_not_there_is_an_error_that_names_those_that_are() {
+    let work = Workdir::new("adapters");
+    work.write("sweep.toml", SWEEP);
+    let refused = work.run(&["run", "sweep.toml", "--adapter", "no such thing"]).expect(1);
+    let start = "error: no adapter is called `no such thing`; there are: ";
+    let line = refused.stderr.lines().find(|line| line.starts_with(start)).expect(&refused.stderr);
+    assert!(line.len() > start.len());
+    assert_eq!(work.files(), ["sweep.toml"]);
+}

@@ -1,0 +1,179 @@
+//! Whole designs on a device and on the processor.
+
+use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::backend::gpu::solver::{GpuBackend, GpuChoice};
+use jointsweep::engine::backend::{Backend, Solver};
+use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method};
+use jointsweep::study::config::{MethodChoice, SolveOptions};
+use jointsweep::study::design::{DesignCase, Load, Part};
+
+use super::*;
+use crate::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
+use crate::random::Random;
+
+fn on_device(
+    gpu: &GpuDevice,
+    precision: Precision,
+    options: SolveOptions,
+    cases: &[DesignCase],
+) -> Vec<DesignOutcome> {
+    GpuBackend::new(GpuChoice { device: gpu, precision }, options).unwrap().solve(cases).unwrap()
+}
+
+/// The greatest relative difference of the forces, and how many there are; all else must be alike.
+fn compare(found: &[DesignOutcome], expected: &[DesignOutcome], backend: BackendKind) -> (f64, usize) {
+    let (mut worst, mut count) = (0.0_f64, 0);
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
+        assert_eq!(found.case.index, expected.case.index);
+        assert_eq!(found.backend, backend, "{:?}", found.case);
+        for (found, expected) in found.steps.iter().zip(&expected.steps) {
+            let (Some(a), Some(b)) = (found.response, expected.response) else {
+                assert_eq!(found, expected);
+                continue;
+            };
+            count += 1;
+            assert_eq!((a.method, &found.status), (b.method, &expected.status));
+            worst =
+                worst.max((a.force / b.force - 1.0).abs()).max((a.indentation / b.indentation - 1.0).abs());
+        }
+    }
+    (worst, count)
+}
+
+fn allowed(precision: Precision) -> f64 {
+    match precision {
+        Precision::F32 => 1e-4,
+        Precision::F64 => 1e-9,
+        Precision::Mixed => 1e-7,
+    }
+}
+
+/// A thousand random designs of sixty pins and sixty plates, each with a clearance, moduli and a load of its own.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_thousand_random_designs_in_f32() {
+    let drawn = draw(21, 60, concentric);
+    let mut random = Random::new(22);
+    let mut pick = |all: &[DesignCase]| all[(random.unit() * all.len() as f64) as usize].joint;
+    let cases: Vec<DesignCase> = draw(23, 1000, concentric)
+        .into_iter()
+        .map(|mut case| {
+            let joint = &mut case.joint;
+            let (pin, plate) = (pick(&drawn).pin, pick(&drawn).plate);
+            joint.pin = Part { material: with_ratio(joint.pin, pin), ..pin };
+            joint.plate = Part { material: with_ratio(joint.plate, plate), ..plate };
+            case
+        })
+        .collect();
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    let expected = CpuBackend::new(options).solve(&cases);
+    let found = on_device(device(), Precision::F32, options, &cases);
+    let (worst, count) = compare(&found, &expected, BackendKind::Gpu);
+    println!("{count} forces, {worst:.1e}");
+    assert!(count > 950 && worst < allowed(Precision::F32), "{count} {worst:e}");
+    // Negative control: forces of another mesh are not those of this one.
+    let finer = CpuBackend::new(SolveOptions { accuracy: 1e-3, ..options }).solve(&cases[..50]);
+    let force = |outcome: &DesignOutcome| outcome.steps[0].response.map_or(1.0, |response| response.force);
+    let other = found.iter().zip(&finer).map(|(a, b)| (force(a) / force(b) - 1.0).abs()).fold(0.0, f64::max);
+    assert!(other > 3.0 * allowed(Precision::F32), "{other:e}");
+}
+
+/// Young's modulus of the one, Poisson's ratio of the other.
+fn with_ratio(own: Part, shape: Part) -> jointsweep::mechanics::material::Material {
+    jointsweep::mechanics::material::Material {
+        youngs_modulus: own.material.youngs_modulus,
+        poissons_ratio: shape.material.poissons_ratio,
+    }
+}
+
+/// Every shape and method, several steps, loads of both kinds, steps without load, and designs that climb to finer
+/// meshes, in every precision.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn designs_of_every_kind_in_every_precision() {
+    let mut cases: Vec<DesignCase> =
+        [draw(31, 6, concentric), draw(32, 6, half_disc_in_annulus), draw(33, 6, disc_in_block)].concat();
+    for (index, case) in (0..).zip(&mut cases) {
+        case.index = index;
+        let Load::Indentation(delta) = case.steps[0] else { unreachable!("as they are drawn") };
+        let force = case.joint.thickness * case.joint.plate.material.youngs_modulus * delta;
+        case.steps = vec![
+            Load::Indentation(0.0),
+            Load::Indentation(delta),
+            Load::Force(0.1 * force),
+            Load::Indentation(2.0 * delta),
+        ];
+        if index % 5 == 0 {
+            case.joint.radial_clearance = 0.0;
+        }
+    }
+    for (method, accuracy) in [(MethodChoice::Auto, 3e-3), (MethodChoice::Fe, 0.01)] {
+        let options = SolveOptions { accuracy, method };
+        let expected = CpuBackend::new(options).solve(&cases);
+        for (precision, _) in precisions() {
+            let found = on_device(device(), precision, options, &cases);
+            // What `auto` needs no mesh for stays with the processor.
+            let exact = |outcome: &DesignOutcome| {
+                let methods = outcome.steps.iter().filter_map(|step| step.response).map(|r| r.method);
+                methods.into_iter().any(|method| method == Method::Series)
+            };
+            let (of_cpu, of_gpu): (Vec<usize>, Vec<usize>) =
+                (0..cases.len()).partition(|&index| exact(&expected[index]));
+            assert_eq!(of_cpu.is_empty(), method == MethodChoice::Fe);
+            // Half discs whose contact would reach their face fail on both sides, in the same words.
+            let failed = |outcome: &DesignOutcome| outcome.steps.iter().any(|step| step.response.is_none());
+            assert!(of_gpu.iter().any(|&index| failed(&expected[index])));
+            for (indices, backend) in [(of_cpu, BackendKind::Cpu), (of_gpu, BackendKind::Gpu)] {
+                let of = |all: &[DesignOutcome]| indices.iter().map(|i| all[*i].clone()).collect::<Vec<_>>();
+                let (worst, count) = compare(&of(&found), &of(&expected), backend);
+                println!("{method:?} {precision:?}: {count} answers of {backend:?}, {worst:.1e}");
+                assert!(worst < allowed(precision), "{method:?} {precision:?}: {worst:e}");
+            }
+        }
+    }
+}
+
+/// What the device cannot hold the processor solves, and what has many steps comes in pieces.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn what_the_device_cannot_hold_the_processor_solves() {
+    let cases = draw(41, 4, half_disc_in_annulus);
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    let expected = CpuBackend::new(options).solve(&cases);
+    let mut small = device().clone();
+    // Room for the slots of one design, none for the iterates of a body.
+    small.facts.limits.binding_bytes = 40_000;
+    let found = on_device(&small, Precision::F32, options, &cases);
+    assert_eq!(compare(&found, &expected, BackendKind::Cpu).0, 0.0);
+    // Room for one design at a time.
+    small.facts.limits.binding_bytes = 1_000_000;
+    let found = on_device(&small, Precision::F32, options, &cases);
+    assert!(compare(&found, &expected, BackendKind::Gpu).0 < allowed(Precision::F32));
+}
+
+/// A device that is lost in the middle of a sweep: its batch and all after it come from the processor, whole.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_device_that_is_lost_loses_no_design() {
+    let cases = draw(51, 6, concentric);
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    let expected = CpuBackend::new(options).solve(&cases);
+    // Not the one that the other tests share.
+    let own = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap();
+    let backend = GpuBackend::new(GpuChoice { device: &own, precision: Precision::F32 }, options).unwrap();
+    let mut solver = Solver::with(Box::new(backend), options);
+    let (first, lost) = solver.solve(&cases[..2]);
+    assert_eq!(lost, None);
+    assert!(compare(&first, &expected[..2], BackendKind::Gpu).0 < allowed(Precision::F32));
+    own.device.destroy();
+    let (second, lost) = solver.solve(&cases[2..4]);
+    println!("{lost:?}");
+    let lost = lost.unwrap();
+    assert!(matches!(lost, GpuError::Lost { .. }) && lost.to_string().lines().count() == 1, "{lost:?}");
+    assert_eq!(compare(&second, &expected[2..4], BackendKind::Cpu).0, 0.0);
+    let (third, lost) = solver.solve(&cases[4..]);
+    assert_eq!(lost, None);
+    assert_eq!(compare(&third, &expected[4..], BackendKind::Cpu).0, 0.0);
+    assert!(solver.stages().iter().any(|(name, time)| name.ends_with("GPU") && !time.is_zero()));
+}
