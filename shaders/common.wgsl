@@ -3,6 +3,8 @@
 //     alias real = f32;               // or f64: of the iteration
 //     alias wide = f64;               // of all else; f64 where `real` is, else either
 //     const INVOCATIONS = 64u;        // of a workgroup
+//     const ON_CHIP = 4u;             // vectors that pcg holds in a workgroup's own memory
+//     const CAPACITY = 512u;          // numbers of each of them, four systems abreast
 
 alias wide2 = vec2<wide>;
 // Four systems side by side: one component each.

@@ -7,8 +7,9 @@
 // over the rows; sums are taken over the strides and then as a tree. A system that has stopped goes along unchanged,
 // and a workgroup whose four have stopped ends.
 //
-// d, r, p and the numbers of a system stay in storage, so that a dispatch of `step_count` steps goes on where the
-// one before has ended: how the steps are split over dispatches does not change a bit.
+// p, r, d and the numbers of a system stay in storage, so that a dispatch of `step_count` steps goes on where the
+// one before has ended: how the steps are split over dispatches does not change a bit. During a dispatch the first
+// ON_CHIP vectors, of at most CAPACITY unknowns, are in the workgroup's own memory: p first, which is gathered.
 
 @group(0) @binding(0) var<uniform> parameters: SystemParameters;
 // [row]: its first value; the end of the last one closes the list.
@@ -19,7 +20,7 @@
 @group(0) @binding(3) var<storage, read> diagonal_places: array<u32>;
 // [body][value]
 @group(0) @binding(4) var<storage, read> values: array<real>;
-// [body][block][d, r, p, q][unknown]
+// [body][block][p, q, r, d][unknown]
 @group(0) @binding(5) var<storage, read_write> iterates: array<real4>;
 // [body][block][rho = r.M^-1 r, |b|, |b - K x|/|b| as the round began]
 @group(0) @binding(6) var<storage, read_write> norms: array<wide4>;
@@ -37,6 +38,50 @@ struct Systems {
 
 var<workgroup> partial: array<real4, INVOCATIONS>;
 var<workgroup> held: Systems;
+// [p, q, r, d][unknown], as many as there are; one number where there is none.
+var<workgroup> chip: array<real4, max(ON_CHIP * CAPACITY, 1u)>;
+
+const P = 0u;
+const Q = 1u;
+const R = 2u;
+const D = 3u;
+
+// Of one of the vectors of a block that begins at `first` in storage. Compilers know on which side each call is.
+fn of_vector(vector: u32, first: u32, row: u32) -> real4 {
+    if vector < ON_CHIP {
+        return chip[vector * CAPACITY + row];
+    }
+    return iterates[first + vector * parameters.unknown_count + row];
+}
+
+fn keep(vector: u32, first: u32, row: u32, value: real4) {
+    if vector < ON_CHIP {
+        chip[vector * CAPACITY + row] = value;
+    } else {
+        iterates[first + vector * parameters.unknown_count + row] = value;
+    }
+}
+
+// Between storage and chip. q is made anew in each step.
+fn fetch(first: u32, invocation: u32) {
+    for (var row = invocation; row < parameters.unknown_count; row += INVOCATIONS) {
+        for (var vector = P; vector < ON_CHIP; vector++) {
+            if vector != Q {
+                chip[vector * CAPACITY + row] = iterates[first + vector * parameters.unknown_count + row];
+            }
+        }
+    }
+}
+
+fn put_back(first: u32, invocation: u32) {
+    for (var row = invocation; row < parameters.unknown_count; row += INVOCATIONS) {
+        for (var vector = P; vector < ON_CHIP; vector++) {
+            if vector != Q {
+                iterates[first + vector * parameters.unknown_count + row] = chip[vector * CAPACITY + row];
+            }
+        }
+    }
+}
 
 // The sum of all invocations' own parts, the same for all of them.
 fn sum_of_workgroup(invocation: u32, own: real4) -> real4 {
@@ -107,14 +152,16 @@ fn solve(
     let size = parameters.unknown_count;
     let block = group.x * parameters.block_count + group.y;
     let first_value = group.x * parameters.value_count;
-    let d = 4u * size * block;
-    let r = d + size;
-    let p = r + size;
-    let q = p + size;
+    let first = 4u * size * block;
     if invocation == 0u {
         held = load(block);
     }
     var systems = workgroupUniformLoad(&held);
+    if !any(are_stepping(systems)) {
+        return;
+    }
+    fetch(first, invocation);
+    workgroupBarrier();
     for (var step = 0u; step < parameters.step_count; step++) {
         let is_stepping = are_stepping(systems);
         if !any(is_stepping) {
@@ -125,10 +172,10 @@ fn solve(
         for (var row = invocation; row < size; row += INVOCATIONS) {
             var sum = real4();
             for (var entry = row_starts[row]; entry < row_starts[row + 1u]; entry++) {
-                sum += values[first_value + entry] * iterates[p + columns[entry]];
+                sum += values[first_value + entry] * of_vector(P, first, columns[entry]);
             }
-            iterates[q + row] = sum;
-            own += iterates[p + row] * sum;
+            keep(Q, first, row, sum);
+            own += of_vector(P, first, row) * sum;
         }
         let curvature = sum_of_workgroup(invocation, own);
         systems.iterations += select(vec4<u32>(), vec4<u32>(1u), is_stepping);
@@ -143,9 +190,9 @@ fn solve(
         let alpha = select(real4(), systems.rho / curvature, goes_on);
         own = real4();
         for (var row = invocation; row < size; row += INVOCATIONS) {
-            iterates[d + row] += alpha * iterates[p + row];
-            let residual = iterates[r + row] - alpha * iterates[q + row];
-            iterates[r + row] = residual;
+            keep(D, first, row, of_vector(D, first, row) + alpha * of_vector(P, first, row));
+            let residual = of_vector(R, first, row) - alpha * of_vector(Q, first, row);
+            keep(R, first, row, residual);
             own += residual * (residual / values[first_value + diagonal_places[row]]);
         }
         let next = sum_of_workgroup(invocation, own);
@@ -153,8 +200,8 @@ fn solve(
         let beta = select(real4(), next / systems.rho, goes_on);
         systems.rho = select(systems.rho, next, goes_on);
         for (var row = invocation; row < size; row += INVOCATIONS) {
-            let z = iterates[r + row] / values[first_value + diagonal_places[row]];
-            iterates[p + row] = z + beta * iterates[p + row];
+            let z = of_vector(R, first, row) / values[first_value + diagonal_places[row]];
+            keep(P, first, row, z + beta * of_vector(P, first, row));
         }
         storageBarrier();
         workgroupBarrier();
@@ -165,6 +212,7 @@ fn solve(
             shortened(systems.outcome.w, systems.rho.w),
         );
     }
+    put_back(first, invocation);
     if invocation == 0u {
         store(block, systems);
     }

@@ -17,7 +17,7 @@
 @group(0) @binding(3) var<storage, read> diagonal_places: array<u32>;
 // [body][value]
 @group(0) @binding(4) var<storage, read> values: array<wide>;
-// [body][block][d, r, p, q][unknown]
+// [body][block][p, q, r, d][unknown]
 @group(0) @binding(5) var<storage, read_write> iterates: array<real4>;
 // [body][block][rho = r.M^-1 r, at last over that of the round's begin; |b|; |b - K x|/|b|]
 @group(0) @binding(6) var<storage, read_write> norms: array<wide4>;
@@ -107,9 +107,9 @@ fn begin_round(place: Place, invocation: u32, systems: Systems) {
         let scaled = real4(solutions[place.solutions + size + row] / scale);
         let r = select(real4(), scaled, is_running);
         let z = r / real(values[place.first_value + diagonal_places[row]]);
-        iterates[place.iterates + row] = real4();
-        iterates[place.iterates + size + row] = r;
-        iterates[place.iterates + 2u * size + row] = z;
+        iterates[place.iterates + row] = z;
+        iterates[place.iterates + 2u * size + row] = r;
+        iterates[place.iterates + 3u * size + row] = real4();
         own += wide4(r * z);
     }
     let rho = sum_of_workgroup(invocation, own);
@@ -189,7 +189,7 @@ fn end_round(group: vec3<u32>, invocation: u32, is_last: bool) {
     let begin = systems.distance * systems.norm_b;
     let scale = power_of_two(begin);
     for (var row = invocation; row < size; row += INVOCATIONS) {
-        let step = scale * wide4(iterates[place.iterates + row]);
+        let step = scale * wide4(iterates[place.iterates + 3u * size + row]);
         solutions[place.solutions + row] += select(wide4(), step, was_running);
     }
     storageBarrier();

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use jointsweep::engine::backend::gpu::batch::{
-    Batch, BatchError, BodyCounts, KernelFacts, LONGEST, MOST_TRIPS, SHORTEST, TARGET, adapted, batches,
+    Batch, BatchError, BodyCounts, KernelFacts, LONGEST, MOST_TRIPS, OnChip, SHORTEST, TARGET, adapted,
+    batches,
 };
 use jointsweep::engine::backend::gpu::context::DeviceLimits;
 
@@ -202,10 +203,10 @@ fn the_measured_time_is_taken_over_only_where_a_dispatch_was_too_long_or_too_sho
 
 #[test]
 fn a_kernel_that_a_device_cannot_run_is_refused() {
-    let exact = DeviceLimits { workgroup_bytes: 66 * 16 + 32, ..LIMITS };
+    let exact = DeviceLimits { workgroup_bytes: 67 * 16 + 32, ..LIMITS };
     split(&[BODY], &KERNEL, &exact);
-    let one_less = DeviceLimits { workgroup_bytes: 66 * 16 + 31, ..LIMITS };
-    let error = BatchError::WorkgroupMemory { needed: 1088, limit: 1087 };
+    let one_less = DeviceLimits { workgroup_bytes: 67 * 16 + 31, ..LIMITS };
+    let error = BatchError::WorkgroupMemory { needed: 1104, limit: 1103 };
     assert_eq!(batches(&[BODY], &KERNEL, &one_less), Err(error));
     let narrow = DeviceLimits { invocations_per_workgroup: 63, ..LIMITS };
     let error = BatchError::WorkgroupSize { needed: 64, limit: 63 };
@@ -216,4 +217,40 @@ fn a_kernel_that_a_device_cannot_run_is_refused() {
     }
     let kernel = KernelFacts { seconds_per_iteration: f64::NAN, ..KERNEL };
     assert!(matches!(batches(&[BODY], &kernel, &LIMITS), Err(BatchError::NoTime { .. })));
+}
+
+/// As many vectors as fit, never a byte more, of a capacity that wastes at most a third; few capacities.
+#[test]
+fn vectors_go_on_the_chip_as_far_as_they_fit() {
+    let kernel = KernelFacts { bytes_per_wide: 8, ..KERNEL };
+    for kib in [16, 32, 48] {
+        let limits = DeviceLimits { workgroup_bytes: kib << 10, ..LIMITS };
+        let room = u64::from(limits.workgroup_bytes);
+        let mut capacities = Vec::new();
+        for unknowns in 1..5_000 {
+            let on_chip = OnChip::fitting(unknowns, &kernel, &limits);
+            assert!(kernel.workgroup_bytes(on_chip) <= room);
+            if on_chip == OnChip::NOTHING {
+                // Not even one vector of the next capacity.
+                assert!(unknowns * 16 + kernel.workgroup_bytes(OnChip::NOTHING) > room * 2 / 3, "{unknowns}");
+                continue;
+            }
+            let OnChip { vectors, capacity } = on_chip;
+            assert!(
+                capacity >= unknowns && (capacity <= 64 || capacity * 2 < unknowns * 3),
+                "{unknowns} {capacity}"
+            );
+            let more = OnChip { vectors: vectors + 1, capacity };
+            assert!(vectors == 4 || kernel.workgroup_bytes(more) > room);
+            capacities.push(capacity);
+        }
+        capacities.dedup();
+        assert!(capacities.is_sorted() && capacities.len() <= 14, "{capacities:?}");
+    }
+    // 64 partial sums and a state of f32 leave room for 4 x 448 or 1 x 1,536 unknowns on 32 KiB.
+    let chosen = |unknowns| OnChip::fitting(unknowns, &KERNEL, &LIMITS);
+    assert_eq!(chosen(384), OnChip { vectors: 4, capacity: 384 });
+    assert_eq!(chosen(385), OnChip { vectors: 3, capacity: 512 });
+    assert_eq!(chosen(1_536), OnChip { vectors: 1, capacity: 1_536 });
+    assert_eq!(chosen(1_537), OnChip::NOTHING);
 }

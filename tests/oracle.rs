@@ -11,7 +11,8 @@ use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
 use jointsweep::engine::backend::cpu::CpuBackend;
 use jointsweep::engine::outcome::Response;
 use jointsweep::study::config::{MethodChoice, SolveOptions};
-use jointsweep::study::design::DesignCase;
+use jointsweep::study::design::{DesignCase, Part};
+use random::Random;
 
 /// Designs drawn for the comparison with `series`, and for each with the finest mesh, which takes longer.
 const COUNT: u64 = 300;

@@ -2,10 +2,10 @@
 
 use std::mem::offset_of;
 
-use jointsweep::engine::backend::gpu::batch::KernelFacts;
+use jointsweep::engine::backend::gpu::batch::{KernelFacts, OnChip};
 use jointsweep::engine::backend::gpu::contact::{ContactParameters, NO_SLOT, RESPONSE_SIZE, Step};
 use jointsweep::engine::backend::gpu::kernels::{
-    ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE,
+    ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE, Variant,
 };
 use jointsweep::engine::backend::gpu::kernels::{CONTACT, GRAM};
 use jointsweep::engine::backend::gpu::layout::{
@@ -175,25 +175,28 @@ fn bindings_are_as_the_host_makes_them() {
 fn the_planner_knows_the_memory_of_a_workgroup() {
     for precision in PRECISIONS {
         for invocations in [32, 128] {
-            let bytes = |file: &KernelFile| -> u64 {
-                let source = file.source(precision, invocations);
-                let (module, _) = check(&source, capabilities(precision)).unwrap();
-                let mut layouter = naga::proc::Layouter::default();
-                layouter.update(module.to_ctx()).unwrap();
-                let shared =
-                    module.global_variables.iter().filter(|(_, v)| v.space == naga::AddressSpace::WorkGroup);
-                shared.map(|(_, variable)| u64::from(layouter[variable.ty].size)).sum()
-            };
             let facts = KernelFacts {
                 bytes_per_real: precision.real_bytes(),
                 bytes_per_wide: precision.wide_bytes(),
                 invocations: u64::from(invocations),
                 seconds_per_iteration: 1.0,
             };
-            let most = KERNEL_FILES.map(bytes).into_iter().max();
-            assert_eq!(most, Some(facts.workgroup_bytes()), "{precision:?}");
+            let filled = |vectors| OnChip { vectors, capacity: 96 };
+            for on_chip in [OnChip::NOTHING, filled(1), filled(4)] {
+                let variant = Variant { precision, invocations, on_chip };
+                let most = KERNEL_FILES.map(|file| workgroup_bytes(file, &variant)).into_iter().max();
+                assert_eq!(most, Some(facts.workgroup_bytes(on_chip)), "{precision:?} {on_chip:?}");
+            }
         }
     }
+}
+
+fn workgroup_bytes(file: &KernelFile, variant: &Variant) -> u64 {
+    let (module, _) = check(&file.variant(variant), capabilities(variant.precision)).unwrap();
+    let mut layouter = naga::proc::Layouter::default();
+    layouter.update(module.to_ctx()).unwrap();
+    let shared = module.global_variables.iter().filter(|(_, v)| v.space == naga::AddressSpace::WorkGroup);
+    shared.map(|(_, variable)| u64::from(layouter[variable.ty].size)).sum()
 }
 
 #[test]

@@ -26,6 +26,34 @@ fn resuming_and_company_do_not_change_a_bit() {
     }
 }
 
+/// Nor does it matter where the vectors are during a dispatch.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn vectors_on_the_chip_are_those_in_storage_to_the_bit() {
+    let bodies = plates();
+    let unknowns = bodies.layout.systems.unknown_count() as u64;
+    for (precision, _) in precisions() {
+        let settings = RefineSettings { iteration_limit: 1000, ..precision.settings() };
+        let solve = |on_chip: Option<OnChip>, steps: u32| {
+            let mut batch = bodies.batch(precision);
+            on_chip.inspect(|on_chip| batch.on_chip = *on_chip);
+            batch.assemble_and_condense(&bodies.layout, &bodies.numbers(), &settings, steps).unwrap();
+            (batch.on_chip, batch.read_compliance().unwrap(), batch.read_reports().unwrap().states)
+        };
+        let (_, compliance, states) = solve(Some(OnChip::NOTHING), 40);
+        let (chosen, own, own_states) = solve(None, 40);
+        println!("{precision:?}: {unknowns} unknowns, {chosen:?}");
+        // Small bodies: all four, on every device.
+        assert!(chosen.vectors == 4 && chosen.capacity >= unknowns);
+        assert!(own == compliance && own_states == states);
+        for vectors in 1..4 {
+            let on_chip = OnChip { vectors, capacity: unknowns };
+            let (_, other, other_states) = solve(Some(on_chip), 7);
+            assert!(other == compliance && other_states == states, "{precision:?} {vectors}");
+        }
+    }
+}
+
 /// Each spoils one body of a batch; the twin says how its systems end, and the others do not notice.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
@@ -67,6 +95,8 @@ fn a_bad_system_ends_as_the_twin_says_and_spoils_no_other() {
                 );
                 assert_ne!(state.outcome(), Some(SystemOutcome::Converged), "{what} {precision:?}");
             }
+            // What broke down keeps the x of the round before, here the first one.
+            assert!(of_body(&columns, &bodies, 2).iter().all(|x| *x == 0.0), "{what} {precision:?}");
             for other in [0, 1, 3, 4] {
                 assert!(
                     of_body(&columns, &bodies, other) == of_body(&good_columns, &bodies, other),
@@ -186,9 +216,7 @@ fn what_cannot_be_had_is_an_error() {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn the_planner_fills_the_device_and_no_more() {
     let bodies = plates();
-    let invocations = u64::from(INVOCATIONS);
-    let kernel =
-        KernelFacts { bytes_per_real: 4, bytes_per_wide: 4, invocations, seconds_per_iteration: 1e-9 };
+    let kernel = kernels(Precision::F32).facts(1e-9);
     let counts = vec![bodies.counts(); 10_000];
     let first = batches(&counts, &kernel, &device().facts.limits).unwrap().swap_remove(0).bodies.len();
     println!("{first} bodies of {:?}", counts[0]);

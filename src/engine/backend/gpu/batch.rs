@@ -65,6 +65,15 @@ pub struct KernelFacts {
     pub seconds_per_iteration: f64,
 }
 
+/// How much of the iteration a workgroup of `pcg` keeps in its own memory during a dispatch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct OnChip {
+    /// Of p, q, r and d the first so many.
+    pub vectors: u64,
+    /// Numbers of each, four systems abreast.
+    pub capacity: u64,
+}
+
 /// Bodies solved together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Batch {
@@ -134,11 +143,32 @@ impl BodyCounts {
 }
 
 impl KernelFacts {
-    /// Bytes that the invocations of a workgroup of `refine` share, which are no fewer than those of `pcg`: partial
-    /// sums of all columns abreast, and their state.
-    pub fn workgroup_bytes(&self) -> u64 {
-        (self.invocations + 2) * COLUMNS_ABREAST * self.bytes_per_wide + 2 * COLUMNS_ABREAST * 4
+    /// Bytes that the invocations of a workgroup share at most, in `pcg` or in `refine`: partial sums of all columns
+    /// abreast, and their state; and in `pcg` what it keeps, of which there is one number if there is nothing.
+    pub fn workgroup_bytes(&self, on_chip: OnChip) -> u64 {
+        let sums = |bytes: u64| (self.invocations + 2) * COLUMNS_ABREAST * bytes + 2 * COLUMNS_ABREAST * 4;
+        let kept = (on_chip.vectors * on_chip.capacity).max(1) * COLUMNS_ABREAST * self.bytes_per_real;
+        (sums(self.bytes_per_real) + kept).max(sums(self.bytes_per_wide))
     }
+}
+
+impl OnChip {
+    /// All vectors in storage.
+    pub const NOTHING: OnChip = OnChip { vectors: 0, capacity: 0 };
+
+    /// As many vectors of so many unknowns as a workgroup of this device has room for.
+    pub fn fitting(unknowns: u64, kernel: &KernelFacts, limits: &DeviceLimits) -> OnChip {
+        let capacity = capacity_class(unknowns);
+        let fits = |on_chip: &OnChip| kernel.workgroup_bytes(*on_chip) <= u64::from(limits.workgroup_bytes);
+        let most_first = (1..=ITERATES).rev().map(|vectors| OnChip { vectors, capacity });
+        most_first.into_iter().find(fits).unwrap_or(OnChip::NOTHING)
+    }
+}
+
+/// A few sizes, since each is a pipeline of its own: the next of 48, 64, 96, 128, 192 and so on.
+fn capacity_class(unknowns: u64) -> u64 {
+    let power = unknowns.next_power_of_two().max(64);
+    if unknowns <= power / 4 * 3 { power / 4 * 3 } else { power }
 }
 
 /// Splits `bodies` into batches: in order, none lost, none twice.
@@ -159,7 +189,7 @@ pub fn batches(
 }
 
 fn check_kernel(kernel: &KernelFacts, limits: &DeviceLimits) -> Result<(), BatchError> {
-    let (needed, limit) = (kernel.workgroup_bytes(), u64::from(limits.workgroup_bytes));
+    let (needed, limit) = (kernel.workgroup_bytes(OnChip::NOTHING), u64::from(limits.workgroup_bytes));
     if needed > limit {
         return Err(BatchError::WorkgroupMemory { needed, limit });
     }

@@ -1,7 +1,11 @@
 //! The kernels: their text in each precision, and their pipelines on a device.
 
+use std::collections::HashMap;
+use std::sync::Mutex;
+
 use wgpu::ShaderStages;
 
+use super::batch::{KernelFacts, OnChip};
 use super::context::{GpuDevice, GpuError};
 use crate::mechanics::solve::pcg::ALLOWED_DRIFT;
 use crate::mechanics::solve::refine::RefineSettings;
@@ -164,19 +168,36 @@ pub const CONTACT: KernelFile = KernelFile {
 /// each count of them (`trial`).
 pub const KERNEL_FILES: [&KernelFile; 5] = [&ASSEMBLE, &NARROW, &PCG, &REFINE, &CONDENSE];
 
+/// What the text of a kernel depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variant {
+    pub precision: Precision,
+    /// Of a workgroup, a power of two.
+    pub invocations: u32,
+    /// Of `pcg`.
+    pub on_chip: OnChip,
+}
+
 impl KernelFile {
-    /// The whole text in one precision and for one size of workgroup.
+    /// The whole text in one precision and for one size of workgroup, with all vectors in storage.
     pub fn source(&self, precision: Precision, invocations: u32) -> String {
+        self.variant(&Variant { precision, invocations, on_chip: OnChip::NOTHING })
+    }
+
+    pub fn variant(&self, variant: &Variant) -> String {
+        let Variant { precision, invocations, on_chip: OnChip { vectors, capacity } } = variant;
         let name = |bytes: u64| if bytes == 4 { "f32" } else { "f64" };
         let (real, wide) = (name(precision.real_bytes()), name(precision.wide_bytes()));
         let text = self.text;
         format!(
-            "alias real = {real};\nalias wide = {wide};\nconst INVOCATIONS = {invocations}u;\n{COMMON}\n{text}"
+            "alias real = {real};\nalias wide = {wide};\nconst INVOCATIONS = {invocations}u;\n\
+             const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\n{COMMON}\n{text}"
         )
     }
 }
 
 /// Pipelines of one file, in the order of its entry points.
+#[derive(Clone)]
 pub struct Stage {
     pub layout: wgpu::BindGroupLayout,
     pub pipelines: Vec<wgpu::ComputePipeline>,
@@ -186,10 +207,11 @@ pub struct Stage {
 pub struct Kernels<'a> {
     pub gpu: &'a GpuDevice,
     pub precision: Precision,
+    pub invocations: u32,
     pub assemble: Stage,
     /// Where the iteration needs matrices of its own.
     pub narrow: Option<Stage>,
-    pub pcg: Stage,
+    pcg: Mutex<HashMap<OnChip, Stage>>,
     pub refine: Stage,
     pub condense: Stage,
 }
@@ -202,26 +224,58 @@ impl<'a> Kernels<'a> {
         if !invocations.is_power_of_two() || invocations > gpu.facts.limits.invocations_per_workgroup {
             return Err(lacks(&format!("workgroups of {invocations} invocations")));
         }
-        let stage = |file: &KernelFile| -> Result<Stage, GpuError> {
-            if file.written.len() > gpu.facts.limits.storage_buffers as usize {
-                return Err(lacks(&format!("{} storage buffers", file.written.len())));
-            }
-            gpu.checked(file.name, || Stage::new(&gpu.device, file, &file.source(precision, invocations)))
-        };
+        let stage =
+            |file| Stage::new(gpu, file, &Variant { precision, invocations, on_chip: OnChip::NOTHING });
         Ok(Kernels {
             gpu,
             precision,
+            invocations,
             assemble: stage(&ASSEMBLE)?,
             narrow: precision.narrows().then(|| stage(&NARROW)).transpose()?,
-            pcg: stage(&PCG)?,
+            pcg: Mutex::default(),
             refine: stage(&REFINE)?,
             condense: stage(&CONDENSE)?,
         })
     }
+
+    /// The iteration with so much on chip; made when it is first asked for.
+    pub fn pcg(&self, on_chip: OnChip) -> Result<Stage, GpuError> {
+        // A thread that panicked has left the map whole.
+        let mut made = self.pcg.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if let Some(stage) = made.get(&on_chip) {
+            return Ok(stage.clone());
+        }
+        let Kernels { gpu, precision, invocations, .. } = *self;
+        let stage = Stage::new(gpu, &PCG, &Variant { precision, invocations, on_chip })?;
+        made.insert(on_chip, stage.clone());
+        Ok(stage)
+    }
+
+    /// For the planner; the time is of the last dispatch.
+    pub fn facts(&self, seconds_per_iteration: f64) -> KernelFacts {
+        KernelFacts {
+            bytes_per_real: self.precision.real_bytes(),
+            bytes_per_wide: self.precision.wide_bytes(),
+            invocations: u64::from(self.invocations),
+            seconds_per_iteration,
+        }
+    }
 }
 
 impl Stage {
-    pub(super) fn new(device: &wgpu::Device, file: &KernelFile, source: &str) -> Stage {
+    fn new(gpu: &GpuDevice, file: &KernelFile, variant: &Variant) -> Result<Stage, GpuError> {
+        Stage::from_source(gpu, file, &file.variant(variant))
+    }
+
+    pub(super) fn from_source(gpu: &GpuDevice, file: &KernelFile, source: &str) -> Result<Stage, GpuError> {
+        if file.written.len() > gpu.facts.limits.storage_buffers as usize {
+            let what = format!("{} storage buffers", file.written.len());
+            return Err(GpuError::Lacks { adapter: gpu.facts.name.clone(), what });
+        }
+        gpu.checked(file.name, || Stage::unchecked(&gpu.device, file, source))
+    }
+
+    fn unchecked(device: &wgpu::Device, file: &KernelFile, source: &str) -> Stage {
         let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: ShaderStages::COMPUTE,

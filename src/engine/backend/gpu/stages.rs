@@ -7,7 +7,7 @@ use bytemuck::Pod;
 use wgpu::BufferUsages;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-use super::batch::{ITERATES, SOLUTIONS};
+use super::batch::{ITERATES, OnChip, SOLUTIONS};
 use super::context::{GpuDevice, GpuError};
 use super::kernels::{Kernels, Stage};
 use super::layout::{MeshLayout, SystemLayout, SystemState};
@@ -18,6 +18,8 @@ pub struct SystemBatch<'a> {
     kernels: &'a Kernels<'a>,
     pub(super) layout: &'a SystemLayout,
     body_count: usize,
+    /// Whether the iteration's vectors are in storage or in the workgroups' own memory changes no bit.
+    pub on_chip: OnChip,
     row_starts: wgpu::Buffer,
     columns: wgpu::Buffer,
     diagonal_places: wgpu::Buffer,
@@ -52,12 +54,14 @@ impl<'a> SystemBatch<'a> {
         let (bodies, systems) = (body_count as u64, (body_count * layout.system_count()) as u64);
         let (unknowns, value_count) = (layout.unknown_count() as u64, bodies * layout.columns.len() as u64);
         let empty = |label, bytes| empty_buffer(device, label, bytes);
+        let on_chip = OnChip::fitting(unknowns, &kernels.facts(0.0), &kernels.gpu.facts.limits);
         kernels.gpu.checked("room for a batch", || {
             let values = empty("values", value_count * wide);
             SystemBatch {
                 kernels,
                 layout,
                 body_count,
+                on_chip,
                 row_starts: filled_buffer(device, "row_starts", &layout.row_starts),
                 columns: filled_buffer(device, "columns", &layout.columns),
                 diagonal_places: filled_buffer(device, "diagonal_places", &layout.diagonal_places),
@@ -114,7 +118,8 @@ impl<'a> SystemBatch<'a> {
     /// have stopped: those that have, end at once. `step_count` is that of the `Batch`: with more, Mesa 22 leaves the
     /// iteration early and says nothing.
     pub fn pcg(&self, settings: &RefineSettings, step_count: u32) -> Result<(), GpuError> {
-        let Kernels { gpu, narrow, pcg, refine, .. } = self.kernels;
+        let Kernels { gpu, narrow, refine, .. } = self.kernels;
+        let pcg = &self.kernels.pcg(self.on_chip)?;
         let groups = self.block_groups();
         gpu.checked("pcg", || {
             let parameters = uniform_buffer(&gpu.device, &self.layout.parameters(settings, step_count));

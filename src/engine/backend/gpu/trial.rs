@@ -44,7 +44,7 @@ impl<'a> TrialKernels<'a> {
     ) -> Result<TrialKernels<'a>, GpuError> {
         let stage = |file: &KernelFile| {
             let source = source(file, precision, invocations, terms);
-            gpu.checked(file.name, || Stage::new(&gpu.device, file, &source))
+            Stage::from_source(gpu, file, &source)
         };
         Ok(TrialKernels {
             gpu,
