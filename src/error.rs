@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::engine::backend::gpu::context::GpuError;
-
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     #[error("cannot {action} {path}: {source}", path = path.display())]
@@ -33,8 +31,8 @@ pub enum Error {
     #[error("--adapter names a GPU, --backend cpu asks for none: leave one of them out")]
     AdapterForCpu,
 
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
+    #[error("{problem}")]
+    Adapter { problem: String },
 }
 
 /// `file:line: key: `, without the parts that are not known.

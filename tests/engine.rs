@@ -354,10 +354,6 @@ impl Backend for GivesUp {
         Ok(outcomes)
     }
 
-    fn batch_size(&self) -> usize {
-        3
-    }
-
     fn stages(&self) -> Vec<(&'static str, Duration)> {
         vec![("contact", Duration::from_secs(1000)), ("its own", Duration::from_secs(1))]
     }
@@ -377,7 +373,7 @@ fn an_accelerator_that_gives_up_loses_no_design() {
     };
     let cases: Vec<DesignCase> = (0..8).map(design).collect();
     let mut solver = Solver::with(Box::new(GivesUp(CpuBackend::new(options), 0)), options);
-    assert_eq!((solver.batch_size(), solver.worst_residual()), (3, Some(1e-5)));
+    assert_eq!(solver.worst_residual(), Some(1e-5));
     let mut outcomes = Vec::new();
     let mut reasons = Vec::new();
     for batch in cases.chunks(3) {
@@ -392,9 +388,8 @@ fn an_accelerator_that_gives_up_loses_no_design() {
         assert_eq!(outcome.backend, if index < 3 { BackendKind::Gpu } else { BackendKind::Cpu });
     }
     assert_eq!(outcomes.len(), cases.len());
-    // Times of both, those of one stage together; the batch is the processor's own size now.
+    // Times of both, those of one stage together.
     assert!(solver.stages().iter().any(|(name, time)| *name == "contact" && time.as_secs() == 1000));
     assert!(solver.stages().contains(&("its own", Duration::from_secs(1))));
-    assert!(solver.batch_size() > 3);
     assert_eq!(solver.worst_residual(), Some(1e-5));
 }

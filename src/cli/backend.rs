@@ -25,7 +25,7 @@ pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Pr
     let asked = args.backend == Backend::Gpu || args.adapter.is_some();
     match open(choice, args) {
         Ok(opened) => Ok(Some(opened)),
-        Err(error @ GpuError::NoSuchAdapter { .. }) => Err(error.into()),
+        Err(error @ GpuError::NoSuchAdapter { .. }) => Err(Error::Adapter { problem: error.to_string() }),
         // Nothing was promised.
         Err(GpuError::NoAdapter | GpuError::OnlySoftware { .. }) if !asked => Ok(None),
         Err(error) => {

@@ -3,11 +3,12 @@
 use std::collections::{BTreeMap, HashSet};
 use std::hash::{BuildHasher, RandomState};
 use std::ops::ControlFlow;
-use std::sync::mpsc::sync_channel;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::engine::backend::Solver;
-use crate::engine::backend::gpu::solver::{GpuBackend, GpuChoice};
+use crate::engine::backend::gpu::solver::{BATCH as GPU_BATCH, GpuBackend, GpuChoice};
+use crate::engine::backend::{CPU_BATCH, Solver};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::error::Error;
 use crate::study::config::Study;
@@ -50,8 +51,8 @@ pub struct SweepOptions<'a> {
 /// Designs of the first batch, so that a slow sweep shows its first rows soon.
 const FIRST_BATCH: usize = 64;
 
-/// Runs every design of `study` and hands the outcomes over one by one. One batch is solved while the one before is
-/// received.
+/// Runs every design of `study` and hands the outcomes over one by one. While one batch is solved the next one is drawn
+/// and the one before is received.
 pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<Statistics, Error> {
     let threads = match options.threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
@@ -61,66 +62,106 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
         .num_threads(threads)
         .build()
         .map_err(|error| Error::Threads { threads, problem: error.to_string() })?;
-    let mut cases = study.cases()?;
-    let total = study.design_count();
+    let cases = study.cases()?;
     let mut statistics = Statistics::default();
-    let (solved_sender, solved) = sync_channel::<Result<Vec<DesignOutcome>, Error>>(1);
+    let (drawn_sender, drawn) = sync_channel(1);
+    let (solved_sender, solved) = sync_channel(1);
+    let batch_size = if options.gpu.is_some() { GPU_BATCH } else { CPU_BATCH };
     std::thread::scope(|scope| {
-        let solver = scope.spawn(move || {
-            let mut fallback = None;
-            let mut solver = match options.gpu.map(|gpu| GpuBackend::new(gpu, study.solve)) {
-                None => Solver::on_cpu(study.solve),
-                Some(Ok(backend)) => Solver::with(Box::new(backend), study.solve),
-                Some(Err(error)) => {
-                    fallback = given_up(options, &error.to_string());
-                    Solver::on_cpu(study.solve)
-                }
-            };
-            let mut distinct = Distinct::default();
-            let mut size = FIRST_BATCH;
-            loop {
-                let batch: Result<Vec<DesignCase>, Error> = cases.by_ref().take(size).collect();
-                size = solver.batch_size();
-                let solved = match batch {
-                    Ok(batch) if batch.is_empty() => break,
-                    Ok(batch) => {
-                        batch.iter().for_each(|case| distinct.meet(case));
-                        let (outcomes, lost) = pool.install(|| solver.solve(&batch));
-                        if let Some(error) = lost {
-                            fallback = given_up(options, &error.to_string());
-                        }
-                        Ok(outcomes)
-                    }
-                    Err(error) => Err(error),
-                };
-                let failed = solved.is_err();
-                // The receiver is gone when it has broken off.
-                if solved_sender.send(solved).is_err() || failed {
-                    break;
-                }
-            }
-            (solver.stages(), solver.worst_residual(), distinct, fallback)
-        });
+        let drawer = scope.spawn(move || draw_all(cases, batch_size, &drawn_sender));
+        let solver = scope.spawn(move || solve_all(study, options, &pool, &drawn, &solved_sender));
         let mut received = Duration::ZERO;
         let result = receive_all(&solved, receive, &mut statistics, &mut received);
+        // Those who still send to nobody end.
+        drop(solved);
+        let solution = joined(solver);
+        let distinct = joined(drawer);
+        statistics.interrupted &= statistics.designs < study.design_count();
+        statistics.distinct_bodies = distinct.hashes.len() as u64;
         if options.gpu.is_none() {
             statistics.designs_on_cpu = 0;
         }
-        drop(solved);
-        statistics.interrupted &= statistics.designs < total;
-        match solver.join() {
-            Ok((stages, worst_residual, distinct, fallback)) => {
-                statistics.worst_residual = worst_residual;
-                statistics.distinct_bodies = distinct.hashes.len() as u64;
-                statistics.stages = stages;
-                statistics.stages.push(("table", received));
-                statistics.fallback = fallback;
-            }
-            Err(panic) => std::panic::resume_unwind(panic),
-        }
+        statistics.worst_residual = solution.worst_residual;
+        statistics.fallback = solution.fallback;
+        statistics.stages = solution.stages;
+        statistics.stages.push(("table", received));
         result
     })?;
     Ok(statistics)
+}
+
+/// A panic of one thread is one of all.
+fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
+type Drawn = Result<Vec<DesignCase>, Error>;
+type Solved = Result<Vec<DesignOutcome>, Error>;
+
+/// Draws the designs in batches, up to the first that cannot be read.
+fn draw_all(
+    mut cases: impl Iterator<Item = Result<DesignCase, Error>>,
+    batch_size: usize,
+    drawn: &SyncSender<Drawn>,
+) -> Distinct {
+    let mut distinct = Distinct::default();
+    let mut size = FIRST_BATCH;
+    loop {
+        let batch: Drawn = cases.by_ref().take(size).collect();
+        size = batch_size;
+        let is_last = match &batch {
+            Ok(batch) if batch.is_empty() => break,
+            Ok(batch) => {
+                batch.iter().for_each(|case| distinct.meet(case));
+                false
+            }
+            Err(_) => true,
+        };
+        // The solver is gone when the receiver has broken off.
+        if drawn.send(batch).is_err() || is_last {
+            break;
+        }
+    }
+    distinct
+}
+
+/// What is left of the solver at the end.
+struct Solution {
+    stages: Vec<(&'static str, Duration)>,
+    worst_residual: Option<f64>,
+    fallback: Option<String>,
+}
+
+fn solve_all(
+    study: &Study,
+    options: &SweepOptions,
+    pool: &rayon::ThreadPool,
+    drawn: &Receiver<Drawn>,
+    solved: &SyncSender<Solved>,
+) -> Solution {
+    let mut fallback = None;
+    let mut solver = match options.gpu.map(|gpu| GpuBackend::new(gpu, study.solve)) {
+        None => Solver::on_cpu(study.solve),
+        Some(Ok(backend)) => Solver::with(Box::new(backend), study.solve),
+        Some(Err(error)) => {
+            fallback = given_up(options, &error.to_string());
+            Solver::on_cpu(study.solve)
+        }
+    };
+    for batch in drawn {
+        let outcomes = batch.map(|batch| {
+            let (outcomes, lost) = pool.install(|| solver.solve(&batch));
+            if let Some(error) = lost {
+                fallback = given_up(options, &error.to_string());
+            }
+            outcomes
+        });
+        // The receiver is gone when it has broken off.
+        if solved.send(outcomes).is_err() {
+            break;
+        }
+    }
+    Solution { stages: solver.stages(), worst_residual: solver.worst_residual(), fallback }
 }
 
 /// Says that the processor goes on alone.
@@ -132,7 +173,7 @@ fn given_up(options: &SweepOptions, problem: &str) -> Option<String> {
 }
 
 fn receive_all(
-    solved: &std::sync::mpsc::Receiver<Result<Vec<DesignOutcome>, Error>>,
+    solved: &Receiver<Solved>,
     receive: Receive,
     statistics: &mut Statistics,
     time: &mut Duration,

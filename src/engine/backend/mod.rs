@@ -17,9 +17,6 @@ pub trait Backend: Send {
     /// Outcomes of `cases`, in their order. After an error nothing may be asked of it again.
     fn solve(&mut self, cases: &[DesignCase]) -> Result<Vec<DesignOutcome>, GpuError>;
 
-    /// Designs of a batch that keeps it busy.
-    fn batch_size(&self) -> usize;
-
     /// Where the time went, in the order the stages run.
     fn stages(&self) -> Vec<(&'static str, Duration)>;
 
@@ -37,7 +34,7 @@ pub struct Solver<'a> {
 }
 
 /// Designs that the processor solves at a time: enough to fill the lanes of many topologies, few enough to stay small.
-const CPU_BATCH: usize = 1024;
+pub const CPU_BATCH: usize = 1024;
 
 impl<'a> Solver<'a> {
     /// With the processor alone.
@@ -53,10 +50,6 @@ impl<'a> Solver<'a> {
     /// With `accelerator`, and the processor should it be lost.
     pub fn with(accelerator: Box<dyn Backend + 'a>, options: SolveOptions) -> Solver<'a> {
         Solver { accelerator: Some(accelerator), ..Solver::on_cpu(options) }
-    }
-
-    pub fn batch_size(&self) -> usize {
-        self.accelerator.as_ref().map_or(CPU_BATCH, |accelerator| accelerator.batch_size())
     }
 
     /// Outcomes of `cases`, in their order, and why the accelerator was given up if it was. A batch is handed over whole

@@ -84,7 +84,7 @@ pub const INVOCATIONS: u32 = 64;
 const FIRST_GUESS: f64 = 1e-5;
 
 /// Designs of a batch: enough for thousands of bodies of a topology, few enough to stay small here.
-const BATCH: usize = 16_384;
+pub const BATCH: usize = 16_384;
 
 /// Steps of conjugate gradients on Q8 meshes over the root of the unknowns, to a residual of 1e-6.
 const STEPS_PER_ROOT: f64 = 8.0;
@@ -268,10 +268,6 @@ impl Backend for GpuBackend<'_> {
             outcomes[index] = Some(outcome);
         }
         Ok(outcomes.into_iter().flatten().collect())
-    }
-
-    fn batch_size(&self) -> usize {
-        BATCH
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {
