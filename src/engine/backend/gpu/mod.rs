@@ -1,7 +1,5 @@
-//! The stages of a sweep as kernels, for many bodies at once, on any device with a Vulkan driver.
-//!
-//! What is here so far: finding and opening a device, splitting a sweep into dispatches, and the bodies' stages from
-//! a few numbers to the compliance of the ring. The sweep does not use it yet.
+//! The stages of a sweep as kernels, for many bodies and joints at once, on any device with a Vulkan driver: from a few
+//! numbers of each body to the answer of each load, with nothing read back between. docs/gpu.md has the whole.
 
 pub mod context;
 pub mod batch;
