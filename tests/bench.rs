@@ -1,6 +1,6 @@
 //! `jointsweep bench` as a user runs it, and that the memory of a sweep does not grow with its designs.
 
-#[allow(dead_code)] // tests/cli.rs uses all of it.
+#[allow(dead_code)] // tests/cli uses all of it.
 #[path = "common/workdir.rs"]
 mod workdir;
 
