@@ -34,22 +34,39 @@ fn vectors_on_the_chip_are_those_in_storage_to_the_bit() {
     let unknowns = bodies.layout.systems.unknown_count() as u64;
     for (precision, _) in precisions() {
         let settings = RefineSettings { iteration_limit: 1000, ..precision.settings() };
-        let solve = |on_chip: Option<OnChip>, steps: u32| {
+        let solve = |vectors: u64, steps: u32| {
             let mut batch = bodies.batch(precision);
-            on_chip.inspect(|on_chip| batch.on_chip = *on_chip);
+            batch.limit_vectors_on_chip(vectors);
             batch.assemble_and_condense(&bodies.layout, &bodies.numbers(), &settings, steps).unwrap();
-            (batch.on_chip, batch.read_compliance().unwrap(), batch.read_reports().unwrap().states)
+            (batch.on_chip(), batch.read_compliance().unwrap(), batch.read_reports().unwrap().states)
         };
-        let (_, compliance, states) = solve(Some(OnChip::NOTHING), 40);
-        let (chosen, own, own_states) = solve(None, 40);
+        let (_, compliance, states) = solve(0, 40);
+        let (chosen, own, own_states) = solve(4, 40);
         println!("{precision:?}: {unknowns} unknowns, {chosen:?}");
         // Small bodies: all four, on every device.
         assert!(chosen.vectors == 4 && chosen.capacity >= unknowns);
         assert!(own == compliance && own_states == states);
         for vectors in 1..4 {
-            let on_chip = OnChip { vectors, capacity: unknowns };
-            let (_, other, other_states) = solve(Some(on_chip), 7);
+            let (_, other, other_states) = solve(vectors, 7);
             assert!(other == compliance && other_states == states, "{precision:?} {vectors}");
+        }
+    }
+}
+
+/// Nor do the checks at run time, which all other tests go without; so no index of theirs is out of bounds.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn checks_at_run_time_change_nothing() {
+    for (name, bodies) in families() {
+        for (precision, _) in precisions() {
+            let checked = Kernels::checked(device(), precision, INVOCATIONS).unwrap();
+            let settings = RefineSettings { iteration_limit: 1000, ..precision.settings() };
+            let solve = |kernels: &Kernels| {
+                let batch = SystemBatch::new(kernels, &bodies.layout.systems, bodies.count()).unwrap();
+                batch.assemble_and_condense(&bodies.layout, &bodies.numbers(), &settings, 40).unwrap();
+                (batch.read_compliance().unwrap(), batch.read_reports().unwrap().states)
+            };
+            assert!(solve(&checked) == solve(kernels(precision)), "{name} {precision:?}");
         }
     }
 }

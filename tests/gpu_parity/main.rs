@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 use common::greatest;
 use common::rings::{MeshedBody, body};
-use jointsweep::engine::backend::gpu::batch::{BodyCounts, MOST_TRIPS, OnChip, batches};
+use jointsweep::engine::backend::gpu::batch::{BodyCounts, MOST_TRIPS, batches};
 use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::engine::backend::gpu::kernels::{Kernels, Precision};
 use jointsweep::engine::backend::gpu::layout::{MeshLayout, SystemOutcome, SystemState};

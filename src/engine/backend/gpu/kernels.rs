@@ -174,11 +174,30 @@ pub struct Kernels<'a> {
     pcg: Mutex<HashMap<OnChip, Stage>>,
     pub refine: Stage,
     pub condense: Stage,
+    is_checked: bool,
 }
 
 impl<'a> Kernels<'a> {
     /// `invocations`: of a workgroup, a power of two.
     pub fn new(gpu: &'a GpuDevice, precision: Precision, invocations: u32) -> Result<Kernels<'a>, GpuError> {
+        Kernels::build(gpu, precision, invocations, false)
+    }
+
+    /// Slower: every index and every loop is watched at run time, and memory begins with zeros. For tests.
+    pub fn checked(
+        gpu: &'a GpuDevice,
+        precision: Precision,
+        invocations: u32,
+    ) -> Result<Kernels<'a>, GpuError> {
+        Kernels::build(gpu, precision, invocations, true)
+    }
+
+    fn build(
+        gpu: &'a GpuDevice,
+        precision: Precision,
+        invocations: u32,
+        is_checked: bool,
+    ) -> Result<Kernels<'a>, GpuError> {
         let lacks = |what: &str| GpuError::Lacks { adapter: gpu.facts.name.clone(), what: what.to_string() };
         if precision.wide_bytes() == 8 && !gpu.facts.features.f64 {
             return Err(lacks("f64"));
@@ -186,8 +205,8 @@ impl<'a> Kernels<'a> {
         if !invocations.is_power_of_two() || invocations > gpu.facts.limits.invocations_per_workgroup {
             return Err(lacks(&format!("workgroups of {invocations} invocations")));
         }
-        let stage =
-            |file| Stage::new(gpu, file, &Variant { precision, invocations, on_chip: OnChip::NOTHING });
+        let variant = Variant { precision, invocations, on_chip: OnChip::NOTHING };
+        let stage = |file| Stage::new(gpu, file, &variant, is_checked);
         Ok(Kernels {
             gpu,
             precision,
@@ -197,6 +216,7 @@ impl<'a> Kernels<'a> {
             pcg: Mutex::default(),
             refine: stage(&REFINE)?,
             condense: stage(&CONDENSE)?,
+            is_checked,
         })
     }
 
@@ -207,8 +227,8 @@ impl<'a> Kernels<'a> {
         if let Some(stage) = made.get(&on_chip) {
             return Ok(stage.clone());
         }
-        let Kernels { gpu, precision, invocations, .. } = *self;
-        let stage = Stage::new(gpu, &PCG, &Variant { precision, invocations, on_chip })?;
+        let Kernels { gpu, precision, invocations, is_checked, .. } = *self;
+        let stage = Stage::new(gpu, &PCG, &Variant { precision, invocations, on_chip }, is_checked)?;
         made.insert(on_chip, stage.clone());
         Ok(stage)
     }
@@ -225,15 +245,20 @@ impl<'a> Kernels<'a> {
 }
 
 impl Stage {
-    fn new(gpu: &GpuDevice, file: &KernelFile, variant: &Variant) -> Result<Stage, GpuError> {
+    fn new(
+        gpu: &GpuDevice,
+        file: &KernelFile,
+        variant: &Variant,
+        is_checked: bool,
+    ) -> Result<Stage, GpuError> {
         if file.written.len() > gpu.facts.limits.storage_buffers as usize {
             let what = format!("{} storage buffers", file.written.len());
             return Err(GpuError::Lacks { adapter: gpu.facts.name.clone(), what });
         }
-        gpu.checked(file.name, || Stage::unchecked(&gpu.device, file, &file.variant(variant)))
+        gpu.checked(file.name, || Stage::build(&gpu.device, file, &file.variant(variant), is_checked))
     }
 
-    fn unchecked(device: &wgpu::Device, file: &KernelFile, source: &str) -> Stage {
+    fn build(device: &wgpu::Device, file: &KernelFile, source: &str, is_checked: bool) -> Stage {
         let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: ShaderStages::COMPUTE,
@@ -253,17 +278,27 @@ impl Stage {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        let descriptor = wgpu::ShaderModuleDescriptor {
             label: Some(file.name),
             source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
+        };
+        let checks = match is_checked {
+            true => wgpu::ShaderRuntimeChecks::checked(),
+            false => wgpu::ShaderRuntimeChecks::unchecked(),
+        };
+        // SAFETY: the text is the crate's own. Its loops end and its divisors are sizes, which are not zero; its indices
+        // stay within buffers that `SystemBatch` sizes by the layout they come from.
+        let module = unsafe { device.create_shader_module_trusted(descriptor, checks) };
         let pipeline = |entry_point: &&'static str| {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry_point),
                 layout: Some(&pipeline_layout),
                 module: &module,
                 entry_point: Some(entry_point),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    zero_initialize_workgroup_memory: is_checked,
+                    ..Default::default()
+                },
                 cache: None,
             })
         };
