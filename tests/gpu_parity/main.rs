@@ -42,7 +42,8 @@ fn device() -> &'static GpuDevice {
 
 fn kernels(precision: Precision) -> &'static Kernels<'static> {
     static KERNELS: [OnceLock<Kernels<'static>>; 3] = [const { OnceLock::new() }; 3];
-    KERNELS[precision as usize].get_or_init(|| Kernels::new(device(), precision, INVOCATIONS).unwrap())
+    // Sums as the twin takes them.
+    KERNELS[precision as usize].get_or_init(|| Kernels::with_tree(device(), precision, INVOCATIONS).unwrap())
 }
 
 /// f32, and those with f64 where the adapter has it, with the rounding of wide numbers.

@@ -86,15 +86,20 @@ pub struct KernelFile {
     pub text: &'static str,
     pub entry_points: &'static [&'static str],
     pub written: &'static [bool],
+    /// What it takes sums of over a workgroup.
+    pub summand: Option<&'static str>,
 }
 
 const COMMON: &str = include_str!("../../../../shaders/common.wgsl");
+const SUM_TREE: &str = include_str!("../../../../shaders/sum_tree.wgsl");
+const SUM_SUBGROUPS: &str = include_str!("../../../../shaders/sum_subgroups.wgsl");
 
 pub const ASSEMBLE: KernelFile = KernelFile {
     name: "assemble",
     text: include_str!("../../../../shaders/assemble.wgsl"),
     entry_points: &["assemble"],
     written: &[false, false, false, false, false, true, true, true],
+    summand: None,
 };
 
 pub const PCG: KernelFile = KernelFile {
@@ -102,6 +107,7 @@ pub const PCG: KernelFile = KernelFile {
     text: include_str!("../../../../shaders/pcg.wgsl"),
     entry_points: &["solve"],
     written: &[false, false, false, false, true, true, true],
+    summand: Some("real4"),
 };
 
 pub const NARROW: KernelFile = KernelFile {
@@ -109,6 +115,7 @@ pub const NARROW: KernelFile = KernelFile {
     text: include_str!("../../../../shaders/narrow.wgsl"),
     entry_points: &["narrow"],
     written: &[false, true],
+    summand: None,
 };
 
 pub const REFINE: KernelFile = KernelFile {
@@ -116,6 +123,7 @@ pub const REFINE: KernelFile = KernelFile {
     text: include_str!("../../../../shaders/refine.wgsl"),
     entry_points: &["start", "refine", "settle"],
     written: &[false, false, false, false, true, true, true, true],
+    summand: Some("wide4"),
 };
 
 pub const CONDENSE: KernelFile = KernelFile {
@@ -123,10 +131,20 @@ pub const CONDENSE: KernelFile = KernelFile {
     text: include_str!("../../../../shaders/condense.wgsl"),
     entry_points: &["condense"],
     written: &[false, true],
+    summand: None,
 };
 
 /// Every file of kernels.
 pub const KERNEL_FILES: [&KernelFile; 5] = [&ASSEMBLE, &NARROW, &PCG, &REFINE, &CONDENSE];
+
+/// How the invocations of a workgroup add their parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sums {
+    /// In the order of the twins.
+    Tree,
+    /// In the order of the device, where it has subgroups.
+    Subgroups,
+}
 
 /// What the text of a kernel depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,22 +154,29 @@ pub struct Variant {
     pub invocations: u32,
     /// Of `pcg`.
     pub on_chip: OnChip,
+    pub sums: Sums,
 }
 
 impl KernelFile {
-    /// The whole text in one precision and for one size of workgroup, with all vectors in storage.
+    /// The whole text in one precision and for one size of workgroup, with all vectors in storage and sums as a tree.
     pub fn source(&self, precision: Precision, invocations: u32) -> String {
-        self.variant(&Variant { precision, invocations, on_chip: OnChip::NOTHING })
+        self.variant(&Variant { precision, invocations, on_chip: OnChip::NOTHING, sums: Sums::Tree })
     }
 
     pub fn variant(&self, variant: &Variant) -> String {
-        let Variant { precision, invocations, on_chip: OnChip { vectors, capacity } } = variant;
+        let Variant { precision, invocations, on_chip: OnChip { vectors, capacity }, sums } = variant;
         let name = |bytes: u64| if bytes == 4 { "f32" } else { "f64" };
         let (real, wide) = (name(precision.real_bytes()), name(precision.wide_bytes()));
+        // WGSL wants `enable subgroups;` first, which naga does not read (gfx-rs/wgpu#5555).
+        let sums = match (self.summand, sums) {
+            (None, _) => String::new(),
+            (Some(summand), Sums::Tree) => format!("alias summand = {summand};\n{SUM_TREE}"),
+            (Some(summand), Sums::Subgroups) => format!("alias summand = {summand};\n{SUM_SUBGROUPS}"),
+        };
         let text = self.text;
         format!(
             "alias real = {real};\nalias wide = {wide};\nconst INVOCATIONS = {invocations}u;\n\
-             const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\n{COMMON}\n{text}"
+             const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\n{COMMON}\n{sums}\n{text}"
         )
     }
 }
@@ -174,28 +199,40 @@ pub struct Kernels<'a> {
     pcg: Mutex<HashMap<OnChip, Stage>>,
     pub refine: Stage,
     pub condense: Stage,
+    sums: Sums,
     is_checked: bool,
 }
 
 impl<'a> Kernels<'a> {
     /// `invocations`: of a workgroup, a power of two.
     pub fn new(gpu: &'a GpuDevice, precision: Precision, invocations: u32) -> Result<Kernels<'a>, GpuError> {
-        Kernels::build(gpu, precision, invocations, false)
+        let sums = if gpu.facts.features.subgroups { Sums::Subgroups } else { Sums::Tree };
+        Kernels::build(gpu, precision, invocations, sums, false)
     }
 
-    /// Slower: every index and every loop is watched at run time, and memory begins with zeros. For tests.
+    /// With sums as the twins take them, to the bit.
+    pub fn with_tree(
+        gpu: &'a GpuDevice,
+        precision: Precision,
+        invocations: u32,
+    ) -> Result<Kernels<'a>, GpuError> {
+        Kernels::build(gpu, precision, invocations, Sums::Tree, false)
+    }
+
+    /// As `with_tree`, and slower: every index and every loop is watched at run time, and memory begins with zeros. For tests.
     pub fn checked(
         gpu: &'a GpuDevice,
         precision: Precision,
         invocations: u32,
     ) -> Result<Kernels<'a>, GpuError> {
-        Kernels::build(gpu, precision, invocations, true)
+        Kernels::build(gpu, precision, invocations, Sums::Tree, true)
     }
 
     fn build(
         gpu: &'a GpuDevice,
         precision: Precision,
         invocations: u32,
+        sums: Sums,
         is_checked: bool,
     ) -> Result<Kernels<'a>, GpuError> {
         let lacks = |what: &str| GpuError::Lacks { adapter: gpu.facts.name.clone(), what: what.to_string() };
@@ -205,7 +242,7 @@ impl<'a> Kernels<'a> {
         if !invocations.is_power_of_two() || invocations > gpu.facts.limits.invocations_per_workgroup {
             return Err(lacks(&format!("workgroups of {invocations} invocations")));
         }
-        let variant = Variant { precision, invocations, on_chip: OnChip::NOTHING };
+        let variant = Variant { precision, invocations, on_chip: OnChip::NOTHING, sums };
         let stage = |file| Stage::new(gpu, file, &variant, is_checked);
         Ok(Kernels {
             gpu,
@@ -216,6 +253,7 @@ impl<'a> Kernels<'a> {
             pcg: Mutex::default(),
             refine: stage(&REFINE)?,
             condense: stage(&CONDENSE)?,
+            sums,
             is_checked,
         })
     }
@@ -227,8 +265,8 @@ impl<'a> Kernels<'a> {
         if let Some(stage) = made.get(&on_chip) {
             return Ok(stage.clone());
         }
-        let Kernels { gpu, precision, invocations, is_checked, .. } = *self;
-        let stage = Stage::new(gpu, &PCG, &Variant { precision, invocations, on_chip }, is_checked)?;
+        let Kernels { gpu, precision, invocations, sums, is_checked, .. } = *self;
+        let stage = Stage::new(gpu, &PCG, &Variant { precision, invocations, on_chip, sums }, is_checked)?;
         made.insert(on_chip, stage.clone());
         Ok(stage)
     }
