@@ -125,6 +125,53 @@ fn a_bad_system_ends_as_the_twin_says_and_spoils_no_other() {
     }
 }
 
+/// A chain of springs that nothing holds, under a load that moves it: there is no solution, and no system says that it
+/// has one; the chain beside it, held at one end, does not notice.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn an_unsupported_body_is_not_solved() {
+    let size = 70;
+    let neighbours = |row: usize| row.saturating_sub(1)..(row + 2).min(size);
+    let columns: Vec<u32> = (0..size).flat_map(neighbours).map(|column| column as u32).collect();
+    let ends = (0..size).scan(0, |end, row| {
+        *end += neighbours(row).len() as u32;
+        Some(*end)
+    });
+    let row_starts: Vec<u32> = std::iter::once(0).chain(ends).collect();
+    let chain = SystemLayout::new(&row_starts, &columns, size - 6).unwrap();
+    let stiffness = |row: usize, column: usize| {
+        if row == column { neighbours(row).len() as f64 - 1.0 } else { -1.0 }
+    };
+    let free: Vec<f64> =
+        (0..size).flat_map(|row| neighbours(row).map(move |column| stiffness(row, column))).collect();
+    let mut held = free.clone();
+    held[0] += 1.0;
+    for (precision, _) in precisions() {
+        let settings = RefineSettings { iteration_limit: 2000, ..precision.settings() };
+        let solve = |values: &[f64], count: usize| {
+            let batch = SystemBatch::new(kernels(precision), &chain, count).unwrap();
+            batch.write_values(values).unwrap();
+            batch.pcg(&settings, 100).unwrap();
+            (batch.read_columns().unwrap(), batch.read_reports().unwrap())
+        };
+        let (columns, reports) = solve(&[free.clone(), held.clone()].concat(), 2);
+        let (alone, alone_reports) = solve(&held, 1);
+        for system in 0..6 {
+            let (state, residual) = (reports.states[system], reports.true_residuals[system]);
+            println!("{precision:?}: {:?} after {}, {residual:.1e}", state.outcome(), state.iterations);
+            assert_ne!(state.outcome(), Some(SystemOutcome::Converged), "{precision:?}");
+            // What moves the whole chain is left over.
+            assert!(residual > 0.05, "{precision:?} {residual}");
+            assert_eq!(alone_reports.states[system].outcome(), Some(SystemOutcome::Converged));
+            // A unit force on one node of a chain of unit springs moves it by the count of springs to the wall.
+            let node = size - 6 + system;
+            let found = alone[system * size + node];
+            assert!((found - (node + 1) as f64).abs() < 0.1, "{precision:?} {found}");
+        }
+        assert!(columns[alone.len()..] == alone && reports.states[8..] == alone_reports.states);
+    }
+}
+
 /// A system that broke down keeps the x of the round before, here the first one, while others of its block go on.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]

@@ -15,7 +15,7 @@ use common::rings::{MeshedBody, body};
 use jointsweep::engine::backend::gpu::batch::{BodyCounts, MOST_TRIPS, batches};
 use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::engine::backend::gpu::kernels::{Kernels, Precision};
-use jointsweep::engine::backend::gpu::layout::{MeshLayout, SystemOutcome, SystemState};
+use jointsweep::engine::backend::gpu::layout::{MeshLayout, SystemLayout, SystemOutcome, SystemState};
 use jointsweep::engine::backend::gpu::stages::{SystemBatch, SystemReports};
 use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::compliance::condense::variational_compliance;
