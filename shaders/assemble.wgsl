@@ -194,6 +194,10 @@ fn assemble(
     let grid = body * (grid_size + point_count * POINT_SIZE);
     let points = grid + grid_size;
 
+    // The memory of a workgroup begins with anything.
+    if invocation == 0u {
+        atomicStore(&sound_points, 0u);
+    }
     for (var column = invocation; column < parameters.column_count; column += INVOCATIONS) {
         reach_of_line(column, numbers, grid);
     }

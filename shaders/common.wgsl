@@ -5,6 +5,7 @@
 //     const INVOCATIONS = 64u;        // of a workgroup
 //     const ON_CHIP = 4u;             // vectors that pcg holds in a workgroup's own memory
 //     const CAPACITY = 512u;          // numbers of each of them, four systems abreast
+//     alias summand = real4;          // what the kernel takes sums of, if any
 
 alias wide2 = vec2<wide>;
 // Four systems side by side: one component each.

@@ -4,7 +4,7 @@
 // twin. refine.wgsl begins and ends the rounds.
 //
 // One workgroup advances four systems of one body: a value of K is read once for all four. Its invocations stride
-// over the rows; sums are taken over the strides and then as a tree. A system that has stopped goes along unchanged,
+// over the rows; sums are taken over the strides and then over the invocations. A system that has stopped goes along unchanged,
 // and a workgroup whose four have stopped ends.
 //
 // p, r, d and the numbers of a system stay in storage, so that a dispatch of `step_count` steps goes on where the
@@ -36,7 +36,6 @@ struct Systems {
     iterations: vec4<u32>,
 }
 
-var<workgroup> partial: array<real4, INVOCATIONS>;
 var<workgroup> held: Systems;
 // [p, q, r, d][unknown], as many as there are; one number where there is none.
 var<workgroup> chip: array<real4, max(ON_CHIP * CAPACITY, 1u)>;
@@ -63,8 +62,8 @@ fn keep(vector: u32, first: u32, row: u32, value: real4) {
 }
 
 // Between storage and chip. q is made anew in each step.
-fn fetch(first: u32, invocation: u32) {
-    for (var row = invocation; row < parameters.unknown_count; row += INVOCATIONS) {
+fn fetch(first: u32, invocation: Invocation) {
+    for (var row = invocation.index; row < parameters.unknown_count; row += INVOCATIONS) {
         for (var vector = P; vector < ON_CHIP; vector++) {
             if vector != Q {
                 chip[vector * CAPACITY + row] = iterates[first + vector * parameters.unknown_count + row];
@@ -73,27 +72,14 @@ fn fetch(first: u32, invocation: u32) {
     }
 }
 
-fn put_back(first: u32, invocation: u32) {
-    for (var row = invocation; row < parameters.unknown_count; row += INVOCATIONS) {
+fn put_back(first: u32, invocation: Invocation) {
+    for (var row = invocation.index; row < parameters.unknown_count; row += INVOCATIONS) {
         for (var vector = P; vector < ON_CHIP; vector++) {
             if vector != Q {
                 iterates[first + vector * parameters.unknown_count + row] = chip[vector * CAPACITY + row];
             }
         }
     }
-}
-
-// The sum of all invocations' own parts, the same for all of them.
-fn sum_of_workgroup(invocation: u32, own: real4) -> real4 {
-    partial[invocation] = own;
-    workgroupBarrier();
-    for (var width = INVOCATIONS / 2u; width > 0u; width /= 2u) {
-        if invocation < width {
-            partial[invocation] += partial[invocation + width];
-        }
-        workgroupBarrier();
-    }
-    return workgroupUniformLoad(&partial[0]);
 }
 
 // Which systems take a step: those that neither broke down nor ended their round.
@@ -145,15 +131,12 @@ fn store(block: u32, systems: Systems) {
 
 // The next `step_count` steps.
 @compute @workgroup_size(INVOCATIONS)
-fn solve(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) invocation: u32,
-) {
+fn solve(invocation: Invocation) {
     let size = parameters.unknown_count;
-    let block = group.x * parameters.block_count + group.y;
-    let first_value = group.x * parameters.value_count;
+    let block = invocation.group.x * parameters.block_count + invocation.group.y;
+    let first_value = invocation.group.x * parameters.value_count;
     let first = 4u * size * block;
-    if invocation == 0u {
+    if invocation.index == 0u {
         held = load(block);
     }
     var systems = workgroupUniformLoad(&held);
@@ -169,7 +152,7 @@ fn solve(
         }
         // q = K p
         var own = real4();
-        for (var row = invocation; row < size; row += INVOCATIONS) {
+        for (var row = invocation.index; row < size; row += INVOCATIONS) {
             var sum = real4();
             for (var entry = row_starts[row]; entry < row_starts[row + 1u]; entry++) {
                 sum += values[first_value + entry] * of_vector(P, first, columns[entry]);
@@ -189,7 +172,7 @@ fn solve(
         // d += alpha p, r -= alpha q, z = M^-1 r
         let alpha = select(real4(), systems.rho / curvature, goes_on);
         own = real4();
-        for (var row = invocation; row < size; row += INVOCATIONS) {
+        for (var row = invocation.index; row < size; row += INVOCATIONS) {
             keep(D, first, row, of_vector(D, first, row) + alpha * of_vector(P, first, row));
             let residual = of_vector(R, first, row) - alpha * of_vector(Q, first, row);
             keep(R, first, row, residual);
@@ -199,7 +182,7 @@ fn solve(
         // p = z + beta p
         let beta = select(real4(), next / systems.rho, goes_on);
         systems.rho = select(systems.rho, next, goes_on);
-        for (var row = invocation; row < size; row += INVOCATIONS) {
+        for (var row = invocation.index; row < size; row += INVOCATIONS) {
             let z = of_vector(R, first, row) / values[first_value + diagonal_places[row]];
             keep(P, first, row, z + beta * of_vector(P, first, row));
         }
@@ -213,7 +196,7 @@ fn solve(
         );
     }
     put_back(first, invocation);
-    if invocation == 0u {
+    if invocation.index == 0u {
         store(block, systems);
     }
 }

@@ -35,21 +35,7 @@ struct Systems {
     iterations: vec4<u32>,
 }
 
-var<workgroup> partial: array<wide4, INVOCATIONS>;
 var<workgroup> held: Systems;
-
-// The sum of all invocations' own parts, the same for all of them.
-fn sum_of_workgroup(invocation: u32, own: wide4) -> wide4 {
-    partial[invocation] = own;
-    workgroupBarrier();
-    for (var width = INVOCATIONS / 2u; width > 0u; width /= 2u) {
-        if invocation < width {
-            partial[invocation] += partial[invocation + width];
-        }
-        workgroupBarrier();
-    }
-    return workgroupUniformLoad(&partial[0]);
-}
 
 // Where a block's numbers are.
 struct Place {
@@ -98,12 +84,12 @@ fn store_systems(block: u32, systems: Systems) {
 }
 
 // d = 0, r = (b - K x)/scale, p = M^-1 r of the systems that go on; nothing of the others, whose r may be NaN.
-fn begin_round(place: Place, invocation: u32, systems: Systems) {
+fn begin_round(place: Place, invocation: Invocation, systems: Systems) {
     let size = parameters.unknown_count;
     let is_running = systems.outcome == vec4<u32>(RUNNING);
     let scale = power_of_two(systems.distance * systems.norm_b);
     var own = wide4();
-    for (var row = invocation; row < size; row += INVOCATIONS) {
+    for (var row = invocation.index; row < size; row += INVOCATIONS) {
         let scaled = real4(solutions[place.solutions + size + row] / scale);
         let r = select(real4(), scaled, is_running);
         let z = r / real(values[place.first_value + diagonal_places[row]]);
@@ -113,7 +99,7 @@ fn begin_round(place: Place, invocation: u32, systems: Systems) {
         own += wide4(r * z);
     }
     let rho = sum_of_workgroup(invocation, own);
-    if invocation == 0u {
+    if invocation.index == 0u {
         let kept = norms[3u * place.block];
         norms[3u * place.block] = select(kept, rho, is_running);
     }
@@ -121,24 +107,21 @@ fn begin_round(place: Place, invocation: u32, systems: Systems) {
 
 // x = 0; systems that assembly refused stay refused.
 @compute @workgroup_size(INVOCATIONS)
-fn start(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) invocation: u32,
-) {
-    let place = place_of(group);
+fn start(invocation: Invocation) {
+    let place = place_of(invocation.group);
     let size = parameters.unknown_count;
-    if invocation == 0u {
+    if invocation.index == 0u {
         held = load_systems(place.block);
     }
     var systems = workgroupUniformLoad(&held);
     var own = wide4();
     var own_not_positive = wide4();
-    for (var row = invocation; row < size; row += INVOCATIONS) {
+    for (var row = invocation.index; row < size; row += INVOCATIONS) {
         let diagonal = values[place.first_value + diagonal_places[row]];
         if is_finite(diagonal) && diagonal <= wide(0.0) {
             own_not_positive += wide4(wide(1.0));
         }
-        let load = load_at(row, group.y);
+        let load = load_at(row, invocation.group.y);
         solutions[place.solutions + row] = wide4();
         solutions[place.solutions + size + row] = load;
         own += load * (load / diagonal);
@@ -155,7 +138,7 @@ fn start(
         let is_sound = is_finite(systems.norm_b[system]);
         systems.outcome[system] = select(select(NOT_FINITE, RUNNING, is_sound), INDEFINITE, has_bad_diagonal);
     }
-    if invocation == 0u {
+    if invocation.index == 0u {
         store_systems(place.block, systems);
     }
     begin_round(place, invocation, systems);
@@ -175,10 +158,10 @@ fn judged(distance: wide, iterations: u32, is_last: bool) -> u32 {
     return select(RUNNING, STAGNATED, is_last);
 }
 
-fn end_round(group: vec3<u32>, invocation: u32, is_last: bool) {
-    let place = place_of(group);
+fn end_round(invocation: Invocation, is_last: bool) {
+    let place = place_of(invocation.group);
     let size = parameters.unknown_count;
-    if invocation == 0u {
+    if invocation.index == 0u {
         held = load_systems(place.block);
     }
     var systems = workgroupUniformLoad(&held);
@@ -188,15 +171,15 @@ fn end_round(group: vec3<u32>, invocation: u32, is_last: bool) {
     }
     let begin = systems.distance * systems.norm_b;
     let scale = power_of_two(begin);
-    for (var row = invocation; row < size; row += INVOCATIONS) {
+    for (var row = invocation.index; row < size; row += INVOCATIONS) {
         let step = scale * wide4(iterates[place.iterates + 3u * size + row]);
         solutions[place.solutions + row] += select(wide4(), step, was_running);
     }
     storageBarrier();
     workgroupBarrier();
     var own = wide4();
-    for (var row = invocation; row < size; row += INVOCATIONS) {
-        var sum = load_at(row, group.y);
+    for (var row = invocation.index; row < size; row += INVOCATIONS) {
+        var sum = load_at(row, invocation.group.y);
         for (var entry = row_starts[row]; entry < row_starts[row + 1u]; entry++) {
             sum -= values[place.first_value + entry] * solutions[place.solutions + columns[entry]];
         }
@@ -211,7 +194,7 @@ fn end_round(group: vec3<u32>, invocation: u32, is_last: bool) {
         }
     }
     systems.distance = select(systems.distance, distance, was_running);
-    if invocation == 0u {
+    if invocation.index == 0u {
         store_systems(place.block, systems);
         let rho = norms[3u * place.block] / max(begin * begin / (scale * scale), wide4(wide(1.0)));
         norms[3u * place.block] = select(norms[3u * place.block], rho, was_running);
@@ -222,18 +205,12 @@ fn end_round(group: vec3<u32>, invocation: u32, is_last: bool) {
 }
 
 @compute @workgroup_size(INVOCATIONS)
-fn refine(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) invocation: u32,
-) {
-    end_round(group, invocation, false);
+fn refine(invocation: Invocation) {
+    end_round(invocation, false);
 }
 
 // No round follows: what has not reached the goal by now does not.
 @compute @workgroup_size(INVOCATIONS)
-fn settle(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) invocation: u32,
-) {
-    end_round(group, invocation, true);
+fn settle(invocation: Invocation) {
+    end_round(invocation, true);
 }

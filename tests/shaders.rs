@@ -5,7 +5,7 @@ use std::mem::offset_of;
 use jointsweep::engine::backend::gpu::batch::{KernelFacts, OnChip};
 use jointsweep::engine::backend::gpu::contact::{ContactParameters, NO_SLOT, RESPONSE_SIZE, Step};
 use jointsweep::engine::backend::gpu::kernels::{
-    ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE, Variant,
+    ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE, Sums, Variant,
 };
 use jointsweep::engine::backend::gpu::kernels::{CONTACT, GRAM};
 use jointsweep::engine::backend::gpu::layout::{
@@ -28,6 +28,14 @@ fn capabilities(precision: Precision) -> Capabilities {
     }
 }
 
+fn needs(variant: &Variant) -> Capabilities {
+    let subgroups = match variant.sums {
+        Sums::Tree => Capabilities::empty(),
+        Sums::Subgroups => Capabilities::SUBGROUP,
+    };
+    capabilities(variant.precision) | subgroups
+}
+
 fn check(source: &str, capabilities: Capabilities) -> Result<(naga::Module, ModuleInfo), String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
     let info = Validator::new(ValidationFlags::all(), capabilities)
@@ -44,10 +52,16 @@ fn module(file: &KernelFile, precision: Precision) -> naga::Module {
 fn every_variant_is_valid() {
     for file in KERNEL_FILES {
         for precision in PRECISIONS {
-            for invocations in [32, 64, 128, 256] {
-                let source = file.source(precision, invocations);
+            for (invocations, vectors, sums) in [
+                (32, 0, Sums::Tree),
+                (64, 1, Sums::Subgroups),
+                (128, 4, Sums::Tree),
+                (256, 4, Sums::Subgroups),
+            ] {
+                let on_chip = OnChip { vectors, capacity: 96 * vectors };
+                let variant = Variant { precision, invocations, on_chip, sums };
                 let (module, _) =
-                    check(&source, capabilities(precision)).unwrap_or_else(|error| panic!("{error}"));
+                    check(&file.variant(&variant), needs(&variant)).unwrap_or_else(|error| panic!("{error}"));
                 let found: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
                 assert_eq!(found, file.entry_points, "{}", file.name);
                 for entry in &module.entry_points {
@@ -183,16 +197,18 @@ fn the_planner_knows_the_memory_of_a_workgroup() {
             };
             let filled = |vectors| OnChip { vectors, capacity: 96 };
             for on_chip in [OnChip::NOTHING, filled(1), filled(4)] {
-                let variant = Variant { precision, invocations, on_chip };
-                let most = KERNEL_FILES.map(|file| workgroup_bytes(file, &variant)).into_iter().max();
-                assert_eq!(most, Some(facts.workgroup_bytes(on_chip)), "{precision:?} {on_chip:?}");
+                for sums in [Sums::Tree, Sums::Subgroups] {
+                    let variant = Variant { precision, invocations, on_chip, sums };
+                    let most = KERNEL_FILES.map(|file| workgroup_bytes(file, &variant)).into_iter().max();
+                    assert_eq!(most, Some(facts.workgroup_bytes(on_chip)), "{precision:?} {on_chip:?}");
+                }
             }
         }
     }
 }
 
 fn workgroup_bytes(file: &KernelFile, variant: &Variant) -> u64 {
-    let (module, _) = check(&file.variant(variant), capabilities(variant.precision)).unwrap();
+    let (module, _) = check(&file.variant(variant), needs(variant)).unwrap();
     let mut layouter = naga::proc::Layouter::default();
     layouter.update(module.to_ctx()).unwrap();
     let shared = module.global_variables.iter().filter(|(_, v)| v.space == naga::AddressSpace::WorkGroup);

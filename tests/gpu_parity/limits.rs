@@ -34,22 +34,39 @@ fn vectors_on_the_chip_are_those_in_storage_to_the_bit() {
     let unknowns = bodies.layout.systems.unknown_count() as u64;
     for (precision, _) in precisions() {
         let settings = RefineSettings { iteration_limit: 1000, ..precision.settings() };
-        let solve = |on_chip: Option<OnChip>, steps: u32| {
+        let solve = |vectors: u64, steps: u32| {
             let mut batch = bodies.batch(precision);
-            on_chip.inspect(|on_chip| batch.on_chip = *on_chip);
+            batch.limit_vectors_on_chip(vectors);
             batch.assemble_and_condense(&bodies.layout, &bodies.numbers(), &settings, steps).unwrap();
-            (batch.on_chip, batch.read_compliance().unwrap(), batch.read_reports().unwrap().states)
+            (batch.on_chip(), batch.read_compliance().unwrap(), batch.read_reports().unwrap().states)
         };
-        let (_, compliance, states) = solve(Some(OnChip::NOTHING), 40);
-        let (chosen, own, own_states) = solve(None, 40);
+        let (_, compliance, states) = solve(0, 40);
+        let (chosen, own, own_states) = solve(4, 40);
         println!("{precision:?}: {unknowns} unknowns, {chosen:?}");
         // Small bodies: all four, on every device.
         assert!(chosen.vectors == 4 && chosen.capacity >= unknowns);
         assert!(own == compliance && own_states == states);
         for vectors in 1..4 {
-            let on_chip = OnChip { vectors, capacity: unknowns };
-            let (_, other, other_states) = solve(Some(on_chip), 7);
+            let (_, other, other_states) = solve(vectors, 7);
             assert!(other == compliance && other_states == states, "{precision:?} {vectors}");
+        }
+    }
+}
+
+/// Nor do the checks at run time, which all other tests go without; so no index of theirs is out of bounds.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn checks_at_run_time_change_nothing() {
+    for (name, bodies) in families() {
+        for (precision, _) in precisions() {
+            let checked = Kernels::checked(device(), precision, INVOCATIONS).unwrap();
+            let settings = RefineSettings { iteration_limit: 1000, ..precision.settings() };
+            let solve = |kernels: &Kernels| {
+                let batch = SystemBatch::new(kernels, &bodies.layout.systems, bodies.count()).unwrap();
+                batch.assemble_and_condense(&bodies.layout, &bodies.numbers(), &settings, 40).unwrap();
+                (batch.read_compliance().unwrap(), batch.read_reports().unwrap().states)
+            };
+            assert!(solve(&checked) == solve(kernels(precision)), "{name} {precision:?}");
         }
     }
 }
@@ -95,8 +112,6 @@ fn a_bad_system_ends_as_the_twin_says_and_spoils_no_other() {
                 );
                 assert_ne!(state.outcome(), Some(SystemOutcome::Converged), "{what} {precision:?}");
             }
-            // What broke down keeps the x of the round before, here the first one.
-            assert!(of_body(&columns, &bodies, 2).iter().all(|x| *x == 0.0), "{what} {precision:?}");
             for other in [0, 1, 3, 4] {
                 assert!(
                     of_body(&columns, &bodies, other) == of_body(&good_columns, &bodies, other),
@@ -107,6 +122,86 @@ fn a_bad_system_ends_as_the_twin_says_and_spoils_no_other() {
                 );
             }
         }
+    }
+}
+
+/// A chain of springs that nothing holds, under a load that moves it: there is no solution, and no system says that it
+/// has one; the chain beside it, held at one end, does not notice.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn an_unsupported_body_is_not_solved() {
+    let size = 70;
+    let neighbours = |row: usize| row.saturating_sub(1)..(row + 2).min(size);
+    let columns: Vec<u32> = (0..size).flat_map(neighbours).map(|column| column as u32).collect();
+    let ends = (0..size).scan(0, |end, row| {
+        *end += neighbours(row).len() as u32;
+        Some(*end)
+    });
+    let row_starts: Vec<u32> = std::iter::once(0).chain(ends).collect();
+    let chain = SystemLayout::new(&row_starts, &columns, size - 6).unwrap();
+    let stiffness = |row: usize, column: usize| {
+        if row == column { neighbours(row).len() as f64 - 1.0 } else { -1.0 }
+    };
+    let free: Vec<f64> =
+        (0..size).flat_map(|row| neighbours(row).map(move |column| stiffness(row, column))).collect();
+    let mut held = free.clone();
+    held[0] += 1.0;
+    for (precision, _) in precisions() {
+        let settings = RefineSettings { iteration_limit: 2000, ..precision.settings() };
+        let solve = |values: &[f64], count: usize| {
+            let batch = SystemBatch::new(kernels(precision), &chain, count).unwrap();
+            batch.write_values(values).unwrap();
+            batch.pcg(&settings, 100).unwrap();
+            (batch.read_columns().unwrap(), batch.read_reports().unwrap())
+        };
+        let (columns, reports) = solve(&[free.clone(), held.clone()].concat(), 2);
+        let (alone, alone_reports) = solve(&held, 1);
+        for system in 0..6 {
+            let (state, residual) = (reports.states[system], reports.true_residuals[system]);
+            println!("{precision:?}: {:?} after {}, {residual:.1e}", state.outcome(), state.iterations);
+            assert_ne!(state.outcome(), Some(SystemOutcome::Converged), "{precision:?}");
+            // What moves the whole chain is left over.
+            assert!(residual > 0.05, "{precision:?} {residual}");
+            assert_eq!(alone_reports.states[system].outcome(), Some(SystemOutcome::Converged));
+            // A unit force on one node of a chain of unit springs moves it by the count of springs to the wall.
+            let node = size - 6 + system;
+            let found = alone[system * size + node];
+            assert!((found - (node + 1) as f64).abs() < 0.1, "{precision:?} {found}");
+        }
+        assert!(columns[alone.len()..] == alone && reports.states[8..] == alone_reports.states);
+    }
+}
+
+/// A system that broke down keeps the x of the round before, here the first one, while others of its block go on.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_system_that_breaks_down_is_not_moved() {
+    let bodies = plates();
+    let unknowns = bodies.layout.systems.unknown_count();
+    let diagonal = bodies.layout.systems.diagonal_places[unknowns / 2] as usize;
+    for (precision, _) in precisions() {
+        let mut values = bodies.values(precision);
+        values[diagonal] *= 1e-3;
+        let batch = bodies.batch(precision);
+        batch.write_values(&values).unwrap();
+        let mut company = 0;
+        for iteration_limit in [5, 10, 15, 20, 25, 30, 40] {
+            batch.pcg(&plain(1e-4, iteration_limit), 40).unwrap();
+            let (columns, states) = (batch.read_columns().unwrap(), batch.read_reports().unwrap().states);
+            for (columns, states) in columns.chunks_exact(4 * unknowns).zip(states.chunks_exact(4)) {
+                let broke_down = |state: &SystemState| state.outcome() == Some(SystemOutcome::Indefinite);
+                company += usize::from(states.iter().any(broke_down) && !states.iter().all(broke_down));
+                for (column, state) in columns.chunks_exact(unknowns).zip(states) {
+                    let is_zero = column.iter().all(|x| *x == 0.0);
+                    assert_eq!(
+                        is_zero,
+                        broke_down(state) || state.iterations == 0,
+                        "{precision:?} {state:?}"
+                    );
+                }
+            }
+        }
+        assert!(company > 0, "{precision:?}");
     }
 }
 
@@ -185,10 +280,46 @@ fn any_size_of_workgroup_will_do() {
     };
     let usual = compliance(kernels(Precision::F32), INVOCATIONS);
     for invocations in [2, 16, 256] {
-        let other = Kernels::new(device(), Precision::F32, invocations).unwrap();
+        let other = Kernels::with_tree(device(), Precision::F32, invocations).unwrap();
         let worst = difference(&compliance(&other, invocations), &usual);
         println!("{invocations}: {worst:.1e}");
         assert!(worst < 1e-5, "{invocations}: {worst:e}");
+    }
+}
+
+/// Sums over subgroups, where the device has them, are rounded in another order and nothing else.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn sums_over_subgroups_will_do() {
+    if !device().facts.features.subgroups {
+        return;
+    }
+    let bodies = plates();
+    for (precision, _) in precisions() {
+        let settings = RefineSettings { iteration_limit: 1000, ..precision.settings() };
+        // Fewer than a subgroup has, and many subgroups.
+        for invocations in [4, 64, 256] {
+            let solve = |kernels: &Kernels| {
+                let batch = SystemBatch::new(kernels, &bodies.layout.systems, bodies.count()).unwrap();
+                let steps = MOST_TRIPS / bodies.counts().trips(u64::from(invocations));
+                let numbers = bodies.numbers();
+                batch.assemble_and_condense(&bodies.layout, &numbers, &settings, steps as u32).unwrap();
+                (batch.read_compliance().unwrap(), batch.read_reports().unwrap().states)
+            };
+            let by_subgroups = Kernels::new(device(), precision, invocations).unwrap();
+            let by_tree = Kernels::with_tree(device(), precision, invocations).unwrap();
+            let ((found, states), (expected, expected_states)) = (solve(&by_subgroups), solve(&by_tree));
+            let worst = difference(&found, &expected);
+            println!("{precision:?} {invocations}: {worst:.1e}");
+            // Each of them is so far from the exact one, in f32 where nu = 0.49.
+            let tolerance = if precision == Precision::F32 { 3e-5 } else { 2e-9 };
+            assert!(worst < tolerance, "{precision:?} {invocations}: {worst:e}");
+            for (state, expected) in states.iter().zip(&expected_states) {
+                assert_eq!(state.outcome(), expected.outcome());
+                let apart = state.iterations.abs_diff(expected.iterations);
+                assert!(apart <= 3 + expected.iterations / 20, "{state:?} {expected:?}");
+            }
+        }
     }
 }
 

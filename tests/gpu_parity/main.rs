@@ -18,10 +18,10 @@ use std::sync::OnceLock;
 
 use common::greatest;
 use common::rings::{MeshedBody, body};
-use jointsweep::engine::backend::gpu::batch::{BodyCounts, MOST_TRIPS, OnChip, batches};
+use jointsweep::engine::backend::gpu::batch::{BodyCounts, MOST_TRIPS, batches};
 use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::engine::backend::gpu::kernels::{Kernels, Precision};
-use jointsweep::engine::backend::gpu::layout::{MeshLayout, SystemOutcome};
+use jointsweep::engine::backend::gpu::layout::{MeshLayout, SystemLayout, SystemOutcome, SystemState};
 use jointsweep::engine::backend::gpu::stages::{SystemBatch, SystemReports};
 use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::compliance::condense::variational_compliance;
@@ -48,7 +48,8 @@ fn device() -> &'static GpuDevice {
 
 fn kernels(precision: Precision) -> &'static Kernels<'static> {
     static KERNELS: [OnceLock<Kernels<'static>>; 3] = [const { OnceLock::new() }; 3];
-    KERNELS[precision as usize].get_or_init(|| Kernels::new(device(), precision, INVOCATIONS).unwrap())
+    // Sums as the twin takes them.
+    KERNELS[precision as usize].get_or_init(|| Kernels::with_tree(device(), precision, INVOCATIONS).unwrap())
 }
 
 /// f32, and those with f64 where the adapter has it, with the rounding of wide numbers.

@@ -168,7 +168,12 @@ fn compliances_are_those_of_the_twin() {
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn the_whole_chain_gives_the_compliance_of_cholesky() {
-    for (name, bodies) in families() {
+    // Some of the workgroup's memory does not suffice for all vectors on finer meshes.
+    let fine = [3, 5].map(|level| {
+        let plate = body("annulus", &[2.9], Idealization::PlaneStrain, 0.3);
+        ("fine annulus", Bodies::new(vec![plate], level))
+    });
+    for (name, bodies) in families().into_iter().chain(fine) {
         for (precision, rounding) in precisions() {
             let promised = match precision {
                 Precision::F32 => 2e-4,

@@ -108,15 +108,20 @@ pub struct KernelFile {
     pub text: &'static str,
     pub entry_points: &'static [&'static str],
     pub written: &'static [bool],
+    /// What it takes sums of over a workgroup.
+    pub summand: Option<&'static str>,
 }
 
 const COMMON: &str = include_str!("../../../../shaders/common.wgsl");
+const SUM_TREE: &str = include_str!("../../../../shaders/sum_tree.wgsl");
+const SUM_SUBGROUPS: &str = include_str!("../../../../shaders/sum_subgroups.wgsl");
 
 pub const ASSEMBLE: KernelFile = KernelFile {
     name: "assemble",
     text: include_str!("../../../../shaders/assemble.wgsl"),
     entry_points: &["assemble"],
     written: &[false, false, false, false, false, true, true, true],
+    summand: None,
 };
 
 pub const PCG: KernelFile = KernelFile {
@@ -124,6 +129,7 @@ pub const PCG: KernelFile = KernelFile {
     text: include_str!("../../../../shaders/pcg.wgsl"),
     entry_points: &["solve"],
     written: &[false, false, false, false, true, true, true],
+    summand: Some("real4"),
 };
 
 pub const NARROW: KernelFile = KernelFile {
@@ -131,6 +137,7 @@ pub const NARROW: KernelFile = KernelFile {
     text: include_str!("../../../../shaders/narrow.wgsl"),
     entry_points: &["narrow"],
     written: &[false, true],
+    summand: None,
 };
 
 pub const REFINE: KernelFile = KernelFile {
@@ -138,6 +145,7 @@ pub const REFINE: KernelFile = KernelFile {
     text: include_str!("../../../../shaders/refine.wgsl"),
     entry_points: &["start", "refine", "settle"],
     written: &[false, false, false, false, true, true, true, true],
+    summand: Some("wide4"),
 };
 
 pub const CONDENSE: KernelFile = KernelFile {
@@ -145,6 +153,7 @@ pub const CONDENSE: KernelFile = KernelFile {
     text: include_str!("../../../../shaders/condense.wgsl"),
     entry_points: &["condense"],
     written: &[false, true],
+    summand: None,
 };
 
 pub const GRAM: KernelFile = KernelFile {
@@ -152,6 +161,7 @@ pub const GRAM: KernelFile = KernelFile {
     text: include_str!("../../../../shaders/gram.wgsl"),
     entry_points: &["gram"],
     written: &[false, false, false, false, false, false, false, true],
+    summand: None,
 };
 
 pub const CONTACT: KernelFile = KernelFile {
@@ -162,11 +172,21 @@ pub const CONTACT: KernelFile = KernelFile {
     ),
     entry_points: &["sample", "find"],
     written: &[false, false, false, false, false, true, true],
+    summand: None,
 };
 
 /// The files of kernels that turn bodies into compliances of their rings; those of the trial pressures are compiled for
 /// each count of them (`trial`).
 pub const KERNEL_FILES: [&KernelFile; 5] = [&ASSEMBLE, &NARROW, &PCG, &REFINE, &CONDENSE];
+
+/// How the invocations of a workgroup add their parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sums {
+    /// In the order of the twins.
+    Tree,
+    /// In the order of the device, where it has subgroups.
+    Subgroups,
+}
 
 /// What the text of a kernel depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,22 +196,29 @@ pub struct Variant {
     pub invocations: u32,
     /// Of `pcg`.
     pub on_chip: OnChip,
+    pub sums: Sums,
 }
 
 impl KernelFile {
-    /// The whole text in one precision and for one size of workgroup, with all vectors in storage.
+    /// The whole text in one precision and for one size of workgroup, with all vectors in storage and sums as a tree.
     pub fn source(&self, precision: Precision, invocations: u32) -> String {
-        self.variant(&Variant { precision, invocations, on_chip: OnChip::NOTHING })
+        self.variant(&Variant { precision, invocations, on_chip: OnChip::NOTHING, sums: Sums::Tree })
     }
 
     pub fn variant(&self, variant: &Variant) -> String {
-        let Variant { precision, invocations, on_chip: OnChip { vectors, capacity } } = variant;
+        let Variant { precision, invocations, on_chip: OnChip { vectors, capacity }, sums } = variant;
         let name = |bytes: u64| if bytes == 4 { "f32" } else { "f64" };
         let (real, wide) = (name(precision.real_bytes()), name(precision.wide_bytes()));
+        // WGSL wants `enable subgroups;` first, which naga does not read (gfx-rs/wgpu#5555).
+        let sums = match (self.summand, sums) {
+            (None, _) => String::new(),
+            (Some(summand), Sums::Tree) => format!("alias summand = {summand};\n{SUM_TREE}"),
+            (Some(summand), Sums::Subgroups) => format!("alias summand = {summand};\n{SUM_SUBGROUPS}"),
+        };
         let text = self.text;
         format!(
             "alias real = {real};\nalias wide = {wide};\nconst INVOCATIONS = {invocations}u;\n\
-             const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\n{COMMON}\n{text}"
+             const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\n{COMMON}\n{sums}\n{text}"
         )
     }
 }
@@ -214,18 +241,49 @@ pub struct Kernels<'a> {
     pcg: Mutex<HashMap<OnChip, Stage>>,
     pub refine: Stage,
     pub condense: Stage,
+    sums: Sums,
+    is_checked: bool,
 }
 
 impl<'a> Kernels<'a> {
     /// `invocations`: of a workgroup, a power of two.
     pub fn new(gpu: &'a GpuDevice, precision: Precision, invocations: u32) -> Result<Kernels<'a>, GpuError> {
+        let sums = if gpu.facts.features.subgroups { Sums::Subgroups } else { Sums::Tree };
+        Kernels::build(gpu, precision, invocations, sums, false)
+    }
+
+    /// With sums as the twins take them, to the bit.
+    pub fn with_tree(
+        gpu: &'a GpuDevice,
+        precision: Precision,
+        invocations: u32,
+    ) -> Result<Kernels<'a>, GpuError> {
+        Kernels::build(gpu, precision, invocations, Sums::Tree, false)
+    }
+
+    /// As `with_tree`, and slower: every index and every loop is watched at run time, and memory begins with zeros. For tests.
+    pub fn checked(
+        gpu: &'a GpuDevice,
+        precision: Precision,
+        invocations: u32,
+    ) -> Result<Kernels<'a>, GpuError> {
+        Kernels::build(gpu, precision, invocations, Sums::Tree, true)
+    }
+
+    fn build(
+        gpu: &'a GpuDevice,
+        precision: Precision,
+        invocations: u32,
+        sums: Sums,
+        is_checked: bool,
+    ) -> Result<Kernels<'a>, GpuError> {
         let lacks = |what: &str| GpuError::Lacks { adapter: gpu.facts.name.clone(), what: what.to_string() };
         precision.check(gpu)?;
         if !invocations.is_power_of_two() || invocations > gpu.facts.limits.invocations_per_workgroup {
             return Err(lacks(&format!("workgroups of {invocations} invocations")));
         }
-        let stage =
-            |file| Stage::new(gpu, file, &Variant { precision, invocations, on_chip: OnChip::NOTHING });
+        let variant = Variant { precision, invocations, on_chip: OnChip::NOTHING, sums };
+        let stage = |file| Stage::new(gpu, file, &variant, is_checked);
         Ok(Kernels {
             gpu,
             precision,
@@ -235,6 +293,8 @@ impl<'a> Kernels<'a> {
             pcg: Mutex::default(),
             refine: stage(&REFINE)?,
             condense: stage(&CONDENSE)?,
+            sums,
+            is_checked,
         })
     }
 
@@ -245,8 +305,8 @@ impl<'a> Kernels<'a> {
         if let Some(stage) = made.get(&on_chip) {
             return Ok(stage.clone());
         }
-        let Kernels { gpu, precision, invocations, .. } = *self;
-        let stage = Stage::new(gpu, &PCG, &Variant { precision, invocations, on_chip })?;
+        let Kernels { gpu, precision, invocations, sums, is_checked, .. } = *self;
+        let stage = Stage::new(gpu, &PCG, &Variant { precision, invocations, on_chip, sums }, is_checked)?;
         made.insert(on_chip, stage.clone());
         Ok(stage)
     }
@@ -263,19 +323,29 @@ impl<'a> Kernels<'a> {
 }
 
 impl Stage {
-    fn new(gpu: &GpuDevice, file: &KernelFile, variant: &Variant) -> Result<Stage, GpuError> {
-        Stage::from_source(gpu, file, &file.variant(variant))
+    fn new(
+        gpu: &GpuDevice,
+        file: &KernelFile,
+        variant: &Variant,
+        is_checked: bool,
+    ) -> Result<Stage, GpuError> {
+        Stage::from_source(gpu, file, &file.variant(variant), is_checked)
     }
 
-    pub(super) fn from_source(gpu: &GpuDevice, file: &KernelFile, source: &str) -> Result<Stage, GpuError> {
+    pub(super) fn from_source(
+        gpu: &GpuDevice,
+        file: &KernelFile,
+        source: &str,
+        is_checked: bool,
+    ) -> Result<Stage, GpuError> {
         if file.written.len() > gpu.facts.limits.storage_buffers as usize {
             let what = format!("{} storage buffers", file.written.len());
             return Err(GpuError::Lacks { adapter: gpu.facts.name.clone(), what });
         }
-        gpu.checked(file.name, || Stage::unchecked(&gpu.device, file, source))
+        gpu.checked(file.name, || Stage::build(&gpu.device, file, source, is_checked))
     }
 
-    fn unchecked(device: &wgpu::Device, file: &KernelFile, source: &str) -> Stage {
+    fn build(device: &wgpu::Device, file: &KernelFile, source: &str, is_checked: bool) -> Stage {
         let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: ShaderStages::COMPUTE,
@@ -295,17 +365,27 @@ impl Stage {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        let descriptor = wgpu::ShaderModuleDescriptor {
             label: Some(file.name),
             source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
+        };
+        let checks = match is_checked {
+            true => wgpu::ShaderRuntimeChecks::checked(),
+            false => wgpu::ShaderRuntimeChecks::unchecked(),
+        };
+        // SAFETY: the text is the crate's own. Its loops end and its divisors are sizes, which are not zero; its indices
+        // stay within buffers that `SystemBatch` sizes by the layout they come from.
+        let module = unsafe { device.create_shader_module_trusted(descriptor, checks) };
         let pipeline = |entry_point: &&'static str| {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry_point),
                 layout: Some(&pipeline_layout),
                 module: &module,
                 entry_point: Some(entry_point),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    zero_initialize_workgroup_memory: is_checked,
+                    ..Default::default()
+                },
                 cache: None,
             })
         };

@@ -222,6 +222,11 @@ impl MeshLayout {
         self.grid_count() + 4 * 9 * self.parameters.element_count as usize
     }
 
+    /// How many numbers one body has.
+    pub fn body_number_count(&self) -> usize {
+        3 + 4 * self.parameters.line_count as usize
+    }
+
     /// The numbers of one body: elasticity, then depth, growth and end of each line that is its own.
     ///
     /// The end of a line is given as what takes the ring's point to it: far - ring = scale ring + turn ring', ring'

@@ -18,8 +18,7 @@ pub struct SystemBatch<'a> {
     kernels: &'a Kernels<'a>,
     pub(super) layout: &'a SystemLayout,
     body_count: usize,
-    /// Whether the iteration's vectors are in storage or in the workgroups' own memory changes no bit.
-    pub on_chip: OnChip,
+    on_chip: OnChip,
     row_starts: wgpu::Buffer,
     columns: wgpu::Buffer,
     diagonal_places: wgpu::Buffer,
@@ -79,6 +78,16 @@ impl<'a> SystemBatch<'a> {
         })
     }
 
+    /// What the iteration keeps in the workgroups' own memory: as much as there is room for.
+    pub fn on_chip(&self) -> OnChip {
+        self.on_chip
+    }
+
+    /// Keeps fewer vectors there, which changes no bit.
+    pub fn limit_vectors_on_chip(&mut self, vectors: u64) {
+        self.on_chip.vectors = self.on_chip.vectors.min(vectors);
+    }
+
     /// The matrices of all bodies, `[body][value]`.
     pub fn write_values(&self, values: &[f64]) -> Result<(), GpuError> {
         let Kernels { gpu, precision, .. } = self.kernels;
@@ -93,6 +102,9 @@ impl<'a> SystemBatch<'a> {
         let Kernels { gpu, precision, .. } = self.kernels;
         let reals = |label, numbers: &[f64]| filled_buffer(&gpu.device, label, &precision.encode(numbers));
         let (grid, size) = (mesh.grid_count(), mesh.geometry_count());
+        // The kernels do not watch their indices.
+        assert_eq!(body_numbers.len(), self.body_count * mesh.body_number_count(), "numbers of other bodies");
+        assert_eq!(mesh.systems.columns, self.layout.columns, "a mesh of another topology");
         gpu.checked("assemble", || {
             let bytes = (self.body_count * size) as u64 * 2 * precision.wide_bytes();
             let geometry = empty_buffer(&gpu.device, "geometry", bytes);

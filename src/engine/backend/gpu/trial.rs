@@ -44,7 +44,7 @@ impl<'a> TrialKernels<'a> {
     ) -> Result<TrialKernels<'a>, GpuError> {
         let stage = |file: &KernelFile| {
             let source = source(file, precision, invocations, terms);
-            Stage::from_source(gpu, file, &source)
+            Stage::from_source(gpu, file, &source, false)
         };
         Ok(TrialKernels {
             gpu,
