@@ -55,27 +55,6 @@ const POINT_SIZE = 9u;
 var<workgroup> sound_points: atomic<u32>;
 var<workgroup> sound_total: u32;
 
-// e^x - 1 without cancellation: Taylor's series of a halved argument, doubled back by e(2x) = e(x) (e(x) + 2).
-// (WGSL has no exp for f64.)
-fn exp_minus_one(x: wide) -> wide {
-    var argument = x;
-    var halvings = 0u;
-    while abs(argument) > wide(0.5) && halvings < 20u {
-        argument *= wide(0.5);
-        halvings += 1u;
-    }
-    // Fourteen terms: 0.5^15/15! is below the rounding of f64.
-    var sum = wide(1.0);
-    for (var k = 14u; k >= 2u; k--) {
-        sum = wide(1.0) + argument * sum / wide(k);
-    }
-    var value = argument * sum;
-    for (var k = 0u; k < halvings; k++) {
-        value *= value + wide(2.0);
-    }
-    return value;
-}
-
 // Reaches of all grid points of a line. Where lines are bowed, a mid-side line has (share, 0) instead, for `bow`.
 fn reach_of_line(column: u32, numbers: u32, grid: u32) {
     let line = numbers + 3u + 4u * min(column, parameters.line_count - 1u);

@@ -2,6 +2,7 @@
 //
 //     alias real = f32;               // or f64: of the iteration
 //     alias wide = f64;               // of all else; f64 where `real` is, else either
+//     const IS_WIDE_DOUBLE = true;
 //     const INVOCATIONS = 64u;        // of a workgroup
 //     const ON_CHIP = 4u;             // vectors that pcg holds in a workgroup's own memory
 //     const CAPACITY = 512u;          // numbers of each of them, four systems abreast

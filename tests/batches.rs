@@ -28,8 +28,6 @@ const BODY: BodyCounts = BodyCounts {
     longest_row: 42,
     ring_columns: 21,
     geometry: 1_200,
-    joints: 1,
-    steps: 10,
 };
 
 /// The batches, after the promise that holds for all of them: in order, nothing lost or doubled, one topology each.
@@ -64,10 +62,9 @@ fn no_bodies_are_no_batches() {
 #[test]
 fn a_buffer_is_filled_to_its_last_byte() {
     let many_values = BodyCounts { matrix_values: 100_000, ..BODY };
-    let many_joints = BodyCounts { joints: 5_000, ..BODY };
     let many_columns = BodyCounts { ring_columns: 120, unknowns: 10, longest_row: 10, ..BODY };
     let fine_mesh = BodyCounts { geometry: 100_000, ..BODY };
-    for body in [BODY, many_values, many_joints, many_columns, fine_mesh] {
+    for body in [BODY, many_values, many_columns, fine_mesh] {
         let bodies = [body; 10];
         let bytes = body.bytes(4, 4).iter().map(|(_, bytes)| *bytes).max().unwrap();
         for (room, expected) in [
@@ -90,7 +87,6 @@ fn each_buffer_is_counted() {
     let fullest = |body: BodyCounts| body.bytes(4, 4).into_iter().max_by_key(|(_, bytes)| *bytes).unwrap();
     assert_eq!(fullest(BODY), ("iterates", 150 * 24 * 4 * 4));
     assert_eq!(fullest(BodyCounts { matrix_values: 100_000, ..BODY }), ("matrix values", 400_000));
-    assert_eq!(fullest(BodyCounts { joints: 5_000, ..BODY }), ("responses", 5_000 * 10 * 8 * 4));
     let wide = BodyCounts { ring_columns: 121, unknowns: 10, ..BODY };
     assert_eq!(fullest(wide), ("compliance", 121 * 124 * 4));
     assert_eq!(fullest(BodyCounts { geometry: 100_000, ..BODY }), ("geometry", 800_000));
@@ -103,10 +99,10 @@ fn each_buffer_is_counted() {
 
 #[test]
 fn a_body_that_fits_no_buffer_is_named_and_those_before_it_do_not_hide_it() {
-    let huge = BodyCounts { joints: 1 << 20, ..BODY };
+    let huge = BodyCounts { geometry: 1 << 25, ..BODY };
     let error = batches(&[BODY, BODY, huge, BODY], &KERNEL, &LIMITS).unwrap_err();
-    let (needed, limit) = (10 << 25, 1 << 27);
-    assert_eq!(error, BatchError::BodyTooLarge { body: 2, what: "responses", needed, limit });
+    let (needed, limit) = (1 << 28, 1 << 27);
+    assert_eq!(error, BatchError::BodyTooLarge { body: 2, what: "geometry", needed, limit });
 }
 
 #[test]
@@ -128,9 +124,8 @@ fn topologies_are_not_mixed() {
 
 #[test]
 fn a_million_bodies_are_split_in_order() {
-    let bodies: Vec<BodyCounts> = (0..1_000_000)
-        .map(|i| BodyCounts { topology: i / 300_000, joints: 1 + u64::from(i % 3), ..BODY })
-        .collect();
+    let bodies: Vec<BodyCounts> =
+        (0..1_000_000).map(|i| BodyCounts { topology: i / 300_000, ..BODY }).collect();
     let batches = split(&bodies, &KERNEL, &LIMITS);
     // The iterates decide: 57,600 bytes a body.
     assert_eq!(batches[0].bodies.len(), (128 << 20) / 57_600);

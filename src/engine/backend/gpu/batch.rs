@@ -37,7 +37,7 @@ const FEWEST_STEPS: u64 = 10;
 /// What one body asks of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BodyCounts {
-    /// Bodies of equal `topology` share mesh, sparsity and all counts but the last two.
+    /// Bodies of equal `topology` share mesh and sparsity, so all counts.
     pub topology: u32,
     pub unknowns: u64,
     /// Nonzeros of the stiffness.
@@ -47,9 +47,6 @@ pub struct BodyCounts {
     pub ring_columns: u64,
     /// Pairs of numbers of the mesh, from which the matrix is made (`MeshLayout::geometry_count`).
     pub geometry: u64,
-    /// Joints this body belongs to, and load steps of each.
-    pub joints: u64,
-    pub steps: u64,
 }
 
 /// How kernels are built and what they were measured to cost.
@@ -108,10 +105,8 @@ impl BodyCounts {
     }
 
     /// Bytes of each buffer that grows with the bodies, for numbers of so many bytes.
-    pub fn bytes(&self, real: u64, wide: u64) -> [(&'static str, u64); 7] {
+    pub fn bytes(&self, real: u64, wide: u64) -> [(&'static str, u64); 6] {
         let systems = self.blocks() * COLUMNS_ABREAST;
-        // A response is force, indentation, stiffness, half angle, peak pressure, energy, error and status.
-        let responses = self.joints * self.steps * 8;
         [
             ("matrix values", self.matrix_values * wide),
             ("narrowed values", if real == wide { 0 } else { self.matrix_values * real }),
@@ -119,7 +114,6 @@ impl BodyCounts {
             ("solutions", self.unknowns * systems * SOLUTIONS * wide),
             ("geometry", 2 * self.geometry * wide),
             ("compliance", self.ring_columns * systems * wide),
-            ("responses", responses * wide),
         ]
     }
 
@@ -227,7 +221,7 @@ fn next_batch(
     let most = most_in_time.min(limit);
 
     let buffer = limits.binding_bytes.min(limits.buffer_bytes);
-    let mut used = [0; 7];
+    let mut used = [0; 6];
     let mut end = first;
     for (body, next) in bodies.iter().enumerate().skip(first) {
         let bytes = next.bytes(kernel.bytes_per_real, kernel.bytes_per_wide);

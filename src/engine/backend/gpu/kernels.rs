@@ -118,7 +118,10 @@ const SUM_SUBGROUPS: &str = include_str!("../../../../shaders/sum_subgroups.wgsl
 
 pub const ASSEMBLE: KernelFile = KernelFile {
     name: "assemble",
-    text: include_str!("../../../../shaders/assemble.wgsl"),
+    text: concat!(
+        include_str!("../../../../shaders/functions.wgsl"),
+        include_str!("../../../../shaders/assemble.wgsl")
+    ),
     entry_points: &["assemble"],
     written: &[false, false, false, false, false, true, true, true],
     summand: None,
@@ -216,8 +219,9 @@ impl KernelFile {
             (Some(summand), Sums::Subgroups) => format!("alias summand = {summand};\n{SUM_SUBGROUPS}"),
         };
         let text = self.text;
+        let double = precision.wide_bytes() == 8;
         format!(
-            "alias real = {real};\nalias wide = {wide};\nconst INVOCATIONS = {invocations}u;\n\
+            "alias real = {real};\nalias wide = {wide};\nconst IS_WIDE_DOUBLE = {double};\nconst INVOCATIONS = {invocations}u;\n\
              const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\n{COMMON}\n{sums}\n{text}"
         )
     }

@@ -206,8 +206,6 @@ impl MeshLayout {
             longest_row: u64::from(longest_row.unwrap_or(0)),
             ring_columns: self.systems.ring_count() as u64,
             geometry: self.geometry_count() as u64,
-            joints: 0,
-            steps: 0,
         }
     }
 

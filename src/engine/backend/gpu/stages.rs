@@ -1,15 +1,9 @@
 //! A batch of bodies on the device: its buffers, and the stages from a few numbers of each body to the compliance of
 //! its ring. Nothing is read back between stages.
 
-use std::time::Duration;
-
-use bytemuck::Pod;
-use wgpu::BufferUsages;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
-
 use super::batch::{ITERATES, OnChip, SOLUTIONS};
-use super::context::{GpuDevice, GpuError};
-use super::kernels::{Kernels, Stage};
+use super::context::GpuError;
+use super::kernels::Kernels;
 use super::layout::{MeshLayout, SystemLayout, SystemState};
 use crate::mechanics::solve::refine::RefineSettings;
 
@@ -48,11 +42,11 @@ impl<'a> SystemBatch<'a> {
         layout: &'a SystemLayout,
         body_count: usize,
     ) -> Result<SystemBatch<'a>, GpuError> {
-        let device = &kernels.gpu.device;
+        let gpu = kernels.gpu;
         let (real, wide) = (kernels.precision.real_bytes(), kernels.precision.wide_bytes());
         let (bodies, systems) = (body_count as u64, (body_count * layout.system_count()) as u64);
         let (unknowns, value_count) = (layout.unknown_count() as u64, bodies * layout.columns.len() as u64);
-        let empty = |label, bytes| empty_buffer(device, label, bytes);
+        let empty = |label, bytes| gpu.empty(label, bytes);
         let on_chip = OnChip::fitting(unknowns, &kernels.facts(0.0), &kernels.gpu.facts.limits);
         kernels.gpu.checked("room for a batch", || {
             let values = empty("values", value_count * wide);
@@ -61,9 +55,9 @@ impl<'a> SystemBatch<'a> {
                 layout,
                 body_count,
                 on_chip,
-                row_starts: filled_buffer(device, "row_starts", &layout.row_starts),
-                columns: filled_buffer(device, "columns", &layout.columns),
-                diagonal_places: filled_buffer(device, "diagonal_places", &layout.diagonal_places),
+                row_starts: gpu.filled("row_starts", &layout.row_starts),
+                columns: gpu.filled("columns", &layout.columns),
+                diagonal_places: gpu.filled("diagonal_places", &layout.diagonal_places),
                 narrowed: match &kernels.narrow {
                     Some(_) => empty("narrowed", value_count * real),
                     None => values.clone(),
@@ -100,28 +94,28 @@ impl<'a> SystemBatch<'a> {
     /// Returns the reach of every grid point and the gradients of every element, for inspection.
     pub fn assemble(&self, mesh: &MeshLayout, body_numbers: &[f64]) -> Result<Geometry, GpuError> {
         let Kernels { gpu, precision, .. } = self.kernels;
-        let reals = |label, numbers: &[f64]| filled_buffer(&gpu.device, label, &precision.encode(numbers));
+        let reals = |label, numbers: &[f64]| gpu.filled(label, &precision.encode(numbers));
         let (grid, size) = (mesh.grid_count(), mesh.geometry_count());
         // The kernels do not watch their indices.
         assert_eq!(body_numbers.len(), self.body_count * mesh.body_number_count(), "numbers of other bodies");
         assert_eq!(mesh.systems.columns, self.layout.columns, "a mesh of another topology");
         gpu.checked("assemble", || {
             let bytes = (self.body_count * size) as u64 * 2 * precision.wide_bytes();
-            let geometry = empty_buffer(&gpu.device, "geometry", bytes);
+            let geometry = gpu.empty("geometry", bytes);
             let bindings = [
-                &uniform_buffer(&gpu.device, &mesh.parameters),
+                &gpu.uniform(&mesh.parameters),
                 &reals("bodies", body_numbers),
                 &reals("shared_numbers", &mesh.shared_numbers),
-                &filled_buffer(&gpu.device, "element_grid", &mesh.element_grid),
-                &filled_buffer(&gpu.device, "source_starts", &mesh.source_starts),
-                &filled_buffer(&gpu.device, "sources", &mesh.sources),
+                &gpu.filled("element_grid", &mesh.element_grid),
+                &gpu.filled("source_starts", &mesh.source_starts),
+                &gpu.filled("sources", &mesh.sources),
                 &geometry,
                 &self.values,
                 &self.states,
             ];
             let stage = &self.kernels.assemble;
-            let group = self.bind(stage, &bindings);
-            self.submit([(&stage.pipelines[0], &group, [self.body_count as u32, 1])]);
+            let group = gpu.bind(stage, &bindings);
+            gpu.submit([(&stage.pipelines[0], &group, [self.body_count as u32, 1])]);
             Geometry { buffer: geometry, grid, size }
         })
     }
@@ -134,25 +128,25 @@ impl<'a> SystemBatch<'a> {
         let pcg = &self.kernels.pcg(self.on_chip)?;
         let groups = self.block_groups();
         gpu.checked("pcg", || {
-            let parameters = uniform_buffer(&gpu.device, &self.layout.parameters(settings, step_count));
+            let parameters = gpu.uniform(&self.layout.parameters(settings, step_count));
             let bind = |stage, values, others: &[&wgpu::Buffer]| {
                 let sparsity = [&parameters, &self.row_starts, &self.columns, &self.diagonal_places, values];
-                self.bind(stage, &[&sparsity, others].concat())
+                gpu.bind(stage, &[&sparsity, others].concat())
             };
             let steps = bind(pcg, &self.narrowed, &[&self.iterates, &self.norms, &self.states]);
             let others = [&self.iterates, &self.norms, &self.states, &self.solutions];
             let rounds = bind(refine, &self.values, &others);
             let [start, next, last] = [0, 1, 2].map(|entry| (&refine.pipelines[entry], &rounds, groups));
             if let Some(narrow) = narrow {
-                let group = self.bind(narrow, &[&parameters, &self.values, &self.narrowed]);
-                self.submit([(&narrow.pipelines[0], &group, [groups[0], 1])]);
+                let group = gpu.bind(narrow, &[&parameters, &self.values, &self.narrowed]);
+                gpu.submit([(&narrow.pipelines[0], &group, [groups[0], 1])]);
             }
-            self.submit([start]);
+            gpu.submit([start]);
             let dispatches = settings.iteration_limit.div_ceil(step_count as usize);
             for round in 0..=settings.round_limit {
                 let end = if round == settings.round_limit { last } else { next };
                 let steps = std::iter::repeat_n((&pcg.pipelines[0], &steps, groups), dispatches);
-                self.submit(steps.chain([end]));
+                gpu.submit(steps.chain([end]));
             }
         })
     }
@@ -161,9 +155,9 @@ impl<'a> SystemBatch<'a> {
     pub fn condense(&self) -> Result<(), GpuError> {
         let Kernels { gpu, condense, .. } = self.kernels;
         gpu.checked("condense", || {
-            let parameters = uniform_buffer(&gpu.device, &self.layout.parameters(&NOTHING_TO_SOLVE, 0));
-            let group = self.bind(condense, &[&parameters, &self.solutions, &self.compliance]);
-            self.submit([(&condense.pipelines[0], &group, self.block_groups())]);
+            let parameters = gpu.uniform(&self.layout.parameters(&NOTHING_TO_SOLVE, 0));
+            let group = gpu.bind(condense, &[&parameters, &self.solutions, &self.compliance]);
+            gpu.submit([(&condense.pipelines[0], &group, self.block_groups())]);
         })
     }
 
@@ -183,33 +177,6 @@ impl<'a> SystemBatch<'a> {
     /// Workgroups of the stages that have one for each body and block of columns.
     fn block_groups(&self) -> [u32; 2] {
         [self.body_count as u32, self.layout.block_count() as u32]
-    }
-
-    fn bind(&self, stage: &Stage, bindings: &[&wgpu::Buffer]) -> wgpu::BindGroup {
-        let resources = bindings.iter().map(|buffer| buffer.as_entire_binding());
-        let bound =
-            (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
-        self.kernels.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &stage.layout,
-            entries: &bound.collect::<Vec<_>>(),
-        })
-    }
-
-    /// Dispatches in order, each of a kernel, its bindings and its workgroups.
-    fn submit<'b>(
-        &self,
-        dispatches: impl IntoIterator<Item = (&'b wgpu::ComputePipeline, &'b wgpu::BindGroup, [u32; 2])>,
-    ) {
-        let GpuDevice { device, queue, .. } = self.kernels.gpu;
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for (pipeline, group, groups) in dispatches {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, group, &[]);
-            pass.dispatch_workgroups(groups[0], groups[1], 1);
-        }
-        queue.submit([encoder.finish()]);
     }
 
     /// The matrices, `[body][value]`.
@@ -238,7 +205,7 @@ impl<'a> SystemBatch<'a> {
     }
 
     pub fn read_reports(&self) -> Result<SystemReports, GpuError> {
-        let states = bytemuck::pod_collect_to_vec(&self.read(&self.states)?);
+        let states = bytemuck::pod_collect_to_vec(&self.kernels.gpu.read(&self.states)?);
         let norms = self.read_wides(&self.norms)?;
         let blocks = || norms.chunks_exact(12);
         Ok(SystemReports {
@@ -258,32 +225,7 @@ impl<'a> SystemBatch<'a> {
     }
 
     fn read_wides(&self, buffer: &wgpu::Buffer) -> Result<Vec<f64>, GpuError> {
-        Ok(self.kernels.precision.decode(&self.read(buffer)?))
-    }
-
-    /// Waits for all work submitted so far and copies a buffer back.
-    fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
-        let GpuDevice { device, queue, .. } = self.kernels.gpu;
-        let lost = |problem: String| GpuError::Lost { adapter: self.kernels.gpu.facts.name.clone(), problem };
-        let (sender, receiver) = std::sync::mpsc::channel();
-        let staging = self.kernels.gpu.checked("reading back", || {
-            let staging = device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("staging"),
-                size: buffer.size(),
-                usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
-                mapped_at_creation: false,
-            });
-            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
-            queue.submit([encoder.finish()]);
-            staging.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result)));
-            staging
-        })?;
-        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LONGEST_WAIT) };
-        device.poll(wait).map_err(|error| lost(error.to_string()))?;
-        receiver.recv().map_err(|error| lost(error.to_string()))?.map_err(|error| lost(error.to_string()))?;
-        let view = staging.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
-        Ok(view.to_vec())
+        Ok(self.kernels.precision.decode(&self.kernels.gpu.read(buffer)?))
     }
 }
 
@@ -291,36 +233,9 @@ impl<'a> SystemBatch<'a> {
 const NOTHING_TO_SOLVE: RefineSettings =
     RefineSettings { tolerance: 0.0, goal: 0.0, round_limit: 0, iteration_limit: 0 };
 
-/// A batch that takes longer hangs. After that even letting go of the device may block.
-const LONGEST_WAIT: Duration = Duration::from_secs(120);
-
 /// Where `assemble` has put its coordinates.
 pub struct Geometry {
     buffer: wgpu::Buffer,
     grid: usize,
     size: usize,
-}
-
-fn uniform_buffer<T: Pod>(device: &wgpu::Device, parameters: &T) -> wgpu::Buffer {
-    let contents = bytemuck::bytes_of(parameters);
-    device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage: BufferUsages::UNIFORM })
-}
-
-fn filled_buffer<T: Pod>(device: &wgpu::Device, label: &str, contents: &[T]) -> wgpu::Buffer {
-    let contents = bytemuck::cast_slice(contents);
-    device.create_buffer_init(&BufferInitDescriptor {
-        label: Some(label),
-        contents,
-        usage: BufferUsages::STORAGE,
-    })
-}
-
-fn empty_buffer(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
-    let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size,
-        usage,
-        mapped_at_creation: false,
-    })
 }

@@ -27,11 +27,10 @@ pub struct TrialKernels<'a> {
 
 /// The text of a kernel of the trial pressures.
 pub fn source(file: &KernelFile, precision: Precision, invocations: u32, terms: usize) -> String {
-    let double = precision.wide_bytes() == 8;
     let text = file.source(precision, invocations);
     format!(
         "{text}\nconst TERMS = {terms}u;\nconst NODES = {NODE_COUNT}u;\nconst NEAR_FIELD_NODES = {LANES}u;\n\
-         const SLOT_HEADER = {SLOT_HEADER}u;\nconst IS_WIDE_DOUBLE = {double};\n"
+         const SLOT_HEADER = {SLOT_HEADER}u;\n"
     )
 }
 
