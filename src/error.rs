@@ -28,8 +28,8 @@ pub enum Error {
     #[error("{}: the run to measure failed: {problem}", config.display())]
     MeasuredRun { config: PathBuf, problem: String },
 
-    #[error("--adapter names a GPU, --backend cpu asks for none: leave one of them out")]
-    AdapterForCpu,
+    #[error("{option} is for a GPU, --backend cpu asks for none: leave one of them out")]
+    ForGpuOnly { option: &'static str },
 
     #[error("{problem}")]
     Adapter { problem: String },

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use jointsweep::engine::backend::gpu::batch::{
-    Batch, BatchError, BodyCounts, KernelFacts, LONGEST, MOST_TRIPS, OnChip, SHORTEST, TARGET, adapted,
-    batches,
+    Batch, BatchError, BodyCounts, KernelFacts, LONGEST, MOST_BYTES, MOST_TRIPS, OnChip, SHORTEST, TARGET,
+    adapted, batches,
 };
 use jointsweep::engine::backend::gpu::context::DeviceLimits;
 
@@ -114,6 +114,17 @@ fn workgroups_fill_a_dimension_and_no_more() {
     let error = batches(&[wide], &KERNEL, &limits).unwrap_err();
     assert_eq!(error, BatchError::TooManyColumns { body: 0, needed: 101, limit: 100 });
     split(&[BodyCounts { ring_columns: 400, ..BODY }], &KERNEL, &limits);
+}
+
+/// Where single buffers could hold far more, all together end a batch; a body that is larger than that goes alone.
+#[test]
+fn a_batch_leaves_memory_to_others() {
+    let roomy = DeviceLimits { binding_bytes: 1 << 40, buffer_bytes: 1 << 40, ..LIMITS };
+    let all = |body: &BodyCounts| -> u64 { body.bytes(4, 4).iter().map(|(_, bytes)| bytes).sum() };
+    let most = (MOST_BYTES / all(&BODY)) as usize;
+    assert_eq!(sizes(&split(&vec![BODY; 2 * most + 1], &KERNEL, &roomy)), [most, most, 1]);
+    let huge = BodyCounts { geometry: MOST_BYTES, ..BODY };
+    assert_eq!(sizes(&split(&[huge, huge], &KERNEL, &roomy)), [1, 1]);
 }
 
 #[test]

@@ -61,7 +61,7 @@ fn outcomes(study: &Study) -> Vec<DesignOutcome> {
 fn a_run_without_an_outcome_leaves_nothing_behind() {
     let work = Workdir::new("nothing");
     let (_, recorder) = recorder(&work, "new/folders");
-    recorder.fail(&Error::AdapterForCpu);
+    recorder.fail(&Error::ForGpuOnly { option: "--adapter" });
     assert_eq!(work.files(), ["study.toml"]);
     assert!(!work.path("new").exists());
 }
@@ -77,7 +77,7 @@ fn an_earlier_result_stays_until_the_first_outcome() {
     let (table, manifest) = (work.read("result/table.csv"), work.read("result/manifest.json"));
 
     let (_, second) = recorder(&work, "result");
-    second.fail(&Error::AdapterForCpu);
+    second.fail(&Error::ForGpuOnly { option: "--adapter" });
     assert_eq!((work.read("result/table.csv"), work.read("result/manifest.json")), (table, manifest));
     assert_eq!(work.files(), ["result/manifest.json", "result/table.csv", "study.toml"]);
 }
@@ -85,7 +85,7 @@ fn an_earlier_result_stays_until_the_first_outcome() {
 #[test]
 fn a_run_that_fails_or_panics_keeps_its_rows_and_says_so() {
     let work = Workdir::new("halfway");
-    for (folder, error) in [("failed", Some(Error::AdapterForCpu)), ("panicked", None)] {
+    for (folder, error) in [("failed", Some(Error::ForGpuOnly { option: "--adapter" })), ("panicked", None)] {
         let (study, mut recorder) = recorder(&work, folder);
         recorder.write(outcomes(&study).remove(0)).unwrap();
         match &error {

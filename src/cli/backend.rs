@@ -16,8 +16,11 @@ pub const WORTH_A_GPU: u64 = 10_000;
 pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Precision)>, Error> {
     let on_meshes = matches!(study.solve.method, MethodChoice::Auto | MethodChoice::Fe);
     let choice = match (args.backend, &args.adapter) {
+        (Backend::Cpu, Some(_)) => return Err(Error::ForGpuOnly { option: "--adapter" }),
+        (Backend::Cpu, None) if args.precision.is_some() => {
+            return Err(Error::ForGpuOnly { option: "--precision" });
+        }
         (Backend::Cpu, None) => return Ok(None),
-        (Backend::Cpu, Some(_)) => return Err(Error::AdapterForCpu),
         (_, Some(name)) => AdapterChoice::Named(name),
         (Backend::Auto, None) if !on_meshes || study.design_count() < WORTH_A_GPU => return Ok(None),
         (_, None) => AdapterChoice::Best,

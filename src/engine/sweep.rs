@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::engine::backend::gpu::solver::{BATCH as GPU_BATCH, GpuBackend, GpuChoice};
+use crate::engine::backend::gpu::solver::{GpuBackend, GpuChoice};
 use crate::engine::backend::{CPU_BATCH, Solver};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::error::Error;
@@ -66,7 +66,7 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
     let mut statistics = Statistics::default();
     let (drawn_sender, drawn) = sync_channel(1);
     let (solved_sender, solved) = sync_channel(1);
-    let batch_size = if options.gpu.is_some() { GPU_BATCH } else { CPU_BATCH };
+    let batch_size = options.gpu.map_or(CPU_BATCH, |gpu| gpu.batch_size());
     std::thread::scope(|scope| {
         let drawer = scope.spawn(move || draw_all(cases, batch_size, &drawn_sender));
         let solver = scope.spawn(move || solve_all(study, options, &pool, &drawn, &solved_sender));

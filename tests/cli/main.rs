@@ -311,8 +311,12 @@ fn a_missing_gpu_is_told() {
     let ended = without(&["run", "small.toml", "--quiet", "--force"]).expect(0);
     assert_eq!(ended.stderr, "");
 
-    let refused = work.run(&["run", "small.toml", "--backend", "cpu", "--adapter", "any"]).expect(1);
-    assert!(refused.stderr.contains("leave one of them out"), "{}", refused.stderr);
+    for (option, value) in [("--adapter", "any"), ("--precision", "f32")] {
+        let refused = work.run(&["run", "small.toml", "--backend", "cpu", option, value]).expect(1);
+        let expected =
+            format!("error: {option} is for a GPU, --backend cpu asks for none: leave one of them out\n");
+        assert_eq!(refused.stderr, expected);
+    }
 }
 
 #[test]

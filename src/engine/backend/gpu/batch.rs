@@ -31,6 +31,10 @@ pub const LONGEST: Duration = Duration::from_millis(200);
 /// Mesa 22 silently leaves all loops after 65,535 trips in total per invocation and dispatch.
 pub const MOST_TRIPS: u64 = 60_000;
 
+/// Memory of all buffers of a batch together, bytes: some thousands of bodies, which keep the largest device busy, and no
+/// more than the smallest has.
+pub const MOST_BYTES: u64 = 1 << 30;
+
 /// A dispatch of fewer steps spends too much of its time loading and storing state: fewer bodies then.
 const FEWEST_STEPS: u64 = 10;
 
@@ -222,6 +226,8 @@ fn next_batch(
 
     let buffer = limits.binding_bytes.min(limits.buffer_bytes);
     let mut used = [0; 6];
+    let mut total = 0;
+    let all = |bytes: &[(&str, u64)]| -> u64 { bytes.iter().map(|(_, bytes)| bytes).sum() };
     let mut end = first;
     for (body, next) in bodies.iter().enumerate().skip(first) {
         let bytes = next.bytes(kernel.bytes_per_real, kernel.bytes_per_wide);
@@ -232,11 +238,13 @@ fn next_batch(
             }
             return Err(BatchError::BodyTooLarge { body, what, needed, limit: buffer });
         }
-        let fits = used.iter().zip(&bytes).all(|(used, (_, more))| used + more <= buffer);
+        let fits = used.iter().zip(&bytes).all(|(used, (_, more))| used + more <= buffer)
+            && (body == first || total + all(&bytes) <= MOST_BYTES);
         if next.topology != counts.topology || !fits || (body - first) as u64 == most {
             break;
         }
         used.iter_mut().zip(&bytes).for_each(|(used, (_, more))| *used += more);
+        total += all(&bytes);
         end = body + 1;
     }
     let count = (end - first) as u64;

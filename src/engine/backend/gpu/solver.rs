@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
 use super::contact::{DeviceJoint, LoadResponse, NO_SLOT, RESPONSE_SIZE, answers};
-use super::context::{GpuDevice, GpuError};
+use super::context::{AdapterKind, GpuDevice, GpuError};
 use super::kernels::{Kernels, Precision};
 use super::layout::MeshLayout;
 use super::slots::{GramShared, Slots};
@@ -37,6 +37,13 @@ use crate::study::design::DesignCase;
 pub struct GpuChoice<'a> {
     pub device: &'a GpuDevice,
     pub precision: Precision,
+}
+
+impl GpuChoice<'_> {
+    /// Designs of a batch that keeps the device busy.
+    pub fn batch_size(&self) -> usize {
+        if self.device.facts.kind == AdapterKind::Software { SOFTWARE_BATCH } else { BATCH }
+    }
 }
 
 /// Solves batches on a device; keeps what bodies of a topology share.
@@ -85,7 +92,10 @@ pub const INVOCATIONS: u32 = 64;
 const FIRST_GUESS: f64 = 1e-5;
 
 /// Designs of a batch: enough for thousands of bodies of a topology, few enough to stay small here.
-pub const BATCH: usize = 16_384;
+const BATCH: usize = 16_384;
+
+/// The same on software, whose user waits.
+const SOFTWARE_BATCH: usize = 256;
 
 /// Steps of conjugate gradients on Q8 meshes over the root of the unknowns, to a residual of 1e-6.
 const STEPS_PER_ROOT: f64 = 8.0;
