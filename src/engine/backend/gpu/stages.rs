@@ -79,7 +79,11 @@ impl<'a> SystemBatch<'a> {
 
     /// Keeps fewer vectors there, which changes no bit.
     pub fn limit_vectors_on_chip(&mut self, vectors: u64) {
-        self.on_chip.vectors = self.on_chip.vectors.min(vectors);
+        let OnChip { vectors: most, capacity } = self.on_chip;
+        self.on_chip = match most.min(vectors) {
+            0 => OnChip::NOTHING,
+            vectors => OnChip { vectors, capacity },
+        };
     }
 
     /// The matrices of all bodies, `[body][value]`.

@@ -1,0 +1,33 @@
+//! Writes the texts of the kernels in f32 to a folder, as a browser's compiler takes them.
+//!
+//! ```text
+//! cargo run --release --example kernel_texts -- target/kernel_texts
+//! ```
+
+use std::path::PathBuf;
+
+use jointsweep::engine::backend::gpu::batch::OnChip;
+use jointsweep::engine::backend::gpu::kernels::{CONTACT, GRAM, KERNEL_FILES, Precision, Sums, Variant};
+use jointsweep::engine::backend::gpu::trial;
+use jointsweep::mechanics::compliance::arc::TERM_CHOICES;
+
+fn main() -> std::io::Result<()> {
+    let folder = PathBuf::from(std::env::args_os().nth(1).expect("a folder to write to"));
+    std::fs::create_dir_all(&folder)?;
+    for file in KERNEL_FILES {
+        for (name, sums, on_chip) in [
+            ("tree", Sums::Tree, OnChip::NOTHING),
+            ("subgroups", Sums::Subgroups, OnChip { vectors: 4, capacity: 192 }),
+        ] {
+            let variant = Variant { precision: Precision::F32, invocations: 64, on_chip, sums };
+            std::fs::write(folder.join(format!("{}-{name}.wgsl", file.name)), file.variant(&variant))?;
+        }
+    }
+    for file in [&GRAM, &CONTACT] {
+        for terms in TERM_CHOICES {
+            let text = trial::source(file, Precision::F32, 64, terms);
+            std::fs::write(folder.join(format!("{}-{terms}.wgsl", file.name)), text)?;
+        }
+    }
+    Ok(())
+}
