@@ -13,6 +13,9 @@ alias wide2 = vec2<wide>;
 alias real4 = vec4<real>;
 alias wide4 = vec4<wide>;
 
+// Rows that lie side by side in a matrix; the host's twin is `layout::SLICE`.
+const SLICE = 32u;
+
 // How a system stands. The host's twin is `layout::SystemOutcome`.
 const RUNNING = 0u;
 const CONVERGED = 1u;

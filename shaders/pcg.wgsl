@@ -12,8 +12,9 @@
 // ON_CHIP vectors, of at most CAPACITY unknowns, are in the workgroup's own memory: p first, which is gathered.
 
 @group(0) @binding(0) var<uniform> parameters: SystemParameters;
-// [row]: its first value; the end of the last one closes the list.
-@group(0) @binding(1) var<storage, read> row_starts: array<u32>;
+// [slice of SLICE rows]: its first value; the end of the last one closes the list. In a slice the first values of all
+// rows come first, then the second ones and so on.
+@group(0) @binding(1) var<storage, read> slice_starts: array<u32>;
 // [value of one matrix]
 @group(0) @binding(2) var<storage, read> columns: array<u32>;
 // [row]: the value on its diagonal.
@@ -154,7 +155,8 @@ fn solve(invocation: Invocation) {
         var own = real4();
         for (var row = invocation.index; row < size; row += INVOCATIONS) {
             var sum = real4();
-            for (var entry = row_starts[row]; entry < row_starts[row + 1u]; entry++) {
+            let end = slice_starts[row / SLICE + 1u];
+            for (var entry = slice_starts[row / SLICE] + row % SLICE; entry < end; entry += SLICE) {
                 sum += values[first_value + entry] * of_vector(P, first, columns[entry]);
             }
             keep(Q, first, row, sum);

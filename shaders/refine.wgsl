@@ -9,8 +9,9 @@
 // A system whose iteration broke down keeps the x of the round before.
 
 @group(0) @binding(0) var<uniform> parameters: SystemParameters;
-// [row]: its first value; the end of the last one closes the list.
-@group(0) @binding(1) var<storage, read> row_starts: array<u32>;
+// [slice of SLICE rows]: its first value; the end of the last one closes the list. In a slice the first values of all
+// rows come first, then the second ones and so on.
+@group(0) @binding(1) var<storage, read> slice_starts: array<u32>;
 // [value of one matrix]
 @group(0) @binding(2) var<storage, read> columns: array<u32>;
 // [row]: the value on its diagonal.
@@ -180,7 +181,8 @@ fn end_round(invocation: Invocation, is_last: bool) {
     var own = wide4();
     for (var row = invocation.index; row < size; row += INVOCATIONS) {
         var sum = load_at(row, invocation.group.y);
-        for (var entry = row_starts[row]; entry < row_starts[row + 1u]; entry++) {
+        let end = slice_starts[row / SLICE + 1u];
+        for (var entry = slice_starts[row / SLICE] + row % SLICE; entry < end; entry += SLICE) {
             sum -= values[place.first_value + entry] * solutions[place.solutions + columns[entry]];
         }
         solutions[place.solutions + size + row] = sum;

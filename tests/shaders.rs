@@ -9,7 +9,7 @@ use jointsweep::engine::backend::gpu::kernels::{
 };
 use jointsweep::engine::backend::gpu::kernels::{CONTACT, GRAM};
 use jointsweep::engine::backend::gpu::layout::{
-    AssembleParameters, SystemOutcome, SystemParameters, SystemState,
+    AssembleParameters, SLICE, SystemOutcome, SystemParameters, SystemState,
 };
 use jointsweep::engine::backend::gpu::slots::GramParameters;
 use jointsweep::engine::backend::gpu::trial;
@@ -283,6 +283,7 @@ fn numbers_of_the_trial_pressures_are_the_same_on_both_sides() {
         assert!(source.contains(&format!("const {name} = {number}u;")), "{name}");
     }
     assert!(source.contains(&format!("const NONE = {NO_SLOT:#x}u;")));
+    assert!(source.contains(&format!("const SLICE = {SLICE}u;")));
     let slot = trial::SLOT_HEADER + NODE_COUNT * 16 * 17 / 2;
     assert_eq!(trial::slot_size(16), slot);
 }

@@ -80,7 +80,76 @@ pub struct SystemLayout {
     pub columns: Vec<u32>,
     /// The value on the diagonal of each row.
     pub diagonal_places: Vec<u32>,
+    pub sliced: Sliced,
     pub ring_start: u32,
+}
+
+/// The sparsity as the device has it: slices of `SLICE` rows, the first values of all rows of a slice, then the second
+/// ones and so on, so that neighbouring invocations read neighbouring numbers (sliced ELLPACK; Monakov, Lokhmotov &
+/// Avetisyan, HiPEAC 2010). Rows shorter than the longest of their slice end with zeros.
+#[derive(Clone, Debug)]
+pub struct Sliced {
+    /// First place of each slice, and the end of the last.
+    pub starts: Vec<u32>,
+    /// The column of each place; the row itself where there is a zero.
+    pub columns: Vec<u32>,
+    /// The place of the value on the diagonal of each row.
+    pub diagonal_places: Vec<u32>,
+    /// The place of each value of the rows one after the other.
+    pub places: Vec<u32>,
+}
+
+/// Rows of a slice, the common size of a subgroup; the twin is in `common.wgsl`.
+pub const SLICE: usize = 32;
+
+impl Sliced {
+    fn new(row_starts: &[u32], columns: &[u32], diagonal_places: &[u32]) -> Sliced {
+        let rows: Vec<std::ops::Range<usize>> =
+            row_starts.windows(2).map(|ends| ends[0] as usize..ends[1] as usize).collect();
+        let mut sliced = Sliced {
+            starts: vec![0],
+            columns: vec![],
+            diagonal_places: vec![],
+            places: vec![0; columns.len()],
+        };
+        for (slice, rows) in rows.chunks(SLICE).enumerate() {
+            let longest = rows.iter().map(|row| row.len()).max().unwrap_or(0);
+            for entry in 0..longest {
+                for lane in 0..SLICE {
+                    let value = rows.get(lane).and_then(|row| row.clone().nth(entry));
+                    if let Some(value) = value {
+                        sliced.places[value] = sliced.columns.len() as u32;
+                    }
+                    // Beyond the last row, some column that there is.
+                    let own = (slice * SLICE + lane.min(rows.len() - 1)) as u32;
+                    sliced.columns.push(value.map_or(own, |value| columns[value]));
+                }
+            }
+            sliced.starts.push(sliced.columns.len() as u32);
+        }
+        sliced.diagonal_places = diagonal_places.iter().map(|value| sliced.places[*value as usize]).collect();
+        sliced
+    }
+
+    /// Values of matrices, row after row, at their places.
+    pub fn place(&self, values: &[f64]) -> Vec<f64> {
+        let mut placed = Vec::with_capacity(values.len() / self.places.len() * self.columns.len());
+        for values in values.chunks_exact(self.places.len()) {
+            let first = placed.len();
+            placed.resize(first + self.columns.len(), 0.0);
+            self.places
+                .iter()
+                .zip(values)
+                .for_each(|(place, value)| placed[first + *place as usize] = *value);
+        }
+        placed
+    }
+
+    /// The reverse of `place`.
+    pub fn collect(&self, placed: &[f64]) -> Vec<f64> {
+        let matrices = placed.chunks_exact(self.columns.len());
+        matrices.flat_map(|matrix| self.places.iter().map(|place| matrix[*place as usize])).collect()
+    }
 }
 
 /// The sparsity has a row without a diagonal.
@@ -98,8 +167,10 @@ impl SystemLayout {
             own.iter().position(|&column| column as usize == row).map(|place| (start + place) as u32)
         };
         let places = (0..row_starts.len() - 1).map(|row| place(row).ok_or(NoDiagonal { row }));
+        let diagonal_places = places.collect::<Result<Vec<u32>, _>>()?;
         Ok(SystemLayout {
-            diagonal_places: places.collect::<Result<_, _>>()?,
+            sliced: Sliced::new(row_starts, columns, &diagonal_places),
+            diagonal_places,
             row_starts: row_starts.to_vec(),
             columns: columns.to_vec(),
             ring_start: ring_start as u32,
@@ -125,7 +196,7 @@ impl SystemLayout {
     pub fn parameters(&self, settings: &RefineSettings, step_count: u32) -> SystemParameters {
         SystemParameters {
             unknown_count: self.unknown_count() as u32,
-            value_count: self.columns.len() as u32,
+            value_count: self.sliced.columns.len() as u32,
             block_count: self.block_count() as u32,
             ring_start: self.ring_start,
             ring_count: self.ring_count() as u32,
@@ -169,7 +240,7 @@ impl MeshLayout {
         let assembly = Assembly::of_ring(&topology);
         let pattern = assembly.matrix::<f64>(&[]);
         let systems = SystemLayout::new(pattern.row_starts, pattern.columns, topology.ring_start)?;
-        let (source_starts, sources) = assembly.sources();
+        let (source_starts, sources) = sliced_sources(&systems.sliced, assembly.sources());
         let column_count = topology.ring_angles.len();
         let place = |&node: &u32| {
             let (row, column) = topology.grid[node as usize];
@@ -179,7 +250,7 @@ impl MeshLayout {
             column_count: column_count as u32,
             row_count: 2 * topology.layer_count as u32 + 1,
             element_count: topology.element_count() as u32,
-            value_count: systems.columns.len() as u32,
+            value_count: systems.sliced.columns.len() as u32,
             system_count: systems.system_count() as u32,
             // Only a straight boundary gives each line a depth and a direction of its own.
             line_count: if body.shape.straight_boundary { column_count as u32 } else { 1 },
@@ -188,8 +259,8 @@ impl MeshLayout {
         Ok(MeshLayout {
             grading: grading.clone(),
             systems,
-            source_starts: source_starts.to_vec(),
-            sources: sources.to_vec(),
+            source_starts,
+            sources,
             element_grid: topology.connectivity.iter().map(place).collect(),
             shared_numbers: shared_numbers(body, grading),
             parameters,
@@ -202,7 +273,7 @@ impl MeshLayout {
         BodyCounts {
             topology: 0,
             unknowns: self.systems.unknown_count() as u64,
-            matrix_values: self.systems.columns.len() as u64,
+            matrix_values: self.systems.sliced.columns.len() as u64,
             longest_row: u64::from(longest_row.unwrap_or(0)),
             ring_columns: self.systems.ring_count() as u64,
             geometry: self.geometry_count() as u64,
@@ -243,6 +314,19 @@ impl MeshLayout {
     }
 }
 
+/// The element entries of every place: where each list starts, with the end of the last, and the entries. A zero has none.
+fn sliced_sources(sliced: &Sliced, (starts, sources): (&[u32], &[u32])) -> (Vec<u32>, Vec<u32>) {
+    let mut lists: Vec<&[u32]> = vec![&[]; sliced.columns.len()];
+    for (place, ends) in sliced.places.iter().zip(starts.windows(2)) {
+        lists[*place as usize] = &sources[ends[0] as usize..ends[1] as usize];
+    }
+    let ends = lists.iter().scan(0, |end, list| {
+        *end += list.len() as u32;
+        Some(*end)
+    });
+    (std::iter::once(0).chain(ends).collect(), lists.concat())
+}
+
 /// `shared_numbers` of `assemble.wgsl`.
 fn shared_numbers(body: &Body, grading: &Grading) -> Vec<f64> {
     let ring = ring_points(grading);
@@ -272,4 +356,48 @@ fn shared_numbers(body: &Body, grading: &Grading) -> Vec<f64> {
         .chain(derivatives.map(|(by_xi, by_eta)| [by_xi, by_eta]))
         .flatten()
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of one to five values, more than two slices of them: multiplied by way of the slices as row by row, and back.
+    #[test]
+    fn slices_hold_every_row() {
+        let size = 2 * SLICE + 7;
+        let mut row_starts = vec![0];
+        let mut columns = Vec::new();
+        for row in 0..size {
+            columns.extend((0..1 + row % 5).map(|entry| ((row + 3 * entry) % size) as u32));
+            row_starts.push(columns.len() as u32);
+        }
+        let layout = SystemLayout::new(&row_starts, &columns, size - 4).unwrap();
+        let sliced = &layout.sliced;
+        assert_eq!(sliced.columns.len(), sliced.starts[3] as usize);
+        assert_eq!(sliced.starts, [0, 5, 10, 15].map(|entries| entries * SLICE as u32));
+        // Two matrices, without a zero.
+        let values: Vec<f64> = (0..2 * columns.len()).map(|value| 1.0 + value as f64).collect();
+        let placed = sliced.place(&values);
+        assert_eq!(sliced.collect(&placed), values);
+        let vector = |column: u32| f64::from(column * column % 11);
+        for (values, placed) in
+            values.chunks_exact(columns.len()).zip(placed.chunks_exact(sliced.columns.len()))
+        {
+            for row in 0..size {
+                let own = row_starts[row] as usize..row_starts[row + 1] as usize;
+                let expected: f64 = own.map(|value| values[value] * vector(columns[value])).sum();
+                let (start, end) =
+                    (sliced.starts[row / SLICE] as usize, sliced.starts[row / SLICE + 1] as usize);
+                let places = (start + row % SLICE..end).step_by(SLICE);
+                let found: f64 = places.map(|place| placed[place] * vector(sliced.columns[place])).sum();
+                assert_eq!(found, expected, "{row}");
+                let diagonal = sliced.diagonal_places[row] as usize;
+                assert_eq!(
+                    (placed[diagonal], sliced.columns[diagonal]),
+                    (values[row_starts[row] as usize], row as u32)
+                );
+            }
+        }
+    }
 }

@@ -13,7 +13,7 @@ pub struct SystemBatch<'a> {
     pub(super) layout: &'a SystemLayout,
     body_count: usize,
     on_chip: OnChip,
-    row_starts: wgpu::Buffer,
+    slice_starts: wgpu::Buffer,
     columns: wgpu::Buffer,
     diagonal_places: wgpu::Buffer,
     values: wgpu::Buffer,
@@ -45,7 +45,8 @@ impl<'a> SystemBatch<'a> {
         let gpu = kernels.gpu;
         let (real, wide) = (kernels.precision.real_bytes(), kernels.precision.wide_bytes());
         let (bodies, systems) = (body_count as u64, (body_count * layout.system_count()) as u64);
-        let (unknowns, value_count) = (layout.unknown_count() as u64, bodies * layout.columns.len() as u64);
+        let (unknowns, value_count) =
+            (layout.unknown_count() as u64, bodies * layout.sliced.columns.len() as u64);
         let empty = |label, bytes| gpu.empty(label, bytes);
         let on_chip = OnChip::fitting(unknowns, &kernels.facts(0.0), &kernels.gpu.facts.limits);
         kernels.gpu.checked("room for a batch", || {
@@ -55,9 +56,9 @@ impl<'a> SystemBatch<'a> {
                 layout,
                 body_count,
                 on_chip,
-                row_starts: gpu.filled("row_starts", &layout.row_starts),
-                columns: gpu.filled("columns", &layout.columns),
-                diagonal_places: gpu.filled("diagonal_places", &layout.diagonal_places),
+                slice_starts: gpu.filled("slice_starts", &layout.sliced.starts),
+                columns: gpu.filled("columns", &layout.sliced.columns),
+                diagonal_places: gpu.filled("diagonal_places", &layout.sliced.diagonal_places),
                 narrowed: match &kernels.narrow {
                     Some(_) => empty("narrowed", value_count * real),
                     None => values.clone(),
@@ -86,10 +87,11 @@ impl<'a> SystemBatch<'a> {
         };
     }
 
-    /// The matrices of all bodies, `[body][value]`.
+    /// The matrices of all bodies, `[body][value]`, row after row.
     pub fn write_values(&self, values: &[f64]) -> Result<(), GpuError> {
         let Kernels { gpu, precision, .. } = self.kernels;
-        gpu.checked("matrix values", || gpu.queue.write_buffer(&self.values, 0, &precision.encode(values)))
+        let placed = precision.encode(&self.layout.sliced.place(values));
+        gpu.checked("matrix values", || gpu.queue.write_buffer(&self.values, 0, &placed))
     }
 
     /// Builds the matrices from the numbers of each body (`MeshLayout::body_numbers`, one after the other) and readies
@@ -134,7 +136,8 @@ impl<'a> SystemBatch<'a> {
         gpu.checked("pcg", || {
             let parameters = gpu.uniform(&self.layout.parameters(settings, step_count));
             let bind = |stage, values, others: &[&wgpu::Buffer]| {
-                let sparsity = [&parameters, &self.row_starts, &self.columns, &self.diagonal_places, values];
+                let sparsity =
+                    [&parameters, &self.slice_starts, &self.columns, &self.diagonal_places, values];
                 gpu.bind(stage, &[&sparsity, others].concat())
             };
             let steps = bind(pcg, &self.narrowed, &[&self.iterates, &self.norms, &self.states]);
@@ -183,9 +186,9 @@ impl<'a> SystemBatch<'a> {
         [self.body_count as u32, self.layout.block_count() as u32]
     }
 
-    /// The matrices, `[body][value]`.
+    /// The matrices, `[body][value]`, row after row.
     pub fn read_values(&self) -> Result<Vec<f64>, GpuError> {
-        self.read_wides(&self.values)
+        Ok(self.layout.sliced.collect(&self.read_wides(&self.values)?))
     }
 
     /// The solutions, `[body][system][unknown]`, with systems beyond the ring's unknowns.
