@@ -71,7 +71,16 @@ enum Designs {
 impl Study {
     /// Reads and checks a config, and the list of designs it may name.
     pub fn load(path: &Path) -> Result<Study, Error> {
-        let source = Source::read(path.to_path_buf())?;
+        Study::read(Source::read(path.to_path_buf())?)
+    }
+
+    /// Checks a config whose text is at hand; `path` is what complaints and manifests call it.
+    pub fn from_text(path: &Path, text: String) -> Result<Study, Error> {
+        Study::read(Source { path: path.to_path_buf(), text })
+    }
+
+    fn read(source: Source) -> Result<Study, Error> {
+        let path = &source.path;
         let document = source.parse()?;
         let root = source.root(&document);
         root.allow(&["title", "joint", "load", "designs", "sampling", "solve"])?;
