@@ -26,6 +26,8 @@ pub struct Statistics {
     pub stages: Vec<(&'static str, Duration)>,
     /// Designs that the processor solved, of those given to a GPU.
     pub designs_on_cpu: u64,
+    /// Columns of rings that the GPU solved for by conjugate gradients.
+    pub solves: u64,
     /// The greatest true residual that an outcome of the GPU rests on.
     pub worst_residual: Option<f64>,
     /// Why the GPU was given up, if it was.
@@ -81,6 +83,7 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
         if options.gpu.is_none() {
             statistics.designs_on_cpu = 0;
         }
+        statistics.solves = solution.solves;
         statistics.worst_residual = solution.worst_residual;
         statistics.fallback = solution.fallback;
         statistics.stages = solution.stages;
@@ -129,6 +132,7 @@ fn draw_all(
 struct Solution {
     stages: Vec<(&'static str, Duration)>,
     worst_residual: Option<f64>,
+    solves: u64,
     fallback: Option<String>,
 }
 
@@ -161,7 +165,12 @@ fn solve_all(
             break;
         }
     }
-    Solution { stages: solver.stages(), worst_residual: solver.worst_residual(), fallback }
+    Solution {
+        stages: solver.stages(),
+        worst_residual: solver.worst_residual(),
+        solves: solver.solves(),
+        fallback,
+    }
 }
 
 /// Says that the processor goes on alone.

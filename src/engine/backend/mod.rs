@@ -22,6 +22,9 @@ pub trait Backend: Send {
 
     /// The greatest true residual of an iteration that an outcome rests on.
     fn worst_residual(&self) -> f64;
+
+    /// Columns of rings that were solved for by iteration.
+    fn solves(&self) -> u64;
 }
 
 /// The processor, and before it, as long as it lasts, what else there is.
@@ -31,6 +34,7 @@ pub struct Solver<'a> {
     /// Of the accelerator that was lost.
     lost_stages: Vec<(&'static str, Duration)>,
     lost_residual: Option<f64>,
+    lost_solves: u64,
 }
 
 /// Designs that the processor solves at a time: enough to fill the lanes of many topologies, few enough to stay small.
@@ -44,6 +48,7 @@ impl<'a> Solver<'a> {
             accelerator: None,
             lost_stages: Vec::new(),
             lost_residual: None,
+            lost_solves: 0,
         }
     }
 
@@ -62,6 +67,7 @@ impl<'a> Solver<'a> {
                 Err(error) => {
                     self.lost_stages = accelerator.stages();
                     self.lost_residual = Some(accelerator.worst_residual());
+                    self.lost_solves = accelerator.solves();
                     given_up = Some(error);
                     // Letting go of a device that hangs may never end.
                     std::mem::forget(self.accelerator.take());
@@ -74,6 +80,11 @@ impl<'a> Solver<'a> {
     /// The greatest true residual that an outcome of the accelerator rests on.
     pub fn worst_residual(&self) -> Option<f64> {
         self.accelerator.as_ref().map(|accelerator| accelerator.worst_residual()).or(self.lost_residual)
+    }
+
+    /// Columns of rings that the accelerator has solved for by iteration.
+    pub fn solves(&self) -> u64 {
+        self.accelerator.as_ref().map_or(self.lost_solves, |accelerator| accelerator.solves())
     }
 
     /// Where the time went, summed over threads of the processor.

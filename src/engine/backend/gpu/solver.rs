@@ -75,21 +75,21 @@ pub struct GpuReport {
 }
 
 /// Bodies with one of these go in common batches: one topology, one near field.
-type GroupKey = (TopologyKey, PoissonRange);
+pub(super) type GroupKey = (TopologyKey, PoissonRange);
 
 /// What they share on the device.
-struct Group {
-    layout: MeshLayout,
-    counts: BodyCounts,
-    shared: GramShared,
-    facts: KernelFacts,
+pub(super) struct Group {
+    pub(super) layout: MeshLayout,
+    pub(super) counts: BodyCounts,
+    pub(super) shared: GramShared,
+    pub(super) facts: KernelFacts,
 }
 
 /// Invocations of a workgroup: the twin's count of partial sums, two subgroups of the common size.
 pub const INVOCATIONS: u32 = 64;
 
 /// Time of an iteration of one body before any was measured, s: short for a processor and long for a large GPU.
-const FIRST_GUESS: f64 = 1e-5;
+pub(super) const FIRST_GUESS: f64 = 1e-5;
 
 /// Designs of a batch: enough for thousands of bodies of a topology, few enough to stay small here.
 const BATCH: usize = 16_384;
@@ -302,10 +302,14 @@ impl Backend for GpuBackend<'_> {
     fn worst_residual(&self) -> f64 {
         self.report.worst_residual
     }
+
+    fn solves(&self) -> u64 {
+        self.report.solves
+    }
 }
 
 impl Group {
-    fn new(
+    pub(super) fn new(
         key: &TopologyKey,
         body: &Body,
         facts: KernelFacts,
@@ -369,7 +373,7 @@ fn condense(
 }
 
 /// The distinct bodies of joints, in slots, and the slots of each joint: pin, plate, and both on coarser meshes.
-fn distinct(joints: &[(&DesignCase, JointPlan)]) -> (Vec<BodyRequest>, Vec<[u32; 4]>) {
+pub(super) fn distinct(joints: &[(&DesignCase, JointPlan)]) -> (Vec<BodyRequest>, Vec<[u32; 4]>) {
     let mut known: HashMap<RequestKey, u32> = HashMap::new();
     let mut requests = Vec::new();
     let mut slot = |request: BodyRequest| {
@@ -387,7 +391,7 @@ fn distinct(joints: &[(&DesignCase, JointPlan)]) -> (Vec<BodyRequest>, Vec<[u32;
 }
 
 /// The bodies on meshes with their slots, in groups.
-fn by_group(requests: &[BodyRequest]) -> HashMap<GroupKey, Vec<(u32, Body)>> {
+pub(super) fn by_group(requests: &[BodyRequest]) -> HashMap<GroupKey, Vec<(u32, Body)>> {
     let keys: Vec<Option<GroupKey>> = requests
         .par_iter()
         .with_min_len(64)
