@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::batch::MOST_TRIPS;
 use super::context::GpuError;
+use super::dispatch::Dispatch;
 use super::slots::Slots;
 use super::trial::{TrialKernels, slot_size};
 use crate::engine::respond::LoadState;
@@ -128,62 +129,90 @@ pub fn answers(
     slots: &Slots,
     joints: &[DeviceJoint],
 ) -> Result<Vec<LoadResponse>, GpuError> {
-    let TrialKernels { gpu, precision, invocations, terms, contact, .. } = kernels;
-    let mut numbers = Vec::with_capacity(2 * joints.len());
-    let (mut steps, mut factors, mut units) = (Vec::new(), Vec::new(), Vec::new());
-    for (design, joint) in (0..).zip(joints) {
-        let unit = joint.unit();
-        numbers.extend(joint.moduli.map(|modulus| unit / modulus));
-        for load in &joint.loads {
-            let (step, factor) = joint.step(design, *load);
-            steps.push(step);
-            factors.push(factor);
-            units.push(unit);
-        }
-    }
-    if steps.is_empty() {
+    if joints.iter().all(|joint| joint.loads.is_empty()) {
         return Ok(Vec::new());
     }
-    numbers.extend(factors);
-    let design_slots: Vec<[u32; 4]> = joints.iter().map(|joint| joint.slots).collect();
-    let parameters = ContactParameters {
-        design_count: joints.len() as u32,
-        step_count: steps.len() as u32,
-        slot_size: slot_size(*terms) as u32,
-        evaluation_limit: evaluation_limit(*terms),
-        term_count: *terms as u32,
-    };
-    let wide = precision.wide_bytes();
-    let responses = gpu.checked("contact", || {
-        let samples = (joints.len() * (NODE_COUNT + 1)) as u64;
-        let responses = gpu.empty("responses", (steps.len() * RESPONSE_SIZE) as u64 * wide);
-        let group = gpu.bind(
-            contact,
-            &[
-                &gpu.uniform(&parameters),
-                &gpu.filled("space", &precision.encode(&space_numbers(kernels, space))),
-                &slots.buffer,
-                &gpu.filled("design_slots", &design_slots),
-                &gpu.filled("numbers", &precision.encode(&numbers)),
-                &gpu.filled("steps", &steps),
-                &gpu.empty("samples", samples * 4 * wide),
-                &responses,
-            ],
-        );
-        let groups = |count: u64| {
-            let groups = count.div_ceil(u64::from(*invocations));
-            let limit = u64::from(gpu.facts.limits.workgroups_per_dimension);
-            [groups.min(limit) as u32, groups.div_ceil(limit) as u32]
+    let contact = Contact::new(kernels, space, slots, joints, evaluation_limit(kernels.terms))?;
+    contact.solve()
+}
+
+/// Joints on the device with their loads, of which there is one at least.
+pub(super) struct Contact<'a> {
+    kernels: &'a TrialKernels<'a>,
+    /// What the force of each load is divided by.
+    units: Vec<f64>,
+    pub(super) sample: Dispatch,
+    pub(super) find: Dispatch,
+    responses: wgpu::Buffer,
+}
+
+impl<'a> Contact<'a> {
+    /// `evaluation_limit`: of one search.
+    pub(super) fn new(
+        kernels: &'a TrialKernels<'a>,
+        space: &PressureSpace,
+        slots: &Slots,
+        joints: &[DeviceJoint],
+        evaluation_limit: u32,
+    ) -> Result<Contact<'a>, GpuError> {
+        let TrialKernels { gpu, precision, invocations, terms, contact, .. } = kernels;
+        let mut numbers = Vec::with_capacity(2 * joints.len());
+        let (mut steps, mut factors, mut units) = (Vec::new(), Vec::new(), Vec::new());
+        for (design, joint) in (0..).zip(joints) {
+            let unit = joint.unit();
+            numbers.extend(joint.moduli.map(|modulus| unit / modulus));
+            for load in &joint.loads {
+                let (step, factor) = joint.step(design, *load);
+                steps.push(step);
+                factors.push(factor);
+                units.push(unit);
+            }
+        }
+        numbers.extend(factors);
+        let design_slots: Vec<[u32; 4]> = joints.iter().map(|joint| joint.slots).collect();
+        let parameters = ContactParameters {
+            design_count: joints.len() as u32,
+            step_count: steps.len() as u32,
+            slot_size: slot_size(*terms) as u32,
+            evaluation_limit,
+            term_count: *terms as u32,
         };
-        gpu.submit([
-            (&contact.pipelines[0], &group, groups(samples)),
-            (&contact.pipelines[1], &group, groups(steps.len() as u64)),
-        ]);
-        responses
-    })?;
-    let numbers = precision.decode(&gpu.read(&responses)?);
-    let answers = numbers.par_chunks_exact(RESPONSE_SIZE).zip(&units);
-    Ok(answers.map(|(numbers, unit)| LoadResponse::decode(numbers, *unit)).collect())
+        let wide = precision.wide_bytes();
+        gpu.checked("contact", || {
+            let samples = (joints.len() * (NODE_COUNT + 1)) as u64;
+            let responses = gpu.empty("responses", (steps.len() * RESPONSE_SIZE) as u64 * wide);
+            let group = gpu.bind(
+                contact,
+                &[
+                    &gpu.uniform(&parameters),
+                    &gpu.filled("space", &precision.encode(&space_numbers(kernels, space))),
+                    &slots.buffer,
+                    &gpu.filled("design_slots", &design_slots),
+                    &gpu.filled("numbers", &precision.encode(&numbers)),
+                    &gpu.filled("steps", &steps),
+                    &gpu.empty("samples", samples * 4 * wide),
+                    &responses,
+                ],
+            );
+            let groups = |count: u64| {
+                let groups = count.div_ceil(u64::from(*invocations));
+                let limit = u64::from(gpu.facts.limits.workgroups_per_dimension);
+                [groups.min(limit) as u32, groups.div_ceil(limit) as u32]
+            };
+            let sample = Dispatch::new(contact, 0, &group, groups(samples));
+            let find = Dispatch::new(contact, 1, &group, groups(steps.len() as u64));
+            Contact { kernels, units, sample, find, responses }
+        })
+    }
+
+    /// The answers to the loads, one joint after the other.
+    pub(super) fn solve(&self) -> Result<Vec<LoadResponse>, GpuError> {
+        let TrialKernels { gpu, precision, .. } = self.kernels;
+        gpu.checked("contact", || gpu.submit([self.sample.pass(), self.find.pass()]))?;
+        let numbers = precision.decode(&gpu.read(&self.responses)?);
+        let answers = numbers.par_chunks_exact(RESPONSE_SIZE).zip(&self.units);
+        Ok(answers.map(|(numbers, unit)| LoadResponse::decode(numbers, *unit)).collect())
+    }
 }
 
 /// `space` of `contact.wgsl`.

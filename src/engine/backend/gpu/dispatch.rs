@@ -14,6 +14,30 @@ const LONGEST_WAIT: Duration = Duration::from_secs(120);
 /// One dispatch: what runs, on what, in how many workgroups along two dimensions.
 pub(super) type Pass<'a> = (&'a wgpu::ComputePipeline, &'a wgpu::BindGroup, [u32; 2]);
 
+/// A dispatch that is kept, to be submitted as often as one likes.
+#[derive(Clone)]
+pub(super) struct Dispatch {
+    pub(super) pipeline: wgpu::ComputePipeline,
+    pub(super) group: wgpu::BindGroup,
+    pub(super) workgroups: [u32; 2],
+}
+
+impl Dispatch {
+    /// Of the entry point of a stage with this index.
+    pub(super) fn new(
+        stage: &Stage,
+        entry: usize,
+        group: &wgpu::BindGroup,
+        workgroups: [u32; 2],
+    ) -> Dispatch {
+        Dispatch { pipeline: stage.pipelines[entry].clone(), group: group.clone(), workgroups }
+    }
+
+    pub(super) fn pass(&self) -> Pass<'_> {
+        (&self.pipeline, &self.group, self.workgroups)
+    }
+}
+
 impl GpuDevice {
     pub(super) fn uniform<T: Pod>(&self, parameters: &T) -> wgpu::Buffer {
         self.uploaded("parameters", bytemuck::bytes_of(parameters), BufferUsages::UNIFORM)

@@ -4,6 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::context::GpuError;
+use super::dispatch::Dispatch;
 use super::stages::SystemBatch;
 use super::trial::{SLOT_HEADER, TrialKernels, slot_size};
 use crate::mechanics::body::Body;
@@ -64,6 +65,16 @@ impl<'a> Slots<'a> {
         shared: &GramShared,
         bodies: &[(u32, Body)],
     ) -> Result<(), GpuError> {
+        let gpu = self.kernels.gpu;
+        gpu.checked("gram", || gpu.submit([self.gram(systems, shared, bodies).pass()]))
+    }
+
+    pub(super) fn gram(
+        &self,
+        systems: &SystemBatch,
+        shared: &GramShared,
+        bodies: &[(u32, Body)],
+    ) -> Dispatch {
         let TrialKernels { gpu, precision, terms, gram, .. } = self.kernels;
         let parameters = GramParameters {
             ring_count: systems.layout.ring_count() as u32,
@@ -73,23 +84,21 @@ impl<'a> Slots<'a> {
         };
         let targets: Vec<u32> = bodies.iter().map(|(target, _)| *target).collect();
         let shares: Vec<f64> = bodies.iter().flat_map(|(_, body)| shares(body)).collect();
-        gpu.checked("gram", || {
-            let group = gpu.bind(
-                gram,
-                &[
-                    &gpu.uniform(&parameters),
-                    &systems.compliance,
-                    &shared.loads,
-                    &shared.near_field,
-                    &gpu.filled("targets", &targets),
-                    &gpu.filled("shares", &precision.encode(&shares)),
-                    &systems.states,
-                    &systems.norms,
-                    &self.buffer,
-                ],
-            );
-            gpu.submit([(&gram.pipelines[0], &group, [bodies.len() as u32, NODE_COUNT as u32])]);
-        })
+        let group = gpu.bind(
+            gram,
+            &[
+                &gpu.uniform(&parameters),
+                &systems.compliance,
+                &shared.loads,
+                &shared.near_field,
+                &gpu.filled("targets", &targets),
+                &gpu.filled("shares", &precision.encode(&shares)),
+                &systems.states,
+                &systems.norms,
+                &self.buffer,
+            ],
+        );
+        Dispatch::new(gram, 0, &group, [bodies.len() as u32, NODE_COUNT as u32])
     }
 
     /// Whether each slot is sound, its worst true residual, and its compliance.

@@ -3,7 +3,8 @@
 
 use super::batch::{ITERATES, OnChip, SOLUTIONS};
 use super::context::GpuError;
-use super::kernels::Kernels;
+use super::dispatch::Dispatch;
+use super::kernels::{Kernels, Stage};
 use super::layout::{MeshLayout, SystemLayout, SystemState};
 use crate::mechanics::solve::refine::RefineSettings;
 
@@ -99,73 +100,89 @@ impl<'a> SystemBatch<'a> {
     ///
     /// Returns the reach of every grid point and the gradients of every element, for inspection.
     pub fn assemble(&self, mesh: &MeshLayout, body_numbers: &[f64]) -> Result<Geometry, GpuError> {
-        let Kernels { gpu, precision, .. } = self.kernels;
-        let reals = |label, numbers: &[f64]| gpu.filled(label, &precision.encode(numbers));
-        let (grid, size) = (mesh.grid_count(), mesh.geometry_count());
         // The kernels do not watch their indices.
         assert_eq!(body_numbers.len(), self.body_count * mesh.body_number_count(), "numbers of other bodies");
         assert_eq!(mesh.systems.columns, self.layout.columns, "a mesh of another topology");
+        let gpu = self.kernels.gpu;
         gpu.checked("assemble", || {
-            let bytes = (self.body_count * size) as u64 * 2 * precision.wide_bytes();
-            let geometry = gpu.empty("geometry", bytes);
-            let bindings = [
-                &gpu.uniform(&mesh.parameters),
-                &reals("bodies", body_numbers),
-                &reals("shared_numbers", &mesh.shared_numbers),
-                &gpu.filled("element_grid", &mesh.element_grid),
-                &gpu.filled("source_starts", &mesh.source_starts),
-                &gpu.filled("sources", &mesh.sources),
-                &geometry,
-                &self.values,
-                &self.states,
-            ];
-            let stage = &self.kernels.assemble;
-            let group = gpu.bind(stage, &bindings);
-            gpu.submit([(&stage.pipelines[0], &group, [self.body_count as u32, 1])]);
-            Geometry { buffer: geometry, grid, size }
+            let (dispatch, geometry) = self.assembly(mesh, body_numbers);
+            gpu.submit([dispatch.pass()]);
+            geometry
         })
+    }
+
+    pub(super) fn assembly(&self, mesh: &MeshLayout, body_numbers: &[f64]) -> (Dispatch, Geometry) {
+        let Kernels { gpu, precision, assemble, .. } = self.kernels;
+        let reals = |label, numbers: &[f64]| gpu.filled(label, &precision.encode(numbers));
+        let (grid, size) = (mesh.grid_count(), mesh.geometry_count());
+        let bytes = (self.body_count * size) as u64 * 2 * precision.wide_bytes();
+        let geometry = gpu.empty("geometry", bytes);
+        let bindings = [
+            &gpu.uniform(&mesh.parameters),
+            &reals("bodies", body_numbers),
+            &reals("shared_numbers", &mesh.shared_numbers),
+            &gpu.filled("element_grid", &mesh.element_grid),
+            &gpu.filled("source_starts", &mesh.source_starts),
+            &gpu.filled("sources", &mesh.sources),
+            &geometry,
+            &self.values,
+            &self.states,
+        ];
+        let group = gpu.bind(assemble, &bindings);
+        let dispatch = Dispatch::new(assemble, 0, &group, [self.body_count as u32, 1]);
+        (dispatch, Geometry { buffer: geometry, grid, size })
     }
 
     /// Solves for unit forces on the ring's unknowns in rounds of `step_count` steps a dispatch, until all systems must
     /// have stopped: those that have, end at once. `step_count` is that of the `Batch`: with more, Mesa 22 leaves the
     /// iteration early and says nothing.
     pub fn pcg(&self, settings: &RefineSettings, step_count: u32) -> Result<(), GpuError> {
-        let Kernels { gpu, narrow, refine, .. } = self.kernels;
+        let gpu = self.kernels.gpu;
         let pcg = &self.kernels.pcg(self.on_chip)?;
-        let groups = self.block_groups();
         gpu.checked("pcg", || {
-            let parameters = gpu.uniform(&self.layout.parameters(settings, step_count));
-            let bind = |stage, values, others: &[&wgpu::Buffer]| {
-                let sparsity =
-                    [&parameters, &self.slice_starts, &self.columns, &self.diagonal_places, values];
-                gpu.bind(stage, &[&sparsity, others].concat())
-            };
-            let steps = bind(pcg, &self.narrowed, &[&self.iterates, &self.norms, &self.states]);
-            let others = [&self.iterates, &self.norms, &self.states, &self.solutions];
-            let rounds = bind(refine, &self.values, &others);
-            let [start, next, last] = [0, 1, 2].map(|entry| (&refine.pipelines[entry], &rounds, groups));
-            if let Some(narrow) = narrow {
-                let group = gpu.bind(narrow, &[&parameters, &self.values, &self.narrowed]);
-                gpu.submit([(&narrow.pipelines[0], &group, [groups[0], 1])]);
-            }
-            gpu.submit([start]);
+            let Rounds { narrow, start, solve, refine, settle } = self.rounds(pcg, settings, step_count);
+            gpu.submit(narrow.iter().map(Dispatch::pass));
+            gpu.submit([start.pass()]);
             let dispatches = settings.iteration_limit.div_ceil(step_count as usize);
             for round in 0..=settings.round_limit {
-                let end = if round == settings.round_limit { last } else { next };
-                let steps = std::iter::repeat_n((&pcg.pipelines[0], &steps, groups), dispatches);
-                gpu.submit(steps.chain([end]));
+                let end = if round == settings.round_limit { &settle } else { &refine };
+                let steps = std::iter::repeat_n(solve.pass(), dispatches);
+                gpu.submit(steps.chain([end.pass()]));
             }
         })
     }
 
+    pub(super) fn rounds(&self, pcg: &Stage, settings: &RefineSettings, step_count: u32) -> Rounds {
+        let Kernels { gpu, narrow, refine, .. } = self.kernels;
+        let groups = self.block_groups();
+        let parameters = gpu.uniform(&self.layout.parameters(settings, step_count));
+        let bind = |stage, values, others: &[&wgpu::Buffer]| {
+            let sparsity = [&parameters, &self.slice_starts, &self.columns, &self.diagonal_places, values];
+            gpu.bind(stage, &[&sparsity, others].concat())
+        };
+        let steps = bind(pcg, &self.narrowed, &[&self.iterates, &self.norms, &self.states]);
+        let others = [&self.iterates, &self.norms, &self.states, &self.solutions];
+        let rounds = bind(refine, &self.values, &others);
+        let of_refine = |entry| Dispatch::new(refine, entry, &rounds, groups);
+        let narrow = narrow.as_ref().map(|narrow| {
+            let group = gpu.bind(narrow, &[&parameters, &self.values, &self.narrowed]);
+            Dispatch::new(narrow, 0, &group, [groups[0], 1])
+        });
+        let solve = Dispatch::new(pcg, 0, &steps, groups);
+        Rounds { narrow, start: of_refine(0), solve, refine: of_refine(1), settle: of_refine(2) }
+    }
+
     /// From the columns as they are, the compliances of the rings.
     pub fn condense(&self) -> Result<(), GpuError> {
+        let gpu = self.kernels.gpu;
+        gpu.checked("condense", || gpu.submit([self.condensation().pass()]))
+    }
+
+    pub(super) fn condensation(&self) -> Dispatch {
         let Kernels { gpu, condense, .. } = self.kernels;
-        gpu.checked("condense", || {
-            let parameters = gpu.uniform(&self.layout.parameters(&NOTHING_TO_SOLVE, 0));
-            let group = gpu.bind(condense, &[&parameters, &self.solutions, &self.compliance]);
-            gpu.submit([(&condense.pipelines[0], &group, self.block_groups())]);
-        })
+        let parameters = gpu.uniform(&self.layout.parameters(&NOTHING_TO_SOLVE, 0));
+        let group = gpu.bind(condense, &[&parameters, &self.solutions, &self.compliance]);
+        Dispatch::new(condense, 0, &group, self.block_groups())
     }
 
     /// All stages: from the numbers of each body to the compliance of its ring.
@@ -234,6 +251,16 @@ impl<'a> SystemBatch<'a> {
     fn read_wides(&self, buffer: &wgpu::Buffer) -> Result<Vec<f64>, GpuError> {
         Ok(self.kernels.precision.decode(&self.kernels.gpu.read(buffer)?))
     }
+}
+
+/// The kernels of conjugate gradients and of the rounds around them.
+pub(super) struct Rounds {
+    /// Where the iteration needs matrices of its own.
+    pub(super) narrow: Option<Dispatch>,
+    pub(super) start: Dispatch,
+    pub(super) solve: Dispatch,
+    pub(super) refine: Dispatch,
+    pub(super) settle: Dispatch,
 }
 
 /// For kernels that are told sizes only.
