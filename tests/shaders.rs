@@ -5,12 +5,13 @@ use std::mem::offset_of;
 use jointsweep::engine::backend::gpu::batch::{KernelFacts, OnChip};
 use jointsweep::engine::backend::gpu::contact::{ContactParameters, NO_SLOT, RESPONSE_SIZE, Step};
 use jointsweep::engine::backend::gpu::kernels::{
-    ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE, Sums, Variant,
+    ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE, ROOFLINE, Sums, Variant,
 };
 use jointsweep::engine::backend::gpu::kernels::{CONTACT, GRAM};
 use jointsweep::engine::backend::gpu::layout::{
     AssembleParameters, SLICE, SystemOutcome, SystemParameters, SystemState,
 };
+use jointsweep::engine::backend::gpu::roofline::RooflineParameters;
 use jointsweep::engine::backend::gpu::slots::GramParameters;
 use jointsweep::engine::backend::gpu::trial;
 use jointsweep::mechanics::compliance::NODE_COUNT;
@@ -50,7 +51,7 @@ fn module(file: &KernelFile, precision: Precision) -> naga::Module {
 
 #[test]
 fn every_variant_is_valid() {
-    for file in KERNEL_FILES {
+    for file in KERNEL_FILES.into_iter().chain([&ROOFLINE]) {
         for precision in PRECISIONS {
             for (invocations, vectors, sums) in [
                 (32, 0, Sums::Tree),
@@ -132,6 +133,8 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         goal
     );
     let state: Layout = layout_here!(SystemState, outcome, iterations);
+    let roofline: Layout = layout_here!(RooflineParameters, trip_count, factor, term);
+    assert_eq!(layout_in(&module(&ROOFLINE, Precision::F64), "RooflineParameters"), Some(roofline));
     for precision in PRECISIONS {
         assert_eq!(layout_in(&module(&ASSEMBLE, precision), "AssembleParameters").as_ref(), Some(&assemble));
         assert_eq!(layout_in(&module(&ASSEMBLE, precision), "SystemState").as_ref(), Some(&state));
@@ -158,9 +161,10 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
 /// Group 0, binding by binding: one uniform, then storage, read or written as the host binds it.
 #[test]
 fn bindings_are_as_the_host_makes_them() {
-    let of_bodies = KERNEL_FILES.map(|file| (file, module(file, Precision::F32)));
+    let of_bodies =
+        KERNEL_FILES.into_iter().chain([&ROOFLINE]).map(|file| (file, module(file, Precision::F32)));
     let of_trials = [&GRAM, &CONTACT].map(|file| (file, trial_module(file, Precision::F32, 10)));
-    for (file, module) in of_bodies.into_iter().chain(of_trials) {
+    for (file, module) in of_bodies.chain(of_trials) {
         let mut bindings: Vec<(u32, naga::AddressSpace)> = module
             .global_variables
             .iter()

@@ -178,6 +178,15 @@ pub const CONTACT: KernelFile = KernelFile {
     summand: None,
 };
 
+/// What a device can do at most.
+pub const ROOFLINE: KernelFile = KernelFile {
+    name: "roofline",
+    text: include_str!("../../../../shaders/roofline.wgsl"),
+    entry_points: &["copy", "multiply_add"],
+    written: &[false, true],
+    summand: None,
+};
+
 /// The files of kernels that turn bodies into compliances of their rings; those of the trial pressures are compiled for
 /// each count of them (`trial`).
 pub const KERNEL_FILES: [&KernelFile; 5] = [&ASSEMBLE, &NARROW, &PCG, &REFINE, &CONDENSE];

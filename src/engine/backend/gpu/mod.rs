@@ -10,4 +10,7 @@ pub mod stages;
 pub mod trial;
 pub mod slots;
 pub mod contact;
+pub mod work;
 pub mod solver;
+pub mod roofline;
+pub mod measure;

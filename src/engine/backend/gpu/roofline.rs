@@ -1,0 +1,124 @@
+//! What a device can do at most, measured on it: bytes a second of a copy between large buffers, and operations a second
+//! of multiply-adds that do not wait for each other.
+
+use std::time::{Duration, Instant};
+
+use bytemuck::{Pod, Zeroable};
+
+use super::context::{AdapterKind, GpuDevice, GpuError};
+use super::dispatch::{Dispatch, Pass};
+use super::kernels::{Precision, ROOFLINE, Stage};
+
+/// What `roofline` is told.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct RooflineParameters {
+    pub trip_count: u32,
+    pub factor: f32,
+    pub term: f32,
+}
+
+/// The peaks of a device in numbers of one width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peaks {
+    /// f32 or f64.
+    pub precision: Precision,
+    /// A second; a multiply-add is two.
+    pub operations: f64,
+    /// Read and written a second.
+    pub bytes: f64,
+    /// Of each of the two buffers of the copy.
+    pub buffer_bytes: u64,
+}
+
+const INVOCATIONS: u32 = 256;
+
+/// Vectors that one invocation copies.
+const COPIED: u64 = 16;
+
+/// Of each buffer: beyond any cache, and small beside the memory of a GPU. Software has no other memory than the
+/// processor's.
+const BUFFER: u64 = 512 << 20;
+const SOFTWARE_BUFFER: u64 = 64 << 20;
+
+/// Trips of a chain: the start of an invocation is nothing beside them, and Mesa 22 bounds them.
+const LINKS: u32 = 4096;
+
+/// Operations of one trip: eight chains of four numbers, two operations each.
+const OPERATIONS_PER_LINK: u64 = 8 * 4 * 2;
+
+/// What is timed takes so long at least.
+const LONG_ENOUGH: Duration = Duration::from_millis(20);
+
+/// How often a peak is timed; the best one counts.
+const SAMPLES: usize = 7;
+
+/// Both peaks in numbers of one precision, which is not `Mixed`.
+pub fn peaks(gpu: &GpuDevice, precision: Precision) -> Result<Peaks, GpuError> {
+    precision.check(gpu)?;
+    let invocations = INVOCATIONS.min(gpu.facts.limits.invocations_per_workgroup);
+    let stage = Stage::from_source(gpu, &ROOFLINE, &ROOFLINE.source(precision, invocations), false)?;
+    let bytes_of_group = u64::from(invocations) * COPIED * 4 * precision.real_bytes();
+    let limits = &gpu.facts.limits;
+    let wanted = if gpu.facts.kind == AdapterKind::Software { SOFTWARE_BUFFER } else { BUFFER };
+    let room = wanted.min(limits.binding_bytes).min(limits.buffer_bytes);
+    // Two dimensions of workgroups, both as long.
+    let across = (room / bytes_of_group).isqrt().min(u64::from(limits.workgroups_per_dimension)).max(1);
+    let buffer_bytes = across * across * bytes_of_group;
+    let (copy, multiply_add) = gpu.checked("roofline", || {
+        let (source, copied) = (gpu.empty("source", buffer_bytes), gpu.empty("copied", buffer_bytes));
+        let bind = |trip_count| {
+            let parameters = RooflineParameters { trip_count, factor: 0.5, term: 0.5 };
+            gpu.bind(&stage, &[&gpu.uniform(&parameters), &source, &copied])
+        };
+        let copy = Dispatch::new(&stage, 0, &bind(COPIED as u32), [across as u32; 2]);
+        (copy, Dispatch::new(&stage, 1, &bind(LINKS), [1, 1]))
+    })?;
+    let copied = samples(gpu, &[copy.pass()], SAMPLES)?[0];
+    let operations = arithmetic_peak(gpu, multiply_add, invocations)?;
+    Ok(Peaks { precision, operations, bytes: 2.0 * buffer_bytes as f64 / copied, buffer_bytes })
+}
+
+/// With more and more workgroups, until a dispatch is long enough.
+fn arithmetic_peak(gpu: &GpuDevice, chains: Dispatch, invocations: u32) -> Result<f64, GpuError> {
+    let mut groups = 16_u32;
+    loop {
+        let dispatch = Dispatch { workgroups: [groups, 1], ..chains.clone() };
+        let (pass, work) = (dispatch.pass(), u64::from(groups) * u64::from(invocations * LINKS));
+        // The first one warms up.
+        run(gpu, &[pass], 1)?;
+        let taken = run(gpu, &[pass], 1)?;
+        if taken > LONG_ENOUGH.as_secs_f64() || 2 * groups > gpu.facts.limits.workgroups_per_dimension {
+            let operations = work * OPERATIONS_PER_LINK;
+            return Ok(operations as f64 / samples(gpu, &[pass], SAMPLES)?[0]);
+        }
+        groups *= 2;
+    }
+}
+
+/// Median wall time of dispatches in order, s.
+pub(super) fn seconds(gpu: &GpuDevice, passes: &[Pass], count: usize) -> Result<f64, GpuError> {
+    Ok(samples(gpu, passes, count)?[count / 2])
+}
+
+/// Wall times of dispatches in order, the shortest first, s: after a first time, as often in one submission as makes it
+/// long enough.
+fn samples(gpu: &GpuDevice, passes: &[Pass], count: usize) -> Result<Vec<f64>, GpuError> {
+    run(gpu, passes, 1)?;
+    let once = run(gpu, passes, 1)?;
+    let times = (LONG_ENOUGH.as_secs_f64() / once).ceil().clamp(1.0, 1000.0) as usize;
+    let mut taken = (0..count)
+        .map(|_| Ok(run(gpu, passes, times)? / times as f64))
+        .collect::<Result<Vec<f64>, GpuError>>()?;
+    taken.sort_by(f64::total_cmp);
+    Ok(taken)
+}
+
+/// Wall time of so many times these dispatches, from their submission to their end, s.
+pub(super) fn run(gpu: &GpuDevice, passes: &[Pass], times: usize) -> Result<f64, GpuError> {
+    let started = Instant::now();
+    gpu.checked("timing", || gpu.submit((0..times).flat_map(|_| passes.iter().copied())))?;
+    gpu.wait()?;
+    // A clock that saw nothing still saw less than a microsecond.
+    Ok(started.elapsed().as_secs_f64().max(1e-6))
+}

@@ -1,0 +1,345 @@
+//! What the kernels have to do: operations and bytes, counted from sizes and iterations before or after any device is
+//! touched. What they are held against is measured in `roofline`.
+//!
+//! Operations are additions, multiplications, divisions and square roots of the algorithm; a multiply-add is two. Free
+//! are comparisons, changes of sign, addresses, rounding to another precision, and what a device does beyond: systems
+//! that have stopped, padding, sums over the invocations.
+//!
+//! Bytes are the compulsory traffic of a dispatch: each number that it reads or writes moves once, as with caches
+//! without end, and what bodies share moves once for all of them.
+
+use super::batch::COLUMNS_ABREAST;
+use super::contact::RESPONSE_SIZE;
+use super::kernels::Precision;
+use super::layout::{MeshLayout, SLICE, SystemState};
+use super::trial::{SLOT_HEADER, slot_size};
+use crate::mechanics::compliance::NODE_COUNT;
+use crate::mechanics::compliance::arc::packed_count;
+use crate::mechanics::real::LANES;
+
+/// Operations and bytes of one dispatch, or of several.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    pub operations: u64,
+    pub bytes: u64,
+}
+
+/// The sizes of one topology that its kernels' work follows from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sizes {
+    pub unknowns: u64,
+    /// Nonzeros of the stiffness, and its places on the device, zeros of short rows included.
+    pub matrix_values: u64,
+    pub places: u64,
+    pub ring_columns: u64,
+    pub elements: u64,
+    /// Element entries that the values of a matrix are summed from.
+    pub sources: u64,
+    /// Of the grid of half elements: points along the ring, and layers of elements.
+    pub grid_columns: u64,
+    pub layers: u64,
+    /// Whether lines half-way between others are bowed.
+    pub is_bowed: bool,
+    /// Numbers that make a body.
+    pub body_numbers: u64,
+}
+
+/// What joints ask of the contact kernels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Joints {
+    /// Trial pressures.
+    pub terms: u64,
+    pub designs: u64,
+    /// Of all designs.
+    pub loads: u64,
+    /// Distinct slots of the bodies, and those of them on coarser meshes.
+    pub slots: u64,
+    pub coarse_slots: u64,
+    /// Evaluations of all searches.
+    pub evaluations: u64,
+}
+
+const POINTS: u64 = 4;
+const NODES: u64 = 8;
+
+/// `exp_minus_one` of an argument that need not be halved, and the elementary functions that rest on it.
+const EXPONENTIAL: u64 = 40;
+const LOGARITHM: u64 = EXPONENTIAL + 12;
+const TANGENT: u64 = 108;
+
+impl Sizes {
+    pub fn of(layout: &MeshLayout) -> Sizes {
+        let (systems, parameters) = (&layout.systems, &layout.parameters);
+        Sizes {
+            unknowns: systems.unknown_count() as u64,
+            matrix_values: systems.columns.len() as u64,
+            places: systems.sliced.columns.len() as u64,
+            ring_columns: systems.ring_count() as u64,
+            elements: u64::from(parameters.element_count),
+            sources: layout.sources.len() as u64,
+            grid_columns: u64::from(parameters.column_count),
+            layers: u64::from(parameters.row_count / 2),
+            is_bowed: parameters.is_bowed != 0,
+            body_numbers: u64::from(3 + 4 * parameters.line_count),
+        }
+    }
+
+    fn blocks(&self) -> u64 {
+        self.ring_columns.div_ceil(COLUMNS_ABREAST)
+    }
+
+    fn systems(&self) -> u64 {
+        self.blocks() * COLUMNS_ABREAST
+    }
+
+    fn grid(&self) -> u64 {
+        (2 * self.layers + 1) * self.grid_columns
+    }
+
+    /// Starts of slices, columns and places of diagonals.
+    fn pattern_bytes(&self) -> u64 {
+        4 * (self.unknowns.div_ceil(SLICE as u64) + 1 + self.places + self.unknowns)
+    }
+
+    /// Three norms and a state of each system.
+    fn system_bytes(&self, precision: Precision) -> u64 {
+        self.systems() * (3 * precision.wide_bytes() + size_of::<SystemState>() as u64)
+    }
+
+    /// `assemble`: of each line its span and layers, of each point of an element the gradients, of each source a sum
+    /// over the points.
+    pub fn assemble(&self, bodies: u64, precision: Precision) -> Work {
+        let wide = precision.wide_bytes();
+        // Thickness and its sum, twice; the share of the far boundary; the reach of two grid points.
+        let layer = 4 + (7 + EXPONENTIAL) + 6;
+        let line = 6 + 2 + EXPONENTIAL + self.layers * layer;
+        let bows = if self.is_bowed { (self.grid_columns / 2) * (2 * self.layers + 1) * 8 } else { 0 };
+        // Steps along the ring: 16 to the eight nodes from the first.
+        let point = NODES * (2 + 8) + 16 + 3 + 1 + NODES * 8;
+        let operations = self.grid_columns * line
+            + bows
+            + POINTS * self.elements * point
+            + self.sources * (POINTS * 8 + 1);
+        let shared_numbers = 2 * (2 + 3 * self.grid_columns + POINTS * NODES) * wide
+            + 4 * (NODES * self.elements + self.places + 1 + self.sources);
+        let geometry = 2 * (self.grid() + POINTS * (NODES + 1) * self.elements);
+        let own = (self.body_numbers + geometry + self.places) * wide
+            + self.systems() * size_of::<SystemState>() as u64;
+        Work { operations: bodies * operations, bytes: shared_numbers + bodies * own }
+    }
+
+    /// `narrow`: no operations.
+    pub fn narrow(&self, bodies: u64, precision: Precision) -> Work {
+        let each = precision.wide_bytes() + precision.real_bytes();
+        Work { operations: 0, bytes: bodies * self.places * each }
+    }
+
+    /// The steps of `pcg` that took systems from nothing to `states`, `[body][system]`, in dispatches of `step_count`.
+    /// In each dispatch the matrix of a body that still steps is read, and p, r and d of its blocks go both ways.
+    pub fn iterate(&self, states: &[SystemState], step_count: u32, precision: Precision) -> Work {
+        let steps: u64 = states.iter().map(|state| u64::from(state.iterations)).sum();
+        let mut bytes = 0;
+        let real = precision.real_bytes();
+        for body in states.chunks_exact(self.systems() as usize) {
+            let blocks = body.chunks_exact(COLUMNS_ABREAST as usize);
+            let dispatches = blocks.map(|block| {
+                let longest = block.iter().map(|state| state.iterations).max().unwrap_or(0);
+                u64::from(longest.div_ceil(step_count))
+            });
+            let (mut all, mut most) = (0, 0);
+            for dispatches in dispatches {
+                all += dispatches;
+                most = most.max(dispatches);
+            }
+            bytes += most * self.places * real;
+            bytes += all * 2 * 3 * COLUMNS_ABREAST * self.unknowns * real;
+            bytes += all * 2 * self.system_bytes(precision) / self.blocks();
+        }
+        let longest = states.iter().map(|state| state.iterations).max().unwrap_or(0);
+        bytes += u64::from(longest.div_ceil(step_count)) * self.pattern_bytes();
+        Work { operations: steps * (2 * self.matrix_values + 12 * self.unknowns), bytes }
+    }
+
+    /// `refine` where another round follows: the step, the residual and its norm, and the round's begin.
+    pub fn refine(&self, bodies: u64, precision: Precision) -> Work {
+        let (real, wide) = (precision.real_bytes(), precision.wide_bytes());
+        let system = 2 * self.matrix_values + (2 + 3 + 4) * self.unknowns;
+        // d is read; p, r and d are written; x goes both ways, and the residual is written.
+        let vectors = self.systems() * self.unknowns * (4 * real + 3 * wide);
+        let own = self.places * wide + vectors + 2 * self.system_bytes(precision);
+        Work { operations: bodies * self.ring_columns * system, bytes: self.pattern_bytes() + bodies * own }
+    }
+
+    /// `condense`: of each entry of C two products over the unknowns, and the mean.
+    pub fn condense(&self, bodies: u64, precision: Precision) -> Work {
+        let wide = precision.wide_bytes();
+        let entry = 4 * self.unknowns + 2;
+        let own = self.systems() * (2 * self.unknowns + self.ring_columns) * wide;
+        Work { operations: bodies * self.ring_columns * self.ring_columns * entry, bytes: bodies * own }
+    }
+
+    /// `gram`: of each arc C F, then F^T C F in its entries, and the near field.
+    pub fn gram(&self, terms: u64, bodies: u64, precision: Precision) -> Work {
+        let wide = precision.wide_bytes();
+        let (nodes, entries, lanes) = (NODE_COUNT as u64, packed_count(terms as usize) as u64, LANES as u64);
+        let arc = 2 * self.ring_columns * self.ring_columns * terms
+            + 2 * self.ring_columns * entries
+            + 2 * lanes * entries;
+        let shared = nodes * (self.ring_columns * terms + lanes * entries) * wide;
+        let own = (self.ring_columns * self.systems() + 1 + lanes + slot_size(terms as usize) as u64) * wide
+            + 4
+            + self.system_bytes(precision);
+        Work { operations: bodies * nodes * arc, bytes: shared + bodies * own }
+    }
+}
+
+impl Joints {
+    /// A state at a half angle, from the matrix there: Cholesky, two right-hand sides, and what is read off.
+    fn evaluation(&self) -> u64 {
+        let terms = self.terms;
+        let entries = packed_count(terms as usize) as u64;
+        // Entry (row, column) takes 2 column operations and, below the diagonal, the scaling.
+        let factor: u64 = (0..terms).map(|row| row * (row + 1) + row + 2).sum();
+        let substitutions = 2 * 2 * (2 * (entries - terms) + terms);
+        let versines = 3 + 2 + 8 + 2 * (terms - 1);
+        3 + versines + factor + substitutions + 2 * terms + 1 + 17 * terms
+    }
+
+    /// Interpolation weights, then the sum over the nodes of both compliances with their shares.
+    fn interpolation(&self) -> u64 {
+        let nodes = NODE_COUNT as u64;
+        2 + 4 * nodes + packed_count(self.terms as usize) as u64 * nodes * 5
+    }
+
+    /// Logarithms of indentation and force, and dR/e.
+    const READINGS: u64 = 2 * LOGARITHM + 3 + 3;
+
+    fn numbers_bytes(&self, wide: u64) -> u64 {
+        // Space; then slots, shares and steps of the designs.
+        let space = (4 + 3 * NODE_COUNT as u64 + 4 * self.terms) * wide;
+        space + self.designs * (16 + 2 * wide)
+    }
+
+    /// `sample`: of each design an interpolated state and one at each node.
+    pub fn sample(&self, precision: Precision) -> Work {
+        let (wide, nodes) = (precision.wide_bytes(), NODE_COUNT as u64);
+        let entries = packed_count(self.terms as usize) as u64;
+        let each = TANGENT + 1 + LOGARITHM + 3 + self.evaluation() + Self::READINGS;
+        let design = (nodes + 1) * each + self.interpolation() + nodes * 3 * entries;
+        let own = self.slots - self.coarse_slots;
+        let bytes = self.numbers_bytes(wide)
+            + (own * slot_size(self.terms as usize) as u64 + self.coarse_slots * SLOT_HEADER as u64) * wide
+            + self.designs * (nodes + 1) * 4 * wide;
+        Work { operations: self.designs * design, bytes }
+    }
+
+    /// `find`: the evaluations of all searches, and of each load the change since the coarser meshes and the signs of
+    /// the pressure. The first guess is not counted.
+    pub fn find(&self, precision: Precision) -> Work {
+        let (wide, nodes, terms) = (precision.wide_bytes(), NODE_COUNT as u64, self.terms);
+        let entries = packed_count(terms as usize) as u64;
+        // The half angle, the state there, its excess, and inverse interpolation through three points.
+        let evaluation = (EXPONENTIAL + 2)
+            + (TANGENT + 1)
+            + LOGARITHM
+            + self.interpolation()
+            + self.evaluation()
+            + Self::READINGS
+            + 1
+            + 3 * (2 * 3 + 1);
+        let change = entries * (3 * nodes + 4);
+        let load = 2 * change + terms + 2 * terms * (2 * terms + 1);
+        let bytes = self.numbers_bytes(wide)
+            + self.slots * slot_size(terms as usize) as u64 * wide
+            + self.designs * (nodes + 1) * 4 * wide
+            + self.loads * (8 + wide + RESPONSE_SIZE as u64 * wide);
+        Work { operations: self.evaluations * evaluation + self.loads * load, bytes }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One block of four systems, of which three are of the ring.
+    const SIZES: Sizes = Sizes {
+        unknowns: 5,
+        matrix_values: 13,
+        places: 64,
+        ring_columns: 3,
+        elements: 1,
+        sources: 20,
+        grid_columns: 3,
+        layers: 1,
+        is_bowed: false,
+        body_numbers: 7,
+    };
+
+    fn states(iterations: &[u32]) -> Vec<SystemState> {
+        iterations.iter().map(|&iterations| SystemState { outcome: 1, iterations }).collect()
+    }
+
+    #[test]
+    fn steps_are_counted_by_system_and_their_traffic_by_dispatch() {
+        // A step: 2 x 13 operations of the product, 12 x 5 of the vectors. Two bodies: 7 + 12 + 3 + 0 and 4 + 4 + 4 + 0.
+        let work = SIZES.iterate(&states(&[7, 12, 3, 0, 4, 4, 4, 0]), 10, Precision::F32);
+        assert_eq!(work.operations, 34 * (26 + 60));
+        // Two dispatches of the first body and one of the second: 64 places, p, r and d of four systems in and out, three
+        // norms and a state of 8 bytes in and out; and twice the pattern of 2 + 64 + 5 numbers.
+        let block = 4 * 64 + 2 * 3 * 4 * 5 * 4 + 2 * 4 * (3 * 4 + 8);
+        assert_eq!(work.bytes, 3 * block + 2 * 4 * (2 + 64 + 5));
+        // In mixed precision norms alone are wide.
+        let mixed = SIZES.iterate(&states(&[7, 12, 3, 0]), 10, Precision::Mixed);
+        assert_eq!(mixed.bytes, 2 * (block + 2 * 4 * 3 * 4 + 4 * (2 + 64 + 5)));
+    }
+
+    #[test]
+    fn a_body_that_took_no_step_has_no_work() {
+        assert_eq!(SIZES.iterate(&states(&[0; 4]), 10, Precision::F64), Work::default());
+    }
+
+    #[test]
+    fn the_other_stages_of_a_body_are_counted_by_hand() {
+        let of = |work: Work| (work.operations, work.bytes);
+        // 64 places, from 8 bytes to 4.
+        assert_eq!(of(SIZES.narrow(2, Precision::Mixed)), (0, 2 * 64 * 12));
+        // x += s d; b - K x; r (r/k); then r/s, r/k and r z: 2 + 26/5 + 3 + 4 a row, three systems.
+        // The pattern; 64 places; d in, p, r and d out; x in and out, b - K x out; norms and states both ways.
+        let refined = (3 * (26 + 9 * 5), 4 * 71 + 64 * 8 + 4 * 5 * (4 * 8 + 3 * 8) + 2 * 4 * (3 * 8 + 8));
+        assert_eq!(of(SIZES.refine(1, Precision::F64)), refined);
+        // Nine entries of two products of length 5, a sum and a half; x and residuals in, three rows of four out.
+        assert_eq!(of(SIZES.condense(1, Precision::F32)), (9 * 22, 4 * (2 * 5 + 3) * 4));
+        // Two terms, three entries, 32 arcs, 8 nodes in Poisson's ratio: C F 2 x 9 x 2, F^T C F 2 x 3 x 3, 2 x 8 x 3.
+        let slot = 3 + 32 * 3;
+        let bytes = 32 * (3 * 2 + 8 * 3) * 4 + (3 * 4 + 1 + 8 + slot) * 4 + 4 + 4 * (3 * 4 + 8);
+        assert_eq!(of(SIZES.gram(2, 1, Precision::F32)), (32 * (36 + 18 + 48), bytes));
+    }
+
+    #[test]
+    fn the_assembly_of_one_element_is_counted_by_hand() {
+        // Three lines of one layer each, four points of one element, 20 sources summed over four points.
+        let operations = 3 * (48 + 57) + 4 * (80 + 16 + 4 + 64) + 20 * 33;
+        // Twice 2 + 9 + 32 shared numbers; grid, starts and sources; nine grid points and 36 pairs, 64 places, 7 numbers.
+        let bytes = 2 * 43 * 8 + 4 * (8 + 65 + 20) + (2 * (9 + 36) + 64 + 7) * 8 + 4 * 8;
+        assert_eq!(SIZES.assemble(1, Precision::F64), Work { operations, bytes });
+        // Of one mid-side line three points.
+        let bowed = Sizes { is_bowed: true, ..SIZES }.assemble(1, Precision::F64);
+        assert_eq!(bowed.operations - operations, 3 * 8);
+    }
+
+    #[test]
+    fn an_evaluation_of_two_trial_pressures_is_counted_by_hand() {
+        let joints = Joints { terms: 2, designs: 2, loads: 3, slots: 8, coarse_slots: 4, evaluations: 0 };
+        // (0, 0) less its logarithm 3; versines 15; L00: pivot 2; L10 1, L11: 2 and the pivot 2; forward and back, two
+        // right-hand sides: one product each and two scalings; sums 4, a division, 17 for each term.
+        assert_eq!(joints.evaluation(), 3 + 15 + 2 + (1 + 2 + 2) + 2 * 2 * (2 + 2) + 4 + 1 + 34);
+        // Three entries of 32 nodes, two slots each, and the weights.
+        assert_eq!(joints.interpolation(), 130 + 3 * 32 * 5);
+        let one = joints.find(Precision::F64);
+        let more = Joints { evaluations: 5, ..joints }.find(Precision::F64);
+        // 2 changes of 3 entries, the peak, five cosine series.
+        assert_eq!(one.operations, 3 * (2 * 3 * 100 + 2 + 20));
+        assert_eq!(more.operations - one.operations, 5 * (42 + 109 + 52 + 610 + 80 + 110 + 1 + 21));
+        assert_eq!(more.bytes, one.bytes);
+    }
+}
