@@ -31,6 +31,13 @@ pub enum Error {
     #[error("{option} is for a GPU, --backend cpu asks for none: leave one of them out")]
     ForGpuOnly { option: &'static str },
 
+    /// A GPU that does not answer as the processor does: no figure of it is worth anything.
+    #[error("{adapter} is wrong in {precision}: {problem}")]
+    WrongAnswer { adapter: String, precision: &'static str, problem: String },
+
+    #[error("{adapter} is not measured in {precision}: {problem}")]
+    NotMeasured { adapter: String, precision: &'static str, problem: String },
+
     #[error("{problem}")]
     Adapter { problem: String },
 }

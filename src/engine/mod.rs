@@ -1,4 +1,5 @@
 pub mod outcome;
+pub mod agreement;
 pub mod request;
 pub mod near_fields;
 pub mod bodies;
