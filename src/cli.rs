@@ -1,7 +1,7 @@
 //! What can be asked on the command line, and what the exit code answers.
 
 use std::io::Write;
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -9,6 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 mod backend;
 mod bench;
+mod bench_gpu;
 mod devices;
 mod progress;
 mod report;
@@ -31,6 +32,8 @@ enum Command {
     Run(RunArgs),
     /// Measures whole runs of configs and writes sweep.csv and sweep.manifest.json
     Bench(BenchArgs),
+    /// Measures a GPU: checks it, times whole sweeps and each kernel, and compares them with the processor and the peaks
+    BenchGpu(BenchGpuArgs),
     /// Lists the GPUs with a Vulkan driver, and what a sweep would be computed on
     Devices,
 }
@@ -72,6 +75,25 @@ struct BenchArgs {
     /// Folder of the figures
     #[arg(long, value_name = "DIR", default_value = "out/bench")]
     out: PathBuf,
+}
+
+#[derive(Args)]
+struct BenchGpuArgs {
+    /// The GPU whose name or driver holds this, software too [default: the best GPU]
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Only these numbers [default: f32, and mixed and f64 where the GPU has them]
+    #[arg(long, value_enum)]
+    precision: Option<Precision>,
+    /// Designs of the largest sweep
+    #[arg(long, value_name = "N", default_value = "1000000")]
+    most: NonZeroU64,
+    /// Folder of the figures [default: results/<adapter's name>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Threads of the processor [default: all cores]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
 }
 
 #[derive(Args)]
@@ -123,6 +145,7 @@ pub fn main() -> ExitCode {
     let ending = match cli.command {
         Command::Run(args) => run::run(&args),
         Command::Bench(args) => bench::bench(&args),
+        Command::BenchGpu(args) => bench_gpu::bench_gpu(&args),
         Command::Devices => devices::devices(),
     };
     match ending {

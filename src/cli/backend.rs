@@ -40,12 +40,17 @@ pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Pr
 
 fn open(choice: AdapterChoice, args: &BackendArgs) -> Result<(GpuDevice, Precision), GpuError> {
     let device = Adapters::enumerate().open(choice)?;
-    let precision = match args.precision {
-        None => Precision::best(&device),
-        Some(super::Precision::F32) => Precision::F32,
-        Some(super::Precision::F64) => Precision::F64,
-        Some(super::Precision::Mixed) => Precision::Mixed,
-    };
+    let precision = args.precision.map_or_else(|| Precision::best(&device), Precision::from);
     precision.check(&device)?;
     Ok((device, precision))
+}
+
+impl From<super::Precision> for Precision {
+    fn from(asked: super::Precision) -> Precision {
+        match asked {
+            super::Precision::F32 => Precision::F32,
+            super::Precision::F64 => Precision::F64,
+            super::Precision::Mixed => Precision::Mixed,
+        }
+    }
 }

@@ -13,7 +13,7 @@ use jointsweep::output::folder::{MANIFEST, TABLE};
 use jointsweep::study::config::Study;
 use serde_json::Value;
 
-use super::report::duration;
+use super::report::{aligned, duration};
 use super::{BenchArgs, Ending, say};
 
 /// What is measured when nothing is named.
@@ -93,10 +93,10 @@ fn measure(config: &Path, threads: usize, folder: &Path) -> Result<Measurement, 
 }
 
 /// A folder for results that nobody reads again.
-struct Scratch(PathBuf);
+pub(super) struct Scratch(pub(super) PathBuf);
 
 impl Scratch {
-    fn new() -> Result<Scratch, Error> {
+    pub(super) fn new() -> Result<Scratch, Error> {
         let path = std::env::temp_dir().join(format!("jointsweep-bench-{}", std::process::id()));
         match std::fs::create_dir_all(&path) {
             Ok(()) => Ok(Scratch(path)),
@@ -149,15 +149,7 @@ fn table(measurements: &[Measurement]) -> String {
             megabytes(measurement.table_bytes),
         ]);
     }
-    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
-    let mut text = String::new();
-    for line in &lines {
-        text += &format!("{:<w$}", line[0], w = width(0));
-        for (column, cell) in line.iter().enumerate().skip(1) {
-            text += &format!("  {cell:>w$}", w = width(column));
-        }
-        text.push('\n');
-    }
+    let mut text = aligned(&lines);
     for measurement in measurements {
         text +=
             &format!("\n{}: time by stage, summed over the threads, medians\n", measurement.config.display());

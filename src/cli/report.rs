@@ -72,6 +72,20 @@ fn plural(count: u64, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
+/// Lines of as many cells each: the first column to the left, the others to the right.
+pub fn aligned<const N: usize>(lines: &[[String; N]]) -> String {
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let mut text = String::new();
+    for line in lines {
+        text += &format!("{:<w$}", line[0], w = width(0));
+        for (column, cell) in line.iter().enumerate().skip(1) {
+            text += &format!("  {cell:>w$}", w = width(column));
+        }
+        text.push('\n');
+    }
+    text
+}
+
 /// A time as a person says it.
 pub fn duration(seconds: f64) -> String {
     match seconds {

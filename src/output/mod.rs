@@ -5,3 +5,4 @@ pub mod manifest;
 pub mod folder;
 pub mod recorder;
 pub mod benchmark;
+pub mod gpu_benchmark;
