@@ -174,6 +174,7 @@ fn the_near_field_makes_its_own_reference_exact() {
     for (name, range, idealization) in [
         ("annulus", PoissonRange::Positive, Idealization::PlaneStress),
         ("rigid-core", PoissonRange::Negative, Idealization::PlaneStrain),
+        ("annulus", PoissonRange::Incompressible, Idealization::PlaneStrain),
     ] {
         let of = |ratio: f64, nu: f64| body(name, &[ratio], idealization, nu);
         let grading =
@@ -186,13 +187,20 @@ fn the_near_field_makes_its_own_reference_exact() {
         let depth = grading.nominal_depth();
         let ratio = if name == "annulus" { depth.exp() } else { (-depth).exp() };
         let plan = CondensationPlan::new(&of(ratio, 0.0), grading.grading(std::f64::consts::PI), &space);
-        let (low, high) = if range == PoissonRange::Positive { (0.0, 0.5) } else { (-1.0, 0.0) };
-        let node = |i: usize| {
-            let angle: f64 = std::f64::consts::PI * (i as f64 + 0.5) / 8.0;
-            0.5 * (low + high) + 0.5 * (high - low) * angle.cos()
+        let (low, high): (f64, f64) = match range {
+            PoissonRange::Negative => (-1.0, 0.0),
+            PoissonRange::Positive => (0.0, 0.5),
+            PoissonRange::Incompressible => (1e-5_f64.ln(), 0.06_f64.ln()),
         };
-        // On nodes to rounding; between them to what eight nodes leave, seen 4e-8.
-        for (poissons_ratio, tolerance) in [(node(0), 1e-12), (node(3), 1e-12), (node(3) + 0.01, 4e-7)] {
+        // Half-way between two nodes where `i` is a whole number and a half.
+        let node = |i: f64| {
+            let angle: f64 = std::f64::consts::PI * (i + 0.5) / 8.0;
+            let coordinate = 0.5 * (low + high) + 0.5 * (high - low) * angle.cos();
+            if range == PoissonRange::Incompressible { 0.5 * (1.0 - coordinate.exp()) } else { coordinate }
+        };
+        let between = if range == PoissonRange::Incompressible { 1e-4 } else { 4e-7 };
+        // On nodes to rounding; between them to what eight nodes leave.
+        for (poissons_ratio, tolerance) in [(node(0.0), 1e-12), (node(3.0), 1e-12), (node(3.5), between)] {
             let mut corrected = plan.condense(&[of(ratio, poissons_ratio)]).remove(0);
             near_field.correct(poissons_ratio, &mut corrected);
             let concentric = ConcentricBody { fixed_radius: ratio, poissons_ratio, idealization };

@@ -99,6 +99,6 @@ pub fn near_field_key(request: &BodyRequest) -> NearFieldKey {
     };
     let grading = GradingClass::of(&request.body, ELEMENT, level);
     let half_ring = shape.end_angle < std::f64::consts::PI;
-    let range = PoissonRange::of(poissons_ratio);
+    let range = PoissonRange::of(poissons_ratio, idealization);
     (NearFieldClass { side: shape.side, half_ring, grading, idealization, range }, request.space)
 }

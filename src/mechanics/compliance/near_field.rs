@@ -30,24 +30,57 @@ use crate::mechanics::real::LANES;
 /// |ln r| of a reference's fixed circle, at most: deeper bodies bring a far field of their own.
 const DEEPEST_REFERENCE: f64 = 1.2;
 
-/// Either half of the range of Poisson's ratio.
+/// A part of the range of Poisson's ratio over which the error of a mesh is interpolated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PoissonRange {
     Negative,
     Positive,
+    /// Plane strain, nearly incompressible.
+    Incompressible,
 }
 
+/// From this Poisson's ratio on, plane strain is nearly incompressible: the error of a mesh is no polynomial of Poisson's
+/// ratio any more, but a smooth function of ln(1 - 2 nu).
+const NEARLY_INCOMPRESSIBLE: f64 = 0.47;
+
+/// Of 1 - 2 nu: below it nothing changes any more.
+const LEAST_COMPRESSIBILITY: f64 = 1e-5;
+
 impl PoissonRange {
-    pub fn of(poissons_ratio: f64) -> PoissonRange {
-        if poissons_ratio < 0.0 { PoissonRange::Negative } else { PoissonRange::Positive }
+    pub fn of(poissons_ratio: f64, idealization: Idealization) -> PoissonRange {
+        match idealization {
+            _ if poissons_ratio < 0.0 => PoissonRange::Negative,
+            Idealization::PlaneStrain if poissons_ratio > NEARLY_INCOMPRESSIBLE => {
+                PoissonRange::Incompressible
+            }
+            _ => PoissonRange::Positive,
+        }
     }
 
-    /// Chebyshev nodes of the range and their barycentric weights. The last stops short of 1/2 in a way that matters:
-    /// closer to it the error of a mesh is no polynomial of Poisson's ratio any more.
+    /// What is interpolated in.
+    fn coordinate(self, poissons_ratio: f64) -> f64 {
+        match self {
+            PoissonRange::Negative | PoissonRange::Positive => poissons_ratio,
+            PoissonRange::Incompressible => (1.0 - 2.0 * poissons_ratio).max(LEAST_COMPRESSIBILITY).ln(),
+        }
+    }
+
+    /// The reverse of `coordinate`.
+    fn poissons_ratio(self, coordinate: f64) -> f64 {
+        match self {
+            PoissonRange::Negative | PoissonRange::Positive => coordinate,
+            PoissonRange::Incompressible => 0.5 * (1.0 - coordinate.exp()),
+        }
+    }
+
+    /// Chebyshev nodes of the range, as coordinates, and their barycentric weights.
     fn nodes(self) -> [(f64, f64); LANES] {
         let (low, high) = match self {
             PoissonRange::Negative => (-1.0, 0.0),
             PoissonRange::Positive => (0.0, 0.5),
+            PoissonRange::Incompressible => {
+                (LEAST_COMPRESSIBILITY.ln(), (1.0 - 2.0 * NEARLY_INCOMPRESSIBLE).ln())
+            }
         };
         std::array::from_fn(|i| {
             let angle = PI * (i as f64 + 0.5) / LANES as f64;
@@ -96,11 +129,11 @@ impl NearField {
         let reference = class.reference();
         let mut parameters = [0.0; MAX_PARAMETERS];
         parameters[0] = reference.fixed_radius;
-        let bodies = range.nodes().map(|(poissons_ratio, _)| Body {
+        let bodies = range.nodes().map(|(coordinate, _)| Body {
             shape: if side == Side::Plate { &annulus::SHAPE } else { &cored_disc::SHAPE },
             parameters,
             support: 0,
-            poissons_ratio,
+            poissons_ratio: range.poissons_ratio(coordinate),
             idealization,
         });
         let end_angle = if half_ring { FRAC_PI_2 } else { PI };
@@ -118,10 +151,11 @@ impl NearField {
     /// Shares of the `LANES` nodes of Poisson's ratio in the near field of a body; they sum to one.
     pub fn shares(range: PoissonRange, poissons_ratio: f64) -> [f64; LANES] {
         let nodes = range.nodes();
-        if let Some(node) = nodes.iter().position(|(node, _)| *node == poissons_ratio) {
+        let coordinate = range.coordinate(poissons_ratio);
+        if let Some(node) = nodes.iter().position(|(node, _)| *node == coordinate) {
             return std::array::from_fn(|i| if i == node { 1.0 } else { 0.0 });
         }
-        let weights = nodes.map(|(node, weight)| weight / (poissons_ratio - node));
+        let weights = nodes.map(|(node, weight)| weight / (coordinate - node));
         let sum: f64 = weights.iter().sum();
         weights.map(|weight| weight / sum)
     }

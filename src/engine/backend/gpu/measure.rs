@@ -282,7 +282,7 @@ fn of_joints<'a>(
     level: usize,
 ) -> Result<Vec<KernelTime>, GpuError> {
     let TrialKernels { gpu, precision, terms, .. } = *trials;
-    let limit = evaluation_limit(terms);
+    let limit = evaluation_limit(terms, gpu.facts.kind);
     let whole = contact(limit)?;
     let found = whole.solve()?.iter().filter(|answer| matches!(answer, LoadResponse::Found { .. })).count();
     // A search that is cut short after n evaluations has taken more than n: the sum over n is the count of them all.

@@ -133,7 +133,8 @@ impl GramShared {
 fn shares(body: &Body) -> impl Iterator<Item = f64> {
     let poissons_ratio = body.poissons_ratio;
     let amplitude = 2.0 / body.idealization.plane_modulus_ratio(poissons_ratio);
-    std::iter::once(amplitude).chain(NearField::shares(PoissonRange::of(poissons_ratio), poissons_ratio))
+    let range = PoissonRange::of(poissons_ratio, body.idealization);
+    std::iter::once(amplitude).chain(NearField::shares(range, poissons_ratio))
 }
 
 /// Loads of the trial pressures on the ring's unknowns, `[arc][ring unknown][k]`.

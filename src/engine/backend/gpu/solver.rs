@@ -396,7 +396,7 @@ pub(super) fn by_group(requests: &[BodyRequest]) -> HashMap<GroupKey, Vec<(u32, 
         .par_iter()
         .with_min_len(64)
         .map(|request| {
-            let range = PoissonRange::of(request.body.poissons_ratio);
+            let range = PoissonRange::of(request.body.poissons_ratio, request.body.idealization);
             (request.fidelity != Fidelity::Series).then(|| (TopologyKey::of(request), range))
         })
         .collect();
