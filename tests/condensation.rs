@@ -175,6 +175,8 @@ fn the_near_field_makes_its_own_reference_exact() {
         ("annulus", PoissonRange::Positive, Idealization::PlaneStress),
         ("rigid-core", PoissonRange::Negative, Idealization::PlaneStrain),
         ("annulus", PoissonRange::Incompressible, Idealization::PlaneStrain),
+        ("rigid-core", PoissonRange::Auxetic, Idealization::PlaneStress),
+        ("annulus", PoissonRange::Conformal, Idealization::PlaneStress),
     ] {
         let of = |ratio: f64, nu: f64| body(name, &[ratio], idealization, nu);
         let grading =
@@ -188,6 +190,8 @@ fn the_near_field_makes_its_own_reference_exact() {
         let ratio = if name == "annulus" { depth.exp() } else { (-depth).exp() };
         let plan = CondensationPlan::new(&of(ratio, 0.0), grading.grading(std::f64::consts::PI), &space);
         let (low, high): (f64, f64) = match range {
+            PoissonRange::Conformal => (1e-3_f64.ln(), 0.25_f64.ln()),
+            PoissonRange::Auxetic => (-0.75, 0.0),
             PoissonRange::Negative => (-1.0, 0.0),
             PoissonRange::Positive => (0.0, 0.5),
             PoissonRange::Incompressible => (1e-5_f64.ln(), 0.06_f64.ln()),
@@ -196,9 +200,17 @@ fn the_near_field_makes_its_own_reference_exact() {
         let node = |i: f64| {
             let angle: f64 = std::f64::consts::PI * (i + 0.5) / 8.0;
             let coordinate = 0.5 * (low + high) + 0.5 * (high - low) * angle.cos();
-            if range == PoissonRange::Incompressible { 0.5 * (1.0 - coordinate.exp()) } else { coordinate }
+            match range {
+                PoissonRange::Conformal => coordinate.exp() - 1.0,
+                PoissonRange::Incompressible => 0.5 * (1.0 - coordinate.exp()),
+                _ => coordinate,
+            }
         };
-        let between = if range == PoissonRange::Incompressible { 1e-4 } else { 4e-7 };
+        let between = match range {
+            PoissonRange::Conformal | PoissonRange::Incompressible => 1e-4,
+            PoissonRange::Auxetic => 1e-5,
+            _ => 4e-7,
+        };
         // On nodes to rounding; between them to what eight nodes leave.
         for (poissons_ratio, tolerance) in [(node(0.0), 1e-12), (node(3.0), 1e-12), (node(3.5), between)] {
             let mut corrected = plan.condense(&[of(ratio, poissons_ratio)]).remove(0);

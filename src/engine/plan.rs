@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
 use crate::mechanics::body::Body;
+use crate::mechanics::compliance::near_field::PoissonRange;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::study::config::MethodChoice;
 use crate::study::design::JointDesign;
@@ -33,6 +34,43 @@ pub fn mesh_error(level: usize, change: f64) -> f64 {
     ERROR_PER_CHANGE[level] * change + FLOOR[level]
 }
 
+/// How far the change between meshes can be trusted as a measure of the error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trust {
+    Full,
+    /// A body is nearly incompressible in plane strain: both meshes may be about to lock, the finer one a little less.
+    NearlyIncompressible,
+    /// And its wall is thin: no mesh here is fine enough for what is squeezed along it.
+    SqueezedFilm,
+}
+
+/// Walls thinner than this (|ln r|) squeeze what is nearly incompressible.
+const FILM: f64 = 0.15;
+
+impl Trust {
+    fn of(request: &BodyRequest) -> Trust {
+        let Body { shape, parameters, poissons_ratio, idealization, .. } = &request.body;
+        let range = PoissonRange::of(*poissons_ratio, *idealization);
+        match request.fidelity {
+            Fidelity::Mesh { .. } if range == PoissonRange::Incompressible => {
+                let is_film = (shape.depth_range)(parameters).0 < FILM;
+                if is_film { Trust::SqueezedFilm } else { Trust::NearlyIncompressible }
+            }
+            _ => Trust::Full,
+        }
+    }
+
+    /// `mesh_error` with what is held back; measured in `tests/extremes.rs`.
+    pub fn error(self, level: usize, change: f64) -> f64 {
+        let error = mesh_error(level, change);
+        match self {
+            Trust::Full => error,
+            Trust::NearlyIncompressible => 1.5 * error + 14.0 * mesh_error(level, 0.0),
+            Trust::SqueezedFilm => 0.1 + error,
+        }
+    }
+}
+
 /// Trial pressures for a body this deep (|ln r|): the layer between contact and far boundary must be resolved too.
 fn terms(least_depth: f64) -> usize {
     match least_depth {
@@ -58,6 +96,17 @@ impl JointPlan {
             BodyRequest { body, fidelity, space }
         };
         Some(JointPlan { pin: request(pin), plate: request(plate), level })
+    }
+
+    /// The lesser trust of the two bodies.
+    pub fn trust(&self) -> Trust {
+        let both = [&self.pin, &self.plate].map(Trust::of);
+        let is = |trust: Trust| both.contains(&trust);
+        match () {
+            () if is(Trust::SqueezedFilm) => Trust::SqueezedFilm,
+            () if is(Trust::NearlyIncompressible) => Trust::NearlyIncompressible,
+            () => Trust::Full,
+        }
     }
 
     /// The bodies to solve: each mesh comes with the next coarser one, whose difference says how good it is.

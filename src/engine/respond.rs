@@ -2,7 +2,7 @@
 //! reader must know said. The same for every backend.
 
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
-use crate::engine::plan::mesh_error;
+use crate::engine::plan::Trust;
 use crate::mechanics::contact::loading::{DimensionlessLoad, NoState};
 use crate::mechanics::laws;
 use crate::study::design::{DesignCase, JointDesign, Load};
@@ -34,8 +34,8 @@ pub struct LoadState {
 #[derive(Clone, Copy, Debug)]
 pub struct Solving {
     pub backend: BackendKind,
-    /// Mesh level; `None` where both bodies are exact.
-    pub level: Option<usize>,
+    /// Mesh level and its trust; `None` where both bodies are exact.
+    pub mesh: Option<(usize, Trust)>,
     /// The largest contact half angle, rad.
     pub limit: f64,
     /// Asked: relative, of the force.
@@ -52,13 +52,13 @@ pub const NOT_CONCENTRIC: &str = "failed: series needs a rigid-core pin in an an
 
 impl Solving {
     fn method(&self) -> Method {
-        if self.level.is_some() { Method::Fe } else { Method::Series }
+        if self.mesh.is_some() { Method::Fe } else { Method::Series }
     }
 
     /// The estimated relative error of the force: what is left of exact compliances, and for meshes the change from the
     /// next coarser ones.
     fn force_error(&self, state: &LoadState) -> f64 {
-        let of_mesh = self.level.map_or(0.0, |level| mesh_error(level, state.change));
+        let of_mesh = self.mesh.map_or(0.0, |(level, trust)| trust.error(level, state.change));
         SERIES_ERROR + state.truncation + of_mesh
     }
 
@@ -100,7 +100,7 @@ impl Solving {
             }
         };
         let steps = case.steps.iter().map(step).collect();
-        (DesignOutcome { case: case.clone(), backend: self.backend, steps }, settled || self.level.is_none())
+        (DesignOutcome { case: case.clone(), backend: self.backend, steps }, settled || self.mesh.is_none())
     }
 
     /// The outcome of a design without any state.

@@ -100,8 +100,8 @@ fn solve_design(
     let moduli = [joint.pin.material.youngs_modulus, joint.plate.material.youngs_modulus];
     let joined = JointCompliance::new(space, (pin, moduli[0]), (plate, moduli[1]));
     let exact = [plan.pin, plan.plate].iter().all(|request| request.fidelity == Fidelity::Series);
-    let level = (!exact).then_some(plan.level);
-    let solving = Solving { backend: BackendKind::Cpu, level, limit: space.limit, accuracy };
+    let mesh = (!exact).then(|| (plan.level, plan.trust()));
+    let solving = Solving { backend: BackendKind::Cpu, mesh, limit: space.limit, accuracy };
     // Change from the next coarser mesh, for each body that has one, and the body's modulus.
     let changes: Vec<(Vec<f64>, f64)> = [(plan.pin, pin, moduli[0]), (plan.plate, plate, moduli[1])]
         .into_iter()

@@ -33,9 +33,14 @@ const DEEPEST_REFERENCE: f64 = 1.2;
 /// A part of the range of Poisson's ratio over which the error of a mesh is interpolated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PoissonRange {
+    /// Plane stress close to -1, nearly without shear.
+    Conformal,
+    /// Plane stress, the rest of the negative ones.
+    Auxetic,
+    /// Plane strain, all negative ones.
     Negative,
     Positive,
-    /// Plane strain, nearly incompressible.
+    /// Plane strain close to 1/2, nearly incompressible.
     Incompressible,
 }
 
@@ -46,10 +51,19 @@ const NEARLY_INCOMPRESSIBLE: f64 = 0.47;
 /// Of 1 - 2 nu: below it nothing changes any more.
 const LEAST_COMPRESSIBILITY: f64 = 1e-5;
 
+/// Up to this Poisson's ratio a mesh in plane stress resists shear as one in plane strain does compression close to 1/2: its
+/// error is a smooth function of ln(1 + nu).
+const NEARLY_CONFORMAL: f64 = -0.75;
+
+/// Of 1 + nu: below it nothing changes any more.
+const LEAST_SHEAR: f64 = 1e-3;
+
 impl PoissonRange {
     pub fn of(poissons_ratio: f64, idealization: Idealization) -> PoissonRange {
         match idealization {
-            _ if poissons_ratio < 0.0 => PoissonRange::Negative,
+            Idealization::PlaneStress if poissons_ratio < NEARLY_CONFORMAL => PoissonRange::Conformal,
+            Idealization::PlaneStress if poissons_ratio < 0.0 => PoissonRange::Auxetic,
+            Idealization::PlaneStrain if poissons_ratio < 0.0 => PoissonRange::Negative,
             Idealization::PlaneStrain if poissons_ratio > NEARLY_INCOMPRESSIBLE => {
                 PoissonRange::Incompressible
             }
@@ -60,22 +74,26 @@ impl PoissonRange {
     /// What is interpolated in.
     fn coordinate(self, poissons_ratio: f64) -> f64 {
         match self {
-            PoissonRange::Negative | PoissonRange::Positive => poissons_ratio,
+            PoissonRange::Conformal => (1.0 + poissons_ratio).max(LEAST_SHEAR).ln(),
             PoissonRange::Incompressible => (1.0 - 2.0 * poissons_ratio).max(LEAST_COMPRESSIBILITY).ln(),
+            _ => poissons_ratio,
         }
     }
 
     /// The reverse of `coordinate`.
     fn poissons_ratio(self, coordinate: f64) -> f64 {
         match self {
-            PoissonRange::Negative | PoissonRange::Positive => coordinate,
+            PoissonRange::Conformal => coordinate.exp() - 1.0,
             PoissonRange::Incompressible => 0.5 * (1.0 - coordinate.exp()),
+            _ => coordinate,
         }
     }
 
     /// Chebyshev nodes of the range, as coordinates, and their barycentric weights.
     fn nodes(self) -> [(f64, f64); LANES] {
         let (low, high) = match self {
+            PoissonRange::Conformal => (LEAST_SHEAR.ln(), (1.0 + NEARLY_CONFORMAL).ln()),
+            PoissonRange::Auxetic => (NEARLY_CONFORMAL, 0.0),
             PoissonRange::Negative => (-1.0, 0.0),
             PoissonRange::Positive => (0.0, 0.5),
             PoissonRange::Incompressible => {

@@ -175,8 +175,8 @@ impl<'a> GpuBackend<'a> {
             .map(|((case, plan), own)| {
                 let states: Option<Vec<Result<LoadState, NoState>>> =
                     answers[own].iter().map(LoadResponse::state).collect();
-                let level = Some(plan.level);
-                let solving = Solving { backend: BackendKind::Gpu, level, limit: space.limit(), accuracy };
+                let mesh = Some((plan.level, plan.trust()));
+                let solving = Solving { backend: BackendKind::Gpu, mesh, limit: space.limit(), accuracy };
                 Some(solving.respond(case, states?))
             })
             .collect();
