@@ -52,7 +52,7 @@ fn allowed(precision: Precision) -> f64 {
 /// A thousand random designs of sixty pins and sixty plates, each with a clearance, moduli and a load of its own.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
-fn a_thousand_random_designs_in_f32() {
+fn a_thousand_random_designs() {
     let drawn = draw(21, 60, concentric);
     let mut random = Random::new(22);
     let mut pick = |all: &[DesignCase]| all[(random.unit() * all.len() as f64) as usize].joint;
@@ -68,15 +68,18 @@ fn a_thousand_random_designs_in_f32() {
         .collect();
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
     let expected = CpuBackend::new(options).solve(&cases);
-    let found = on_device(device(), Precision::F32, options, &cases);
-    let (worst, count) = compare(&found, &expected, BackendKind::Gpu);
-    println!("{count} forces, {worst:.1e}");
-    assert!(count > 950 && worst < allowed(Precision::F32), "{count} {worst:e}");
     // Negative control: forces of another mesh are not those of this one.
     let finer = CpuBackend::new(SolveOptions { accuracy: 1e-3, ..options }).solve(&cases[..50]);
     let force = |outcome: &DesignOutcome| outcome.steps[0].response.map_or(1.0, |response| response.force);
-    let other = found.iter().zip(&finer).map(|(a, b)| (force(a) / force(b) - 1.0).abs()).fold(0.0, f64::max);
+    let other =
+        expected.iter().zip(&finer).map(|(a, b)| (force(a) / force(b) - 1.0).abs()).fold(0.0, f64::max);
     assert!(other > 3.0 * allowed(Precision::F32), "{other:e}");
+    for (precision, _) in precisions().into_iter().filter(|(precision, _)| *precision != Precision::Mixed) {
+        let found = on_device(device(), precision, options, &cases);
+        let (worst, count) = compare(&found, &expected, BackendKind::Gpu);
+        println!("{precision:?}: {count} forces, {worst:.1e}");
+        assert!(count > 950 && worst < allowed(precision), "{precision:?}: {count} {worst:e}");
+    }
 }
 
 /// Young's modulus of the one, Poisson's ratio of the other.
