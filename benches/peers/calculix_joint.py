@@ -88,7 +88,8 @@ def solve(joint, job):
         return unknowns, [], [*problems, f"{len(pressures)} of {steps} steps"]
     for pin, plate, step in zip(reactions["PIN"], reactions["PLATE"], pressures):
         found = [float(line.split()[2]) for line in step.splitlines() if len(line.split()) == 5]
-        if not found or min(found) < 0:
+        # Right states were seen with -0.9 % of the peak at some points of the edge, a wrong one with -11 %.
+        if not found or min(found) < -0.02 * max(found):
             problems.append("tensile contact")
         if abs(plate / pin + 1) > 1e-3:
             problems.append("no equilibrium")
