@@ -18,7 +18,7 @@ def rows(values):
 
 def input_file(joint, job):
     points, elements, sets, surfaces = [], [], {"AXIS": []}, {}
-    for name, body in zip(("PIN", "PLATE"), scene.mesh(joint, job["elements"])):
+    for name, body in zip(("PIN", "PLATE"), scene.mesh(joint, job)):
         first = len(points) + 1
         first_element = len(elements) + 1
         points += body.points

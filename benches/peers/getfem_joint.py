@@ -42,7 +42,7 @@ def solve(joint, job):
     model.add_initialized_data("nothing", [0.0, 0.0])
     model.add_initialized_data("across", [[1.0, 0.0], [0.0, 0.0]])
     bodies, integrations = {}, []
-    for name, given, body in zip(("pin", "plate"), ("descent", "nothing"), scene.mesh(joint, job["elements"])):
+    for name, given, body in zip(("pin", "plate"), ("descent", "nothing"), scene.mesh(joint, job)):
         mesh = mesh_of(body)
         space = getfem.MeshFem(mesh, 2)
         space.set_classical_fem(2)

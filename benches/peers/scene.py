@@ -4,8 +4,8 @@ Half of the joint, in units of the hole's radius R2. The origin is the hole's ce
 from the load line. The plate reaches from radius 1 to `outer_ratio` and is held there. The pin's centre is at (0, -dR):
 it touches the hole at angle 0, and its held part, the flat face of a half disc or the core of a disc, moves along -y.
 
-A peer script reads a job as JSON, {"elements": along the widest contact, "penalty": CalculiX's contact stiffness,
-"joints": [the fields of `Joint`]}, and answers with a line of JSON, {"unknowns": at most, "forces": N by joint and step,
+A peer script reads a job as JSON, {"elements", "growth", "coarsest": see `mesh`, "penalty": CalculiX's contact stiffness in
+Young's moduli per mm, "joints": [the fields of `Joint`]}, and answers with a line of JSON, {"unknowns": at most, "forces": N by joint and step,
 "problems": [what is wrong with them], "work_seconds": without the start of the script}.
 """
 
@@ -42,32 +42,36 @@ class Body(NamedTuple):
     axis: list  # on the line of symmetry
 
 
-def graded(start, end, first, largest):
-    """From `start` to `end` in steps that grow from `first` by 1.4 to at most `largest(position)`, stretched to fit."""
+def graded(start, end, first, growth, largest):
+    """From `start` to `end` in steps that grow from `first` to at most `largest(position)`, stretched to fit."""
     positions, step, towards = [start], first, 1.0 if end > start else -1.0
     while towards * (end - positions[-1]) > 1e-9:
         positions.append(positions[-1] + towards * step)
-        step = min(1.4 * step, largest(positions[-1]))
+        step = min(growth * step, largest(positions[-1]))
     if len(positions) > 2 and abs(positions[-2] - end) < abs(positions[-1] - end):
         positions.pop()
     stretch = (end - start) / (positions[-1] - start)
     return [start + stretch * (position - start) for position in positions]
 
 
-def mesh(joint, elements):
-    """Pin and plate. Elements are a little finer at the load line, and layers beneath as thick as the first is long."""
+def mesh(joint, job):
+    """Pin and plate, with so many `elements` along the widest contact, a little finer at the load line.
+
+    Layers beneath are as thick as elements are long. Away from the contact both grow, to `coarsest` times the radius.
+    """
+    elements, growth, coarsest = job["elements"], job["growth"], job["coarsest"]
     widest = joint.widest_angle()
     contact = [widest * (i / elements) ** 1.3 for i in range(elements)]
     half_disc = joint.core_ratio == 0.0
     pin_radius = 1.0 - joint.clearance
 
     def angles(end):
-        return contact + graded(widest, end, widest - contact[-1], lambda _: 0.25)
+        return contact + graded(widest, end, widest - contact[-1], growth, lambda _: coarsest / 1.2)
 
     def radii(start, end):
-        return graded(start, end, start * widest / elements, lambda radius: 0.3 * radius)
+        return graded(start, end, start * widest / elements, growth, lambda radius: coarsest * radius)
 
-    pin_radii = radii(pin_radius, pin_radius * (joint.core_ratio or 0.2)) + ([0.0] if half_disc else [])
+    pin_radii = radii(pin_radius, pin_radius * (joint.core_ratio or coarsest / 1.5)) + ([0.0] if half_disc else [])
     return (
         polar_mesh(angles(pi / 2 if half_disc else pi), pin_radii, -joint.clearance, elements, half_disc),
         polar_mesh(angles(pi), radii(1.0, joint.outer_ratio), 0.0, elements, False),
