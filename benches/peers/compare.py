@@ -74,7 +74,7 @@ MESHES = {
     ("GetFEM", "curve", 0.01): (5, None),
     ("GetFEM", "curve", 0.001): (20, None),
     ("GetFEM", "study", 0.01): (6, None),
-    ("GetFEM", "study", 0.001): (20, None),
+    ("GetFEM", "study", 0.001): (23, None),
     ("CalculiX", "point", 0.01): (4, 5.0),
     ("CalculiX", "point", 0.001): (10, 20.0),
     ("CalculiX", "curve", 0.01): (6, 5.0),
