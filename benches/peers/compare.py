@@ -302,7 +302,8 @@ def main():
             "worst_deviation_of_the_second_from_the_first": float(f"{deviation:.2e}"),
         },
         "host": {
-            "os": platform.platform(),
+            "os": platform.system().lower(),
+            "arch": platform.machine(),
             "cpu": re.search("model name\\s*: (.*)", Path("/proc/cpuinfo").read_text())[1],
             "processors": os.cpu_count(),
         },

@@ -4,9 +4,10 @@ Half of the joint, in units of the hole's radius R2. The origin is the hole's ce
 from the load line. The plate reaches from radius 1 to `outer_ratio` and is held there. The pin's centre is at (0, -dR):
 it touches the hole at angle 0, and its held part, the flat face of a half disc or the core of a disc, moves along -y.
 
-A peer script reads a job as JSON, {"elements", "growth", "coarsest": see `mesh`, "penalty": CalculiX's contact stiffness in
-Young's moduli per mm, "joints": [the fields of `Joint`]}, and answers with a line of JSON, {"unknowns": at most, "forces": N by joint and step,
-"problems": [what is wrong with them], "work_seconds": without the start of the script}.
+A peer script reads a job as JSON, {"elements", "growth", "coarsest": see `mesh`, "penalty": CalculiX's contact
+stiffness in Young's moduli per mm, "joints": [the fields of `Joint`]}, and answers with a line of JSON, {"unknowns": at
+most, "forces": N by joint and step, "problems": [what is wrong with them], "work_seconds": without the start of the
+script}.
 """
 
 import json
