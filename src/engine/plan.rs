@@ -34,8 +34,8 @@ pub fn mesh_error(level: usize, change: f64) -> f64 {
     ERROR_PER_CHANGE[level] * change + FLOOR[level]
 }
 
-/// How far the change between meshes can be trusted as a measure of the error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How far the change between meshes can be trusted as a measure of the error, ever less.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Trust {
     Full,
     /// A body is nearly incompressible in plane strain: both meshes may be about to lock, the finer one a little less.
@@ -100,13 +100,7 @@ impl JointPlan {
 
     /// The lesser trust of the two bodies.
     pub fn trust(&self) -> Trust {
-        let both = [&self.pin, &self.plate].map(Trust::of);
-        let is = |trust: Trust| both.contains(&trust);
-        match () {
-            () if is(Trust::SqueezedFilm) => Trust::SqueezedFilm,
-            () if is(Trust::NearlyIncompressible) => Trust::NearlyIncompressible,
-            () => Trust::Full,
-        }
+        Trust::of(&self.pin).max(Trust::of(&self.plate))
     }
 
     /// The bodies to solve: each mesh comes with the next coarser one, whose difference says how good it is.
