@@ -7,8 +7,8 @@ use jointsweep::study::config::{MethodChoice, Study};
 
 use super::{Backend, BackendArgs, say};
 
-/// Designs from which on `auto` starts a GPU: the processor does fewer in about the time that a device takes to start
-/// and its kernels to compile.
+/// Designs from which on `auto` starts a GPU: the processor should do fewer in about the time that a device takes to
+/// start and its kernels to compile. An estimate: it was not measured on a GPU.
 pub const WORTH_A_GPU: u64 = 10_000;
 
 /// The device and the numbers it computes in; `None` for the processor. A device that was asked for and cannot be had

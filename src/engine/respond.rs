@@ -3,6 +3,7 @@
 
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
 use crate::engine::plan::Trust;
+use crate::mechanics::contact::arc_state::ArcState;
 use crate::mechanics::contact::loading::{DimensionlessLoad, NoState};
 use crate::mechanics::laws;
 use crate::study::design::{DesignCase, JointDesign, Load};
@@ -28,6 +29,23 @@ pub struct LoadState {
     /// Relative change of the work since the next coarser mesh, summed over the bodies that are on meshes.
     pub change: f64,
     pub pressure_is_positive: bool,
+}
+
+impl LoadState {
+    /// `change` as the field.
+    pub fn new(state: &ArcState, change: f64) -> LoadState {
+        LoadState {
+            half_angle: state.arc.half_angle,
+            indentation: state.indentation,
+            force: state.force,
+            tangent_stiffness: state.tangent_stiffness,
+            energy: state.energy,
+            peak_pressure: state.peak_pressure(),
+            truncation: state.truncation(),
+            change,
+            pressure_is_positive: state.pressure_is_positive(),
+        }
+    }
 }
 
 /// How a design was solved.

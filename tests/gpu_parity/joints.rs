@@ -191,19 +191,7 @@ fn twin(
         };
         of_body(bodies[0], coarser_pin, joint.moduli[0]) + of_body(bodies[1], coarser_plate, joint.moduli[1])
     };
-    let states = states.into_iter().map(|state| {
-        state.map(|state| LoadState {
-            half_angle: state.arc.half_angle,
-            indentation: state.indentation,
-            force: state.force,
-            tangent_stiffness: state.tangent_stiffness,
-            energy: state.energy,
-            peak_pressure: state.peak_pressure(),
-            truncation: state.truncation(),
-            change: change(state),
-            pressure_is_positive: state.pressure_is_positive(),
-        })
-    });
+    let states = states.into_iter().map(|state| state.map(|state| LoadState::new(&state, change(state))));
     states.collect()
 }
 

@@ -153,6 +153,14 @@ fn what_the_device_cannot_hold_the_processor_solves() {
     small.facts.limits.binding_bytes = 1_000_000;
     let found = on_device(&small, Precision::F32, options, &cases);
     assert!(compare(&found, &expected, BackendKind::Gpu).0 < allowed(Precision::F32));
+    // One whose answers alone are too many does not drag the others along.
+    let mut cases = cases;
+    cases[1].steps = vec![cases[1].steps[0]; 21_000];
+    let expected = CpuBackend::new(options).solve(&cases);
+    let found = on_device(&small, Precision::F32, options, &cases);
+    assert_eq!(compare(&found[1..2], &expected[1..2], BackendKind::Cpu).0, 0.0);
+    assert!(compare(&found[..1], &expected[..1], BackendKind::Gpu).0 < allowed(Precision::F32));
+    assert!(compare(&found[2..], &expected[2..], BackendKind::Gpu).0 < allowed(Precision::F32));
 }
 
 /// A device that is lost in the middle of a sweep: its batch and all after it come from the processor, whole.

@@ -139,17 +139,7 @@ fn load_states(
         .iter()
         .map(|state| {
             let state = state.as_ref().map_err(|reason| *reason)?;
-            Ok(LoadState {
-                half_angle: state.arc.half_angle,
-                indentation: state.indentation,
-                force: state.force,
-                tangent_stiffness: state.tangent_stiffness,
-                energy: state.energy,
-                peak_pressure: state.peak_pressure(),
-                truncation: state.truncation(),
-                change: relative.next().unwrap_or(f64::NAN),
-                pressure_is_positive: state.pressure_is_positive(),
-            })
+            Ok(LoadState::new(state, relative.next().unwrap_or(f64::NAN)))
         })
         .collect()
 }

@@ -31,10 +31,8 @@ pub trait Backend: Send {
 pub struct Solver<'a> {
     cpu: CpuBackend,
     accelerator: Option<Box<dyn Backend + 'a>>,
-    /// Of the accelerator that was lost.
-    lost_stages: Vec<(&'static str, Duration)>,
-    lost_residual: Option<f64>,
-    lost_solves: u64,
+    /// Whether the accelerator was given up: it is only asked what it has done.
+    is_given_up: bool,
 }
 
 /// Designs that the processor solves at a time: enough to fill the lanes of many topologies, few enough to stay small.
@@ -43,13 +41,7 @@ pub const CPU_BATCH: usize = 1024;
 impl<'a> Solver<'a> {
     /// With the processor alone.
     pub fn on_cpu(options: SolveOptions) -> Solver<'a> {
-        Solver {
-            cpu: CpuBackend::new(options),
-            accelerator: None,
-            lost_stages: Vec::new(),
-            lost_residual: None,
-            lost_solves: 0,
-        }
+        Solver { cpu: CpuBackend::new(options), accelerator: None, is_given_up: false }
     }
 
     /// With `accelerator`, and the processor should it be lost.
@@ -60,39 +52,30 @@ impl<'a> Solver<'a> {
     /// Outcomes of `cases`, in their order, and why the accelerator was given up if it was. A batch is handed over whole
     /// or not at all, so giving up loses no design and none is met twice.
     pub fn solve(&mut self, cases: &[DesignCase]) -> (Vec<DesignOutcome>, Option<GpuError>) {
-        let mut given_up = None;
-        if let Some(accelerator) = &mut self.accelerator {
+        let mut reason = None;
+        if let Some(accelerator) = self.accelerator.as_mut().filter(|_| !self.is_given_up) {
             match accelerator.solve(cases) {
                 Ok(outcomes) => return (outcomes, None),
-                Err(error) => {
-                    self.lost_stages = accelerator.stages();
-                    self.lost_residual = Some(accelerator.worst_residual());
-                    self.lost_solves = accelerator.solves();
-                    given_up = Some(error);
-                    // Letting go of a device that hangs may never end.
-                    std::mem::forget(self.accelerator.take());
-                }
+                Err(error) => reason = Some(error),
             }
+            self.is_given_up = true;
         }
-        (cases.chunks(CPU_BATCH).flat_map(|cases| self.cpu.solve(cases)).collect(), given_up)
+        (cases.chunks(CPU_BATCH).flat_map(|cases| self.cpu.solve(cases)).collect(), reason)
     }
 
     /// The greatest true residual that an outcome of the accelerator rests on.
     pub fn worst_residual(&self) -> Option<f64> {
-        self.accelerator.as_ref().map(|accelerator| accelerator.worst_residual()).or(self.lost_residual)
+        self.accelerator.as_ref().map(|accelerator| accelerator.worst_residual())
     }
 
     /// Columns of rings that the accelerator has solved for by iteration.
     pub fn solves(&self) -> u64 {
-        self.accelerator.as_ref().map_or(self.lost_solves, |accelerator| accelerator.solves())
+        self.accelerator.as_ref().map_or(0, |accelerator| accelerator.solves())
     }
 
     /// Where the time went, summed over threads of the processor.
     pub fn stages(&self) -> Vec<(&'static str, Duration)> {
-        let mut stages = match &self.accelerator {
-            Some(accelerator) => accelerator.stages(),
-            None => self.lost_stages.clone(),
-        };
+        let mut stages = self.accelerator.as_ref().map_or(Vec::new(), |accelerator| accelerator.stages());
         add_stages(&mut stages, self.cpu.stages());
         stages
     }

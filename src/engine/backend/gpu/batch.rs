@@ -224,7 +224,7 @@ fn next_batch(
     let most_in_time = (steps_in_target / most_steps.min(FEWEST_STEPS) as f64).max(1.0) as u64;
     let most = most_in_time.min(limit);
 
-    let buffer = limits.binding_bytes.min(limits.buffer_bytes);
+    let buffer = limits.bound_buffer();
     let mut used = [0; 6];
     let mut total = 0;
     let all = |bytes: &[(&str, u64)]| -> u64 { bytes.iter().map(|(_, bytes)| bytes).sum() };

@@ -8,11 +8,12 @@ use super::context::{AdapterKind, GpuError};
 use super::dispatch::Dispatch;
 use super::slots::Slots;
 use super::trial::{TrialKernels, slot_size};
-use crate::engine::respond::LoadState;
+use crate::engine::respond::{LoadState, loads_in_contact};
 use crate::mechanics::compliance::NODE_COUNT;
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::contact::loading::{DimensionlessLoad, NoState};
+use crate::study::design::DesignCase;
 
 /// No slot: the body has no coarser mesh.
 pub const NO_SLOT: u32 = u32::MAX;
@@ -68,6 +69,16 @@ pub enum LoadResponse {
 }
 
 impl DeviceJoint {
+    pub fn new(case: &DesignCase, slots: [u32; 4]) -> DeviceJoint {
+        let joint = &case.joint;
+        DeviceJoint {
+            slots,
+            moduli: [&joint.pin, &joint.plate].map(|part| part.material.youngs_modulus),
+            clearance: joint.radial_clearance / joint.hole_radius,
+            loads: loads_in_contact(case).collect(),
+        }
+    }
+
     /// What the joint's numbers are divided by on the device, so that they are of order one: the softer body's modulus.
     fn unit(&self) -> f64 {
         self.moduli[0].min(self.moduli[1])

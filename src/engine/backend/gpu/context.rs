@@ -63,6 +63,13 @@ pub struct DeviceLimits {
     pub storage_buffers: u32,
 }
 
+impl DeviceLimits {
+    /// Most bytes of a buffer that a kernel can see whole.
+    pub fn bound_buffer(&self) -> u64 {
+        self.binding_bytes.min(self.buffer_bytes)
+    }
+}
+
 /// What kernels may use beyond the common ground.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceFeatures {
@@ -165,7 +172,9 @@ impl GpuDevice {
         }
     }
 
+    /// Letting go of a device that hangs may never end, so one handle of it is kept for good.
     pub(super) fn lost(&self, problem: &str) -> GpuError {
+        std::mem::forget((self.device.clone(), self.queue.clone()));
         GpuError::Lost { adapter: self.facts.name.clone(), problem: one_line(problem) }
     }
 }

@@ -106,16 +106,8 @@ pub fn joint_kernels(
     let known: Vec<(u32, &PressureCompliance)> =
         (0..).zip(&requests).map(|(slot, request)| (slot, &**library.compliance(&request.key()))).collect();
     slots.write(&known)?;
-    let device_joints: Vec<DeviceJoint> = joints
-        .iter()
-        .zip(design_slots)
-        .map(|((case, _), slots)| DeviceJoint {
-            slots,
-            moduli: [&case.joint.pin, &case.joint.plate].map(|part| part.material.youngs_modulus),
-            clearance: case.joint.radial_clearance / case.joint.hole_radius,
-            loads: loads_in_contact(case).collect(),
-        })
-        .collect();
+    let device_joints: Vec<DeviceJoint> =
+        joints.iter().zip(design_slots).map(|((case, _), slots)| DeviceJoint::new(case, slots)).collect();
     let space = library.space(space);
     let contact = |limit| Contact::new(&trials, space, &slots, &device_joints, limit);
     let times = of_joints(&trials, contact, &requests, &device_joints, level)?;
@@ -135,9 +127,8 @@ fn commonest_space<'a>(
     }
     let (space, mut joints) =
         by_space.into_iter().max_by_key(|(space, joints)| (joints.len(), space.terms))?;
-    let limits = &choice.device.facts.limits;
     let slot = slot_size(space.terms) as u64 * choice.precision.wide_bytes();
-    let room = limits.binding_bytes.min(limits.buffer_bytes) / (4 * slot);
+    let room = choice.device.facts.limits.bound_buffer() / (4 * slot);
     joints.truncate(room as usize);
     Some((space, joints))
 }
@@ -261,10 +252,9 @@ fn of_bodies(
     times.push(of_wide("condense", time(condensation.pass())?, sizes.condense(items, precision)));
 
     let terms = trials.terms as u64;
-    let limits = &gpu.facts.limits;
     let slot = slot_size(trials.terms) as u64 * precision.wide_bytes();
     // Bodies that find no slot of their own take one that is taken: the traffic is the same.
-    let room = count.min((limits.binding_bytes.min(limits.buffer_bytes) / slot) as usize);
+    let room = count.min((gpu.facts.limits.bound_buffer() / slot) as usize);
     let slots = Slots::new(trials, room)?;
     let targets: Vec<(u32, Body)> =
         (0..count).map(|i| ((i % room) as u32, bodies[i % bodies.len()])).collect();

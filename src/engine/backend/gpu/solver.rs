@@ -21,7 +21,7 @@ use crate::engine::near_fields::{NearFieldLibrary, near_field_key};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::{JointPlan, coarser, first_level};
 use crate::engine::request::{BodyRequest, Fidelity, RequestKey, SpaceKey, TopologyKey};
-use crate::engine::respond::{LoadState, Solving, loads_in_contact};
+use crate::engine::respond::{LoadState, Solving};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::PressureCompliance;
 use crate::mechanics::compliance::near_field::PoissonRange;
@@ -145,16 +145,8 @@ impl<'a> GpuBackend<'a> {
         self.report.condensation += started.elapsed();
 
         let started = Instant::now();
-        let device_joints: Vec<DeviceJoint> = joints
-            .iter()
-            .zip(design_slots)
-            .map(|((case, _), slots)| DeviceJoint {
-                slots,
-                moduli: [&case.joint.pin, &case.joint.plate].map(|part| part.material.youngs_modulus),
-                clearance: case.joint.radial_clearance / case.joint.hole_radius,
-                loads: loads_in_contact(case).collect(),
-            })
-            .collect();
+        let device_joints: Vec<DeviceJoint> =
+            joints.iter().zip(design_slots).map(|((case, _), slots)| DeviceJoint::new(case, slots)).collect();
         let answers = answers(kernels, &library.shared.space(space).space, &slots, &device_joints)?;
         self.report.contact += started.elapsed();
 
@@ -223,20 +215,24 @@ impl<'a> GpuBackend<'a> {
         cases: &[DesignCase],
         first: usize,
     ) -> usize {
-        let limits = &self.choice.device.facts.limits;
-        let numbers = limits.binding_bytes.min(limits.buffer_bytes) / self.choice.precision.wide_bytes();
         let (mut of_slots, mut of_answers) = (0, 0);
         let fits = |(index, _): &&(usize, JointPlan)| {
             of_slots += 4 * slot_size(space.terms) as u64;
-            of_answers += (RESPONSE_SIZE * cases[*index].steps.len()) as u64;
-            of_slots.max(of_answers) <= numbers
+            of_answers += answer_numbers(&cases[*index]);
+            of_slots.max(of_answers) <= self.buffer_numbers()
         };
         first + joints[first..].iter().take_while(fits).count().max(1)
     }
 
-    /// What `case` is solved with at a level; `None` where no mesh is needed, or none is allowed.
+    /// Numbers that fit into a buffer.
+    fn buffer_numbers(&self) -> u64 {
+        self.choice.device.facts.limits.bound_buffer() / self.choice.precision.wide_bytes()
+    }
+
+    /// What `case` is solved with at a level; `None` where no mesh is needed, or none is allowed, or the answers of this
+    /// design alone are too many for a buffer.
     fn plan(&self, case: &DesignCase, level: usize) -> Option<JointPlan> {
-        if self.options.method == MethodChoice::ClosedForm {
+        if self.options.method == MethodChoice::ClosedForm || answer_numbers(case) > self.buffer_numbers() {
             return None;
         }
         let plan = JointPlan::new(&case.joint, self.options.method, level)?;
@@ -370,6 +366,11 @@ fn condense(
         first = own.end;
     }
     Ok(())
+}
+
+/// Numbers of the answers to a design's loads.
+fn answer_numbers(case: &DesignCase) -> u64 {
+    (RESPONSE_SIZE * case.steps.len()) as u64
 }
 
 /// The distinct bodies of joints, in slots, and the slots of each joint: pin, plate, and both on coarser meshes.
