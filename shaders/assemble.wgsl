@@ -25,10 +25,12 @@ struct AssembleParameters {
     line_count: u32,
     // Whether mid-side lines lie half-way between their neighbours.
     is_bowed: u32,
+    // Else in plane stress.
+    is_plane_strain: u32,
 }
 
 @group(0) @binding(0) var<uniform> parameters: AssembleParameters;
-// [body][direct, cross, shear, then for each line: depth, growth, scale, turn]
+// [body][margin of Poisson's ratio, then for each line: depth, growth, scale, and where lines are bowed turn]
 @group(0) @binding(1) var<storage, read> bodies: array<wide>;
 // Shared by the topology: (first layer, thickest layer), (sign, pull of the centre), then for each column the ring's
 // point, its step to the next point, and how far it lies off the chord of its neighbours; then the derivatives of the
@@ -55,15 +57,33 @@ const POINT_SIZE = 9u;
 var<workgroup> sound_points: atomic<u32>;
 var<workgroup> sound_total: u32;
 
+// Numbers of a line.
+fn line_size() -> u32 {
+    return select(3u, 4u, parameters.is_bowed != 0u);
+}
+
+// Direct, cross and shear modulus for Young's modulus 1, from 1 + nu in plane stress or 1 - 2 nu in plane strain.
+fn elasticity(margin: wide) -> array<wide, 3> {
+    if parameters.is_plane_strain != 0u {
+        let shear = wide(1.0) / (wide(3.0) - margin);
+        return array<wide, 3>((wide(1.0) + margin) * shear / margin, (wide(1.0) - margin) * shear / margin, shear);
+    }
+    let direct = wide(1.0) / (margin * (wide(2.0) - margin));
+    return array<wide, 3>(direct, (margin - wide(1.0)) * direct, wide(0.5) / margin);
+}
+
 // Reaches of all grid points of a line. Where lines are bowed, a mid-side line has (share, 0) instead, for `bow`.
 fn reach_of_line(column: u32, numbers: u32, grid: u32) {
-    let line = numbers + 3u + 4u * min(column, parameters.line_count - 1u);
+    let line = numbers + 1u + line_size() * min(column, parameters.line_count - 1u);
     let depth = bodies[line];
     let growth = bodies[line + 1u];
     let on_ring = shared_numbers[2u + column];
-    var span = bodies[line + 2u] * on_ring + bodies[line + 3u] * wide2(-on_ring.y, on_ring.x);
-    if parameters.is_bowed != 0u && column % 2u == 1u {
-        span = wide2(wide(1.0), wide(0.0));
+    var span = bodies[line + 2u] * on_ring;
+    if parameters.is_bowed != 0u {
+        span += bodies[line + 3u] * wide2(-on_ring.y, on_ring.x);
+        if column % 2u == 1u {
+            span = wide2(wide(1.0), wide(0.0));
+        }
     }
     let first_layer = shared_numbers[0].x;
     let thickest = shared_numbers[0].y;
@@ -138,13 +158,13 @@ fn gradients(item: u32, grid: u32, points: u32) -> bool {
 }
 
 // Entry (i, j) of an element's stiffness: sum over points of |J| B_i^T D B_j.
-fn entry(source: u32, numbers: u32, points: u32) -> wide {
+fn entry(source: u32, moduli: array<wide, 3>, points: u32) -> wide {
     let element = source / 256u;
     let i = (source / 16u) % 16u;
     let j = source % 16u;
     let is_direct = i % 2u == j % 2u;
-    let along = select(bodies[numbers + 1u], bodies[numbers], is_direct);
-    let shear = bodies[numbers + 2u];
+    let along = select(moduli[1], moduli[0], is_direct);
+    let shear = moduli[2];
     var sum = wide(0.0);
     for (var point = 0u; point < POINTS; point++) {
         let at = points + (element * POINTS + point) * POINT_SIZE;
@@ -169,7 +189,7 @@ fn assemble(
     let body = group.x;
     let grid_size = parameters.row_count * parameters.column_count;
     let point_count = POINTS * parameters.element_count;
-    let numbers = body * (3u + 4u * parameters.line_count);
+    let numbers = body * (1u + line_size() * parameters.line_count);
     let grid = body * (grid_size + point_count * POINT_SIZE);
     let points = grid + grid_size;
 
@@ -199,11 +219,12 @@ fn assemble(
     if invocation == 0u {
         sound_total = atomicLoad(&sound_points);
     }
+    let moduli = elasticity(bodies[numbers]);
     let outcome = select(INVERTED, RUNNING, workgroupUniformLoad(&sound_total) == point_count);
     for (var value = invocation; value < parameters.value_count; value += INVOCATIONS) {
         var sum = wide(0.0);
         for (var source = source_starts[value]; source < source_starts[value + 1u]; source++) {
-            sum += entry(sources[source], numbers, points);
+            sum += entry(sources[source], moduli, points);
         }
         values[body * parameters.value_count + value] = sum;
     }

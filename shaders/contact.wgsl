@@ -19,12 +19,6 @@ struct ContactParameters {
     term_count: u32,
 }
 
-struct Step {
-    design: u32,
-    // Whether the force is prescribed; else the indentation.
-    by_force: u32,
-}
-
 @group(0) @binding(0) var<uniform> parameters: ContactParameters;
 // [largest half angle, tolerance, narrowest bracket, 0], then of each node in eps [abscissa, weight, half angle], then
 // cos(i pi/(2 TERMS)) for i < 4 TERMS.
@@ -35,7 +29,8 @@ struct Step {
 @group(0) @binding(3) var<storage, read> design_slots: array<vec4<u32>>;
 // [design][1/E of the pin, of the plate], then of each step the logarithm of e over what the load prescribes.
 @group(0) @binding(4) var<storage, read> numbers: array<wide>;
-@group(0) @binding(5) var<storage, read> steps: array<Step>;
+// [step]: twice its design, and one more if the force is prescribed; else the indentation is.
+@group(0) @binding(5) var<storage, read> steps: array<u32>;
 // [design][sample]: the `Readings` of each state, 0 in the last where there is none.
 @group(0) @binding(6) var<storage, read_write> samples: array<wide4>;
 // [step][RESPONSE_SIZE]; the twin is `contact::LoadResponse`.
@@ -298,7 +293,7 @@ fn samples_in_use(first: u32) -> u32 {
 // neat fit, where dR/e ends; so there it is the difference of dR/e and what it should be, which goes on beyond.
 fn excess_of(readings: wide4, step: u32) -> wide {
     let factor = numbers[2u * parameters.design_count + step];
-    if steps[step].by_force == 0u {
+    if steps[step] % 2u == 0u {
         return readings.x + factor;
     }
     let wanted = readings.y + factor;
@@ -384,7 +379,7 @@ fn find(
     if step >= parameters.step_count {
         return;
     }
-    let design = steps[step].design;
+    let design = steps[step] / 2u;
     let of_design = design_slots[design];
     let pin = of_design.x * parameters.slot_size;
     let plate = of_design.y * parameters.slot_size;

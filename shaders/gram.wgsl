@@ -14,6 +14,10 @@ struct GramParameters {
     arc_count: u32,
     // Of a whole slot.
     slot_size: u32,
+    // Of the first body; the others follow.
+    first_slot: u32,
+    // Else in plane stress.
+    is_plane_strain: u32,
 }
 
 @group(0) @binding(0) var<uniform> parameters: GramParameters;
@@ -21,18 +25,17 @@ struct GramParameters {
 @group(0) @binding(1) var<storage, read> compliance: array<wide4>;
 // [arc][ring unknown][k]
 @group(0) @binding(2) var<storage, read> loads: array<wide>;
-// [node of Poisson's ratio][arc][entry]
+// Least margin whose logarithm is interpolated in, 0 where Poisson's ratio itself is; of each node of it [coordinate,
+// barycentric weight]; then [node][arc][entry].
 @group(0) @binding(3) var<storage, read> near_field: array<wide>;
-// [body]: where its compliance goes.
-@group(0) @binding(4) var<storage, read> targets: array<u32>;
-// [body][amplitude, then the share of each node of Poisson's ratio]
-@group(0) @binding(5) var<storage, read> shares: array<wide>;
+// [body]: margin of Poisson's ratio, 1 + nu in plane stress and 1 - 2 nu in plane strain.
+@group(0) @binding(4) var<storage, read> margins: array<wide>;
 // [body][system]
-@group(0) @binding(6) var<storage, read> states: array<SystemState>;
+@group(0) @binding(5) var<storage, read> states: array<SystemState>;
 // [body][block][rho, |b|, |b - K x|/|b|]
-@group(0) @binding(7) var<storage, read> norms: array<wide4>;
+@group(0) @binding(6) var<storage, read> norms: array<wide4>;
 // [slot][1 for a sound body and 0 for any other, amplitude, greatest |b - K x|/|b|, then [arc][entry]]
-@group(0) @binding(8) var<storage, read_write> slots: array<wide>;
+@group(0) @binding(7) var<storage, read_write> slots: array<wide>;
 
 const ENTRIES = TERMS * (TERMS + 1u) / 2u;
 // Entries that one invocation sums.
@@ -41,6 +44,38 @@ const TILE_ROWS = 16u;
 const BEYOND = wide(1e30);
 
 var<workgroup> products: array<wide, TILE_ROWS * TERMS>;
+
+// What the near field is interpolated in.
+fn coordinate_of(margin: wide) -> wide {
+    let least = near_field[0];
+    if least > wide(0.0) {
+        return logarithm(max(margin, least));
+    }
+    return select(margin - wide(1.0), wide(0.5) * (wide(1.0) - margin), parameters.is_plane_strain != 0u);
+}
+
+// 2 E/E': 2 in plane stress, 2 (1 - nu^2) in plane strain.
+fn amplitude_of(margin: wide) -> wide {
+    let of_strain = wide(0.5) * (wide(1.0) + margin) * (wide(3.0) - margin);
+    return select(wide(2.0), of_strain, parameters.is_plane_strain != 0u);
+}
+
+// The share of each node in the near field of a body.
+fn shares_of(margin: wide) -> array<wide, NEAR_FIELD_NODES> {
+    let coordinate = coordinate_of(margin);
+    var shares: array<wide, NEAR_FIELD_NODES>;
+    var sum = wide(0.0);
+    for (var node = 0u; node < NEAR_FIELD_NODES; node++) {
+        let distance = coordinate - near_field[1u + 2u * node];
+        // On a node its own share drowns the others.
+        shares[node] = near_field[2u + 2u * node] / select(distance, wide(1e-30), distance == wide(0.0));
+        sum += shares[node];
+    }
+    for (var node = 0u; node < NEAR_FIELD_NODES; node++) {
+        shares[node] /= sum;
+    }
+    return shares;
+}
 
 // Row and column of a packed entry.
 fn place_of(entry: u32) -> vec2<u32> {
@@ -75,7 +110,8 @@ fn gram(
     let body = group.x;
     let arc = group.y;
     let ring_count = parameters.ring_count;
-    let slot = targets[body] * parameters.slot_size;
+    let slot = (parameters.first_slot + body) * parameters.slot_size;
+    var shares = shares_of(margins[body]);
     let arc_loads = arc * ring_count * TERMS;
     var sums: array<wide, OWN>;
     for (var own = 0u; own < OWN; own++) {
@@ -117,8 +153,8 @@ fn gram(
         if entry < ENTRIES {
             var sum = sums[own];
             for (var node = 0u; node < NEAR_FIELD_NODES; node++) {
-                let share = shares[body * (1u + NEAR_FIELD_NODES) + 1u + node];
-                sum += share * near_field[(node * parameters.arc_count + arc) * ENTRIES + entry];
+                let at = 1u + 2u * NEAR_FIELD_NODES + (node * parameters.arc_count + arc) * ENTRIES + entry;
+                sum += shares[node] * near_field[at];
             }
             slots[slot + SLOT_HEADER + arc * ENTRIES + entry] = sum;
         }
@@ -126,7 +162,7 @@ fn gram(
     if arc == 0u && invocation == 0u {
         let residual = worst_residual(body);
         slots[slot] = select(wide(1.0), wide(0.0), residual == BEYOND);
-        slots[slot + 1u] = shares[body * (1u + NEAR_FIELD_NODES)];
+        slots[slot + 1u] = amplitude_of(margins[body]);
         slots[slot + 2u] = residual;
     }
 }

@@ -26,6 +26,15 @@ impl Idealization {
         }
     }
 
+    /// What keeps the elasticity from being singular: 1 + nu in plane stress, 1 - 2 nu in plane strain. The elasticity
+    /// follows from it to its own rounding, where a rounded Poisson's ratio would lose the difference from -1 or 1/2.
+    pub fn margin(self, poissons_ratio: f64) -> f64 {
+        match self {
+            Idealization::PlaneStress => 1.0 + poissons_ratio,
+            Idealization::PlaneStrain => 1.0 - 2.0 * poissons_ratio,
+        }
+    }
+
     /// Kolosov's constant: (3 - nu)/(1 + nu) in plane stress, 3 - 4 nu in plane strain.
     pub fn kolosov(self, poissons_ratio: f64) -> f64 {
         match self {

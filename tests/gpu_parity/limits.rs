@@ -241,7 +241,7 @@ fn a_body_without_a_mesh_is_refused_and_spoils_no_other() {
         let (good_columns, good_states) = solve(&good);
         let own = good.len() / bodies.count();
         // Depth and scale of the lines.
-        for (place, wrong) in [(3, f64::NAN), (3, f64::INFINITY), (5, f64::NAN), (5, -2.0), (5, 0.0)] {
+        for (place, wrong) in [(1, f64::NAN), (1, f64::INFINITY), (3, f64::NAN), (3, -2.0), (3, 0.0)] {
             let mut numbers = good.clone();
             numbers[own + place] = wrong;
             let (columns, states) = solve(&numbers);

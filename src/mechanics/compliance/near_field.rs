@@ -71,6 +71,15 @@ impl PoissonRange {
         }
     }
 
+    /// Where the logarithm of `Idealization::margin` is interpolated in: the margin below which nothing changes any more.
+    pub fn least_margin(self) -> Option<f64> {
+        match self {
+            PoissonRange::Conformal => Some(LEAST_SHEAR),
+            PoissonRange::Incompressible => Some(LEAST_COMPRESSIBILITY),
+            _ => None,
+        }
+    }
+
     /// What is interpolated in.
     fn coordinate(self, poissons_ratio: f64) -> f64 {
         match self {
@@ -90,7 +99,7 @@ impl PoissonRange {
     }
 
     /// Chebyshev nodes of the range, as coordinates, and their barycentric weights.
-    fn nodes(self) -> [(f64, f64); LANES] {
+    pub fn nodes(self) -> [(f64, f64); LANES] {
         let (low, high) = match self {
             PoissonRange::Conformal => (LEAST_SHEAR.ln(), (1.0 + NEARLY_CONFORMAL).ln()),
             PoissonRange::Auxetic => (NEARLY_CONFORMAL, 0.0),
@@ -135,7 +144,7 @@ impl NearFieldClass {
 
 /// The difference between the exact and the condensed compliance of a class's reference body.
 pub struct NearField {
-    range: PoissonRange,
+    pub range: PoissonRange,
     /// `[node of Poisson's ratio][node in eps][packed lower triangle]`.
     pub values: [Vec<f64>; LANES],
 }

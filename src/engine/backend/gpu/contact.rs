@@ -32,14 +32,6 @@ pub struct ContactParameters {
     pub term_count: u32,
 }
 
-/// One load: of which design, and what it prescribes.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct Step {
-    pub design: u32,
-    pub by_force: u32,
-}
-
 /// A joint as the device meets it.
 #[derive(Clone, Debug)]
 pub struct DeviceJoint {
@@ -84,14 +76,13 @@ impl DeviceJoint {
         self.moduli[0].min(self.moduli[1])
     }
 
-    /// The logarithm of e over what a load prescribes, and what that is.
-    fn step(&self, design: u32, load: DimensionlessLoad) -> (Step, f64) {
-        let by = |by_force| Step { design, by_force };
+    /// Whether a load prescribes the force, and the logarithm of e over what it prescribes.
+    fn step(&self, load: DimensionlessLoad) -> (bool, f64) {
         match load {
-            DimensionlessLoad::Indentation(delta) => (by(0), (self.clearance / delta).ln_1p()),
+            DimensionlessLoad::Indentation(delta) => (false, (self.clearance / delta).ln_1p()),
             // A neat fit has one half angle, whatever the load.
-            DimensionlessLoad::Force(_) if self.clearance == 0.0 => (by(0), 0.0),
-            DimensionlessLoad::Force(force) => (by(1), (self.clearance / (force / self.unit())).ln()),
+            DimensionlessLoad::Force(_) if self.clearance == 0.0 => (false, 0.0),
+            DimensionlessLoad::Force(force) => (true, (self.clearance / (force / self.unit())).ln()),
         }
     }
 }
@@ -170,12 +161,12 @@ impl<'a> Contact<'a> {
         let TrialKernels { gpu, precision, invocations, terms, contact, .. } = kernels;
         let mut numbers = Vec::with_capacity(2 * joints.len());
         let (mut steps, mut factors, mut units) = (Vec::new(), Vec::new(), Vec::new());
-        for (design, joint) in (0..).zip(joints) {
+        for (design, joint) in (0_u32..).zip(joints) {
             let unit = joint.unit();
             numbers.extend(joint.moduli.map(|modulus| unit / modulus));
             for load in &joint.loads {
-                let (step, factor) = joint.step(design, *load);
-                steps.push(step);
+                let (by_force, factor) = joint.step(*load);
+                steps.push(2 * design + u32::from(by_force));
                 factors.push(factor);
                 units.push(unit);
             }

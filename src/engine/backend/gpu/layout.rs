@@ -9,7 +9,8 @@ use super::batch::{BodyCounts, COLUMNS_ABREAST};
 use crate::mechanics::assembly::Assembly;
 use crate::mechanics::body::{Body, Side};
 use crate::mechanics::element::ElementKind;
-use crate::mechanics::element::stiffness::{Elasticity, ElementRule};
+use crate::mechanics::element::stiffness::ElementRule;
+use crate::mechanics::material::Idealization;
 use crate::mechanics::mesh::{Grading, RingTopology, centre_pull, lines, ring_points};
 use crate::mechanics::solve::refine::RefineSettings;
 
@@ -24,6 +25,7 @@ pub struct AssembleParameters {
     pub system_count: u32,
     pub line_count: u32,
     pub is_bowed: u32,
+    pub is_plane_strain: u32,
 }
 
 /// What `pcg`, `refine` and `condense` are told.
@@ -255,6 +257,7 @@ impl MeshLayout {
             // Only a straight boundary gives each line a depth and a direction of its own.
             line_count: if body.shape.straight_boundary { column_count as u32 } else { 1 },
             is_bowed: u32::from(body.shape.straight_boundary),
+            is_plane_strain: is_plane_strain(body.idealization),
         };
         Ok(MeshLayout {
             grading: grading.clone(),
@@ -293,25 +296,33 @@ impl MeshLayout {
 
     /// How many numbers one body has.
     pub fn body_number_count(&self) -> usize {
-        3 + 4 * self.parameters.line_count as usize
+        let AssembleParameters { line_count, is_bowed, .. } = self.parameters;
+        1 + (3 + is_bowed as usize) * line_count as usize
     }
 
-    /// The numbers of one body: elasticity, then depth, growth and end of each line that is its own.
+    /// The numbers of one body: the margin of its Poisson's ratio, then depth, growth and end of each line that is its own.
     ///
     /// The end of a line is given as what takes the ring's point to it: far - ring = scale ring + turn ring', ring'
-    /// being the ring's point turned by a right angle. For a concentric body that is the same on all lines.
+    /// being the ring's point turned by a right angle. For a concentric body scale is the same on all lines, and turn is 0.
     pub fn body_numbers(&self, body: &Body) -> Vec<f64> {
-        let Elasticity { direct, cross, shear } = Elasticity::new(body.idealization, body.poissons_ratio);
-        let mut numbers = vec![direct, cross, shear];
+        let mut numbers = vec![body.idealization.margin(body.poissons_ratio)];
         let lines = lines(body, &self.grading);
         for (line, [x, y]) in
             lines.iter().zip(ring_points(&self.grading)).take(self.parameters.line_count as usize)
         {
             let [far_x, far_y] = [line.far[0] - x, line.far[1] - y];
-            numbers.extend([line.depth, line.growth, far_x * x + far_y * y, far_y * x - far_x * y]);
+            numbers.extend([line.depth, line.growth, far_x * x + far_y * y]);
+            if body.shape.straight_boundary {
+                numbers.push(far_y * x - far_x * y);
+            }
         }
         numbers
     }
+}
+
+/// As the kernels are told.
+pub(super) fn is_plane_strain(idealization: Idealization) -> u32 {
+    u32::from(idealization == Idealization::PlaneStrain)
 }
 
 /// The element entries of every place: where each list starts, with the end of the last, and the entries. A zero has none.
@@ -361,6 +372,24 @@ fn shared_numbers(body: &Body, grading: &Grading) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Four numbers make a concentric body, so that a million of them are soon told; a block has four of each line.
+    #[test]
+    fn few_numbers_make_a_body() {
+        use crate::mechanics::body::{annulus, block};
+        use crate::mechanics::grading::GradingClass;
+        let of = |shape, parameters| {
+            let (idealization, poissons_ratio) = (Idealization::PlaneStrain, 0.3);
+            let body = Body { shape, parameters, support: 0, poissons_ratio, idealization };
+            let class = GradingClass::of(&body, ElementKind::Quad8, 1);
+            let layout = MeshLayout::new(&body, &class.grading(shape.end_angle)).unwrap();
+            assert_eq!(layout.body_numbers(&body).len(), layout.body_number_count());
+            (layout.body_number_count(), layout.parameters.column_count as usize)
+        };
+        assert_eq!(of(&annulus::SHAPE, [3.0, 0.0, 0.0]).0, 4);
+        let (count, lines) = of(&block::SHAPE, [3.0, 3.0, 3.0]);
+        assert_eq!(count, 1 + 4 * lines);
+    }
 
     /// Rows of one to five values, more than two slices of them: multiplied by way of the slices as row by row, and back.
     #[test]

@@ -7,11 +7,12 @@ use super::batch::{Batch, KernelFacts, adapted, batches};
 use super::contact::{Contact, DeviceJoint, LoadResponse, NO_SLOT, evaluation_limit};
 use super::context::{AdapterKind, GpuError};
 use super::dispatch::{Dispatch, Pass};
+use super::grouping::{BodyGroup, DistinctBodies, distinct};
 use super::kernels::{Kernels, Precision, Stage};
 use super::layout::SystemState;
 use super::roofline::{run, seconds};
 use super::slots::Slots;
-use super::solver::{FIRST_GUESS, GpuChoice, Group, INVOCATIONS, by_group, distinct};
+use super::solver::{FIRST_GUESS, GpuChoice, Group, INVOCATIONS};
 use super::stages::{Rounds, SystemBatch};
 use super::trial::{TrialKernels, slot_size};
 use super::work::{Joints, Sizes, Work};
@@ -73,14 +74,14 @@ pub fn body_kernels(
 ) -> Result<Vec<KernelTime>, GpuError> {
     let GpuChoice { device: gpu, precision } = choice;
     let Some((space, joints)) = commonest_space(cases, level, choice) else { return Ok(Vec::new()) };
-    let requests = joints.iter().flat_map(|(_, plan)| [plan.pin, plan.plate]);
-    let groups = by_group(&requests.collect::<Vec<BodyRequest>>());
+    let requests = joints.iter().flat_map(|(_, plan)| [plan.pin, plan.plate]).collect();
+    let bodies = DistinctBodies::new(requests);
     // Of equally many bodies those with larger meshes, so that every run measures the same.
-    let size = |bodies: &[(u32, Body)]| (bodies.len(), mesh_size(&bodies[0].1, level).unknowns);
-    let Some((key, bodies)) = groups.iter().max_by_key(|(_, bodies)| size(bodies)) else {
+    let size = |group: &BodyGroup| (group.slots.len(), mesh_size(&bodies.of(group)[0], level).unknowns);
+    let Some(group) = bodies.groups.iter().max_by_key(|group| size(group)) else {
         return Ok(Vec::new());
     };
-    let bodies: Vec<Body> = bodies.iter().map(|(_, body)| *body).collect();
+    let (key, bodies) = (&group.key, bodies.of(group));
     let trials = TrialKernels::new(gpu, precision, INVOCATIONS, space.terms)?;
     let mut library = NearFieldLibrary::default();
     library.prepare(&[BodyRequest { body: bodies[0], fidelity: Fidelity::Mesh { level }, space }]);
@@ -98,7 +99,7 @@ pub fn joint_kernels(
 ) -> Result<Vec<KernelTime>, GpuError> {
     let GpuChoice { device: gpu, precision } = choice;
     let Some((space, joints)) = commonest_space(cases, level, choice) else { return Ok(Vec::new()) };
-    let (requests, design_slots) = distinct(&joints);
+    let (DistinctBodies { requests, .. }, design_slots) = distinct(&joints);
     let mut library = BodyLibrary::default();
     library.solve(&requests);
     let trials = TrialKernels::new(gpu, precision, INVOCATIONS, space.terms)?;
@@ -253,13 +254,13 @@ fn of_bodies(
 
     let terms = trials.terms as u64;
     let slot = slot_size(trials.terms) as u64 * precision.wide_bytes();
-    // Bodies that find no slot of their own take one that is taken: the traffic is the same.
+    // As many bodies as have room for their slots.
     let room = count.min((gpu.facts.limits.bound_buffer() / slot) as usize);
     let slots = Slots::new(trials, room)?;
-    let targets: Vec<(u32, Body)> =
-        (0..count).map(|i| ((i % room) as u32, bodies[i % bodies.len()])).collect();
-    let gram = gpu.checked("timing", || slots.gram(&systems, shared, &targets))?;
-    times.push(of_wide("gram", time(gram.pass())?, sizes.gram(terms, items, precision)));
+    let own: Vec<Body> = bodies.iter().cycle().take(room).copied().collect();
+    let gram = gpu.checked("timing", || slots.gram(&systems, shared, &own, 0))?;
+    let work = sizes.gram(terms, room as u64, precision);
+    times.push(KernelTime { items: room as u64, ..of_wide("gram", time(gram.pass())?, work) });
     Ok(times)
 }
 

@@ -10,6 +10,7 @@ pub mod stages;
 pub mod trial;
 pub mod slots;
 pub mod contact;
+mod grouping;
 pub mod work;
 pub mod solver;
 pub mod roofline;

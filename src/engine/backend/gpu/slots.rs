@@ -5,10 +5,11 @@ use bytemuck::{Pod, Zeroable};
 
 use super::context::GpuError;
 use super::dispatch::Dispatch;
+use super::layout::is_plane_strain;
 use super::stages::SystemBatch;
 use super::trial::{SLOT_HEADER, TrialKernels, slot_size};
 use crate::mechanics::body::Body;
-use crate::mechanics::compliance::near_field::{NearField, PoissonRange};
+use crate::mechanics::compliance::near_field::NearField;
 use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::compliance::ring_loads::ring_loads;
 use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance};
@@ -22,6 +23,8 @@ pub struct GramParameters {
     pub block_count: u32,
     pub arc_count: u32,
     pub slot_size: u32,
+    pub first_slot: u32,
+    pub is_plane_strain: u32,
 }
 
 /// What bodies of one topology and near field share: the loads of the trial pressures, and the near field.
@@ -58,22 +61,24 @@ impl<'a> Slots<'a> {
         })
     }
 
-    /// Compliances of the bodies of a batch that was solved, each to its slot.
+    /// Compliances of the bodies of a batch that was solved, to the slots from `first_slot` on. One body at least.
     pub fn fill(
         &self,
         systems: &SystemBatch,
         shared: &GramShared,
-        bodies: &[(u32, Body)],
+        bodies: &[Body],
+        first_slot: usize,
     ) -> Result<(), GpuError> {
         let gpu = self.kernels.gpu;
-        gpu.checked("gram", || gpu.submit([self.gram(systems, shared, bodies).pass()]))
+        gpu.checked("gram", || gpu.submit([self.gram(systems, shared, bodies, first_slot).pass()]))
     }
 
     pub(super) fn gram(
         &self,
         systems: &SystemBatch,
         shared: &GramShared,
-        bodies: &[(u32, Body)],
+        bodies: &[Body],
+        first_slot: usize,
     ) -> Dispatch {
         let TrialKernels { gpu, precision, terms, gram, .. } = self.kernels;
         let parameters = GramParameters {
@@ -81,9 +86,11 @@ impl<'a> Slots<'a> {
             block_count: systems.layout.block_count() as u32,
             arc_count: NODE_COUNT as u32,
             slot_size: slot_size(*terms) as u32,
+            first_slot: first_slot as u32,
+            is_plane_strain: is_plane_strain(bodies[0].idealization),
         };
-        let targets: Vec<u32> = bodies.iter().map(|(target, _)| *target).collect();
-        let shares: Vec<f64> = bodies.iter().flat_map(|(_, body)| shares(body)).collect();
+        let margin = |body: &Body| body.idealization.margin(body.poissons_ratio);
+        let margins: Vec<f64> = bodies.iter().map(margin).collect();
         let group = gpu.bind(
             gram,
             &[
@@ -91,8 +98,7 @@ impl<'a> Slots<'a> {
                 &systems.compliance,
                 &shared.loads,
                 &shared.near_field,
-                &gpu.filled("targets", &targets),
-                &gpu.filled("shares", &precision.encode(&shares)),
+                &gpu.filled("margins", &precision.encode(&margins)),
                 &systems.states,
                 &systems.norms,
                 &self.buffer,
@@ -124,17 +130,18 @@ impl GramShared {
         let loads = trial_loads(space, topology);
         gpu.checked("trial loads and near field", || GramShared {
             loads: gpu.filled("loads", &precision.encode(&loads)),
-            near_field: gpu.filled("near_field", &precision.encode(&near_field.values.concat())),
+            near_field: gpu.filled("near_field", &precision.encode(&near_field_numbers(near_field))),
         })
     }
 }
 
-/// Amplitude, and shares of the nodes of Poisson's ratio.
-fn shares(body: &Body) -> impl Iterator<Item = f64> {
-    let poissons_ratio = body.poissons_ratio;
-    let amplitude = 2.0 / body.idealization.plane_modulus_ratio(poissons_ratio);
-    let range = PoissonRange::of(poissons_ratio, body.idealization);
-    std::iter::once(amplitude).chain(NearField::shares(range, poissons_ratio))
+/// `near_field` of `gram.wgsl`.
+fn near_field_numbers(near_field: &NearField) -> Vec<f64> {
+    let mut numbers = vec![near_field.range.least_margin().unwrap_or(0.0)];
+    numbers
+        .extend(near_field.range.nodes().into_iter().flat_map(|(coordinate, weight)| [coordinate, weight]));
+    numbers.extend(near_field.values.iter().flatten());
+    numbers
 }
 
 /// Loads of the trial pressures on the ring's unknowns, `[arc][ring unknown][k]`.

@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
-use super::contact::{DeviceJoint, LoadResponse, NO_SLOT, RESPONSE_SIZE, answers};
+use super::contact::{DeviceJoint, LoadResponse, RESPONSE_SIZE, answers};
 use super::context::{AdapterKind, GpuDevice, GpuError};
+use super::grouping::{DistinctBodies, GroupKey, distinct};
 use super::kernels::{Kernels, Precision};
 use super::layout::MeshLayout;
 use super::slots::{GramShared, Slots};
@@ -19,12 +20,11 @@ use crate::engine::backend::cpu::CpuBackend;
 use crate::engine::backend::{Backend, add_stages};
 use crate::engine::near_fields::{NearFieldLibrary, near_field_key};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
-use crate::engine::plan::{JointPlan, coarser, first_level};
-use crate::engine::request::{BodyRequest, Fidelity, RequestKey, SpaceKey, TopologyKey};
+use crate::engine::plan::{JointPlan, first_level};
+use crate::engine::request::{BodyRequest, Fidelity, SpaceKey, TopologyKey};
 use crate::engine::respond::{LoadState, Solving};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::PressureCompliance;
-use crate::mechanics::compliance::near_field::PoissonRange;
 use crate::mechanics::contact::loading::NoState;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::mechanics::mesh::RingTopology;
@@ -74,10 +74,7 @@ pub struct GpuReport {
     pub outcomes: Duration,
 }
 
-/// Bodies with one of these go in common batches: one topology, one near field.
-pub(super) type GroupKey = (TopologyKey, PoissonRange);
-
-/// What they share on the device.
+/// What the bodies of a group share on the device.
 pub(super) struct Group {
     pub(super) layout: MeshLayout,
     pub(super) counts: BodyCounts,
@@ -125,21 +122,20 @@ impl<'a> GpuBackend<'a> {
         joints: &[(&DesignCase, JointPlan)],
     ) -> Result<Vec<Option<(DesignOutcome, bool)>>, GpuError> {
         let started = Instant::now();
-        let (requests, design_slots) = distinct(joints);
-        let bodies = by_group(&requests);
-        self.prepare(space, &requests, &bodies)?;
+        let (bodies, design_slots) = distinct(joints);
+        self.prepare(space, &bodies)?;
         let (kernels, library) = (&self.trials[&space.terms], &self.cpu.library);
-        let slots = Slots::new(kernels, requests.len())?;
-        let exact = (0..).zip(&requests).filter(|(_, request)| request.fidelity == Fidelity::Series);
+        let slots = Slots::new(kernels, bodies.requests.len())?;
+        let exact = (0..).zip(&bodies.requests).filter(|(_, request)| request.fidelity == Fidelity::Series);
         let known: Vec<(u32, &PressureCompliance)> =
             exact.map(|(slot, request)| (slot, &**library.compliance(&request.key()))).collect();
         slots.write(&known)?;
         self.report.preparation += started.elapsed();
 
         let started = Instant::now();
-        for (key, bodies) in &bodies {
-            if let Some(group) = self.groups.get_mut(key) {
-                condense(&self.kernels, group, bodies, &slots, &mut self.report)?;
+        for own in &bodies.groups {
+            if let Some(group) = self.groups.get_mut(&own.key) {
+                condense(&self.kernels, group, &bodies.of(own), own.slots.start, &slots, &mut self.report)?;
             }
         }
         self.report.condensation += started.elapsed();
@@ -182,26 +178,22 @@ impl<'a> GpuBackend<'a> {
     }
 
     /// Makes what the bodies share, and those that are exact.
-    fn prepare(
-        &mut self,
-        space: SpaceKey,
-        requests: &[BodyRequest],
-        groups: &HashMap<GroupKey, Vec<(u32, Body)>>,
-    ) -> Result<(), GpuError> {
+    fn prepare(&mut self, space: SpaceKey, bodies: &DistinctBodies) -> Result<(), GpuError> {
         let GpuChoice { device, precision } = self.choice;
         if let Entry::Vacant(entry) = self.trials.entry(space.terms) {
             entry.insert(TrialKernels::new(device, precision, INVOCATIONS, space.terms)?);
         }
         let (exact, meshed): (Vec<BodyRequest>, Vec<BodyRequest>) =
-            requests.iter().partition(|request| request.fidelity == Fidelity::Series);
+            bodies.requests.iter().partition(|request| request.fidelity == Fidelity::Series);
         self.cpu.library.solve(&exact);
         let library = &mut self.cpu.library.shared;
         library.prepare(&meshed);
-        for (key, bodies) in groups {
-            if let Entry::Vacant(entry) = self.groups.entry(key.clone()) {
+        for group in &bodies.groups {
+            if let Entry::Vacant(entry) = self.groups.entry(group.key.clone()) {
                 let facts = self.kernels.facts(FIRST_GUESS);
                 let trial = &self.trials[&space.terms];
-                entry.insert(Group::new(&key.0, &bodies[0].1, facts, trial, library)?);
+                let first = &bodies.requests[group.slots.start].body;
+                entry.insert(Group::new(&group.key.0, first, facts, trial, library)?);
             }
         }
         Ok(())
@@ -330,19 +322,20 @@ impl Group {
     }
 }
 
-/// From bodies of one group to their slots, batch by batch. A body too large for the device keeps its slot of zeros,
+/// From bodies of one group to their slots, from `first_slot` on, batch by batch. A body too large for the device keeps its slot of zeros,
 /// which is not sound.
 fn condense(
     kernels: &Kernels,
     group: &mut Group,
-    bodies: &[(u32, Body)],
+    bodies: &[Body],
+    first_slot: usize,
     slots: &Slots,
     report: &mut GpuReport,
 ) -> Result<(), GpuError> {
     let Group { layout, counts, shared, facts } = group;
     let precision = kernels.precision;
     let numbers: Vec<Vec<f64>> =
-        bodies.par_iter().with_min_len(64).map(|(_, body)| layout.body_numbers(body)).collect();
+        bodies.par_iter().with_min_len(64).map(|body| layout.body_numbers(body)).collect();
     let root = (counts.unknowns as f64).sqrt();
     let iteration_limit = (MOST_STEPS_PER_ROOT * root) as usize;
     let mut first = 0;
@@ -356,7 +349,7 @@ fn condense(
         let systems = SystemBatch::new(kernels, &layout.systems, own.len())?;
         let settings = RefineSettings { iteration_limit, ..precision.settings() };
         systems.assemble_and_condense(layout, &numbers[own.clone()].concat(), &settings, batch.iterations)?;
-        slots.fill(&systems, shared, &bodies[own.clone()])?;
+        slots.fill(&systems, shared, &bodies[own.clone()], first_slot + own.start)?;
         // The next batch is cut by the time of this one, and takes its memory.
         kernels.gpu.wait()?;
         let dispatches = (STEPS_PER_ROOT * root / f64::from(batch.iterations)).ceil().max(1.0);
@@ -371,41 +364,4 @@ fn condense(
 /// Numbers of the answers to a design's loads.
 fn answer_numbers(case: &DesignCase) -> u64 {
     (RESPONSE_SIZE * case.steps.len()) as u64
-}
-
-/// The distinct bodies of joints, in slots, and the slots of each joint: pin, plate, and both on coarser meshes.
-pub(super) fn distinct(joints: &[(&DesignCase, JointPlan)]) -> (Vec<BodyRequest>, Vec<[u32; 4]>) {
-    let mut known: HashMap<RequestKey, u32> = HashMap::new();
-    let mut requests = Vec::new();
-    let mut slot = |request: BodyRequest| {
-        *known.entry(request.key()).or_insert_with(|| {
-            requests.push(request);
-            requests.len() as u32 - 1
-        })
-    };
-    let design_slots = joints.iter().map(|(_, JointPlan { pin, plate, .. })| {
-        let coarser = [coarser(pin), coarser(plate)].map(|request| request.map_or(NO_SLOT, &mut slot));
-        [slot(*pin), slot(*plate), coarser[0], coarser[1]]
-    });
-    let design_slots = design_slots.collect();
-    (requests, design_slots)
-}
-
-/// The bodies on meshes with their slots, in groups.
-pub(super) fn by_group(requests: &[BodyRequest]) -> HashMap<GroupKey, Vec<(u32, Body)>> {
-    let keys: Vec<Option<GroupKey>> = requests
-        .par_iter()
-        .with_min_len(64)
-        .map(|request| {
-            let range = PoissonRange::of(request.body.poissons_ratio, request.body.idealization);
-            (request.fidelity != Fidelity::Series).then(|| (TopologyKey::of(request), range))
-        })
-        .collect();
-    let mut groups: HashMap<GroupKey, Vec<(u32, Body)>> = HashMap::new();
-    for ((slot, request), key) in (0..).zip(requests).zip(keys) {
-        if let Some(key) = key {
-            groups.entry(key).or_default().push((slot, request.body));
-        }
-    }
-    groups
 }

@@ -80,7 +80,7 @@ impl Sizes {
             grid_columns: u64::from(parameters.column_count),
             layers: u64::from(parameters.row_count / 2),
             is_bowed: parameters.is_bowed != 0,
-            body_numbers: u64::from(3 + 4 * parameters.line_count),
+            body_numbers: layout.body_number_count() as u64,
         }
     }
 
@@ -178,16 +178,15 @@ impl Sizes {
         Work { operations: bodies * self.ring_columns * self.ring_columns * entry, bytes: bodies * own }
     }
 
-    /// `gram`: of each arc C F, then F^T C F in its entries, and the near field.
+    /// `gram`: of each arc C F, then F^T C F in its entries, and the near field, whose shares weigh nothing beside it.
     pub fn gram(&self, terms: u64, bodies: u64, precision: Precision) -> Work {
         let wide = precision.wide_bytes();
         let (nodes, entries, lanes) = (NODE_COUNT as u64, packed_count(terms as usize) as u64, LANES as u64);
         let arc = 2 * self.ring_columns * self.ring_columns * terms
             + 2 * self.ring_columns * entries
             + 2 * lanes * entries;
-        let shared = nodes * (self.ring_columns * terms + lanes * entries) * wide;
-        let own = (self.ring_columns * self.systems() + 1 + lanes + slot_size(terms as usize) as u64) * wide
-            + 4
+        let shared = (nodes * (self.ring_columns * terms + lanes * entries) + 1 + 2 * lanes) * wide;
+        let own = (self.ring_columns * self.systems() + 1 + slot_size(terms as usize) as u64) * wide
             + self.system_bytes(precision);
         Work { operations: bodies * nodes * arc, bytes: shared + bodies * own }
     }
@@ -252,7 +251,7 @@ impl Joints {
         let bytes = self.numbers_bytes(wide)
             + self.slots * slot_size(terms as usize) as u64 * wide
             + self.designs * (nodes + 1) * 4 * wide
-            + self.loads * (8 + wide + RESPONSE_SIZE as u64 * wide);
+            + self.loads * (4 + wide + RESPONSE_SIZE as u64 * wide);
         Work { operations: self.evaluations * evaluation + self.loads * load, bytes }
     }
 }
@@ -272,7 +271,7 @@ mod tests {
         grid_columns: 3,
         layers: 1,
         is_bowed: false,
-        body_numbers: 7,
+        body_numbers: 4,
     };
 
     fn states(iterations: &[u32]) -> Vec<SystemState> {
@@ -311,7 +310,7 @@ mod tests {
         assert_eq!(of(SIZES.condense(1, Precision::F32)), (9 * 22, 4 * (2 * 5 + 3) * 4));
         // Two terms, three entries, 32 arcs, 8 nodes in Poisson's ratio: C F 2 x 9 x 2, F^T C F 2 x 3 x 3, 2 x 8 x 3.
         let slot = 3 + 32 * 3;
-        let bytes = 32 * (3 * 2 + 8 * 3) * 4 + (3 * 4 + 1 + 8 + slot) * 4 + 4 + 4 * (3 * 4 + 8);
+        let bytes = (32 * (3 * 2 + 8 * 3) + 17) * 4 + (3 * 4 + 1 + slot) * 4 + 4 * (3 * 4 + 8);
         assert_eq!(of(SIZES.gram(2, 1, Precision::F32)), (32 * (36 + 18 + 48), bytes));
     }
 
@@ -319,8 +318,8 @@ mod tests {
     fn the_assembly_of_one_element_is_counted_by_hand() {
         // Three lines of one layer each, four points of one element, 20 sources summed over four points.
         let operations = 3 * (48 + 57) + 4 * (80 + 16 + 4 + 64) + 20 * 33;
-        // Twice 2 + 9 + 32 shared numbers; grid, starts and sources; nine grid points and 36 pairs, 64 places, 7 numbers.
-        let bytes = 2 * 43 * 8 + 4 * (8 + 65 + 20) + (2 * (9 + 36) + 64 + 7) * 8 + 4 * 8;
+        // Twice 2 + 9 + 32 shared numbers; grid, starts and sources; nine grid points and 36 pairs, 64 places, 4 numbers.
+        let bytes = 2 * 43 * 8 + 4 * (8 + 65 + 20) + (2 * (9 + 36) + 64 + 4) * 8 + 4 * 8;
         assert_eq!(SIZES.assemble(1, Precision::F64), Work { operations, bytes });
         // Of one mid-side line three points.
         let bowed = Sizes { is_bowed: true, ..SIZES }.assemble(1, Precision::F64);

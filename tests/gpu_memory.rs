@@ -1,0 +1,56 @@
+//! A device that runs out of memory in the middle of a sweep. Alone in its file, because it takes memory from the whole
+//! process.
+
+// Only concentric joints are drawn here.
+#[allow(dead_code)]
+#[path = "common/draws.rs"]
+mod draws;
+#[path = "common/random.rs"]
+mod random;
+
+use jointsweep::engine::backend::Solver;
+use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuError};
+use jointsweep::engine::backend::gpu::kernels::Precision;
+use jointsweep::engine::backend::gpu::solver::{GpuBackend, GpuChoice};
+use jointsweep::engine::outcome::BackendKind;
+use jointsweep::study::config::{MethodChoice, SolveOptions};
+use rlimit::Resource;
+
+/// Software Vulkan takes its memory from the process: once that may have no more than it has and some, a large batch is
+/// refused, the processor solves it, and no design is lost.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn without_memory_the_processor_takes_over() {
+    let gpu = Adapters::enumerate().open(AdapterChoice::Named("llvmpipe")).unwrap();
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    let cases = draws::draw(31, 2000, draws::concentric);
+    let (few, many) = cases.split_at(8);
+    let backend = GpuBackend::new(GpuChoice { device: &gpu, precision: Precision::F64 }, options).unwrap();
+    let mut solver = Solver::with(Box::new(backend), options);
+    // All kernels are made, all threads started.
+    let (before, reason) = solver.solve(few);
+    assert_eq!(reason, None);
+    assert!(before.iter().all(|outcome| outcome.backend == BackendKind::Gpu));
+
+    let allowed = virtual_memory() + MEMORY_LEFT;
+    rlimit::setrlimit(Resource::AS, allowed, allowed).unwrap();
+    let (outcomes, reason) = solver.solve(many);
+    println!("{reason:?}");
+    let Some(GpuError::Failed { what, problem, .. }) = reason else { panic!("{reason:?}") };
+    assert!(problem.to_lowercase().contains("memory"), "{what}: {problem}");
+    assert_eq!(outcomes.len(), many.len());
+    for (outcome, case) in outcomes.iter().zip(many) {
+        assert_eq!((outcome.case.index, outcome.backend), (case.index, BackendKind::Cpu));
+        assert!(outcome.steps.iter().all(|step| step.response.is_some()), "{outcome:?}");
+    }
+}
+
+/// Enough for the processor, bytes, and less than the device asks for the slots of these designs.
+const MEMORY_LEFT: u64 = 100 << 20;
+
+/// Bytes of address space that this process has.
+fn virtual_memory() -> u64 {
+    let sizes = std::fs::read_to_string("/proc/self/statm").unwrap();
+    let pages: u64 = sizes.split_whitespace().next().unwrap().parse().unwrap();
+    pages * 4096
+}
