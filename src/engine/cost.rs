@@ -32,7 +32,7 @@ const SPACE_SECONDS: f64 = 4e-3;
 const REFERENCE_TERMS: f64 = 10.0;
 /// Of what bodies of one topology share, besides the lane batch in which the near field is condensed.
 const TOPOLOGY_SECONDS: f64 = 0.8e-3;
-const SERIES_SECONDS: f64 = 20e-6;
+const SERIES_SECONDS: f64 = 10e-6;
 const DESIGN_SECONDS: f64 = 15e-6;
 const ROW_SECONDS: f64 = 3e-6;
 

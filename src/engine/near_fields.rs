@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::engine::request::{BodyRequest, ELEMENT, Fidelity, SpaceKey, concentric};
 use crate::mechanics::body::Body;
+use crate::mechanics::compliance::NODE_COUNT;
 use crate::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::grading::GradingClass;
@@ -17,7 +18,7 @@ pub type NearFieldKey = (NearFieldClass, SpaceKey);
 /// A pressure space with the moments that `series` needs of it.
 pub struct Space {
     pub space: PressureSpace,
-    pub moments: Vec<f64>,
+    pub moments: Vec<[f64; NODE_COUNT]>,
     pub highest: usize,
 }
 

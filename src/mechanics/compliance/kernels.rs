@@ -141,7 +141,7 @@ mod tests {
         for node in [0, 9, 15] {
             for row in 0..4 {
                 for column in 0..=row {
-                    let term = |n: usize, k: usize| moments[(node * (highest + 1) + n) * 4 + k];
+                    let term = |n: usize, k: usize| moments[n * 4 + k][node];
                     let sum = |weight: &dyn Fn(f64) -> f64, first: usize| -> f64 {
                         (first..=highest)
                             .map(|n| 2.0 / PI * weight(n as f64) * term(n, row) * term(n, column))

@@ -15,12 +15,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
-use super::PressureCompliance;
 use super::lane_condensation::CondensationPlan;
 use super::pressure_space::PressureSpace;
 use super::series::ConcentricBody;
+use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::material::Idealization;
@@ -151,7 +151,12 @@ pub struct NearField {
 
 impl NearField {
     /// `moments` are `space.moments(highest)` with `highest` at least the class's `highest_mode()`.
-    pub fn new(class: &NearFieldClass, space: &PressureSpace, moments: &[f64], highest: usize) -> NearField {
+    pub fn new(
+        class: &NearFieldClass,
+        space: &PressureSpace,
+        moments: &[[f64; NODE_COUNT]],
+        highest: usize,
+    ) -> NearField {
         let NearFieldClass { side, half_ring, grading, idealization, range } = *class;
         let reference = class.reference();
         let mut parameters = [0.0; MAX_PARAMETERS];
@@ -192,11 +197,28 @@ impl NearField {
     /// The exact compliance comes without its -pi/2 c ln b, so the sum does too: c is a polynomial of Poisson's ratio.
     pub fn correct(&self, poissons_ratio: f64, compliance: &mut PressureCompliance) {
         let shares = NearField::shares(self.range, poissons_ratio);
-        Arch::new().dispatch(|| {
-            for (share, values) in shares.iter().zip(&self.values) {
-                compliance.values.iter_mut().zip(values).for_each(|(value, near)| *value += share * near);
+        Arch::new().dispatch(AddShares { shares, nodes: &self.values, values: &mut compliance.values });
+    }
+}
+
+/// Adds to `values` the shares of what belongs to each node of Poisson's ratio.
+struct AddShares<'a> {
+    shares: [f64; LANES],
+    nodes: &'a [Vec<f64>; LANES],
+    values: &'a mut [f64],
+}
+
+impl WithSimd for AddShares<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let AddShares { shares, nodes, values } = self;
+        for (share, of_node) in shares.iter().zip(nodes) {
+            for (value, near) in values.iter_mut().zip(of_node) {
+                *value += share * near;
             }
-        });
+        }
     }
 }
 

@@ -86,14 +86,17 @@ impl PressureSpace {
         weights
     }
 
-    /// Moments m_kn = integral of p_k cos(n phi) at every node for n = 0 ... `highest`: `[node][n][k]`.
-    pub fn moments(&self, highest: usize) -> Vec<f64> {
-        let mut moments = vec![0.0; NODE_COUNT * (highest + 1) * self.terms];
-        for (arc, moments) in self.arcs.iter().zip(moments.chunks_exact_mut((highest + 1) * self.terms)) {
+    /// Moments m_kn = integral of p_k cos(n phi) at every node for n = 0 ... `highest`: `[n][k][node]`.
+    pub fn moments(&self, highest: usize) -> Vec<[f64; NODE_COUNT]> {
+        let mut moments = vec![[0.0; NODE_COUNT]; (highest + 1) * self.terms];
+        let mut of_node = vec![0.0; (highest + 1) * self.terms];
+        for (node, arc) in self.arcs.iter().enumerate() {
+            of_node.fill(0.0);
             // Block by block, so that a moment does not depend on how many are asked for.
-            for (block, moments) in moments.chunks_mut(MODE_BLOCK * self.terms).enumerate() {
+            for (block, moments) in of_node.chunks_mut(MODE_BLOCK * self.terms).enumerate() {
                 self.add_moments(arc, block * MODE_BLOCK, moments);
             }
+            moments.iter_mut().zip(&of_node).for_each(|(moment, value)| moment[node] = *value);
         }
         moments
     }
