@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use jointsweep::engine::plan::{JointPlan, first_level};
+use jointsweep::engine::plan::JointPlan;
 use jointsweep::engine::request::{Fidelity, TopologyKey};
 use jointsweep::engine::sweep::{SweepOptions, run};
 use jointsweep::mechanics::compliance::NODE_COUNT;
@@ -24,12 +24,12 @@ mod peak;
 /// The operations of condensing every body on the two meshes of the first attempt (a thirtieth of them are solved
 /// again on a third), without the near fields' references.
 fn condensation(study: &Study) -> Operations {
-    let level = first_level(study.solve.accuracy);
     let mut spaces: HashMap<_, PressureSpace> = HashMap::new();
     let mut of_topology = HashMap::new();
     let mut sum = Operations { elements: 0, factorise: 0, arcs: 0 };
     for case in study.cases().unwrap() {
-        let plan = JointPlan::new(&case.unwrap().joint, study.solve.method, level).unwrap();
+        let plan =
+            JointPlan::cheapest(&case.unwrap().joint, study.solve.method, study.solve.accuracy).unwrap();
         for request in plan.requests() {
             let Fidelity::Mesh { level } = request.fidelity else { continue };
             let space = spaces

@@ -92,7 +92,7 @@ fn finite_elements_meet_the_accuracy_against_series() {
         assert!(quantile(&errors.stiffness, 1.0) <= accuracy.max(3e-3));
         assert!(quantile(&errors.half_angle, 1.0) <= half_angle);
         assert!(bounded(&errors) >= 0.95);
-        assert!(mean(&errors.estimate) < 10.0 * mean(&errors.force));
+        assert!(mean(&errors.estimate) < 12.0 * mean(&errors.force));
     }
 }
 
@@ -114,7 +114,8 @@ fn other_shapes_meet_the_accuracy_against_the_finest_mesh() {
             assert!(quantile(&errors.force, 0.99) <= accuracy);
             assert!(quantile(&errors.half_angle, 0.95) <= 1.0);
             assert!(bounded(&errors) >= 0.95);
-            assert!(mean(&errors.estimate) < 10.0 * mean(&errors.force));
+            // What a level is known to be worth bounds 99 of 100, so it is well above most.
+            assert!(mean(&errors.estimate) < 20.0 * mean(&errors.force));
         }
     }
 }

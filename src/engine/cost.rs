@@ -3,10 +3,9 @@
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, RandomState};
 
-use crate::engine::plan::{JointPlan, first_level};
+use crate::engine::plan::JointPlan;
 use crate::engine::request::{Fidelity, MeshSize, TopologyKey, mesh_size};
 use crate::error::Error;
-use crate::mechanics::grading::LEVEL_COUNT;
 use crate::mechanics::real::LANES;
 use crate::study::config::{MethodChoice, Study};
 
@@ -67,7 +66,7 @@ impl Group {
 /// Goes through the designs of a study without solving any.
 pub fn estimate(study: &Study) -> Result<Estimate, Error> {
     let method = study.solve.method;
-    let first = first_level(study.solve.accuracy);
+    let accuracy = study.solve.accuracy;
     let hasher = RandomState::new();
     // Hashes, not keys: 8 bytes a body keep a million designs small.
     let (mut bodies, mut solved) = (HashSet::new(), HashSet::new());
@@ -77,8 +76,10 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
         Estimate { designs: study.design_count(), rows: study.step_count(), ..Estimate::default() };
     for case in study.cases()? {
         let joint = case?.joint;
-        for level in first..LEVEL_COUNT.min(first + 2) {
-            let plan = JointPlan::new(&joint, method, level).filter(|_| method != MethodChoice::ClosedForm);
+        let first =
+            JointPlan::cheapest(&joint, method, accuracy).filter(|_| method != MethodChoice::ClosedForm);
+        let next = first.and_then(|plan| plan.finer(accuracy));
+        for (plan, is_first) in [(first, true), (next, false)] {
             for request in plan.iter().flat_map(JointPlan::requests) {
                 bodies.insert(hasher.hash_one(request.body.key()));
                 spaces.insert(request.space);
@@ -92,11 +93,11 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
                 let group = groups.entry(hasher.hash_one(TopologyKey::of(&request))).or_default();
                 group.half_ring = request.space.half_ring;
                 group.size = mesh_size(&request.body, level);
-                if level > first {
-                    group.bodies += CLIMBERS;
-                } else {
+                if is_first {
                     group.bodies += 1.0;
                     estimate.unknowns += group.size.unknowns;
+                } else {
+                    group.bodies += CLIMBERS;
                 }
             }
         }

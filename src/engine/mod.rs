@@ -3,6 +3,7 @@ pub mod agreement;
 pub mod request;
 pub mod near_fields;
 pub mod bodies;
+pub mod known_errors;
 pub mod plan;
 pub mod respond;
 pub mod cost;

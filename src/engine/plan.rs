@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crate::engine::known_errors::{KNOWN_LEVELS, known_error, worst_known_error};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::near_field::PoissonRange;
@@ -16,6 +17,18 @@ pub struct JointPlan {
     pub plate: BodyRequest,
     /// Of the bodies on meshes.
     pub level: usize,
+    pub estimate: Estimate,
+}
+
+/// How the error of the force is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Estimate {
+    /// Both bodies are exact.
+    Exact,
+    /// What the mesh level is known to be worth (`known_errors`).
+    Known,
+    /// From the change since the next coarser mesh.
+    Change(Trust),
 }
 
 /// The mesh level to begin with for an accuracy (relative, of the force): the coarsest whose typical error, measured
@@ -29,14 +42,16 @@ pub fn first_level(accuracy: f64) -> usize {
 /// bodies: a multiple of the change, and a floor for changes that are small by chance. Measured against `series` and
 /// against the finest level (tests/oracle.rs), so that at least 95 % of the errors are below the estimate.
 pub fn mesh_error(level: usize, change: f64) -> f64 {
-    const ERROR_PER_CHANGE: [f64; LEVEL_COUNT] = [f64::INFINITY, 3.5, 1.5, 1.5, 1.5, 2.0];
-    const FLOOR: [f64; LEVEL_COUNT] = [f64::INFINITY, 7e-4, 8e-5, 2e-5, 1e-5, 5e-6];
+    const ERROR_PER_CHANGE: [f64; LEVEL_COUNT] = [f64::INFINITY, 3.5, 2.0, 2.0, 2.0, 2.0];
+    const FLOOR: [f64; LEVEL_COUNT] = [f64::INFINITY, 5e-4, 8e-5, 5e-5, 2e-5, 1e-5];
     ERROR_PER_CHANGE[level] * change + FLOOR[level]
 }
 
 /// How far the change between meshes can be trusted as a measure of the error, ever less.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Trust {
+    /// Near and far field are those of the class's reference, but for its ratio: the finer mesh is far better.
+    Concentric,
     Full,
     /// A body is nearly incompressible in plane strain: both meshes may be about to lock, the finer one a little less.
     NearlyIncompressible,
@@ -56,6 +71,7 @@ impl Trust {
                 let is_film = (shape.depth_range)(parameters).0 < FILM;
                 if is_film { Trust::SqueezedFilm } else { Trust::NearlyIncompressible }
             }
+            _ if shape.concentric => Trust::Concentric,
             _ => Trust::Full,
         }
     }
@@ -64,8 +80,9 @@ impl Trust {
     pub fn error(self, level: usize, change: f64) -> f64 {
         let error = mesh_error(level, change);
         match self {
+            Trust::Concentric => 0.4 * error + 0.6 * mesh_error(level, 0.0),
             Trust::Full => error,
-            Trust::NearlyIncompressible => 1.5 * error + 14.0 * mesh_error(level, 0.0),
+            Trust::NearlyIncompressible => 3.0 * error + 20.0 * mesh_error(level, 0.0),
             Trust::SqueezedFilm => 0.1 + error,
         }
     }
@@ -80,41 +97,98 @@ fn terms(least_depth: f64) -> usize {
     }
 }
 
+/// The pressure space of a joint.
+pub fn space_of(pin: &Body, plate: &Body) -> SpaceKey {
+    let depth = |body: &Body| (body.shape.depth_range)(&body.parameters).0;
+    SpaceKey { half_ring: pin.shape.end_angle < PI, terms: terms(depth(pin).min(depth(plate))) }
+}
+
 impl JointPlan {
-    /// For a design at a mesh level (from 1 on); `None` where `series` is asked for bodies it has no modes of.
+    /// The cheapest that meets an accuracy (relative, of the force) as far as is known beforehand; `None` where `series`
+    /// is asked for bodies it has no modes of.
+    pub fn cheapest(joint: &JointDesign, method: MethodChoice, accuracy: f64) -> Option<JointPlan> {
+        let known = (0..KNOWN_LEVELS).filter_map(|level| {
+            let plan = JointPlan { estimate: Estimate::Known, ..JointPlan::new(joint, method, level)? };
+            let errors = plan.meshed().map(|request| worst_known_error(&request.body, level));
+            // A body that is not known is as bad as can be.
+            let worst = errors.fold(0.0, |worst: f64, error| worst.max(error.unwrap_or(f64::INFINITY)));
+            (worst > 0.0 && worst <= accuracy).then_some(plan)
+        });
+        known.into_iter().next().or_else(|| JointPlan::new(joint, method, first_level(accuracy)))
+    }
+
+    /// The next rung of the ladder, `None` at its end.
+    pub fn finer(&self, accuracy: f64) -> Option<JointPlan> {
+        let level = match self.estimate {
+            Estimate::Exact => return None,
+            Estimate::Known => first_level(accuracy).max(self.level + 1),
+            Estimate::Change(_) => self.level + 1,
+        };
+        let on_level = |request: BodyRequest| match request.fidelity {
+            Fidelity::Series => request,
+            Fidelity::Mesh { .. } => BodyRequest { fidelity: Fidelity::Mesh { level }, ..request },
+        };
+        let plan = JointPlan::of(on_level(self.pin), on_level(self.plate), level);
+        (level < LEVEL_COUNT).then_some(plan)
+    }
+
+    /// For a design at a mesh level, the error told by the next coarser one (so from 1 on); `None` where `series` is asked
+    /// for bodies it has no modes of.
     pub fn new(joint: &JointDesign, method: MethodChoice, level: usize) -> Option<JointPlan> {
         let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
         if method == MethodChoice::Series && !(pin.shape.concentric && plate.shape.concentric) {
             return None;
         }
-        let depth = |body: &Body| (body.shape.depth_range)(&body.parameters).0;
-        let space =
-            SpaceKey { half_ring: pin.shape.end_angle < PI, terms: terms(depth(&pin).min(depth(&plate))) };
+        let space = space_of(&pin, &plate);
         let request = |body: Body| {
             let exact = method != MethodChoice::Fe && body.shape.concentric;
             let fidelity = if exact { Fidelity::Series } else { Fidelity::Mesh { level } };
             BodyRequest { body, fidelity, space }
         };
-        Some(JointPlan { pin: request(pin), plate: request(plate), level })
+        Some(JointPlan::of(request(pin), request(plate), level))
     }
 
-    /// The lesser trust of the two bodies.
-    pub fn trust(&self) -> Trust {
-        Trust::of(&self.pin).max(Trust::of(&self.plate))
+    fn of(pin: BodyRequest, plate: BodyRequest, level: usize) -> JointPlan {
+        let mut plan = JointPlan { pin, plate, level, estimate: Estimate::Exact };
+        // The lesser trust of the bodies on meshes.
+        if let Some(trust) = plan.meshed().map(|request| Trust::of(&request)).max() {
+            plan.estimate = Estimate::Change(trust);
+        }
+        plan
     }
 
-    /// The bodies to solve: each mesh comes with the next coarser one, whose difference says how good it is.
+    /// The bodies on meshes.
+    pub fn meshed(&self) -> impl Iterator<Item = BodyRequest> {
+        [self.pin, self.plate].into_iter().filter(|request| request.fidelity != Fidelity::Series)
+    }
+
+    /// The bodies to solve.
     pub fn requests(&self) -> impl Iterator<Item = BodyRequest> {
-        [self.pin, self.plate].into_iter().flat_map(|request| [Some(request), coarser(&request)]).flatten()
+        [self.pin, self.plate]
+            .into_iter()
+            .flat_map(|request| [Some(request), self.coarser(&request)])
+            .flatten()
     }
-}
 
-/// The same body on the next coarser mesh.
-pub fn coarser(request: &BodyRequest) -> Option<BodyRequest> {
-    match request.fidelity {
-        Fidelity::Series => None,
-        Fidelity::Mesh { level } => {
-            Some(BodyRequest { fidelity: Fidelity::Mesh { level: level - 1 }, ..*request })
+    /// The same body on the next coarser mesh, whose difference says how good the mesh is; `None` where that is known.
+    pub fn coarser(&self, request: &BodyRequest) -> Option<BodyRequest> {
+        match (request.fidelity, self.estimate) {
+            (Fidelity::Mesh { level }, Estimate::Change(_)) => {
+                Some(BodyRequest { fidelity: Fidelity::Mesh { level: level - 1 }, ..*request })
+            }
+            _ => None,
+        }
+    }
+
+    /// The error of the force, relative, that the meshes leave: `change` is that of the work since the next coarser ones.
+    pub fn mesh_error(&self, half_angle: f64, change: f64) -> f64 {
+        match self.estimate {
+            Estimate::Exact => 0.0,
+            Estimate::Known => self
+                .meshed()
+                .map(|request| known_error(&request.body, self.level, half_angle).unwrap_or(f64::INFINITY))
+                .fold(0.0, f64::max),
+            Estimate::Change(trust) => trust.error(self.level, change),
         }
     }
 }

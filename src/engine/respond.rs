@@ -2,7 +2,7 @@
 //! reader must know said. The same for every backend.
 
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
-use crate::engine::plan::Trust;
+use crate::engine::plan::{Estimate, JointPlan};
 use crate::mechanics::contact::arc_state::ArcState;
 use crate::mechanics::contact::loading::{DimensionlessLoad, NoState};
 use crate::mechanics::laws;
@@ -52,8 +52,7 @@ impl LoadState {
 #[derive(Clone, Copy, Debug)]
 pub struct Solving {
     pub backend: BackendKind,
-    /// Mesh level and its trust; `None` where both bodies are exact.
-    pub mesh: Option<(usize, Trust)>,
+    pub plan: JointPlan,
     /// The largest contact half angle, rad.
     pub limit: f64,
     /// Asked: relative, of the force.
@@ -70,14 +69,16 @@ pub const NOT_CONCENTRIC: &str = "failed: series needs a rigid-core pin in an an
 
 impl Solving {
     fn method(&self) -> Method {
-        if self.mesh.is_some() { Method::Fe } else { Method::Series }
+        if self.is_exact() { Method::Series } else { Method::Fe }
     }
 
-    /// The estimated relative error of the force: what is left of exact compliances, and for meshes the change from the
-    /// next coarser ones.
+    fn is_exact(&self) -> bool {
+        self.plan.estimate == Estimate::Exact
+    }
+
+    /// The estimated relative error of the force: what is left of exact compliances, and what meshes leave.
     fn force_error(&self, state: &LoadState) -> f64 {
-        let of_mesh = self.mesh.map_or(0.0, |(level, trust)| trust.error(level, state.change));
-        SERIES_ERROR + state.truncation + of_mesh
+        SERIES_ERROR + state.truncation + self.plan.mesh_error(state.half_angle, state.change)
     }
 
     /// The outcome of a design from the states of its `loads_in_contact`, in their order, and whether there is nothing
@@ -118,7 +119,7 @@ impl Solving {
             }
         };
         let steps = case.steps.iter().map(step).collect();
-        (DesignOutcome { case: case.clone(), backend: self.backend, steps }, settled || self.mesh.is_none())
+        (DesignOutcome { case: case.clone(), backend: self.backend, steps }, settled || self.is_exact())
     }
 
     /// The outcome of a design without any state.

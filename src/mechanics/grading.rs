@@ -90,6 +90,15 @@ impl GradingClass {
         self.depth_at_growth(0.93 * LEVELS[self.level].growth)
     }
 
+    /// The class of the same layers, as many as reach a depth.
+    pub fn cut_at(&self, depth: f64) -> GradingClass {
+        let mut cut = GradingClass { layer_count: 2, ..*self };
+        while cut.layer_count < self.layer_count && cut.nominal_depth() < depth {
+            cut.layer_count += 1;
+        }
+        cut
+    }
+
     /// The division of a ring that ends at `end_angle`.
     pub fn grading(&self, end_angle: f64) -> Grading {
         let Level { spread, widest, .. } = LEVELS[self.level];

@@ -6,13 +6,11 @@ use rayon::prelude::*;
 
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
-use crate::engine::plan::{JointPlan, coarser, first_level};
-use crate::engine::request::Fidelity;
+use crate::engine::plan::{Estimate, JointPlan};
 use crate::engine::respond::{LoadState, NOT_CONCENTRIC, Solving, all_failed, closed_form, loads_in_contact};
 use crate::mechanics::contact::arc_state::ArcState;
 use crate::mechanics::contact::loading::{DimensionlessLoad, JointCurve, NoState};
 use crate::mechanics::contact::pressure::JointCompliance;
-use crate::mechanics::grading::LEVEL_COUNT;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
 
@@ -36,16 +34,14 @@ impl CpuBackend {
             return cases.par_iter().map(|case| closed_form(case.clone())).collect();
         }
         let mut outcomes: Vec<Option<DesignOutcome>> = vec![None; cases.len()];
-        let mut open: Vec<usize> = (0..cases.len()).collect();
-        for level in first_level(self.options.accuracy)..LEVEL_COUNT {
-            let plans: Vec<(usize, Option<JointPlan>)> = open
-                .iter()
-                .map(|&index| (index, JointPlan::new(&cases[index].joint, self.options.method, level)))
-                .collect();
+        let SolveOptions { method, accuracy } = self.options;
+        let mut plans: Vec<(usize, Option<JointPlan>)> =
+            cases.iter().map(|case| JointPlan::cheapest(&case.joint, method, accuracy)).enumerate().collect();
+        while !plans.is_empty() {
             let requests: Vec<_> =
                 plans.iter().filter_map(|(_, plan)| plan.as_ref()).flat_map(JointPlan::requests).collect();
             self.library.solve(&requests);
-            let (library, accuracy) = (&self.library, self.options.accuracy);
+            let library = &self.library;
             let solved: Vec<(DesignOutcome, bool, Duration)> = plans
                 .par_iter()
                 .with_min_len(16)
@@ -60,17 +56,13 @@ impl CpuBackend {
                 })
                 .collect();
             let mut unsettled = Vec::new();
-            for ((index, _), (outcome, settled, time)) in plans.iter().zip(solved) {
+            for ((index, plan), (outcome, settled, time)) in plans.into_iter().zip(solved) {
                 self.contact_time += time;
-                outcomes[*index] = Some(outcome);
-                if !settled {
-                    unsettled.push(*index);
-                }
+                outcomes[index] = Some(outcome);
+                let finer = plan.filter(|_| !settled).and_then(|plan| plan.finer(accuracy));
+                unsettled.extend(finer.map(|plan| (index, Some(plan))));
             }
-            open = unsettled;
-            if open.is_empty() {
-                break;
-            }
+            plans = unsettled;
         }
         outcomes.into_iter().flatten().collect()
     }
@@ -99,21 +91,19 @@ fn solve_design(
     let (pin, plate) = (library.compliance(&plan.pin.key()), library.compliance(&plan.plate.key()));
     let moduli = [joint.pin.material.youngs_modulus, joint.plate.material.youngs_modulus];
     let joined = JointCompliance::new(space, (pin, moduli[0]), (plate, moduli[1]));
-    let exact = [plan.pin, plan.plate].iter().all(|request| request.fidelity == Fidelity::Series);
-    let mesh = (!exact).then(|| (plan.level, plan.trust()));
-    let solving = Solving { backend: BackendKind::Cpu, mesh, limit: space.limit, accuracy };
+    let solving = Solving { backend: BackendKind::Cpu, plan: *plan, limit: space.limit, accuracy };
     // Change from the next coarser mesh, for each body that has one, and the body's modulus.
     let changes: Vec<(Vec<f64>, f64)> = [(plan.pin, pin, moduli[0]), (plan.plate, plate, moduli[1])]
         .into_iter()
         .filter_map(|(request, fine, modulus)| {
-            let coarse = library.compliance(&coarser(&request)?.key());
+            let coarse = library.compliance(&plan.coarser(&request)?.key());
             let change = fine.values.iter().zip(&coarse.values).map(|(fine, coarse)| fine - coarse);
             Some((change.collect(), modulus))
         })
         .collect();
     let curve = match JointCurve::new(joined) {
         Ok(curve) => curve,
-        Err(reason) => return (solving.all_failed(case, reason), exact),
+        Err(reason) => return (solving.all_failed(case, reason), plan.estimate == Estimate::Exact),
     };
     let clearance = joint.radial_clearance / joint.hole_radius;
     let loads: Vec<DimensionlessLoad> = loads_in_contact(case).collect();

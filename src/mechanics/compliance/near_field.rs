@@ -131,7 +131,7 @@ pub struct NearFieldClass {
 impl NearFieldClass {
     /// The concentric body that stands for the class, but for its Poisson's ratio.
     fn reference(&self) -> ConcentricBody {
-        let depth = self.grading.nominal_depth().min(DEEPEST_REFERENCE);
+        let depth = self.grading.cut_at(DEEPEST_REFERENCE).nominal_depth();
         let fixed_radius = if self.side == Side::Plate { depth.exp() } else { (-depth).exp() };
         ConcentricBody { fixed_radius, poissons_ratio: 0.0, idealization: self.idealization }
     }
@@ -169,7 +169,11 @@ impl NearField {
             idealization,
         });
         let end_angle = if half_ring { FRAC_PI_2 } else { PI };
-        let plan = CondensationPlan::new(&bodies[0], whole_ring(&grading, end_angle), space);
+        let plan = CondensationPlan::new(
+            &bodies[0],
+            whole_ring(&grading.cut_at(DEEPEST_REFERENCE), end_angle),
+            space,
+        );
         let mut condensed = plan.condense(&bodies).into_iter();
         let values = bodies.map(|body| {
             let exact = ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference };

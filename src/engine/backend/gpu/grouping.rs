@@ -7,7 +7,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::contact::NO_SLOT;
-use crate::engine::plan::{JointPlan, coarser};
+use crate::engine::plan::JointPlan;
 use crate::engine::request::{BodyRequest, Fidelity, RequestKey, TopologyKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::near_field::PoissonRange;
@@ -92,8 +92,9 @@ pub(super) fn distinct(joints: &[(&DesignCase, JointPlan)]) -> (DistinctBodies, 
     };
     let places: Vec<[Option<usize>; 4]> = joints
         .iter()
-        .map(|(_, JointPlan { pin, plate, .. })| {
-            [Some(*pin), Some(*plate), coarser(pin), coarser(plate)].map(|request| request.map(&mut place))
+        .map(|(_, plan)| {
+            let coarser = [&plan.pin, &plan.plate].map(|request| plan.coarser(request));
+            [Some(plan.pin), Some(plan.plate), coarser[0], coarser[1]].map(|request| request.map(&mut place))
         })
         .collect();
     let (bodies, slots) = DistinctBodies::ordered(requests);

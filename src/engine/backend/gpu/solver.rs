@@ -20,13 +20,12 @@ use crate::engine::backend::cpu::CpuBackend;
 use crate::engine::backend::{Backend, add_stages};
 use crate::engine::near_fields::{NearFieldLibrary, near_field_key};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
-use crate::engine::plan::{JointPlan, first_level};
+use crate::engine::plan::{Estimate, JointPlan};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey, TopologyKey};
 use crate::engine::respond::{LoadState, Solving};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::PressureCompliance;
 use crate::mechanics::contact::loading::NoState;
-use crate::mechanics::grading::LEVEL_COUNT;
 use crate::mechanics::mesh::RingTopology;
 use crate::mechanics::solve::refine::RefineSettings;
 use crate::study::config::{MethodChoice, SolveOptions};
@@ -163,8 +162,8 @@ impl<'a> GpuBackend<'a> {
             .map(|((case, plan), own)| {
                 let states: Option<Vec<Result<LoadState, NoState>>> =
                     answers[own].iter().map(LoadResponse::state).collect();
-                let mesh = Some((plan.level, plan.trust()));
-                let solving = Solving { backend: BackendKind::Gpu, mesh, limit: space.limit(), accuracy };
+                let (backend, limit) = (BackendKind::Gpu, space.limit());
+                let solving = Solving { backend, plan: *plan, limit, accuracy };
                 Some(solving.respond(case, states?))
             })
             .collect();
@@ -221,15 +220,15 @@ impl<'a> GpuBackend<'a> {
         self.choice.device.facts.limits.bound_buffer() / self.choice.precision.wide_bytes()
     }
 
-    /// What `case` is solved with at a level; `None` where no mesh is needed, or none is allowed, or the answers of this
-    /// design alone are too many for a buffer.
-    fn plan(&self, case: &DesignCase, level: usize) -> Option<JointPlan> {
-        if self.options.method == MethodChoice::ClosedForm || answer_numbers(case) > self.buffer_numbers() {
+    /// What `case` is solved with first; `None` where no mesh is needed, or none is allowed, or the answers of this design
+    /// alone are too many for a buffer.
+    fn plan(&self, case: &DesignCase) -> Option<JointPlan> {
+        let SolveOptions { method, accuracy } = self.options;
+        if method == MethodChoice::ClosedForm || answer_numbers(case) > self.buffer_numbers() {
             return None;
         }
-        let plan = JointPlan::new(&case.joint, self.options.method, level)?;
-        let is_meshed = [plan.pin, plan.plate].iter().any(|request| request.fidelity != Fidelity::Series);
-        is_meshed.then_some(plan)
+        let plan = JointPlan::cheapest(&case.joint, method, accuracy)?;
+        (plan.estimate != Estimate::Exact).then_some(plan)
     }
 }
 
@@ -237,14 +236,17 @@ impl Backend for GpuBackend<'_> {
     fn solve(&mut self, cases: &[DesignCase]) -> Result<Vec<DesignOutcome>, GpuError> {
         let mut outcomes: Vec<Option<DesignOutcome>> = vec![None; cases.len()];
         let mut for_cpu: Vec<usize> = Vec::new();
-        let mut open: Vec<usize> = (0..cases.len()).collect();
-        for level in first_level(self.options.accuracy)..LEVEL_COUNT {
+        let mut open: Vec<(usize, JointPlan)> = Vec::new();
+        for (index, case) in cases.iter().enumerate() {
+            match self.plan(case) {
+                Some(plan) => open.push((index, plan)),
+                None => for_cpu.push(index),
+            }
+        }
+        while !open.is_empty() {
             let mut by_space: HashMap<SpaceKey, Vec<(usize, JointPlan)>> = HashMap::new();
-            for index in open.drain(..) {
-                match self.plan(&cases[index], level) {
-                    Some(plan) => by_space.entry(plan.pin.space).or_default().push((index, plan)),
-                    None => for_cpu.push(index),
-                }
+            for (index, plan) in open.drain(..) {
+                by_space.entry(plan.pin.space).or_default().push((index, plan));
             }
             for (space, joints) in by_space {
                 let mut first = 0;
@@ -254,13 +256,13 @@ impl Backend for GpuBackend<'_> {
                     first = end;
                     let joints: Vec<(&DesignCase, JointPlan)> =
                         piece.iter().map(|(index, plan)| (&cases[*index], *plan)).collect();
-                    for ((index, _), solved) in piece.iter().zip(self.solve_joints(space, &joints)?) {
+                    for ((index, plan), solved) in piece.iter().zip(self.solve_joints(space, &joints)?) {
                         match solved {
                             None => for_cpu.push(*index),
                             Some((outcome, settled)) => {
                                 outcomes[*index] = Some(outcome);
                                 if !settled {
-                                    open.push(*index);
+                                    open.extend(plan.finer(self.options.accuracy).map(|plan| (*index, plan)));
                                 }
                             }
                         }

@@ -1,0 +1,88 @@
+//! What is said to be known of each mesh level, on bodies that were not among those it was read from.
+
+#[path = "common/draws.rs"]
+mod draws;
+#[path = "common/random.rs"]
+mod random;
+
+use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
+use jointsweep::engine::bodies::BodyLibrary;
+use jointsweep::engine::known_errors::{KNOWN_LEVELS, known_error, worst_known_error};
+use jointsweep::engine::plan::space_of;
+use jointsweep::engine::request::{BodyRequest, Fidelity};
+use jointsweep::mechanics::body::Body;
+use jointsweep::mechanics::compliance::PressureCompliance;
+use jointsweep::mechanics::contact::loading::{DimensionlessLoad, JointCurve};
+use jointsweep::mechanics::contact::pressure::JointCompliance;
+use jointsweep::mechanics::grading::LEVEL_COUNT;
+
+/// Bodies of each shape.
+const COUNT: u64 = 60;
+
+/// Modulus of what does not yield.
+const RIGID: f64 = 1e12;
+
+/// Of each level that is known, at each load: the error of the work, and what is said of it.
+fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
+    let space = space_of(body, body);
+    let request = |fidelity| BodyRequest { body: *body, fidelity, space };
+    let finest = Fidelity::Mesh { level: LEVEL_COUNT - 1 };
+    let judge = request(if body.shape.concentric { Fidelity::Series } else { finest });
+    let levels = (0..KNOWN_LEVELS).filter(|level| worst_known_error(body, *level).is_some());
+    let meshes: Vec<BodyRequest> = levels.map(|level| request(Fidelity::Mesh { level })).collect();
+    library.solve(&[&meshes[..], &[judge]].concat());
+    let exact = library.compliance(&judge.key());
+    let nothing = vec![0.0; exact.values.len()];
+    let rigid = PressureCompliance { terms: exact.terms, amplitude: 0.0, values: nothing };
+    let joint = JointCompliance::new(library.space(space), (exact, 1.0), (&rigid, RIGID));
+    let curve = JointCurve::new(joint).unwrap();
+    let loads = [1e-5, 1e-3, 0.03, 0.2, 1.0, 5.0, 50.0].map(DimensionlessLoad::Indentation);
+    let states: Vec<_> = curve.states(1.0, &loads).into_iter().flatten().collect();
+    let of_level = |(level, request): (usize, &BodyRequest)| {
+        let mesh = library.compliance(&request.key());
+        let change: Vec<f64> = mesh.values.iter().zip(&exact.values).map(|(a, b)| a - b).collect();
+        let changes = curve.joint().relative_changes(&states, &change);
+        let known = states.iter().map(move |state| known_error(body, level, state.arc.half_angle).unwrap());
+        changes
+            .into_iter()
+            .zip(known)
+            .map(move |(change, known)| (level, change.abs(), known))
+            .collect::<Vec<_>>()
+    };
+    meshes.iter().enumerate().flat_map(of_level).collect()
+}
+
+#[test]
+fn what_is_known_of_a_level_bounds_its_error() {
+    let mut library = BodyLibrary::default();
+    for (name, shapes) in [
+        ("concentric", concentric as fn(&mut random::Random) -> _),
+        ("half disc", half_disc_in_annulus),
+        ("block", disc_in_block),
+    ] {
+        let cases = draw(61, COUNT, shapes);
+        let bodies = cases.iter().map(|case| {
+            let part = if name == "half disc" { case.joint.pin } else { case.joint.plate };
+            case.joint.body(&part)
+        });
+        let mut all: Vec<Vec<(f64, f64)>> = vec![Vec::new(); KNOWN_LEVELS];
+        for body in bodies {
+            for (level, error, known) in errors(&mut library, &body) {
+                all[level].push((error, known));
+            }
+        }
+        for (level, errors) in all.iter().enumerate().filter(|(_, errors)| !errors.is_empty()) {
+            let bounded =
+                errors.iter().filter(|(error, known)| error <= known).count() as f64 / errors.len() as f64;
+            let mean = |of: fn(&(f64, f64)) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
+            let excess = mean(|(_, known)| *known) / mean(|(error, _)| *error);
+            println!(
+                "{name}, level {level}: {} errors, bounded {bounded:.4}, known/error {excess:.1}",
+                errors.len()
+            );
+            assert!(errors.len() > 100 && bounded >= 0.98, "{name} {level}: {bounded}");
+            // Nor is it said to be far worse than it is.
+            assert!(excess < 20.0, "{name} {level}: {excess}");
+        }
+    }
+}
