@@ -6,6 +6,7 @@ use std::hash::{BuildHasher, RandomState};
 use crate::engine::plan::{JointPlan, first_level};
 use crate::engine::request::{Fidelity, MeshSize, TopologyKey, mesh_size};
 use crate::error::Error;
+use crate::mechanics::body::Body;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::mechanics::real::LANES;
 use crate::study::config::{MethodChoice, Study};
@@ -31,8 +32,8 @@ pub struct Estimate {
 const SPACE_SECONDS: f64 = 4e-3;
 const REFERENCE_TERMS: f64 = 10.0;
 /// Of what bodies of one topology share, besides the lane batch in which the near field is condensed.
-const TOPOLOGY_SECONDS: f64 = 0.8e-3;
-const SERIES_SECONDS: f64 = 20e-6;
+pub const TOPOLOGY_SECONDS: f64 = 0.8e-3;
+pub const SERIES_SECONDS: f64 = 20e-6;
 const DESIGN_SECONDS: f64 = 15e-6;
 const ROW_SECONDS: f64 = 3e-6;
 
@@ -44,6 +45,11 @@ fn batch_seconds(MeshSize { unknowns, layers }: MeshSize) -> f64 {
     let unknowns = unknowns as f64;
     let width = unknowns / layers as f64;
     10e-6 + unknowns * (0.4e-6 + 1e-10 * width * width)
+}
+
+/// Of one body on a mesh among many.
+pub fn body_seconds(body: &Body, level: usize) -> f64 {
+    batch_seconds(mesh_size(body, level)) / LANES as f64
 }
 
 /// Bodies that fill the lanes of common batches.

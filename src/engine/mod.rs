@@ -6,5 +6,6 @@ pub mod bodies;
 pub mod plan;
 pub mod respond;
 pub mod cost;
+pub mod interpolation;
 pub mod backend;
 pub mod sweep;

@@ -26,7 +26,8 @@ pub struct LoadState {
     pub peak_pressure: f64,
     /// `ArcState::truncation`.
     pub truncation: f64,
-    /// Relative change of the work since the next coarser mesh, summed over the bodies that are on meshes.
+    /// Relative change of the work since the next coarser mesh, summed over the bodies that are on meshes; of
+    /// interpolated bodies the bound of their error.
     pub change: f64,
     pub pressure_is_positive: bool,
 }
@@ -54,6 +55,8 @@ pub struct Solving {
     pub backend: BackendKind,
     /// Mesh level and its trust; `None` where both bodies are exact.
     pub mesh: Option<(usize, Trust)>,
+    /// Whether the bodies are interpolated: then `LoadState::change` is the error itself.
+    pub interpolated: bool,
     /// The largest contact half angle, rad.
     pub limit: f64,
     /// Asked: relative, of the force.
@@ -70,14 +73,22 @@ pub const NOT_CONCENTRIC: &str = "failed: series needs a rigid-core pin in an an
 
 impl Solving {
     fn method(&self) -> Method {
-        if self.mesh.is_some() { Method::Fe } else { Method::Series }
+        match self.mesh {
+            _ if self.interpolated => Method::Interpolated,
+            Some(_) => Method::Fe,
+            None => Method::Series,
+        }
     }
 
     /// The estimated relative error of the force: what is left of exact compliances, and for meshes the change from the
     /// next coarser ones.
     fn force_error(&self, state: &LoadState) -> f64 {
-        let of_mesh = self.mesh.map_or(0.0, |(level, trust)| trust.error(level, state.change));
-        SERIES_ERROR + state.truncation + of_mesh
+        let of_bodies = match self.mesh {
+            _ if self.interpolated => state.change,
+            Some((level, trust)) => trust.error(level, state.change),
+            None => 0.0,
+        };
+        SERIES_ERROR + state.truncation + of_bodies
     }
 
     /// The outcome of a design from the states of its `loads_in_contact`, in their order, and whether there is nothing
@@ -118,7 +129,7 @@ impl Solving {
             }
         };
         let steps = case.steps.iter().map(step).collect();
-        (DesignOutcome { case: case.clone(), backend: self.backend, steps }, settled || self.mesh.is_none())
+        (DesignOutcome { case: case.clone(), backend: self.backend, steps }, settled || (self.mesh.is_none() && !self.interpolated))
     }
 
     /// The outcome of a design without any state.

@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::engine::bodies::BodyLibrary;
+use crate::engine::interpolation::plan::InterpolationPlan;
+use crate::engine::interpolation::rung::Interpolation;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::{JointPlan, coarser, first_level};
 use crate::engine::request::Fidelity;
@@ -22,11 +24,22 @@ pub struct CpuBackend {
     pub library: BodyLibrary,
     /// Time spent on contact, summed over threads.
     pub contact_time: Duration,
+    pub interpolation: Option<Interpolation>,
 }
 
 impl CpuBackend {
     pub fn new(options: SolveOptions) -> CpuBackend {
-        CpuBackend { options, library: BodyLibrary::default(), contact_time: Duration::ZERO }
+        CpuBackend {
+            options,
+            library: BodyLibrary::default(),
+            contact_time: Duration::ZERO,
+            interpolation: None,
+        }
+    }
+
+    /// With bodies interpolated as the plan has it.
+    pub fn interpolating(options: SolveOptions, plan: InterpolationPlan) -> CpuBackend {
+        CpuBackend { interpolation: Some(Interpolation::new(plan)), ..CpuBackend::new(options) }
     }
 
     /// Outcomes of `cases`, in their order. Designs whose error estimate is above the accuracy asked are solved again
@@ -36,7 +49,10 @@ impl CpuBackend {
             return cases.par_iter().map(|case| closed_form(case.clone())).collect();
         }
         let mut outcomes: Vec<Option<DesignOutcome>> = vec![None; cases.len()];
-        let mut open: Vec<usize> = (0..cases.len()).collect();
+        if let Some(interpolation) = &mut self.interpolation {
+            outcomes = interpolation.solve(&mut self.library, cases);
+        }
+        let mut open: Vec<usize> = (0..cases.len()).filter(|index| outcomes[*index].is_none()).collect();
         for level in first_level(self.options.accuracy)..LEVEL_COUNT {
             let plans: Vec<(usize, Option<JointPlan>)> = open
                 .iter()
@@ -83,6 +99,8 @@ impl CpuBackend {
             ("series", times.series),
             ("condensation", times.condense),
             ("contact", self.contact_time),
+            ("fits", self.interpolation.as_ref().map_or(Duration::ZERO, |rung| rung.fit_time)),
+            ("interpolation", self.interpolation.as_ref().map_or(Duration::ZERO, |rung| rung.design_time)),
         ]
     }
 }
@@ -101,7 +119,8 @@ fn solve_design(
     let joined = JointCompliance::new(space, (pin, moduli[0]), (plate, moduli[1]));
     let exact = [plan.pin, plan.plate].iter().all(|request| request.fidelity == Fidelity::Series);
     let mesh = (!exact).then(|| (plan.level, plan.trust()));
-    let solving = Solving { backend: BackendKind::Cpu, mesh, limit: space.limit, accuracy };
+    let solving =
+        Solving { backend: BackendKind::Cpu, mesh, interpolated: false, limit: space.limit, accuracy };
     // Change from the next coarser mesh, for each body that has one, and the body's modulus.
     let changes: Vec<(Vec<f64>, f64)> = [(plan.pin, pin, moduli[0]), (plan.plate, plate, moduli[1])]
         .into_iter()

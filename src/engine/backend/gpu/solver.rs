@@ -168,7 +168,13 @@ impl<'a> GpuBackend<'a> {
                 let states: Option<Vec<Result<LoadState, NoState>>> =
                     answers[own].iter().map(LoadResponse::state).collect();
                 let mesh = Some((plan.level, plan.trust()));
-                let solving = Solving { backend: BackendKind::Gpu, mesh, limit: space.limit(), accuracy };
+                let solving = Solving {
+                    backend: BackendKind::Gpu,
+                    mesh,
+                    interpolated: false,
+                    limit: space.limit(),
+                    accuracy,
+                };
                 Some(solving.respond(case, states?))
             })
             .collect();
