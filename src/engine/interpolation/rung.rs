@@ -113,7 +113,7 @@ impl Interpolation {
         let families = [fitted.get(pin_key)?, fitted.get(plate_key)?];
         let nodes = self.nodes.get(&pin_key.half_ring)?;
         let depth = |body: &Body| (body.shape.depth_range)(&body.parameters).0;
-        let terms = terms(depth(pin).min(depth(plate)));
+        let terms = terms(depth(pin).min(depth(plate))).min(families[0].terms);
         if !CURVE_TERMS.contains(&terms) || families.iter().any(|family| terms > family.terms) {
             return None;
         }

@@ -83,7 +83,7 @@ impl Polynomials {
 pub struct BodyFit {
     pub polynomials: Polynomials,
     pub mode_count: usize,
-    /// `[product][mode]`.
+    /// `[product][mode]`, each row as long as whole registers.
     coefficients: Vec<f64>,
     /// `[mode]`, each as a sample.
     pub modes: Vec<f64>,
@@ -133,8 +133,13 @@ impl BodyFit {
         let gram = design.transpose() * &design;
         let factor = gram.llt(Side::Lower).ok()?;
         let solution = factor.solve(design.transpose() * &amplitudes);
-        let coefficients: Vec<f64> =
-            (0..count * mode_count).map(|i| solution[(i / mode_count, i % mode_count)]).collect();
+        let stride = mode_count.next_multiple_of(LANES);
+        let mut coefficients = vec![0.0; count * stride];
+        for (product, row) in coefficients.chunks_exact_mut(stride).enumerate() {
+            for (mode, value) in row.iter_mut().take(mode_count).enumerate() {
+                *value = solution[(product, mode)];
+            }
+        }
         let sound = coefficients.iter().all(|value| value.is_finite());
         sound.then_some(BodyFit { polynomials, mode_count, coefficients, modes })
     }
@@ -150,10 +155,11 @@ impl BodyFit {
         let FitScratch { work, products } = scratch;
         self.polynomials.values(point, work, products);
         amplitudes.clear();
-        amplitudes.resize(self.mode_count, 0.0);
+        let stride = self.mode_count.next_multiple_of(LANES);
+        amplitudes.resize(stride, 0.0);
         Arch::new().dispatch(Weighted {
             rows: &self.coefficients,
-            stride: self.mode_count,
+            stride,
             weights: products,
             sums: amplitudes,
         });
@@ -201,32 +207,37 @@ impl WithSimd for Weighted<'_> {
 
 impl Weighted<'_> {
     #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        let Weighted { rows, stride, weights, sums } = self;
+    fn run<const FUSED: bool>(mut self) {
         let mut from = 0;
-        let mut blocks = sums.chunks_exact_mut(ABREAST * LANES);
-        for block in &mut blocks {
-            let mut registers = [Lanes::<FUSED>::zero(); ABREAST];
-            for (register, sums) in registers.iter_mut().zip(block.chunks_exact(LANES)) {
-                register.0.copy_from_slice(sums);
-            }
-            for (row, weight) in rows.chunks_exact(stride).zip(weights) {
-                let weight = Lanes::<FUSED>::from_f64(-*weight);
-                let row = &row[from..from + ABREAST * LANES];
-                for (register, values) in registers.iter_mut().zip(row.chunks_exact(LANES)) {
-                    let mut lanes = Lanes::<FUSED>::zero();
-                    lanes.0.copy_from_slice(values);
-                    *register = register.minus_product(weight, lanes);
-                }
-            }
-            for (register, sums) in registers.iter().zip(block.chunks_exact_mut(LANES)) {
-                sums.copy_from_slice(&register.0);
-            }
+        while from + ABREAST * LANES <= self.sums.len() {
+            self.block::<FUSED, ABREAST>(from);
             from += ABREAST * LANES;
         }
-        let rest = blocks.into_remainder();
-        for (row, weight) in rows.chunks_exact(stride).zip(weights) {
+        while from + LANES <= self.sums.len() {
+            self.block::<FUSED, 1>(from);
+            from += LANES;
+        }
+        let rest = &mut self.sums[from..];
+        for (row, weight) in self.rows.chunks_exact(self.stride).zip(self.weights) {
             rest.iter_mut().zip(&row[from..]).for_each(|(sum, value)| *sum += weight * value);
+        }
+    }
+
+    #[inline(always)]
+    fn block<const FUSED: bool, const COUNT: usize>(&mut self, from: usize) {
+        let mut registers = [Lanes::<FUSED>::zero(); COUNT];
+        for (row, weight) in self.rows.chunks_exact(self.stride).zip(self.weights) {
+            let weight = Lanes::<FUSED>::from_f64(-*weight);
+            let row = &row[from..from + COUNT * LANES];
+            for (register, values) in registers.iter_mut().zip(row.chunks_exact(LANES)) {
+                let mut lanes = Lanes::<FUSED>::zero();
+                lanes.0.copy_from_slice(values);
+                *register = register.minus_product(weight, lanes);
+            }
+        }
+        let sums = &mut self.sums[from..from + COUNT * LANES];
+        for (register, sums) in registers.iter().zip(sums.chunks_exact_mut(LANES)) {
+            sums.iter_mut().zip(&register.0).for_each(|(sum, value)| *sum += value);
         }
     }
 }

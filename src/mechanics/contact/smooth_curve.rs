@@ -62,6 +62,8 @@ pub struct CurveNodes {
     versines: [[[f64; LANES]; MAX_TERMS]; CHUNKS],
     ln_b: [f64; CURVE_NODES],
     ln_z: [f64; CURVE_NODES],
+    /// 2 cos(pi i/(2 terms)), i = 1, 2, ..., between the zeros of the highest trial pressure; for each of `CURVE_TERMS`.
+    turns: [[f64; 2 * MAX_TERMS]; 2],
 }
 
 impl CurveNodes {
@@ -83,7 +85,10 @@ impl CurveNodes {
             std::array::from_fn(|k| std::array::from_fn(|lane| of_node[chunk * LANES + lane][k]))
         });
         let ln_b = arcs.map(|arc| arc.b.ln());
-        CurveNodes { steepest, arcs, transform, versines, ln_b, ln_z: z.map(f64::ln) }
+        let turns = CURVE_TERMS.map(|terms| {
+            std::array::from_fn(|i| 2.0 * (std::f64::consts::PI * (i + 1) as f64 / (2 * terms) as f64).cos())
+        });
+        CurveNodes { steepest, arcs, transform, versines, ln_b, ln_z: z.map(f64::ln), turns }
     }
 
     /// From compliances at the nodes of a pressure space to those at these nodes, `[entry][node]`.
@@ -352,7 +357,8 @@ impl AtNodes<'_> {
             most = -(-most).least(-size(value));
         }
         let tail = (size(pressure[TERMS - 2]) + size(pressure[TERMS - 1])) / most;
-        let least = least_pressure::<FUSED, TERMS>(&pressure);
+        let turns = &nodes.turns[usize::from(TERMS != CURVE_TERMS[0])];
+        let least = least_pressure::<FUSED, TERMS>(&pressure, turns);
         // 2 makes the whole joint of both halves.
         let both = force + force;
         for lane in 0..LANES {
@@ -382,18 +388,19 @@ impl AtNodes<'_> {
 
 /// The least pressure between the zeros of the highest trial pressure, above the tension allowed.
 #[inline(always)]
-fn least_pressure<const FUSED: bool, const TERMS: usize>(pressure: &[Lanes<FUSED>; TERMS]) -> Lanes<FUSED> {
+fn least_pressure<const FUSED: bool, const TERMS: usize>(
+    pressure: &[Lanes<FUSED>; TERMS],
+    turns: &[f64; 2 * MAX_TERMS],
+) -> Lanes<FUSED> {
     let mut peak = Lanes::<FUSED>::zero();
     for (k, value) in pressure.iter().enumerate() {
         if k % 2 == 0 { peak += *value } else { peak -= *value }
     }
     let allowed = peak * Lanes::from_f64(-TENSION);
-    let count = 2 * TERMS;
     let mut least = peak - allowed;
-    for i in 1..count {
+    for turn in &turns[..2 * TERMS - 1] {
         // Clenshaw's sum of c_k cos(k x).
-        let turn = 2.0 * (std::f64::consts::PI * i as f64 / count as f64).cos();
-        let turn = Lanes::<FUSED>::from_f64(turn);
+        let turn = Lanes::<FUSED>::from_f64(*turn);
         let (mut current, mut previous) = (Lanes::<FUSED>::zero(), Lanes::<FUSED>::zero());
         for k in (1..TERMS).rev() {
             let next = (pressure[k] - previous).minus_product(-turn, current);
