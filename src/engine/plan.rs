@@ -72,7 +72,7 @@ impl Trust {
 }
 
 /// Trial pressures for a body this deep (|ln r|): the layer between contact and far boundary must be resolved too.
-pub fn terms(least_depth: f64) -> usize {
+fn terms(least_depth: f64) -> usize {
     match least_depth {
         depth if depth > 0.35 => 10,
         depth if depth > 0.15 => 16,

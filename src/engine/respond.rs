@@ -129,7 +129,10 @@ impl Solving {
             }
         };
         let steps = case.steps.iter().map(step).collect();
-        (DesignOutcome { case: case.clone(), backend: self.backend, steps }, settled || (self.mesh.is_none() && !self.interpolated))
+        (
+            DesignOutcome { case: case.clone(), backend: self.backend, steps },
+            settled || (self.mesh.is_none() && !self.interpolated),
+        )
     }
 
     /// The outcome of a design without any state.

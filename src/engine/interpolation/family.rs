@@ -9,7 +9,7 @@ use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Shape};
 use crate::mechanics::compliance::body_fit::{BodyFit, Polynomials};
 use crate::mechanics::compliance::near_field::PoissonRange;
-use crate::mechanics::contact::smooth_curve::{CURVE_NODES, CurveNodes, relative_changes};
+use crate::mechanics::contact::smooth_curve::{CURVE_NODES, CURVE_TERMS, CurveNodes, relative_changes};
 use crate::mechanics::material::Idealization;
 
 /// Shape ratios and Poisson's ratio.
@@ -36,13 +36,7 @@ impl FamilyKey {
         let range = PoissonRange::of(poissons_ratio, idealization);
         let trusted = !matches!(range, PoissonRange::Incompressible | PoissonRange::Conformal);
         let thick = (shape.depth_range)(&parameters).0 > THINNEST;
-        (trusted && thick).then_some(FamilyKey {
-            shape: shape.name,
-            support,
-            idealization,
-            range,
-            half_ring,
-        })
+        (trusted && thick).then_some(FamilyKey { shape: shape.name, support, idealization, range, half_ring })
     }
 }
 
@@ -74,7 +68,7 @@ pub fn coordinates(body: &Body) -> Point {
 }
 
 /// The reverse of `coordinates`, for a body like `example`.
-fn body_at(example: &Body, point: &[f64]) -> Body {
+pub fn body_at(example: &Body, point: &[f64]) -> Body {
     let mut body = *example;
     let count = example.shape.parameters.len();
     for i in 0..count {
@@ -96,7 +90,6 @@ pub struct Family {
     pub example: Body,
     /// Of each coordinate.
     pub ranges: Vec<(f64, f64)>,
-    pub terms: usize,
     /// Whether the samples are exact; else on meshes.
     pub exact: bool,
 }
@@ -104,8 +97,6 @@ pub struct Family {
 /// A fit with its error.
 pub struct FittedFamily {
     pub fit: BodyFit,
-    /// Of the pressure space of the samples.
-    pub terms: usize,
     /// Bound of the relative error of the force at each node of a curve, of fit and meshes together.
     pub bound: [f64; CURVE_NODES],
     /// Bodies solved for it, on every mesh.
@@ -149,8 +140,11 @@ const FAIR_BUDGET: f64 = 0.1;
 /// Meshes whose own error is above this share of the accuracy are not worth a fit.
 const MESH_SHARE: f64 = 0.7;
 
+/// And shapes for each product of the ratios alone, where every shape comes with several of Poisson's ratios.
+const OVERSAMPLING_SHAPES: f64 = 1.35;
+
 /// Poisson's ratios of each shape sampled.
-const REPEATS: [usize; MOST_COORDINATES + 1] = [1, 1, 1, 3, 3];
+const REPEATS: [usize; MOST_COORDINATES + 1] = [1, 1, 1, 4, 4];
 
 /// Share of the lanes that samples of a box with so many coordinates fill, about.
 const LANES_FILLED: [f64; MOST_COORDINATES + 1] = [0.2, 0.8, 0.7, 0.6, 0.4];
@@ -181,6 +175,23 @@ impl Family {
         Polynomials::new(self.ranges.clone(), &degrees)
     }
 
+    /// Samples, besides the corners, that determine polynomials of these degrees.
+    fn sample_count(&self, degrees: (usize, usize)) -> usize {
+        let count = self.polynomials(degrees).count();
+        let repeats = self.repeats();
+        if repeats == 1 {
+            return OVERSAMPLING * count;
+        }
+        let of_shape = vec![degrees.0; self.ranges.len() - 1];
+        let shapes = Polynomials::new(self.ranges[..of_shape.len()].to_vec(), &of_shape).count();
+        (OVERSAMPLING_SHAPES * shapes as f64) as usize * repeats
+    }
+
+    /// Poisson's ratios sampled of each shape: where shapes have meshes of their own they fill the lanes of one batch.
+    fn repeats(&self) -> usize {
+        if self.exact { 1 } else { REPEATS[self.free()] }
+    }
+
     fn place(&self, unit: &[f64]) -> Vec<f64> {
         unit.iter().zip(&self.ranges).map(|(unit, (low, high))| low + unit * (high - low)).collect()
     }
@@ -200,10 +211,9 @@ impl Family {
         self.corners(0.03).into_iter().chain(inner).map(|unit| self.place(&unit)).collect()
     }
 
-    /// Point number `index` of an evenly spread sequence in the unit box. Where shapes have meshes of their own, each comes
-    /// with several of Poisson's ratios, which fill the lanes of one batch.
+    /// Point number `index` of an evenly spread sequence in the unit box.
     fn spread(&self, index: usize, offset: f64) -> Vec<f64> {
-        let repeats = if self.exact { 1 } else { REPEATS[self.free()] };
+        let repeats = self.repeats();
         if repeats == 1 {
             return spread(index, self.ranges.len(), offset);
         }
@@ -233,7 +243,7 @@ impl Family {
         points: &[Vec<f64>],
         fidelity: Fidelity,
     ) -> Vec<Vec<f64>> {
-        let space = SpaceKey { half_ring: self.key.half_ring, terms: self.terms };
+        let space = SpaceKey { half_ring: self.key.half_ring, terms: CURVE_TERMS };
         let mut solved = Vec::with_capacity(points.len());
         for points in points.chunks(BATCH) {
             let requests: Vec<BodyRequest> = points
@@ -259,7 +269,6 @@ impl Family {
         library: &mut BodyLibrary,
         nodes: &CurveNodes,
     ) -> Option<FittedFamily> {
-        let t0 = std::time::Instant::now();
         let held_out = self.held_out_points();
         let amplitudes: Vec<f64> = held_out
             .iter()
@@ -304,12 +313,14 @@ impl Family {
             let mut samples: Vec<Vec<f64>> = Vec::new();
             for degrees in DEGREES[self.free()] {
                 let polynomials = self.polynomials(*degrees);
-                let points = self.sample_points(OVERSAMPLING * polynomials.count());
+                let points = self.sample_points(self.sample_count(*degrees));
                 let new = points.len() - samples.len().min(points.len());
                 let (_, would_be_spent) = count(new, level);
-                if would_be_spent > budget || best.as_ref().is_some_and(|(worst, _)| {
-                    *worst <= FAIR * accuracy && would_be_spent > FAIR_BUDGET * budget
-                }) {
+                if would_be_spent > budget
+                    || best.as_ref().is_some_and(|(worst, _)| {
+                        *worst <= FAIR * accuracy && would_be_spent > FAIR_BUDGET * budget
+                    })
+                {
                     break;
                 }
                 let known = samples.len().min(points.len());
@@ -325,10 +336,9 @@ impl Family {
                     })
                     .collect();
                 let bound = quantile(&bounds);
-                if std::env::var("DBG").is_ok() { eprintln!("{} {:?} level {level} deg {degrees:?} samples {} modes {} mesh {:.1e} worst {:.1e} node {:?} spent {:.3} budget {budget:.2} t {:?}", self.example.shape.name, self.example.idealization, samples.len(), fit.mode_count, worst_near(nodes, &quantile(&of_mesh)), worst_near(nodes, &bound), bound.iter().map(|b| (b * 1e4).round()).collect::<Vec<_>>(), would_be_spent, t0.elapsed()); }
                 let worst = worst_near(nodes, &bound);
                 if best.as_ref().is_none_or(|(least, _)| worst < *least) {
-                    best = Some((worst, FittedFamily { fit, terms: self.terms, bound, solved: 0 }));
+                    best = Some((worst, FittedFamily { fit, bound, solved: 0 }));
                 }
                 if worst <= GOOD * accuracy {
                     break;
@@ -355,14 +365,18 @@ impl Family {
 
     /// Estimated time of one sample.
     fn sample_seconds(&self, level: usize) -> f64 {
-        if self.exact { SERIES_SECONDS } else { body_seconds(&self.example, level) / LANES_FILLED[self.free()] }
+        if self.exact {
+            SERIES_SECONDS
+        } else {
+            body_seconds(&self.example, level) / LANES_FILLED[self.free()]
+        }
     }
 
     /// Estimated time of the first fit, s.
     pub fn least_seconds(&self, accuracy: f64) -> f64 {
         let level = self.first_level(accuracy);
         let free = self.free();
-        let samples = OVERSAMPLING * self.polynomials(DEGREES[free][0]).count() + (1 << free);
+        let samples = self.sample_count(DEGREES[free][0]) + (1 << free);
         let held_out = (HELD_OUT + (1 << free)) as f64;
         let coarse = if self.exact { 0.0 } else { held_out * self.sample_seconds(level - 1) };
         let topologies = if self.exact { 0.0 } else { TOPOLOGIES[free] * TOPOLOGY_SECONDS };
@@ -377,8 +391,9 @@ impl Family {
         expected: &[f64],
         found: &[f64],
     ) -> [f64; CURVE_NODES] {
-        let difference: Vec<f64> = found.iter().zip(expected).map(|(found, expected)| found - expected).collect();
-        relative_changes(nodes, self.terms, amplitude, expected, &difference)
+        let difference: Vec<f64> =
+            found.iter().zip(expected).map(|(found, expected)| found - expected).collect();
+        relative_changes(nodes, amplitude, expected, &difference)
             .map(|change| if change.is_finite() { change.abs() } else { f64::INFINITY })
     }
 }

@@ -129,8 +129,7 @@ impl InterpolationPlan {
                 .map(|(low, high)| (low - margin * (high - low), high + margin * (high - low)))
                 .collect();
             let exact = members.example.shape.concentric && solve.method != MethodChoice::Fe;
-            let terms = std::env::var("T16").map_or(10, |_| 16);
-            Family { key, example: members.example, ranges, terms, exact }
+            Family { key, example: members.example, ranges, exact }
         };
         let families: HashMap<FamilyKey, Family> =
             members.iter().map(|(key, members)| (*key, family(*key, members))).collect();

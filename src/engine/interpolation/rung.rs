@@ -9,14 +9,12 @@ use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::family::{FamilyKey, FittedFamily, coordinate_count, coordinates};
 use crate::engine::interpolation::plan::{InterpolationPlan, pair};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
-use crate::engine::plan::terms;
 use crate::engine::request::SpaceKey;
 use crate::engine::respond::{LoadState, Solving, loads_in_contact};
-use crate::mechanics::body::Body;
 use crate::mechanics::compliance::body_fit::{FitScratch, add_modes};
 use crate::mechanics::contact::loading::NoState;
 use crate::mechanics::contact::smooth_curve::{
-    CURVE_NODES, CURVE_TERMS, CurveNodes, CurveState, SmoothCurve, entry_count,
+    CURVE_NODES, CURVE_TERMS, CurveNodes, CurveState, ENTRY_COUNT, SmoothCurve,
 };
 use crate::study::design::DesignCase;
 
@@ -64,9 +62,10 @@ impl Interpolation {
         let mut fitted = HashMap::new();
         for (family, budget) in &self.plan.families {
             let half_ring = family.key.half_ring;
-            let nodes = self.nodes.entry(half_ring).or_insert_with(|| {
-                CurveNodes::new(SpaceKey { half_ring, terms: family.terms }.limit())
-            });
+            let nodes = self
+                .nodes
+                .entry(half_ring)
+                .or_insert_with(|| CurveNodes::new(SpaceKey { half_ring, terms: CURVE_TERMS }.limit()));
             if let Some(fit) = family.fit(self.plan.accuracy, *budget, library, nodes) {
                 fitted.insert(family.key, fit);
             }
@@ -105,22 +104,17 @@ impl Interpolation {
     fn solve_design(&self, case: &DesignCase, scratch: &mut Scratch) -> Option<DesignOutcome> {
         let joint = &case.joint;
         let bodies = pair(joint)?;
-        let [(pin_key, pin), (plate_key, plate)] = &bodies;
+        let [(pin_key, _), (plate_key, _)] = &bodies;
         if !self.plan.pairs.contains(&(*pin_key, *plate_key)) {
             return None;
         }
         let fitted = self.fitted.as_ref()?;
         let families = [fitted.get(pin_key)?, fitted.get(plate_key)?];
         let nodes = self.nodes.get(&pin_key.half_ring)?;
-        let depth = |body: &Body| (body.shape.depth_range)(&body.parameters).0;
-        let terms = terms(depth(pin).min(depth(plate))).min(families[0].terms);
-        if !CURVE_TERMS.contains(&terms) || families.iter().any(|family| terms > family.terms) {
-            return None;
-        }
         let moduli = [joint.pin.material.youngs_modulus, joint.plate.material.youngs_modulus];
         let mut amplitude = 0.0;
         scratch.values.clear();
-        scratch.values.resize(entry_count(terms), 0.0);
+        scratch.values.resize(ENTRY_COUNT, 0.0);
         for (i, ((_, body), modulus)) in bodies.iter().zip(moduli).enumerate() {
             let point = coordinates(body);
             let point = &point[..coordinate_count(body.shape)];
@@ -135,7 +129,7 @@ impl Interpolation {
             [(&families[0].fit, &scratch.amplitudes[0]), (&families[1].fit, &scratch.amplitudes[1])],
             &mut scratch.values,
         );
-        let curve = SmoothCurve::new(nodes, terms, amplitude, &scratch.values)?;
+        let curve = SmoothCurve::new(nodes, amplitude, &scratch.values)?;
         let clearance = joint.radial_clearance / joint.hole_radius;
         scratch.states.clear();
         curve.states(clearance, loads_in_contact(case), &mut scratch.states);
@@ -149,7 +143,7 @@ impl Interpolation {
             backend: BackendKind::Cpu,
             mesh: None,
             interpolated: true,
-            limit: SpaceKey { half_ring: pin_key.half_ring, terms }.limit(),
+            limit: SpaceKey { half_ring: pin_key.half_ring, terms: CURVE_TERMS }.limit(),
             accuracy: self.plan.accuracy,
         };
         if scratch.states.iter().any(Option::is_none) {

@@ -145,13 +145,7 @@ impl BodyFit {
     }
 
     /// The amplitudes of the modes at a point of the box, times `scale`.
-    pub fn amplitudes(
-        &self,
-        point: &[f64],
-        scale: f64,
-        scratch: &mut FitScratch,
-        amplitudes: &mut Vec<f64>,
-    ) {
+    pub fn amplitudes(&self, point: &[f64], scale: f64, scratch: &mut FitScratch, amplitudes: &mut Vec<f64>) {
         let FitScratch { work, products } = scratch;
         self.polynomials.values(point, work, products);
         amplitudes.clear();

@@ -21,7 +21,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::mechanics::compliance::arc::{ContactArc, MAX_TERMS, packed};
+use crate::mechanics::compliance::arc::{ContactArc, packed, packed_count};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::contact::loading::DimensionlessLoad;
 use crate::mechanics::real::{LANES, Lanes, Real};
@@ -32,8 +32,11 @@ pub const CURVE_NODES: usize = 16;
 /// One register of numbers an entry of a matrix for each of these.
 const CHUNKS: usize = CURVE_NODES / LANES;
 
-/// Counts of trial pressures there is compiled code for.
-pub const CURVE_TERMS: [usize; 2] = [10, 16];
+/// Trial pressures of a curve: what thin bodies would need more for, `CurveState::truncation` tells.
+pub const CURVE_TERMS: usize = 10;
+
+/// Numbers of a joint's compliance at the nodes.
+pub const ENTRY_COUNT: usize = packed_count(CURVE_TERMS) * CURVE_NODES;
 
 /// Tension that truncation may leave at the edge, over the peak pressure.
 const TENSION: f64 = 0.01;
@@ -43,11 +46,6 @@ const TOLERANCE: f64 = 1e-9;
 
 /// Steps of one search at most; bisection alone would need fewer.
 const MOST_STEPS: usize = 100;
-
-/// Numbers of a joint's compliance at the nodes.
-pub const fn entry_count(terms: usize) -> usize {
-    packed(terms, 0) * CURVE_NODES
-}
 
 /// The arcs of curves up to a limit: Chebyshev nodes in z, tan(eps/4) = tan(limit/4) z^2, which needs no logarithm and no
 /// angle to go from z to b.
@@ -59,11 +57,11 @@ pub struct CurveNodes {
     /// Of the whole Chebyshev transform: `[degree][node]`.
     transform: [[f64; CURVE_NODES]; CURVE_NODES],
     /// Versines over b^2: `[chunk][k]`.
-    versines: [[[f64; LANES]; MAX_TERMS]; CHUNKS],
+    versines: [[[f64; LANES]; CURVE_TERMS]; CHUNKS],
     ln_b: [f64; CURVE_NODES],
     ln_z: [f64; CURVE_NODES],
-    /// 2 cos(pi i/(2 terms)), i = 1, 2, ..., between the zeros of the highest trial pressure; for each of `CURVE_TERMS`.
-    turns: [[f64; 2 * MAX_TERMS]; 2],
+    /// 2 cos(pi i/(2 terms)), i = 1, 2, ..., between the zeros of the highest trial pressure.
+    turns: [f64; 2 * CURVE_TERMS - 1],
 }
 
 impl CurveNodes {
@@ -77,17 +75,16 @@ impl CurveNodes {
             let scale = if degree == 0 { 1.0 } else { 2.0 } / CURVE_NODES as f64;
             std::array::from_fn(|node| scale * (degree as f64 * angle(node)).cos())
         });
-        let of_node: [[f64; MAX_TERMS]; CURVE_NODES] = arcs.map(|arc| {
-            let versines: [f64; MAX_TERMS] = ContactArc::versines(arc.b);
+        let of_node: [[f64; CURVE_TERMS]; CURVE_NODES] = arcs.map(|arc| {
+            let versines: [f64; CURVE_TERMS] = ContactArc::versines(arc.b);
             versines.map(|versine| versine / (arc.b * arc.b))
         });
         let versines = std::array::from_fn(|chunk| {
             std::array::from_fn(|k| std::array::from_fn(|lane| of_node[chunk * LANES + lane][k]))
         });
         let ln_b = arcs.map(|arc| arc.b.ln());
-        let turns = CURVE_TERMS.map(|terms| {
-            std::array::from_fn(|i| 2.0 * (std::f64::consts::PI * (i + 1) as f64 / (2 * terms) as f64).cos())
-        });
+        let turn = |i: usize| std::f64::consts::PI * (i + 1) as f64 / (2 * CURVE_TERMS) as f64;
+        let turns = std::array::from_fn(|i| 2.0 * turn(i).cos());
         CurveNodes { steepest, arcs, transform, versines, ln_b, ln_z: z.map(f64::ln), turns }
     }
 
@@ -150,18 +147,12 @@ pub struct SmoothCurve<'a> {
 }
 
 impl<'a> SmoothCurve<'a> {
-    /// Of a joint's compliance at the nodes, `[entry][node]` with the first `terms` trial pressures at least, and its
-    /// amplitude. `None` where it is not positive definite, or there is no code for so many terms.
-    pub fn new(
-        nodes: &'a CurveNodes,
-        terms: usize,
-        amplitude: f64,
-        values: &[f64],
-    ) -> Option<SmoothCurve<'a>> {
-        if !CURVE_TERMS.contains(&terms) || values.len() < entry_count(terms) {
+    /// Of a joint's compliance at the nodes, `[entry][node]`, and its amplitude. `None` where it is not positive definite.
+    pub fn new(nodes: &'a CurveNodes, amplitude: f64, values: &[f64]) -> Option<SmoothCurve<'a>> {
+        if values.len() != ENTRY_COUNT {
             return None;
         }
-        let at_nodes = Arch::new().dispatch(AtNodes { nodes, terms, amplitude, values });
+        let at_nodes = Arch::new().dispatch(AtNodes { nodes, amplitude, values });
         let NodeStates { functions, indentation, force, truncation, positive, .. } = at_nodes;
         if !functions.iter().flatten().all(|value| value.is_finite()) {
             return None;
@@ -174,8 +165,8 @@ impl<'a> SmoothCurve<'a> {
         }
         let share = |function: usize| {
             let most = coefficients.iter().map(|of_degree| of_degree[function].abs()).fold(0.0, f64::max);
-            let last = coefficients[CURVE_NODES - 2][function].abs()
-                + coefficients[CURVE_NODES - 1][function].abs();
+            let last =
+                coefficients[CURVE_NODES - 2][function].abs() + coefficients[CURVE_NODES - 1][function].abs();
             last / most.max(f64::MIN_POSITIVE)
         };
         let curvature = (0..5).map(share).fold(0.0, f64::max);
@@ -223,21 +214,19 @@ impl<'a> SmoothCurve<'a> {
 /// `JointCompliance::relative_changes`; NaN where there is no sound pressure.
 pub fn relative_changes(
     nodes: &CurveNodes,
-    terms: usize,
     amplitude: f64,
     values: &[f64],
     changes: &[f64],
 ) -> [f64; CURVE_NODES] {
-    let entries = entry_count(terms);
-    if !CURVE_TERMS.contains(&terms) || values.len() < entries || changes.len() < entries {
+    if values.len() != ENTRY_COUNT || changes.len() != ENTRY_COUNT {
         return [f64::NAN; CURVE_NODES];
     }
-    let NodeStates { pressure, .. } = Arch::new().dispatch(AtNodes { nodes, terms, amplitude, values });
+    let NodeStates { pressure, .. } = Arch::new().dispatch(AtNodes { nodes, amplitude, values });
     std::array::from_fn(|node| {
         let pressure = &pressure[node];
         let work = |values: &[f64]| -> f64 {
             let mut sum = 0.0;
-            for row in 0..terms {
+            for row in 0..CURVE_TERMS {
                 for column in 0..=row {
                     let twice = if column < row { 2.0 } else { 1.0 };
                     let entry = values[packed(row, column) * CURVE_NODES + node];
@@ -253,7 +242,6 @@ pub fn relative_changes(
 
 struct AtNodes<'a> {
     nodes: &'a CurveNodes,
-    terms: usize,
     amplitude: f64,
     values: &'a [f64],
 }
@@ -266,7 +254,7 @@ struct NodeStates {
     truncation: [f64; CURVE_NODES],
     positive: [bool; CURVE_NODES],
     /// Coefficients of the trial pressures over e b^2.
-    pressure: [[f64; MAX_TERMS]; CURVE_NODES],
+    pressure: [[f64; CURVE_TERMS]; CURVE_NODES],
 }
 
 impl WithSimd for AtNodes<'_> {
@@ -274,34 +262,29 @@ impl WithSimd for AtNodes<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        if S::IS_SCALAR { self.run_terms::<false>() } else { self.run_terms::<true>() }
+        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
     }
 }
 
 impl AtNodes<'_> {
     #[inline(always)]
-    fn run_terms<const FUSED: bool>(self) -> NodeStates {
-        if self.terms == 10 { self.run::<FUSED, 10>() } else { self.run::<FUSED, 16>() }
-    }
-
-    #[inline(always)]
-    fn run<const FUSED: bool, const TERMS: usize>(self) -> NodeStates {
+    fn run<const FUSED: bool>(self) -> NodeStates {
         let mut found = NodeStates {
             functions: [[0.0; LANES]; CURVE_NODES],
             indentation: [0.0; CURVE_NODES],
             force: [0.0; CURVE_NODES],
             truncation: [0.0; CURVE_NODES],
             positive: [false; CURVE_NODES],
-            pressure: [[0.0; MAX_TERMS]; CURVE_NODES],
+            pressure: [[0.0; CURVE_TERMS]; CURVE_NODES],
         };
         for chunk in 0..CHUNKS {
-            self.run_chunk::<FUSED, TERMS>(chunk, &mut found);
+            self.run_chunk::<FUSED>(chunk, &mut found);
         }
         found
     }
 
     #[inline(always)]
-    fn run_chunk<const FUSED: bool, const TERMS: usize>(&self, chunk: usize, found: &mut NodeStates) {
+    fn run_chunk<const FUSED: bool>(&self, chunk: usize, found: &mut NodeStates) {
         let AtNodes { nodes, amplitude, values, .. } = *self;
         let zero = Lanes::<FUSED>::zero();
         let one = Lanes::<FUSED>::from_f64(1.0);
@@ -312,19 +295,19 @@ impl AtNodes<'_> {
             lanes.0.copy_from_slice(&values[from..from + LANES]);
             lanes
         };
-        let mut matrix = [[zero; TERMS]; TERMS];
-        for row in 1..TERMS {
+        let mut matrix = [[zero; CURVE_TERMS]; CURVE_TERMS];
+        for row in 1..CURVE_TERMS {
             for column in 1..=row {
                 matrix[row][column] = load(row, column);
             }
         }
-        let coupling: [Lanes<FUSED>; TERMS] = std::array::from_fn(|row| load(row, 0));
-        let versine: [Lanes<FUSED>; TERMS] = std::array::from_fn(|k| Lanes(nodes.versines[chunk][k]));
+        let coupling: [Lanes<FUSED>; CURVE_TERMS] = std::array::from_fn(|row| load(row, 0));
+        let versine: [Lanes<FUSED>; CURVE_TERMS] = std::array::from_fn(|k| Lanes(nodes.versines[chunk][k]));
         let (mut y, mut w) = (coupling, versine);
         solve_in_place(&mut matrix, &mut y, &mut w);
         let (mut log_free, mut against, mut work) = (coupling[0], versine[0], zero);
         let (mut edge, mut edge_w, mut peak, mut peak_w) = (one, zero, one, zero);
-        for k in 1..TERMS {
+        for k in 1..CURVE_TERMS {
             log_free = log_free.minus_product(coupling[k], y[k]);
             against = against.minus_product(y[k], versine[k]);
             work = work.minus_product(-w[k], versine[k]);
@@ -347,8 +330,8 @@ impl AtNodes<'_> {
         let indentation = scaled_indentation * b2 / half_pi;
         let force = b2 * (first * (half_pi - b2 * against) + b2 * work);
         // Over b^2.
-        let mut pressure = [first; TERMS];
-        for k in 1..TERMS {
+        let mut pressure = [first; CURVE_TERMS];
+        for k in 1..CURVE_TERMS {
             pressure[k] = -(first * y[k] + w[k]);
         }
         let size = |lanes: Lanes<FUSED>| Lanes::<FUSED>(lanes.0.map(f64::abs));
@@ -356,9 +339,8 @@ impl AtNodes<'_> {
         for value in pressure {
             most = -(-most).least(-size(value));
         }
-        let tail = (size(pressure[TERMS - 2]) + size(pressure[TERMS - 1])) / most;
-        let turns = &nodes.turns[usize::from(TERMS != CURVE_TERMS[0])];
-        let least = least_pressure::<FUSED, TERMS>(&pressure, turns);
+        let tail = (size(pressure[CURVE_TERMS - 2]) + size(pressure[CURVE_TERMS - 1])) / most;
+        let least = least_pressure::<FUSED>(&pressure, &nodes.turns);
         // 2 makes the whole joint of both halves.
         let both = force + force;
         for lane in 0..LANES {
@@ -379,7 +361,7 @@ impl AtNodes<'_> {
             found.force[node] = both.0[lane];
             found.truncation[node] = tail.0[lane] * tail.0[lane];
             found.positive[node] = least.0[lane] >= 0.0;
-            for k in 0..TERMS {
+            for k in 0..CURVE_TERMS {
                 found.pressure[node][k] = pressure[k].0[lane];
             }
         }
@@ -388,9 +370,9 @@ impl AtNodes<'_> {
 
 /// The least pressure between the zeros of the highest trial pressure, above the tension allowed.
 #[inline(always)]
-fn least_pressure<const FUSED: bool, const TERMS: usize>(
-    pressure: &[Lanes<FUSED>; TERMS],
-    turns: &[f64; 2 * MAX_TERMS],
+fn least_pressure<const FUSED: bool>(
+    pressure: &[Lanes<FUSED>; CURVE_TERMS],
+    turns: &[f64; 2 * CURVE_TERMS - 1],
 ) -> Lanes<FUSED> {
     let mut peak = Lanes::<FUSED>::zero();
     for (k, value) in pressure.iter().enumerate() {
@@ -398,11 +380,11 @@ fn least_pressure<const FUSED: bool, const TERMS: usize>(
     }
     let allowed = peak * Lanes::from_f64(-TENSION);
     let mut least = peak - allowed;
-    for turn in &turns[..2 * TERMS - 1] {
+    for turn in turns {
         // Clenshaw's sum of c_k cos(k x).
         let turn = Lanes::<FUSED>::from_f64(*turn);
         let (mut current, mut previous) = (Lanes::<FUSED>::zero(), Lanes::<FUSED>::zero());
-        for k in (1..TERMS).rev() {
+        for k in (1..CURVE_TERMS).rev() {
             let next = (pressure[k] - previous).minus_product(-turn, current);
             (current, previous) = (next, current);
         }
@@ -415,13 +397,13 @@ fn least_pressure<const FUSED: bool, const TERMS: usize>(
 
 /// Solves for two right-hand sides by Cholesky, rows from 1 on.
 #[inline(always)]
-fn solve_in_place<T: Real, const TERMS: usize>(
-    matrix: &mut [[T; TERMS]; TERMS],
-    one: &mut [T; TERMS],
-    other: &mut [T; TERMS],
+fn solve_in_place<T: Real>(
+    matrix: &mut [[T; CURVE_TERMS]; CURVE_TERMS],
+    one: &mut [T; CURVE_TERMS],
+    other: &mut [T; CURVE_TERMS],
 ) {
-    let mut inverse = [T::zero(); TERMS];
-    for row in 1..TERMS {
+    let mut inverse = [T::zero(); CURVE_TERMS];
+    for row in 1..CURVE_TERMS {
         for column in 1..=row {
             let mut value = matrix[row][column];
             for k in 1..column {
@@ -437,8 +419,8 @@ fn solve_in_place<T: Real, const TERMS: usize>(
         one[row] = one[row] * inverse[row];
         other[row] = other[row] * inverse[row];
     }
-    for row in (1..TERMS).rev() {
-        for k in row + 1..TERMS {
+    for row in (1..CURVE_TERMS).rev() {
+        for k in row + 1..CURVE_TERMS {
             one[row] = one[row].minus_product(matrix[k][row], one[k]);
             other[row] = other[row].minus_product(matrix[k][row], other[k]);
         }
