@@ -180,5 +180,36 @@ fn picks(count: u64) -> Vec<u64> {
     let share = count as f64 / LOOKED_AT as f64;
     let golden = 0.618_033_988_749_894_9;
     let pick = |i: u64| (share * (i as f64 + (golden * i as f64).fract())) as u64;
-    (0..LOOKED_AT).map(|i| pick(i).min(count - 1)).collect()
+    let mut picks: Vec<u64> = (0..LOOKED_AT).map(|i| pick(i).min(count - 1)).collect();
+    // Shares of hardly more than one design may have the same one.
+    picks.dedup();
+    picks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In the study, each once, ascending, and everywhere.
+    #[test]
+    fn picks_are_spread_over_the_study() {
+        for count in [1, 4096, 4097, 6000, 100_000, 1_000_000_000] {
+            let picks = picks(count);
+            assert!(picks.windows(2).all(|pair| pair[0] < pair[1]), "{count}");
+            assert!(picks[0] <= count / 1000 && picks[picks.len() - 1] < count, "{count}");
+            let most = 2 * count.div_ceil(LOOKED_AT) + 1;
+            assert!(picks.windows(2).all(|pair| pair[1] - pair[0] <= most), "{count}");
+        }
+    }
+
+    /// Not those of every other value of a grid's last axis.
+    #[test]
+    fn picks_do_not_keep_step_with_a_grid() {
+        for axis in [2_u64, 10, 16, 100] {
+            let mut counts = vec![0; axis as usize];
+            picks(4096 * axis).iter().for_each(|pick| counts[(pick % axis) as usize] += 1);
+            let fair = 4096 / axis as i32;
+            assert!(counts.iter().all(|count| (count - fair).abs() <= fair / 4 + 2), "{axis}: {counts:?}");
+        }
+    }
 }
