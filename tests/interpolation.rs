@@ -100,7 +100,6 @@ fn compare(found: &[DesignOutcome], exact: &[DesignOutcome]) -> (Vec<(f64, f64, 
     let mut errors = Vec::new();
     let mut all = 0;
     for (found, exact) in found.iter().zip(exact) {
-        let case = [found.case.joint.pin, found.case.joint.plate].map(|p| (p.shape.name, p.parameters, p.support, p.material.poissons_ratio, p.material.youngs_modulus, found.case.joint.idealization));
         for (found, exact) in found.steps.iter().zip(&exact.steps) {
             assert_eq!(
                 found.response.is_some(),
@@ -120,9 +119,6 @@ fn compare(found: &[DesignOutcome], exact: &[DesignOutcome]) -> (Vec<(f64, f64, 
                 let offset = (found.indentation - exact.indentation).abs();
                 let error = of_force.max(offset * exact.tangent_stiffness / exact.force);
                 let stiffness = (found.tangent_stiffness / exact.tangent_stiffness - 1.0).abs();
-                if error > 5e-3 {
-                    println!("XX {error:.1e} est {:.1e} ref est {:.1e} angle {:.1} {case:?}", found.force_error, exact.force_error, exact.contact_half_angle.unwrap_or(0.0).to_degrees());
-                }
                 errors.push((error, found.force_error, stiffness));
             }
         }
@@ -148,7 +144,7 @@ fn check(what: &str, accuracy: f64, found: &[DesignOutcome], exact: &[DesignOutc
         worst(|error| error.2),
     );
     // The rest are contacts at the end of a curve, and designs whose estimate is above the accuracy.
-    assert!(share > 0.9);
+    assert!(share > if accuracy < 1e-2 { 0.5 } else { 0.98 });
     assert!(within(&|(error, ..)| *error <= accuracy) >= 0.99);
     assert!(within(&|(.., stiffness)| *stiffness <= 2.0 * accuracy) >= 0.99);
     assert!(bounded >= 0.95);
