@@ -59,7 +59,9 @@ fn disc_in_block(random: &mut Random) -> [Part; 2] {
     [part(random, &cored_disc::SHAPE, [core, 0.0, 0.0], 0), part(random, &block::SHAPE, ratios, support)]
 }
 
-fn draw(seed: u64, count: u64, shapes: fn(&mut Random) -> [Part; 2]) -> Vec<DesignCase> {
+type Shapes = fn(&mut Random) -> [Part; 2];
+
+fn draw(seed: u64, count: u64, shapes: Shapes) -> Vec<DesignCase> {
     let mut random = Random::new(seed);
     let one = |index| {
         let hole_radius = random.log(1.0, 1000.0);
@@ -168,7 +170,7 @@ fn concentric_joints_meet_the_accuracy_against_series() {
 /// Where no series exists, meshes at a tenth of the accuracy are the judge.
 #[test]
 fn other_shapes_meet_the_accuracy_against_finer_meshes() {
-    let shapes: [(&str, fn(&mut Random) -> [Part; 2]); 2] =
+    let shapes: [(&str, Shapes); 2] =
         [("disc in block", disc_in_block), ("half disc in ring", half_disc_in_ring)];
     for (name, shapes) in shapes {
         let cases = draw(12, 400, shapes);

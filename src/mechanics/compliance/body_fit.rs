@@ -272,3 +272,52 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     sums.iter().sum::<f64>() + rest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two modes times polynomials of the basis are found exactly; a coordinate without width is no obstacle.
+    #[test]
+    fn what_is_in_the_space_is_found() {
+        let ranges = vec![(-1.0, 3.0), (0.2, 0.2), (5.0, 6.0)];
+        let polynomials = || Polynomials::new(ranges.clone(), &[4, 4, 2]);
+        // 1 to x^4, z, x z, x^2 z and z^2.
+        assert_eq!(polynomials().count(), 9);
+        let length = 37;
+        let mode = |k: usize| move |i: usize| ((k + 1) as f64 * i as f64).sin();
+        let sample = |point: &[f64]| -> Vec<f64> {
+            let (x, z) = (point[0], point[2]);
+            let (a, b) = (3.0 + x - 0.2 * x.powi(4) + x * z, 0.1 * z * z - 2.0 * x * x);
+            (0..length).map(|i| a * mode(0)(i) + b * mode(1)(i)).collect()
+        };
+        let points: Vec<Vec<f64>> = (0..40)
+            .map(|i| vec![-1.0 + 0.1 * f64::from(i), 0.2, 5.0 + (0.618 * f64::from(i)).fract()])
+            .collect();
+        let samples: Vec<Vec<f64>> = points.iter().map(|point| sample(point)).collect();
+        let fit = BodyFit::new(polynomials(), &points, &samples, 1e-9).unwrap();
+        assert_eq!(fit.mode_count, 2);
+        for point in [[0.33, 0.2, 5.5], [2.9, 0.2, 6.0]] {
+            assert!(fit.polynomials.contains(&point));
+            for (found, expected) in fit.at(&point).iter().zip(sample(&point)) {
+                assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+            }
+        }
+        assert!(!fit.polynomials.contains(&[3.1, 0.2, 5.5]) && !fit.polynomials.contains(&[0.0, 0.3, 5.5]));
+        assert!(!fit.polynomials.contains(&[f64::NAN, 0.2, 5.5]));
+    }
+
+    /// Points that say nothing of a direction, and samples that are no numbers, give no fit.
+    #[test]
+    fn what_is_not_determined_is_refused() {
+        let polynomials = || Polynomials::new(vec![(0.0, 1.0)], &[2]);
+        let samples = vec![vec![1.0; 8]; 5];
+        assert!(BodyFit::new(polynomials(), &vec![vec![0.5]; 5], &samples, 1e-6).is_none());
+        let points: Vec<Vec<f64>> = (0..5).map(|i| vec![0.2 * f64::from(i)]).collect();
+        assert!(BodyFit::new(polynomials(), &points[..2], &samples[..2], 1e-6).is_none());
+        let mut broken = samples.clone();
+        broken[3][2] = f64::NAN;
+        assert!(BodyFit::new(polynomials(), &points, &broken, 1e-6).is_none());
+        assert!(BodyFit::new(polynomials(), &points, &samples, 1e-6).is_some());
+    }
+}

@@ -610,3 +610,81 @@ fn inverse_interpolation(points: &[(f64, f64)]) -> f64 {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::compliance::series::ConcentricBody;
+    use crate::mechanics::contact::loading::JointCurve;
+    use crate::mechanics::contact::pressure::JointCompliance;
+    use crate::mechanics::material::Idealization;
+
+    /// Against the curve that solves a system for every load: narrow and wide contacts, thin and thick bodies, one much
+    /// softer than the other, loads by indentation and by force, a neat fit.
+    #[test]
+    fn the_curve_is_that_of_every_arc() {
+        let space = PressureSpace::new(CURVE_TERMS, 2.4);
+        let highest = 120;
+        let moments = space.moments(highest);
+        let nodes = CurveNodes::new(space.limit);
+        let mut worst = [0.0_f64; 5];
+        for (core, ratio, plate_modulus) in
+            [(0.1, 3.0, 1.0), (0.6, 1.4, 1.0), (0.05, 50.0, 0.01), (0.3, 1.5, 100.0)]
+        {
+            let [pin, plate] = [core, ratio].map(|fixed_radius| {
+                let idealization = Idealization::PlaneStrain;
+                ConcentricBody { fixed_radius, poissons_ratio: 0.3, idealization }
+                    .compliance(&space, &moments, highest)
+            });
+            let joint = JointCompliance::new(&space, (&pin, 1.0), (&plate, plate_modulus));
+            let curve = JointCurve::new(joint).unwrap();
+            let [pin_values, plate_values] = [&pin, &plate].map(|body| nodes.resample(&space, &body.values));
+            let values: Vec<f64> = pin_values
+                .iter()
+                .zip(&plate_values)
+                .map(|(pin, plate)| pin + plate / plate_modulus)
+                .collect();
+            let amplitude = pin.amplitude + plate.amplitude / plate_modulus;
+            let smooth = SmoothCurve::new(&nodes, amplitude, &values).unwrap();
+            for clearance in [0.0, 1e-3] {
+                let loads: Vec<DimensionlessLoad> = (0..12)
+                    .flat_map(|i| {
+                        let load = 1e-7 * 5.0_f64.powi(i);
+                        [DimensionlessLoad::Indentation(load), DimensionlessLoad::Force(0.3 * load)]
+                    })
+                    .collect();
+                let expected = curve.states(clearance, &loads);
+                let mut found = Vec::new();
+                smooth.states(clearance, loads.iter().copied(), &mut found);
+                for (found, expected) in found.iter().zip(&expected) {
+                    assert_eq!(found.is_some(), expected.is_ok());
+                    let (Some(found), Ok(expected)) = (found, expected) else { continue };
+                    let errors = [
+                        (found.force, expected.force),
+                        (found.tangent_stiffness, expected.tangent_stiffness),
+                        (found.energy, expected.energy),
+                        (found.peak_pressure, expected.peak_pressure()),
+                        (found.half_angle, expected.arc.half_angle),
+                    ]
+                    .map(|(found, expected)| (found / expected - 1.0).abs());
+                    // What is said of the curve holds for the force and the energy.
+                    assert!(errors[0].max(errors[2]) <= found.curvature + 1e-8, "{found:?} {errors:?}");
+                    worst.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(error));
+                }
+            }
+        }
+        println!("force, stiffness, energy, peak, angle: {worst:?}");
+        let limits = [1e-4, 3e-4, 1e-4, 3e-4, 3e-4];
+        assert!(worst.iter().zip(limits).all(|(worst, limit)| *worst < limit), "{worst:?}");
+    }
+
+    /// What is no compliance has no curve, and nothing panics.
+    #[test]
+    fn broken_compliances_have_no_curve() {
+        let nodes = CurveNodes::new(2.4);
+        assert!(SmoothCurve::new(&nodes, 1.0, &[]).is_none());
+        for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(SmoothCurve::new(&nodes, 1.0, &[value; ENTRY_COUNT]).is_none(), "{value}");
+        }
+    }
+}
