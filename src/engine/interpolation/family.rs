@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::cost::{SERIES_SECONDS, TOPOLOGY_SECONDS, body_seconds};
 use crate::engine::plan::{first_level, mesh_error};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
+use crate::engine::unit_costs::{SERIES_SECONDS, TOPOLOGY_SECONDS, body_seconds};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Shape};
 use crate::mechanics::compliance::body_fit::{BodyFit, Polynomials};
 use crate::mechanics::compliance::near_field::PoissonRange;
@@ -262,8 +262,8 @@ impl Family {
         solved
     }
 
-    /// The best fit for an accuracy of the force; `None` where none is good enough. `budget` is the time, s by the
-    /// estimate of `cost`, that may be spent.
+    /// The best fit for an accuracy of the force; `None` where none is good enough. `budget` is the time, s by
+    /// `unit_costs`, that may be spent.
     pub fn fit(
         &self,
         accuracy: f64,

@@ -5,11 +5,11 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::engine::cost::{SERIES_SECONDS, body_seconds};
 use crate::engine::interpolation::family::{
     Family, FamilyKey, MOST_COORDINATES, Point, coordinate_count, coordinates,
 };
 use crate::engine::plan::first_level;
+use crate::engine::unit_costs::{SERIES_SECONDS, body_seconds};
 use crate::mechanics::body::{Body, BodyKey};
 use crate::study::config::{MethodChoice, SolveOptions, Study};
 use crate::study::design::JointDesign;
@@ -163,6 +163,27 @@ impl InterpolationPlan {
             }
         }
         (!plan.pairs.is_empty()).then_some(plan)
+    }
+}
+
+impl InterpolationPlan {
+    /// Whether a joint is in the boxes of a pair of families.
+    pub fn covers(&self, joint: &JointDesign) -> bool {
+        let Some([pin, plate]) = pair(joint) else { return false };
+        let is_inside = |(key, body): &(FamilyKey, Body)| {
+            let family = self.families.iter().find(|(family, _)| family.key == *key);
+            family.is_some_and(|(family, _)| {
+                let point = coordinates(body);
+                let mut ranges = family.ranges.iter().zip(&point);
+                ranges.all(|((low, high), value)| low <= value && value <= high)
+            })
+        };
+        self.pairs.contains(&(pin.0, plate.0)) && is_inside(&pin) && is_inside(&plate)
+    }
+
+    /// Estimated time of the fits, s.
+    pub fn seconds(&self) -> f64 {
+        self.families.iter().map(|(family, _)| family.least_seconds(self.accuracy)).sum()
     }
 }
 
