@@ -14,7 +14,8 @@ mod random;
 use std::collections::BTreeMap;
 
 use jointsweep::engine::backend::cpu::CpuBackend;
-use jointsweep::engine::outcome::{DesignOutcome, Response};
+use jointsweep::engine::interpolation::plan::InterpolationPlan;
+use jointsweep::engine::outcome::{DesignOutcome, Method, Response};
 use jointsweep::mechanics::body::{annulus, cored_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
 use jointsweep::study::config::{MethodChoice, SolveOptions};
@@ -128,6 +129,28 @@ fn check(
         println!("{count:>8}  {status}");
     }
     wrong
+}
+
+/// The same where bodies are interpolated, as in a large sweep of such designs: boxes as wide as these are hard to fit.
+#[test]
+fn interpolated_joints_are_right_or_say_so() {
+    let mut random = Random::new(72);
+    let cases: Vec<DesignCase> = (0..draws() as u64 / 4).map(|index| extreme(&mut random, index)).collect();
+    let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint).collect();
+    let exact = solve(&cases, MethodChoice::Series, 0.01);
+    for method in [MethodChoice::Fe, MethodChoice::Auto] {
+        let options = SolveOptions { accuracy: 0.01, method };
+        let plan = InterpolationPlan::new(&options, 300_000, &joints).expect("a fit is worth it");
+        let mut backend = CpuBackend::interpolating(options, plan);
+        let found: Vec<DesignOutcome> = cases.chunks(1024).flat_map(|cases| backend.solve(cases)).collect();
+        let interpolated = |outcome: &&DesignOutcome| {
+            let mut responses = outcome.steps.iter().filter_map(|step| step.response);
+            responses.any(|response| response.method == Method::Interpolated)
+        };
+        println!("{} designs interpolated, {method:?}", found.iter().filter(interpolated).count());
+        let wrong = check(&cases, &found, &exact, 0.01);
+        assert!(wrong.is_empty(), "{} of {}", wrong.len(), cases.len());
+    }
 }
 
 #[test]

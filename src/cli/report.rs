@@ -16,6 +16,9 @@ pub fn estimate(estimate: &Estimate, table: &Path) -> String {
     line("designs", estimate.designs.to_string());
     line("rows", estimate.rows.to_string());
     line("distinct bodies", estimate.distinct_bodies.to_string());
+    if estimate.interpolated > 0 {
+        line("interpolated", format!("{} designs", estimate.interpolated));
+    }
     line("unknowns", estimate.unknowns.to_string());
     line("core time", format!("about {}, which the threads share", duration(estimate.seconds)));
     line("table", table.display().to_string());

@@ -3,8 +3,13 @@
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, RandomState};
 
+use crate::engine::interpolation::plan::InterpolationPlan;
 use crate::engine::plan::JointPlan;
 use crate::engine::request::{Fidelity, MeshSize, TopologyKey, mesh_size};
+use crate::engine::unit_costs::{
+    DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, REFERENCE_TERMS, ROW_SECONDS,
+    SERIES_SECONDS, SPACE_SECONDS, TOPOLOGY_SECONDS, batch_seconds,
+};
 use crate::error::Error;
 use crate::mechanics::real::LANES;
 use crate::study::config::{MethodChoice, Study};
@@ -15,35 +20,16 @@ pub struct Estimate {
     pub designs: u64,
     pub rows: u64,
     pub distinct_bodies: u64,
-    /// Unknowns of all meshes that the first attempt at each design needs.
+    /// Designs whose bodies are interpolated.
+    pub interpolated: u64,
+    /// Unknowns of all meshes that the first attempt at each of the others needs.
     pub unknowns: u64,
     /// Core time, s; the threads share it.
     pub seconds: f64,
 }
 
-// Core times in seconds, measured on one core at 134 GFLOP/s (AMD EPYC of family 26, AVX-512): those of a lane batch
-// fitted to `cargo bench --bench condense` (within 35 % of it at every level), those of a design and a row from
-// `cargo bench --bench contact` and `table`, those of set-ups from the stages of quickstart, liu2007 and random.
-// Together they are within a factor of 2 of `jointsweep bench` on these, and on sweeps of blocks.
-
-/// Of the pressures of `REFERENCE_TERMS`; it grows with the square of the terms.
-const SPACE_SECONDS: f64 = 4e-3;
-const REFERENCE_TERMS: f64 = 10.0;
-/// Of what bodies of one topology share, besides the lane batch in which the near field is condensed.
-const TOPOLOGY_SECONDS: f64 = 0.8e-3;
-const SERIES_SECONDS: f64 = 10e-6;
-const DESIGN_SECONDS: f64 = 15e-6;
-const ROW_SECONDS: f64 = 3e-6;
-
 /// Share of the bodies that are solved again on the next finer mesh.
 const CLIMBERS: f64 = 0.1;
-
-/// Of one lane batch: a start, the elements and arcs, and the band's factor, as wide as a layer of the mesh.
-fn batch_seconds(MeshSize { unknowns, layers }: MeshSize) -> f64 {
-    let unknowns = unknowns as f64;
-    let width = unknowns / layers as f64;
-    10e-6 + unknowns * (0.4e-6 + 1e-10 * width * width)
-}
 
 /// Bodies that fill the lanes of common batches.
 #[derive(Default)]
@@ -74,8 +60,16 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
     let mut groups: HashMap<u64, Group> = HashMap::new();
     let mut estimate =
         Estimate { designs: study.design_count(), rows: study.step_count(), ..Estimate::default() };
+    let interpolation = InterpolationPlan::of_study(study);
     for case in study.cases()? {
         let joint = case?.joint;
+        if interpolation.as_ref().is_some_and(|plan| plan.covers(&joint)) {
+            estimate.interpolated += 1;
+            for part in [&joint.pin, &joint.plate] {
+                bodies.insert(hasher.hash_one(joint.body(part).key()));
+            }
+            continue;
+        }
         let first =
             JointPlan::cheapest(&joint, method, accuracy).filter(|_| method != MethodChoice::ClosedForm);
         let next = first.and_then(|plan| plan.finer(accuracy));
@@ -106,7 +100,10 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
     let of_space = |terms: usize| SPACE_SECONDS * (terms as f64 / REFERENCE_TERMS).powi(2);
     estimate.seconds += spaces.iter().map(|space| of_space(space.terms)).sum::<f64>()
         + groups.values().map(Group::seconds).sum::<f64>()
-        + estimate.designs as f64 * DESIGN_SECONDS
-        + estimate.rows as f64 * ROW_SECONDS;
+        + interpolation.map_or(0.0, |plan| plan.seconds());
+    let steps = estimate.rows as f64 / (estimate.designs as f64).max(1.0);
+    let interpolated = estimate.interpolated as f64;
+    estimate.seconds += (estimate.designs as f64 - interpolated) * (DESIGN_SECONDS + steps * ROW_SECONDS)
+        + interpolated * (INTERPOLATED_DESIGN_SECONDS + steps * INTERPOLATED_ROW_SECONDS);
     Ok(estimate)
 }

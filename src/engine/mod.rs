@@ -6,6 +6,8 @@ pub mod bodies;
 pub mod known_errors;
 pub mod plan;
 pub mod respond;
+pub mod unit_costs;
+pub mod interpolation;
 pub mod cost;
 pub mod backend;
 pub mod sweep;

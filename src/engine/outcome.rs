@@ -7,6 +7,8 @@ use crate::study::design::DesignCase;
 pub enum Method {
     ClosedForm,
     Series,
+    /// Between bodies solved by one of the others.
+    Interpolated,
     Fe,
 }
 
@@ -16,6 +18,7 @@ impl Method {
         match self {
             Method::ClosedForm => "closed-form",
             Method::Series => "series",
+            Method::Interpolated => "interpolated",
             Method::Fe => "fe",
         }
     }

@@ -38,6 +38,13 @@ pub fn first_level(accuracy: f64) -> usize {
     1 + REACHED.iter().position(|reached| accuracy > *reached).unwrap_or(LEVEL_COUNT - 2)
 }
 
+/// The coarsest mesh level that is known to be good enough for all of some bodies.
+pub fn known_level(bodies: &[Body], accuracy: f64) -> Option<usize> {
+    let is_enough =
+        |level: usize, body| worst_known_error(body, level).is_some_and(|error| error <= accuracy);
+    (0..KNOWN_LEVELS).find(|level| bodies.iter().all(|body| is_enough(*level, body)))
+}
+
 /// Estimated error of the force on a mesh level from its relative change since the next coarser level, summed over the
 /// bodies: a multiple of the change, and a floor for changes that are small by chance. Measured against `series` and
 /// against the finest level (tests/oracle.rs), so that at least 95 % of the errors are below the estimate.
@@ -107,14 +114,15 @@ impl JointPlan {
     /// The cheapest that meets an accuracy (relative, of the force) as far as is known beforehand; `None` where `series`
     /// is asked for bodies it has no modes of.
     pub fn cheapest(joint: &JointDesign, method: MethodChoice, accuracy: f64) -> Option<JointPlan> {
-        let known = (0..KNOWN_LEVELS).filter_map(|level| {
-            let plan = JointPlan { estimate: Estimate::Known, ..JointPlan::new(joint, method, level)? };
-            let errors = plan.meshed().map(|request| worst_known_error(&request.body, level));
-            // A body that is not known is as bad as can be.
-            let worst = errors.fold(0.0, |worst: f64, error| worst.max(error.unwrap_or(f64::INFINITY)));
-            (worst > 0.0 && worst <= accuracy).then_some(plan)
-        });
-        known.into_iter().next().or_else(|| JointPlan::new(joint, method, first_level(accuracy)))
+        let plan = JointPlan::new(joint, method, first_level(accuracy))?;
+        let bodies: Vec<Body> = plan.meshed().map(|request| request.body).collect();
+        match known_level(&bodies, accuracy).filter(|_| !bodies.is_empty()) {
+            None => Some(plan),
+            Some(level) => {
+                let estimate = Estimate::Known;
+                Some(JointPlan { estimate, ..JointPlan::new(joint, method, level)? })
+            }
+        }
     }
 
     /// The next rung of the ladder, `None` at its end.

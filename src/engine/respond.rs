@@ -26,7 +26,8 @@ pub struct LoadState {
     pub peak_pressure: f64,
     /// `ArcState::truncation`.
     pub truncation: f64,
-    /// Relative change of the work since the next coarser mesh, summed over the bodies that are on meshes.
+    /// Relative change of the work since the next coarser mesh, summed over the bodies that are on meshes; of
+    /// interpolated bodies the bound of their error.
     pub change: f64,
     pub pressure_is_positive: bool,
 }
@@ -48,11 +49,20 @@ impl LoadState {
     }
 }
 
+/// How the compliances of a design's bodies were found.
+#[derive(Clone, Copy, Debug)]
+pub enum Way {
+    /// Each body by itself.
+    Planned(JointPlan),
+    /// Between others: then `LoadState::change` is the error itself.
+    Interpolated,
+}
+
 /// How a design was solved.
 #[derive(Clone, Copy, Debug)]
 pub struct Solving {
     pub backend: BackendKind,
-    pub plan: JointPlan,
+    pub way: Way,
     /// The largest contact half angle, rad.
     pub limit: f64,
     /// Asked: relative, of the force.
@@ -69,16 +79,24 @@ pub const NOT_CONCENTRIC: &str = "failed: series needs a rigid-core pin in an an
 
 impl Solving {
     fn method(&self) -> Method {
-        if self.is_exact() { Method::Series } else { Method::Fe }
+        match self.way {
+            Way::Interpolated => Method::Interpolated,
+            Way::Planned(plan) if plan.estimate == Estimate::Exact => Method::Series,
+            Way::Planned(_) => Method::Fe,
+        }
     }
 
     fn is_exact(&self) -> bool {
-        self.plan.estimate == Estimate::Exact
+        self.method() == Method::Series
     }
 
     /// The estimated relative error of the force: what is left of exact compliances, and what meshes leave.
     fn force_error(&self, state: &LoadState) -> f64 {
-        SERIES_ERROR + state.truncation + self.plan.mesh_error(state.half_angle, state.change)
+        let of_bodies = match &self.way {
+            Way::Interpolated => state.change,
+            Way::Planned(plan) => plan.mesh_error(state.half_angle, state.change),
+        };
+        SERIES_ERROR + state.truncation + of_bodies
     }
 
     /// The outcome of a design from the states of its `loads_in_contact`, in their order, and whether there is nothing

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use crate::engine::backend::gpu::solver::{GpuBackend, GpuChoice};
 use crate::engine::backend::{CPU_BATCH, Solver};
+use crate::engine::interpolation::plan::InterpolationPlan;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::error::Error;
 use crate::study::config::Study;
@@ -145,7 +146,7 @@ fn solve_all(
 ) -> Solution {
     let mut fallback = None;
     let mut solver = match options.gpu.map(|gpu| GpuBackend::new(gpu, study.solve)) {
-        None => Solver::on_cpu(study.solve),
+        None => Solver::interpolating(study.solve, InterpolationPlan::of_study(study)),
         Some(Ok(backend)) => Solver::with(Box::new(backend), study.solve),
         Some(Err(error)) => {
             fallback = given_up(options, &error.to_string());

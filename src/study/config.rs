@@ -59,6 +59,8 @@ pub struct Study {
     source: Source,
     title: String,
     pub solve: SolveOptions,
+    /// Whether bodies may be interpolated where that is cheaper.
+    pub interpolation: bool,
     designs: Designs,
 }
 
@@ -88,7 +90,8 @@ impl Study {
             Some(item) => item.string()?.to_string(),
             None => stem(path),
         };
-        let solve = root.section("solve")?.map_or(Ok(SolveOptions::default()), |table| read_solve(&table))?;
+        let default = Ok((SolveOptions::default(), true));
+        let (solve, interpolation) = root.section("solve")?.map_or(default, |table| read_solve(&table))?;
         let designs = match root.section("designs")? {
             Some(list) => {
                 for key in ["joint", "load", "sampling"] {
@@ -111,7 +114,7 @@ impl Study {
                 Designs::Sampled { recipe, steps: read_load(&table("load")?)? }
             }
         };
-        Ok(Study { title, solve, designs, source })
+        Ok(Study { title, solve, interpolation, designs, source })
     }
 
     /// The title, or the file's name when there is none.
@@ -204,8 +207,8 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn read_solve(table: &Section) -> Result<SolveOptions, Error> {
-    table.allow(&["accuracy", "method"])?;
+fn read_solve(table: &Section) -> Result<(SolveOptions, bool), Error> {
+    table.allow(&["accuracy", "method", "interpolation"])?;
     let mut solve = SolveOptions::default();
     if let Some(item) = table.find("accuracy") {
         solve.accuracy = match item.number()? {
@@ -222,7 +225,11 @@ fn read_solve(table: &Section) -> Result<SolveOptions, Error> {
     if let Some(item) = table.find("method") {
         solve.method = MethodChoice::ALL[item.word(&MethodChoice::ALL.map(MethodChoice::name))?];
     }
-    Ok(solve)
+    let interpolation = match table.find("interpolation") {
+        None => true,
+        Some(item) => item.word(&["auto", "off"])? == 0,
+    };
+    Ok((solve, interpolation))
 }
 
 fn read_scheme(table: &Section) -> Result<Scheme, Error> {

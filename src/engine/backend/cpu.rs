@@ -5,9 +5,13 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::engine::bodies::BodyLibrary;
+use crate::engine::interpolation::plan::InterpolationPlan;
+use crate::engine::interpolation::rung::Interpolation;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::{Estimate, JointPlan};
-use crate::engine::respond::{LoadState, NOT_CONCENTRIC, Solving, all_failed, closed_form, loads_in_contact};
+use crate::engine::respond::{
+    LoadState, NOT_CONCENTRIC, Solving, Way, all_failed, closed_form, loads_in_contact,
+};
 use crate::mechanics::contact::arc_state::ArcState;
 use crate::mechanics::contact::loading::{DimensionlessLoad, JointCurve, NoState};
 use crate::mechanics::contact::pressure::JointCompliance;
@@ -20,11 +24,22 @@ pub struct CpuBackend {
     pub library: BodyLibrary,
     /// Time spent on contact, summed over threads.
     pub contact_time: Duration,
+    pub interpolation: Option<Interpolation>,
 }
 
 impl CpuBackend {
     pub fn new(options: SolveOptions) -> CpuBackend {
-        CpuBackend { options, library: BodyLibrary::default(), contact_time: Duration::ZERO }
+        CpuBackend {
+            options,
+            library: BodyLibrary::default(),
+            contact_time: Duration::ZERO,
+            interpolation: None,
+        }
+    }
+
+    /// With bodies interpolated as the plan has it.
+    pub fn interpolating(options: SolveOptions, plan: InterpolationPlan) -> CpuBackend {
+        CpuBackend { interpolation: Some(Interpolation::new(plan)), ..CpuBackend::new(options) }
     }
 
     /// Outcomes of `cases`, in their order. Designs whose error estimate is above the accuracy asked are solved again
@@ -34,9 +49,14 @@ impl CpuBackend {
             return cases.par_iter().map(|case| closed_form(case.clone())).collect();
         }
         let mut outcomes: Vec<Option<DesignOutcome>> = vec![None; cases.len()];
+        if let Some(interpolation) = &mut self.interpolation {
+            outcomes = interpolation.solve(&mut self.library, cases);
+        }
         let SolveOptions { method, accuracy } = self.options;
-        let mut plans: Vec<(usize, Option<JointPlan>)> =
-            cases.iter().map(|case| JointPlan::cheapest(&case.joint, method, accuracy)).enumerate().collect();
+        let mut plans: Vec<(usize, Option<JointPlan>)> = (0..cases.len())
+            .filter(|index| outcomes[*index].is_none())
+            .map(|index| (index, JointPlan::cheapest(&cases[index].joint, method, accuracy)))
+            .collect();
         while !plans.is_empty() {
             let requests: Vec<_> =
                 plans.iter().filter_map(|(_, plan)| plan.as_ref()).flat_map(JointPlan::requests).collect();
@@ -75,6 +95,8 @@ impl CpuBackend {
             ("series", times.series),
             ("condensation", times.condense),
             ("contact", self.contact_time),
+            ("fits", self.interpolation.as_ref().map_or(Duration::ZERO, |rung| rung.fit_time)),
+            ("interpolation", self.interpolation.as_ref().map_or(Duration::ZERO, |rung| rung.design_time)),
         ]
     }
 }
@@ -91,7 +113,8 @@ fn solve_design(
     let (pin, plate) = (library.compliance(&plan.pin.key()), library.compliance(&plan.plate.key()));
     let moduli = [joint.pin.material.youngs_modulus, joint.plate.material.youngs_modulus];
     let joined = JointCompliance::new(space, (pin, moduli[0]), (plate, moduli[1]));
-    let solving = Solving { backend: BackendKind::Cpu, plan: *plan, limit: space.limit, accuracy };
+    let solving =
+        Solving { backend: BackendKind::Cpu, way: Way::Planned(*plan), limit: space.limit, accuracy };
     // Change from the next coarser mesh, for each body that has one, and the body's modulus.
     let changes: Vec<(Vec<f64>, f64)> = [(plan.pin, pin, moduli[0]), (plan.plate, plate, moduli[1])]
         .into_iter()

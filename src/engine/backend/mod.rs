@@ -8,6 +8,7 @@ use std::time::Duration;
 use cpu::CpuBackend;
 use gpu::context::GpuError;
 
+use crate::engine::interpolation::plan::InterpolationPlan;
 use crate::engine::outcome::DesignOutcome;
 use crate::study::config::SolveOptions;
 use crate::study::design::DesignCase;
@@ -42,6 +43,15 @@ impl<'a> Solver<'a> {
     /// With the processor alone.
     pub fn on_cpu(options: SolveOptions) -> Solver<'a> {
         Solver { cpu: CpuBackend::new(options), accelerator: None, is_given_up: false }
+    }
+
+    /// With the processor alone, which interpolates bodies where there is a plan for it.
+    pub fn interpolating(options: SolveOptions, plan: Option<InterpolationPlan>) -> Solver<'a> {
+        let cpu = match plan {
+            Some(plan) => CpuBackend::interpolating(options, plan),
+            None => CpuBackend::new(options),
+        };
+        Solver { cpu, accelerator: None, is_given_up: false }
     }
 
     /// With `accelerator`, and the processor should it be lost.

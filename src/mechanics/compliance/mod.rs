@@ -8,6 +8,7 @@ pub mod series;
 pub mod ring_loads;
 pub mod lane_condensation;
 pub mod near_field;
+pub mod body_fit;
 
 pub use pressure_space::NODE_COUNT;
 

@@ -4,4 +4,5 @@
 pub mod arc_state;
 pub mod pressure;
 pub mod loading;
+pub mod smooth_curve;
 pub mod active_set;

@@ -22,7 +22,7 @@ use crate::engine::near_fields::{NearFieldLibrary, near_field_key};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::{Estimate, JointPlan};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey, TopologyKey};
-use crate::engine::respond::{LoadState, Solving};
+use crate::engine::respond::{LoadState, Solving, Way};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::PressureCompliance;
 use crate::mechanics::contact::loading::NoState;
@@ -163,7 +163,7 @@ impl<'a> GpuBackend<'a> {
                 let states: Option<Vec<Result<LoadState, NoState>>> =
                     answers[own].iter().map(LoadResponse::state).collect();
                 let (backend, limit) = (BackendKind::Gpu, space.limit());
-                let solving = Solving { backend, plan: *plan, limit, accuracy };
+                let solving = Solving { backend, way: Way::Planned(*plan), limit, accuracy };
                 Some(solving.respond(case, states?))
             })
             .collect();

@@ -1,0 +1,323 @@
+//! The compliance of bodies of one family as a function of their ratios and Poisson's ratio: a few modes, which are
+//! compliances themselves, times polynomials, found from samples by least squares.
+//!
+//! ```text
+//!   A(x) = sum over m of a_m(x) M_m,   a_m(x) = sum over |d| <= degree of a_md T_d1(x_1) T_d2(x_2) ...
+//! ```
+//!
+//! The modes are sampled compliances made orthogonal, in the order in which they explain most of what is left (a
+//! reduced basis by a greedy choice: Quarteroni, Manzoni & Negri, Reduced Basis Methods for Partial Differential
+//! Equations, Springer 2016, section 7.1).
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::mechanics::real::{LANES, Lanes, Real};
+
+/// Products of Chebyshev polynomials over a box.
+#[derive(Clone, Debug)]
+pub struct Polynomials {
+    /// The box: least and greatest value of each coordinate.
+    pub ranges: Vec<(f64, f64)>,
+    /// Of each product: another one, the coordinate and degree of the factor that it has more, and all before are of
+    /// lower coordinates. The first is 1.
+    products: Vec<(usize, usize, usize)>,
+    highest: usize,
+}
+
+impl Polynomials {
+    /// All products whose degrees, each over its coordinate's highest one, sum to at most 1. A coordinate without width
+    /// has none.
+    pub fn new(ranges: Vec<(f64, f64)>, degrees: &[usize]) -> Polynomials {
+        let mut products = vec![(0, 0, 0)];
+        let mut shares = vec![0.0];
+        for (axis, (range, highest)) in ranges.iter().zip(degrees).enumerate() {
+            let known = products.len();
+            for parent in (0..known).filter(|_| range.1 > range.0) {
+                for degree in 1..=*highest {
+                    let share = shares[parent] + degree as f64 / *highest as f64;
+                    if share > 1.0 + 1e-9 {
+                        break;
+                    }
+                    products.push((parent, axis, degree));
+                    shares.push(share);
+                }
+            }
+        }
+        Polynomials { ranges, products, highest: degrees.iter().copied().max().unwrap_or(0) }
+    }
+
+    /// How many products there are.
+    pub fn count(&self) -> usize {
+        self.products.len()
+    }
+
+    /// Whether a point is in the box.
+    pub fn contains(&self, point: &[f64]) -> bool {
+        self.ranges.iter().zip(point).all(|((low, high), value)| low <= value && value <= high)
+    }
+
+    /// The products at a point; `work` is overwritten.
+    pub fn values(&self, point: &[f64], work: &mut Vec<f64>, values: &mut Vec<f64>) {
+        let row = self.highest + 1;
+        work.clear();
+        for ((low, high), value) in self.ranges.iter().zip(point) {
+            let x = if high > low { (2.0 * value - low - high) / (high - low) } else { 0.0 };
+            let (mut current, mut previous) = (1.0, x);
+            for _ in 0..row {
+                work.push(current);
+                (current, previous) = (2.0 * x * current - previous, current);
+            }
+        }
+        values.clear();
+        values.push(1.0);
+        for (parent, axis, degree) in &self.products[1..] {
+            values.push(values[*parent] * work[axis * row + degree]);
+        }
+    }
+}
+
+/// A fitted family.
+#[derive(Clone, Debug)]
+pub struct BodyFit {
+    pub polynomials: Polynomials,
+    pub mode_count: usize,
+    /// `[product][mode]`, each row as long as whole registers.
+    coefficients: Vec<f64>,
+    /// `[mode]`, each as a sample.
+    pub modes: Vec<f64>,
+}
+
+/// Numbers that `BodyFit::amplitudes` works with, kept from body to body.
+#[derive(Default)]
+pub struct FitScratch {
+    work: Vec<f64>,
+    products: Vec<f64>,
+}
+
+impl BodyFit {
+    /// From points and the samples there (all of one length), each weighted by its own size. Modes are added until what
+    /// is left of each sample is below `tolerance` of it. `None` where the points do not determine the polynomials.
+    pub fn new(
+        polynomials: Polynomials,
+        points: &[Vec<f64>],
+        samples: &[Vec<f64>],
+        tolerance: f64,
+    ) -> Option<BodyFit> {
+        let (count, rows) = (polynomials.count(), points.len());
+        if rows < count || samples.len() != rows || samples.is_empty() {
+            return None;
+        }
+        let scales: Vec<f64> = samples.iter().map(|sample| dot(sample, sample).sqrt()).collect();
+        if !scales.iter().all(|scale| scale.is_finite() && *scale > 0.0) {
+            return None;
+        }
+        let modes = modes(samples, &scales, tolerance);
+        let length = samples[0].len();
+        let mode_count = modes.len() / length;
+        let (mut work, mut values) = (Vec::new(), Vec::new());
+        let mut design = Mat::<f64>::zeros(rows, count);
+        let mut amplitudes = Mat::<f64>::zeros(rows, mode_count);
+        for (row, ((point, sample), scale)) in points.iter().zip(samples).zip(&scales).enumerate() {
+            polynomials.values(point, &mut work, &mut values);
+            for (column, value) in values.iter().enumerate() {
+                design[(row, column)] = value / scale;
+            }
+            for (column, mode) in modes.chunks_exact(length).enumerate() {
+                amplitudes[(row, column)] = dot(sample, mode) / scale;
+            }
+        }
+        // The points are dense at the ends like Chebyshev's, so the products are nearly orthogonal and the normal
+        // equations well conditioned.
+        let gram = design.transpose() * &design;
+        let factor = gram.llt(Side::Lower).ok()?;
+        let solution = factor.solve(design.transpose() * &amplitudes);
+        let stride = mode_count.next_multiple_of(LANES);
+        let mut coefficients = vec![0.0; count * stride];
+        for (product, row) in coefficients.chunks_exact_mut(stride).enumerate() {
+            for (mode, value) in row.iter_mut().take(mode_count).enumerate() {
+                *value = solution[(product, mode)];
+            }
+        }
+        let sound = coefficients.iter().all(|value| value.is_finite());
+        sound.then_some(BodyFit { polynomials, mode_count, coefficients, modes })
+    }
+
+    /// The amplitudes of the modes at a point of the box, times `scale`.
+    pub fn amplitudes(&self, point: &[f64], scale: f64, scratch: &mut FitScratch, amplitudes: &mut Vec<f64>) {
+        let FitScratch { work, products } = scratch;
+        self.polynomials.values(point, work, products);
+        amplitudes.clear();
+        let stride = self.mode_count.next_multiple_of(LANES);
+        amplitudes.resize(stride, 0.0);
+        Arch::new().dispatch(Weighted {
+            rows: &self.coefficients,
+            stride,
+            weights: products,
+            sums: amplitudes,
+        });
+        amplitudes.iter_mut().for_each(|amplitude| *amplitude *= scale);
+    }
+
+    /// The compliance at a point of the box, as the samples are.
+    pub fn at(&self, point: &[f64]) -> Vec<f64> {
+        let mut amplitudes = Vec::new();
+        self.amplitudes(point, 1.0, &mut FitScratch::default(), &mut amplitudes);
+        let length = self.modes.len() / self.mode_count;
+        let mut values = vec![0.0; length];
+        add_modes([(self, &amplitudes)], &mut values);
+        values
+    }
+}
+
+/// Adds the modes of fits, each with its amplitudes, as far as `values` go.
+pub fn add_modes<const COUNT: usize>(fits: [(&BodyFit, &Vec<f64>); COUNT], values: &mut [f64]) {
+    for (fit, amplitudes) in fits {
+        let stride = fit.modes.len() / fit.mode_count;
+        Arch::new().dispatch(Weighted { rows: &fit.modes, stride, weights: amplitudes, sums: values });
+    }
+}
+
+/// Adds the first `sums.len()` numbers of each row, `stride` apart, times the row's weight.
+struct Weighted<'a> {
+    rows: &'a [f64],
+    stride: usize,
+    weights: &'a [f64],
+    sums: &'a mut [f64],
+}
+
+/// Registers that are summed side by side, so that additions do not wait for each other.
+const ABREAST: usize = 4;
+
+impl WithSimd for Weighted<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
+    }
+}
+
+impl Weighted<'_> {
+    #[inline(always)]
+    fn run<const FUSED: bool>(mut self) {
+        let mut from = 0;
+        while from + ABREAST * LANES <= self.sums.len() {
+            self.block::<FUSED, ABREAST>(from);
+            from += ABREAST * LANES;
+        }
+        while from + LANES <= self.sums.len() {
+            self.block::<FUSED, 1>(from);
+            from += LANES;
+        }
+        let rest = &mut self.sums[from..];
+        for (row, weight) in self.rows.chunks_exact(self.stride).zip(self.weights) {
+            rest.iter_mut().zip(&row[from..]).for_each(|(sum, value)| *sum += weight * value);
+        }
+    }
+
+    #[inline(always)]
+    fn block<const FUSED: bool, const COUNT: usize>(&mut self, from: usize) {
+        let mut registers = [Lanes::<FUSED>::zero(); COUNT];
+        for (row, weight) in self.rows.chunks_exact(self.stride).zip(self.weights) {
+            let weight = Lanes::<FUSED>::from_f64(-*weight);
+            let row = &row[from..from + COUNT * LANES];
+            for (register, values) in registers.iter_mut().zip(row.chunks_exact(LANES)) {
+                let mut lanes = Lanes::<FUSED>::zero();
+                lanes.0.copy_from_slice(values);
+                *register = register.minus_product(weight, lanes);
+            }
+        }
+        let sums = &mut self.sums[from..from + COUNT * LANES];
+        for (register, sums) in registers.iter().zip(sums.chunks_exact_mut(LANES)) {
+            sums.iter_mut().zip(&register.0).for_each(|(sum, value)| *sum += value);
+        }
+    }
+}
+
+/// Orthonormal modes of samples, the most needed first.
+fn modes(samples: &[Vec<f64>], scales: &[f64], tolerance: f64) -> Vec<f64> {
+    let mut left: Vec<Vec<f64>> = samples
+        .iter()
+        .zip(scales)
+        .map(|(sample, scale)| sample.iter().map(|value| value / scale).collect())
+        .collect();
+    let mut modes: Vec<f64> = Vec::new();
+    for _ in 0..samples.len() {
+        let sizes: Vec<f64> = left.iter().map(|sample| dot(sample, sample).sqrt()).collect();
+        let Some((most, size)) = sizes.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) else { break };
+        if *size <= tolerance {
+            break;
+        }
+        let mode: Vec<f64> = left[most].iter().map(|value| value / size).collect();
+        for sample in &mut left {
+            let share = dot(sample, &mode);
+            sample.iter_mut().zip(&mode).for_each(|(value, mode)| *value -= share * mode);
+        }
+        modes.extend(mode);
+    }
+    modes
+}
+
+/// In eight sums, which the compiler keeps in registers.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (a_blocks, b_blocks) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a_blocks.remainder().iter().zip(b_blocks.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a_blocks.zip(b_blocks) {
+        for i in 0..8 {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two modes times polynomials of the basis are found exactly; a coordinate without width is no obstacle.
+    #[test]
+    fn what_is_in_the_space_is_found() {
+        let ranges = vec![(-1.0, 3.0), (0.2, 0.2), (5.0, 6.0)];
+        let polynomials = || Polynomials::new(ranges.clone(), &[4, 4, 2]);
+        // 1 to x^4, z, x z, x^2 z and z^2.
+        assert_eq!(polynomials().count(), 9);
+        let length = 37;
+        let mode = |k: usize| move |i: usize| ((k + 1) as f64 * i as f64).sin();
+        let sample = |point: &[f64]| -> Vec<f64> {
+            let (x, z) = (point[0], point[2]);
+            let (a, b) = (3.0 + x - 0.2 * x.powi(4) + x * z, 0.1 * z * z - 2.0 * x * x);
+            (0..length).map(|i| a * mode(0)(i) + b * mode(1)(i)).collect()
+        };
+        let points: Vec<Vec<f64>> = (0..40)
+            .map(|i| vec![-1.0 + 0.1 * f64::from(i), 0.2, 5.0 + (0.618 * f64::from(i)).fract()])
+            .collect();
+        let samples: Vec<Vec<f64>> = points.iter().map(|point| sample(point)).collect();
+        let fit = BodyFit::new(polynomials(), &points, &samples, 1e-9).unwrap();
+        assert_eq!(fit.mode_count, 2);
+        for point in [[0.33, 0.2, 5.5], [2.9, 0.2, 6.0]] {
+            assert!(fit.polynomials.contains(&point));
+            for (found, expected) in fit.at(&point).iter().zip(sample(&point)) {
+                assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+            }
+        }
+        assert!(!fit.polynomials.contains(&[3.1, 0.2, 5.5]) && !fit.polynomials.contains(&[0.0, 0.3, 5.5]));
+        assert!(!fit.polynomials.contains(&[f64::NAN, 0.2, 5.5]));
+    }
+
+    /// Points that say nothing of a direction, and samples that are no numbers, give no fit.
+    #[test]
+    fn what_is_not_determined_is_refused() {
+        let polynomials = || Polynomials::new(vec![(0.0, 1.0)], &[2]);
+        let samples = vec![vec![1.0; 8]; 5];
+        assert!(BodyFit::new(polynomials(), &vec![vec![0.5]; 5], &samples, 1e-6).is_none());
+        let points: Vec<Vec<f64>> = (0..5).map(|i| vec![0.2 * f64::from(i)]).collect();
+        assert!(BodyFit::new(polynomials(), &points[..2], &samples[..2], 1e-6).is_none());
+        let mut broken = samples.clone();
+        broken[3][2] = f64::NAN;
+        assert!(BodyFit::new(polynomials(), &points, &broken, 1e-6).is_none());
+        assert!(BodyFit::new(polynomials(), &points, &samples, 1e-6).is_some());
+    }
+}

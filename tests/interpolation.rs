@@ -1,0 +1,311 @@
+//! Interpolation across bodies: right to the accuracy asked where it is used, left to the meshes where it is not, and the
+//! same in every batch, order and thread.
+
+#[path = "common/random.rs"]
+mod random;
+
+use std::path::Path;
+
+use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::interpolation::plan::InterpolationPlan;
+use jointsweep::engine::outcome::{DesignOutcome, Method};
+use jointsweep::engine::sweep::{self, SweepOptions};
+use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
+use jointsweep::mechanics::material::{Idealization, Material};
+use jointsweep::study::config::{MethodChoice, SolveOptions, Study};
+use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use random::Random;
+
+/// Of the sweeps that the designs drawn here stand for.
+const COUNT: u64 = 1_000_000;
+
+/// From a range, often one of its ends.
+fn often_an_end(random: &mut Random, from: f64, to: f64) -> f64 {
+    match (random.unit() * 8.0) as u32 {
+        0 => from,
+        1 => to,
+        _ => random.linear(from, to),
+    }
+}
+
+fn often_an_end_log(random: &mut Random, from: f64, to: f64) -> f64 {
+    often_an_end(random, from.ln(), to.ln()).exp().clamp(from, to)
+}
+
+fn part(random: &mut Random, shape: &'static Shape, parameters: [f64; 3], support: usize) -> Part {
+    let youngs_modulus = random.log(1e3, 5e5);
+    let poissons_ratio = often_an_end(random, 0.1, 0.45);
+    Part { shape, parameters, support, material: Material { youngs_modulus, poissons_ratio } }
+}
+
+fn disc_in_ring(random: &mut Random) -> [Part; 2] {
+    let core = often_an_end(random, 0.05, 0.6);
+    let ratio = often_an_end_log(random, 1.25, 50.0);
+    [
+        part(random, &cored_disc::SHAPE, [core, 0.0, 0.0], 0),
+        part(random, &annulus::SHAPE, [ratio, 0.0, 0.0], 0),
+    ]
+}
+
+fn half_disc_in_ring(random: &mut Random) -> [Part; 2] {
+    let ratio = often_an_end_log(random, 1.5, 20.0);
+    [part(random, &half_disc::SHAPE, [0.0; 3], 0), part(random, &annulus::SHAPE, [ratio, 0.0, 0.0], 0)]
+}
+
+fn disc_in_block(random: &mut Random) -> [Part; 2] {
+    let core = often_an_end(random, 0.05, 0.6);
+    let ratios = [(); 3].map(|()| often_an_end_log(random, 1.5, 6.0));
+    let support = (random.unit() * 2.0) as usize;
+    [part(random, &cored_disc::SHAPE, [core, 0.0, 0.0], 0), part(random, &block::SHAPE, ratios, support)]
+}
+
+type Shapes = fn(&mut Random) -> [Part; 2];
+
+fn draw(seed: u64, count: u64, shapes: Shapes) -> Vec<DesignCase> {
+    let mut random = Random::new(seed);
+    let one = |index| {
+        let hole_radius = random.log(1.0, 1000.0);
+        let radial_clearance = hole_radius * random.log(1e-6, 0.03);
+        let steps = (0..3).map(|step| {
+            let delta = radial_clearance * random.log(0.01, 30.0);
+            // The force that Johnson's law would have at about this indentation.
+            if step < 2 { Load::Indentation(delta) } else { Load::Force(500.0 * delta) }
+        });
+        let steps = steps.collect();
+        let [pin, plate] = shapes(&mut random);
+        let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
+        let joint = JointDesign { idealization, hole_radius, radial_clearance, thickness: 1.0, pin, plate };
+        DesignCase { index, joint, steps }
+    };
+    (0..count).map(one).collect()
+}
+
+fn plan(options: SolveOptions, cases: &[DesignCase]) -> Option<InterpolationPlan> {
+    let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint).collect();
+    InterpolationPlan::new(&options, COUNT, &joints)
+}
+
+fn interpolating(options: SolveOptions, cases: &[DesignCase]) -> CpuBackend {
+    CpuBackend::interpolating(options, plan(options, cases).expect("so many designs are worth a fit"))
+}
+
+/// Forces, or indentations, and everything else to the last bit.
+fn bits(outcomes: &[DesignOutcome]) -> Vec<(u64, Vec<String>)> {
+    let of_design = |outcome: &DesignOutcome| {
+        (outcome.case.index, outcome.steps.iter().map(|step| format!("{step:?}")).collect())
+    };
+    outcomes.iter().map(of_design).collect()
+}
+
+/// Errors of the force, with their estimates, and of the stiffness, of the interpolated steps; and their share of all.
+fn compare(found: &[DesignOutcome], exact: &[DesignOutcome]) -> (Vec<(f64, f64, f64)>, f64) {
+    let mut errors = Vec::new();
+    let mut all = 0;
+    for (found, exact) in found.iter().zip(exact) {
+        for (found, exact) in found.steps.iter().zip(&exact.steps) {
+            assert_eq!(
+                found.response.is_some(),
+                exact.response.is_some(),
+                "{} {}",
+                found.status,
+                exact.status
+            );
+            let (Some(found), Some(exact)) = (found.response, exact.response) else { continue };
+            if exact.force == 0.0 {
+                continue;
+            }
+            all += 1;
+            if found.method == Method::Interpolated {
+                let of_force = (found.force / exact.force - 1.0).abs();
+                // Where the force is given, by way of the stiffness.
+                let offset = (found.indentation - exact.indentation).abs();
+                let error = of_force.max(offset * exact.tangent_stiffness / exact.force);
+                let stiffness = (found.tangent_stiffness / exact.tangent_stiffness - 1.0).abs();
+                errors.push((error, found.force_error, stiffness));
+            }
+        }
+    }
+    let share = errors.len() as f64 / f64::from(all);
+    (errors, share)
+}
+
+fn check(what: &str, accuracy: f64, found: &[DesignOutcome], exact: &[DesignOutcome]) {
+    let (errors, share) = compare(found, exact);
+    let within = |test: &dyn Fn(&(f64, f64, f64)) -> bool| {
+        errors.iter().filter(|error| test(error)).count() as f64 / errors.len() as f64
+    };
+    let worst = |pick: fn(&(f64, f64, f64)) -> f64| errors.iter().map(pick).fold(0.0, f64::max);
+    let mean = |pick: fn(&(f64, f64, f64)) -> f64| errors.iter().map(pick).sum::<f64>() / errors.len() as f64;
+    let bounded = within(&|(error, estimate, _)| error <= estimate);
+    println!(
+        "{what}: {share:.4} interpolated; force mean {:.1e} worst {:.1e}, bounded {bounded:.4}, estimate/error {:.1}; \
+         stiffness worst {:.1e}",
+        mean(|error| error.0),
+        worst(|error| error.0),
+        mean(|error| error.1) / mean(|error| error.0),
+        worst(|error| error.2),
+    );
+    // The rest are contacts at the end of a curve, and designs whose estimate is above the accuracy.
+    assert!(share > if accuracy < 1e-2 { 0.5 } else { 0.98 });
+    assert!(within(&|(error, ..)| *error <= accuracy) >= 0.99);
+    assert!(within(&|(.., stiffness)| *stiffness <= 2.0 * accuracy) >= 0.99);
+    assert!(bounded >= 0.95);
+    assert!(errors.iter().all(|(_, estimate, _)| *estimate <= accuracy));
+}
+
+#[test]
+fn concentric_joints_meet_the_accuracy_against_series() {
+    for accuracy in [1e-2, 3e-3] {
+        let cases = draw(11, 2000, disc_in_ring);
+        let series = SolveOptions { accuracy, method: MethodChoice::Series };
+        let exact = CpuBackend::new(series).solve(&cases);
+        for method in [MethodChoice::Fe, MethodChoice::Auto] {
+            let options = SolveOptions { accuracy, method };
+            let found = interpolating(options, &cases).solve(&cases);
+            check(&format!("disc in ring, {method:?} at {accuracy}"), accuracy, &found, &exact);
+        }
+    }
+}
+
+/// Where no series exists, meshes at a tenth of the accuracy are the judge.
+#[test]
+fn other_shapes_meet_the_accuracy_against_finer_meshes() {
+    let shapes: [(&str, Shapes); 2] =
+        [("disc in block", disc_in_block), ("half disc in ring", half_disc_in_ring)];
+    for (name, shapes) in shapes {
+        let cases = draw(12, 400, shapes);
+        let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Auto };
+        let exact = CpuBackend::new(SolveOptions { accuracy: 1e-3, ..options }).solve(&cases);
+        let found = interpolating(options, &cases).solve(&cases);
+        check(name, 1e-2, &found, &exact);
+    }
+}
+
+/// Whole or in pieces, forwards or backwards, on one thread or on several: each design has one answer.
+#[test]
+fn batches_order_and_threads_change_nothing() {
+    let cases = draw(13, 600, disc_in_ring);
+    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
+    let whole = bits(&interpolating(options, &cases).solve(&cases));
+    let mut pieces = Vec::new();
+    let mut backend = interpolating(options, &cases);
+    // Designs from the end come first, by themselves.
+    for piece in cases.chunks(7).rev() {
+        pieces.push(bits(&backend.solve(piece)));
+    }
+    pieces.reverse();
+    assert_eq!(pieces.concat(), whole);
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let outcomes = pool.install(|| interpolating(options, &cases).solve(&cases));
+        assert_eq!(bits(&outcomes), whole, "{threads} threads");
+    }
+}
+
+const CONFIG: &str = r#"
+[joint]
+idealization = "plane-stress"
+hole_radius = { from = "5 mm", to = "100 mm" }
+radial_clearance = "0.05 mm"
+thickness = "1 mm"
+[joint.pin]
+model = "rigid-core"
+youngs_modulus = "210 GPa"
+poissons_ratio = { from = 0.1, to = 0.45 }
+[joint.plate]
+model = "annulus"
+outer_radius_ratio = { from = 1.5, to = 20 }
+youngs_modulus = "70 GPa"
+poissons_ratio = { from = 0.1, to = 0.45 }
+[load]
+indentation = ["0 mm", "0.01 mm", "0.1 mm"]
+[sampling]
+method = "latin-hypercube"
+count = 6000
+[solve]
+method = "fe"
+"#;
+
+fn study(more: &str) -> Study {
+    Study::from_text(Path::new("sweep.toml"), format!("{CONFIG}{more}")).unwrap()
+}
+
+fn run(study: &Study, threads: usize) -> Vec<DesignOutcome> {
+    let mut outcomes = Vec::new();
+    let options = SweepOptions { threads, ..SweepOptions::default() };
+    sweep::run(study, &options, &mut |outcome| {
+        outcomes.push(outcome);
+        Ok(std::ops::ControlFlow::Continue(()))
+    })
+    .unwrap();
+    outcomes
+}
+
+/// A sweep decides by itself: it is large enough here, and the config may forbid it. Any part of the study, solved with the
+/// study's plan, has the answers of the whole.
+#[test]
+fn a_study_decides_for_all_of_its_designs() {
+    let study = study("");
+    let whole = run(&study, 1);
+    let methods = |outcomes: &[DesignOutcome], method: Method| {
+        let steps = outcomes.iter().flat_map(|outcome| &outcome.steps);
+        steps.filter(|step| step.response.is_some_and(|response| response.method == method)).count()
+    };
+    assert!(methods(&whole, Method::Interpolated) > 17_000);
+    assert_eq!(bits(&run(&study, 2)), bits(&whole));
+    let part: Vec<DesignCase> = study.cases().unwrap().skip(4321).take(50).map(Result::unwrap).collect();
+    let plan = InterpolationPlan::of_study(&study).unwrap();
+    let alone = CpuBackend::interpolating(study.solve, plan).solve(&part);
+    assert_eq!(bits(&alone), bits(&whole[4321..4371]));
+
+    let meshes = self::study("interpolation = \"off\"\n");
+    assert!(InterpolationPlan::of_study(&meshes).is_none());
+    let found = run(&meshes, 2);
+    assert_eq!(methods(&found, Method::Fe), 18_000);
+    check("a study", 1e-2, &whole, &found);
+}
+
+/// No fit for few bodies, for methods and accuracies that leave no room, and for bodies that no mesh is trusted with.
+#[test]
+fn a_fit_that_costs_more_than_it_saves_is_not_made() {
+    let cases = draw(14, 300, disc_in_ring);
+    let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint).collect();
+    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
+    let is_planned = |options: SolveOptions, count: u64, joints: &[JointDesign]| {
+        InterpolationPlan::new(&options, count, joints).is_some()
+    };
+    assert!(is_planned(options, COUNT, &joints));
+    assert!(!is_planned(options, 300, &joints));
+    assert!(!is_planned(SolveOptions { method: MethodChoice::Series, ..options }, COUNT, &joints));
+    assert!(!is_planned(SolveOptions { accuracy: 1e-4, ..options }, COUNT, &joints));
+    assert!(!is_planned(options, COUNT, &[]));
+    let with = |change: fn(&mut JointDesign)| {
+        let mut joints = joints.clone();
+        joints.iter_mut().for_each(change);
+        is_planned(options, COUNT, &joints)
+    };
+    assert!(!with(|joint| {
+        joint.idealization = Idealization::PlaneStrain;
+        joint.pin.material.poissons_ratio = 0.49;
+    }));
+    assert!(!with(|joint| joint.plate.parameters[0] = 1.1));
+}
+
+/// A design that the box does not hold, or a kind of body that was not looked at, is solved as without interpolation.
+#[test]
+fn designs_outside_are_left_to_the_meshes() {
+    let cases = draw(15, 600, disc_in_ring);
+    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
+    let mut outside = cases[..40].to_vec();
+    for (index, case) in outside.iter_mut().enumerate() {
+        match index % 4 {
+            0 => case.joint.plate.parameters[0] = 80.0,
+            1 => case.joint.pin.parameters[0] = 0.7,
+            2 => case.joint.pin.material.poissons_ratio = 0.05,
+            _ => case.joint.plate.material.poissons_ratio = -0.3,
+        }
+    }
+    let found = interpolating(options, &cases).solve(&outside);
+    let expected = CpuBackend::new(options).solve(&outside);
+    assert_eq!(bits(&found), bits(&expected));
+}
