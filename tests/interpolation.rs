@@ -103,14 +103,12 @@ fn compare(found: &[DesignOutcome], exact: &[DesignOutcome]) -> (Vec<(f64, f64, 
     let mut all = 0;
     for (found, exact) in found.iter().zip(exact) {
         for (found, exact) in found.steps.iter().zip(&exact.steps) {
-            assert_eq!(
-                found.response.is_some(),
-                exact.response.is_some(),
-                "{} {}",
-                found.status,
-                exact.status
-            );
-            let (Some(found), Some(exact)) = (found.response, exact.response) else { continue };
+            let (Some(found), Some(exact)) = (found.response, exact.response) else {
+                // At the widest contact there may be, either side may find it a little wider.
+                let half_angle = found.response.or(exact.response).and_then(|one| one.contact_half_angle);
+                assert!(half_angle.is_none_or(|angle| angle > 1.5), "{} {}", found.status, exact.status);
+                continue;
+            };
             if exact.force == 0.0 {
                 continue;
             }
