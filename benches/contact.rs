@@ -9,6 +9,7 @@ use jointsweep::mechanics::compliance::series::ConcentricBody;
 use jointsweep::mechanics::contact::arc_state::ArcState;
 use jointsweep::mechanics::contact::loading::{DimensionlessLoad, JointCurve};
 use jointsweep::mechanics::contact::pressure::JointCompliance;
+use jointsweep::mechanics::contact::smooth_curve::{CURVE_TERMS, CurveNodes, SmoothCurve};
 use jointsweep::mechanics::material::Idealization;
 
 const RADIAL_CLEARANCE: f64 = 1e-3;
@@ -31,6 +32,13 @@ impl Joint {
         };
         let (pin, plate) = (solve(0.3), solve(3.0));
         Joint { space, pin, plate }
+    }
+
+    /// At the nodes of curves, with its amplitude.
+    fn resampled(&self, nodes: &CurveNodes) -> (Vec<f64>, f64) {
+        let [pin, plate] = [&self.pin, &self.plate].map(|body| nodes.resample(&self.space, &body.values));
+        let values = pin.iter().zip(&plate).map(|(pin, plate)| pin + plate / 0.4).collect();
+        (values, self.pin.amplitude + self.plate.amplitude / 0.4)
     }
 
     fn compliance(&self) -> JointCompliance<'_> {
@@ -86,4 +94,20 @@ fn ten_pressures_checked(bencher: Bencher, terms: usize) {
     let states: Vec<ArcState> =
         curve.states(RADIAL_CLEARANCE, &loads()).into_iter().map(Result::unwrap).collect();
     bencher.bench_local(|| black_box(&states).iter().filter(|state| state.pressure_is_positive()).count());
+}
+
+/// Of interpolated bodies: the curve from its nodes, checked, and ten loads found on it.
+#[divan::bench]
+fn smooth_curve_with_ten_loads(bencher: Bencher) {
+    let joint = Joint::new(CURVE_TERMS);
+    let nodes = CurveNodes::new(joint.space.limit);
+    let (values, amplitude) = joint.resampled(&nodes);
+    let loads = loads();
+    let mut states = Vec::new();
+    bencher.bench_local(|| {
+        states.clear();
+        let curve = SmoothCurve::new(&nodes, amplitude, black_box(&values)).unwrap();
+        curve.states(RADIAL_CLEARANCE, loads.iter().copied(), &mut states);
+        states.len()
+    });
 }
