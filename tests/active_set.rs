@@ -12,8 +12,9 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use jointsweep::mechanics::contact::active_set::{
-    ActiveSetOutcome, RingContact, RingsDiffer, normal_compliance, ring_contact, solve_nodal_contact,
+    ActiveSetOutcome, RingContact, ring_contact, solve_nodal_contact,
 };
+use jointsweep::mechanics::contact::ring_joint::{RingsDiffer, normal_compliance};
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::element::stiffness::Elasticity;
 use jointsweep::mechanics::material::Idealization;
