@@ -1,0 +1,165 @@
+//! Contact with a moving edge on a mesh as it is, without the exact near field: the compliance to the trial pressures is
+//! found at each contact half angle itself, because between half angles a mesh's own has kinks.
+
+use std::time::Instant;
+
+use crate::engine::request::SpaceKey;
+use crate::mechanics::compliance::arc::ContactArc;
+use crate::mechanics::compliance::pressure_space::PressureSpace;
+use crate::mechanics::compliance::ring_loads::{arc_loads, galerkin_compliance, load_rule};
+use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance, RingCompliance};
+use crate::mechanics::contact::arc_state::ArcState;
+use crate::mechanics::contact::pressure::JointCompliance;
+use crate::mechanics::real::LANES;
+use crate::study::design::{DesignCase, JointDesign, Load};
+use crate::tradeoff::choice::Solution;
+use crate::tradeoff::joints::{Joints, Terms};
+use crate::tradeoff::moving_edge::whole;
+use crate::tradeoff::ring_mesh::{Division, RingMesh, RingSolver, groups};
+use crate::tradeoff::state::State;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectPath {
+    pub division: Division,
+    /// Meshes can bear few: each needs nodes of its own inside the contact.
+    pub terms: usize,
+}
+
+/// Half angles that a design is looked at before its loads are searched for: from the first, rad, by a factor.
+const FIRST: f64 = 2e-3;
+const FACTOR: f64 = 1.25;
+
+/// Evaluations of one search.
+const MOST_EVALUATIONS: usize = 60;
+
+/// Where a search ends: the logarithm of what is found over what is asked.
+const TOLERANCE: f64 = 1e-10;
+
+/// What half angles do not change.
+struct Prepared {
+    space: PressureSpace,
+    rule: Vec<(f64, f64)>,
+}
+
+/// A design with its bodies.
+struct Joint<'a> {
+    prepared: &'a Prepared,
+    /// With their Young's moduli.
+    bodies: [(&'a RingMesh, &'a RingCompliance, f64); 2],
+}
+
+impl DirectPath {
+    pub fn solve(&self, cases: &[DesignCase]) -> Solution {
+        let started = Instant::now();
+        let joints = Joints::new(cases, |_| ());
+        let groups = groups(&joints.bodies, &self.division);
+        let solver = RingSolver::Cholesky;
+        let meshes: Vec<Option<RingMesh>> = groups
+            .iter()
+            .map(|group| RingMesh::new(&joints.bodies[group.members[0]].0, &group.grading, &solver))
+            .collect();
+        let prepared = [false, true].map(|half_ring| Prepared {
+            space: PressureSpace::new(self.terms, SpaceKey { half_ring, terms: self.terms }.limit()),
+            rule: load_rule(self.terms),
+        });
+        let shared = started.elapsed();
+
+        let mut rings: Vec<Option<(&RingMesh, RingCompliance)>> = vec![None; joints.bodies.len()];
+        for (group, mesh) in groups.iter().zip(&meshes) {
+            let Some(mesh) = mesh else { continue };
+            for &number in &group.members {
+                let compliance = mesh.condense(&joints.bodies[number].0, &solver);
+                rings[number] = compliance.map(|compliance| (mesh, compliance));
+            }
+        }
+        let states = cases.iter().zip(&joints.of_case).map(|(case, [pin, plate])| {
+            let design = &case.joint;
+            let ring = |number: usize, modulus| {
+                rings[number].as_ref().map(|(mesh, compliance)| (*mesh, compliance, modulus))
+            };
+            let pin = ring(*pin, design.pin.material.youngs_modulus);
+            let plate = ring(*plate, design.plate.material.youngs_modulus);
+            let half_ring = Terms::Fixed(self.terms).space(design).half_ring;
+            match pin.zip(plate) {
+                Some((pin, plate)) => {
+                    let prepared = &prepared[usize::from(half_ring)];
+                    Joint { prepared, bodies: [pin, plate] }.states(case)
+                }
+                None => vec![None; case.steps.len()],
+            }
+        });
+        let states = states.collect();
+        Solution { states, shared, own: started.elapsed() - shared }
+    }
+}
+
+impl Joint<'_> {
+    fn states(&self, case: &DesignCase) -> Vec<Option<State>> {
+        let limit = self.prepared.space.limit;
+        let angles = std::iter::successors(Some(FIRST), |angle| Some(angle * FACTOR));
+        let angles = angles.take_while(|angle| *angle < limit).chain([limit]);
+        let samples: Vec<ArcState> = angles.filter_map(|angle| self.at(angle)).collect();
+        case.steps.iter().map(|load| self.state(&case.joint, *load, &samples)?.sound()).collect()
+    }
+
+    /// The joint at a half angle; `None` where the compliance is not positive definite.
+    fn at(&self, half_angle: f64) -> Option<ArcState> {
+        let Prepared { space, rule } = self.prepared;
+        let arc = ContactArc::new(half_angle);
+        let [pin, plate] = self.bodies.map(|(mesh, ring, modulus)| {
+            let topology = &mesh.topology;
+            let loads = arc_loads(&arc, space.terms, rule, topology.element, &topology.ring_angles);
+            let own = galerkin_compliance(ring, topology, &[loads], space.terms, 0.0);
+            // The same at all nodes is the same between them.
+            let values = own.values.repeat(NODE_COUNT);
+            (PressureCompliance { values, ..own }, modulus)
+        });
+        let joined = JointCompliance::new(space, (&pin.0, pin.1), (&plate.0, plate.1));
+        joined.at(&[half_angle; LANES])[0]
+    }
+
+    fn state(&self, joint: &JointDesign, load: Load, samples: &[ArcState]) -> Option<State> {
+        let clearance = joint.radial_clearance / joint.hole_radius;
+        // The offset of the centres over the hole's radius under this load, and the logarithm of how much the state's
+        // load exceeds the one asked.
+        let offset = |state: &ArcState| match load {
+            Load::Indentation(delta) => clearance + delta / joint.hole_radius,
+            Load::Force(force) => force / (joint.thickness * joint.hole_radius * state.force),
+        };
+        let excess = |state: &ArcState| match load {
+            Load::Indentation(delta) => (state.indentation * offset(state) * joint.hole_radius / delta).ln(),
+            // A neat fit has one half angle, whatever the load.
+            Load::Force(_) if clearance == 0.0 => state.indentation.ln(),
+            // At this force the clearance must be the joint's.
+            Load::Force(_) => (clearance / (offset(state) * state.clearance().max(f64::MIN_POSITIVE))).ln(),
+        };
+        if matches!(load, Load::Indentation(0.0) | Load::Force(0.0)) {
+            return None;
+        }
+        let above = samples.iter().position(|state| excess(state) >= 0.0)?;
+        let mut high = samples[above];
+        let mut low = samples[above.checked_sub(1)?];
+        let (mut below, mut over) = (excess(&low), excess(&high));
+        let mut best = high;
+        for evaluation in 0..MOST_EVALUATIONS {
+            // False position in ln(eps), bisection every third time.
+            let (from, to) = (low.arc.half_angle.ln(), high.arc.half_angle.ln());
+            let share = if evaluation % 3 == 2 { 0.5 } else { -below / (over - below) };
+            let angle = (from + share.clamp(0.01, 0.99) * (to - from)).exp();
+            best = self.at(angle)?;
+            let excess = excess(&best);
+            if excess.is_nan() {
+                return None;
+            }
+            if excess.abs() < TOLERANCE || to - from < 1e-13 {
+                break;
+            }
+            if excess < 0.0 {
+                (low, below) = (best, excess);
+            } else {
+                (high, over) = (best, excess);
+            }
+        }
+        Some(whole(&best, offset(&best), joint.hole_radius, joint.thickness))
+    }
+}
