@@ -17,9 +17,9 @@ const INK: RGBColor = RGBColor(40, 40, 40);
 const FRONT: RGBColor = RGBColor(30, 30, 30);
 
 /// Errors below this are rounding: shown at it.
-const LEAST_ERROR: f64 = 1e-10;
+const LEAST_ERROR: f64 = 1e-9;
 /// And above this they are of no interest.
-const MOST_ERROR: f64 = 10.0;
+const MOST_ERROR: f64 = 7.0;
 
 /// Colours that are told apart by most eyes, in the order of `FAMILIES`; alike families have alike colours and differ in
 /// their marks.
@@ -245,6 +245,8 @@ fn key(area: &Area, points: &[Point]) -> Drawn {
             mark(area, (23, y), family, hollow)
         })?;
     }
+    let (least, most) = (LEAST_ERROR, 100.0 * MOST_ERROR);
+    line(&format!("errors below {least:.0e} and above {most:.0} % stand there"), &|_| Ok(()))?;
     line(&format!("hollow: more than {:.0} % of the steps without answer", 100.0 * MOST_UNANSWERED), &|y| {
         area.draw(&Circle::new((23, y), 5, INK.stroke_width(2)))?;
         Ok(())

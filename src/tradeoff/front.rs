@@ -49,8 +49,8 @@ mod tests {
     #[test]
     fn of_equal_points_the_first_and_of_no_numbers_none() {
         assert_eq!(front(&[Some((1.0, 1.0)), Some((1.0, 1.0))]), [true, false]);
-        assert_eq!(front(&[None, Some((f64::NAN, 0.0)), Some((0.5, f64::NAN)), Some((1.0, 1.0))])[3], true);
+        assert!(front(&[None, Some((f64::NAN, 0.0)), Some((0.5, f64::NAN)), Some((1.0, 1.0))])[3]);
         assert_eq!(front(&[None, Some((f64::NAN, 0.0)), Some((0.5, f64::INFINITY))]), [false; 3]);
-        assert_eq!(front(&[]), []);
+        assert!(front(&[]).is_empty());
     }
 }

@@ -39,8 +39,8 @@ pub struct MeshedPath {
 
 /// What bodies of one topology share.
 enum Shared {
-    Lanes(CondensationPlan),
-    Ring(RingMesh, Vec<ArcLoads>),
+    Lanes(Box<CondensationPlan>),
+    Ring(Box<RingMesh>, Vec<ArcLoads>),
     /// No memory for it.
     Nothing,
 }
@@ -64,13 +64,13 @@ impl MeshedPath {
                 let space = &spaces[&group.key].space;
                 match &self.condenser {
                     Condenser::Lanes => {
-                        Shared::Lanes(CondensationPlan::new(body, group.grading.clone(), space))
+                        Shared::Lanes(Box::new(CondensationPlan::new(body, group.grading.clone(), space)))
                     }
                     Condenser::Ring(solver) => {
                         RingMesh::new(body, &group.grading, solver).map_or(Shared::Nothing, |mesh| {
                             let angles = &mesh.topology.ring_angles;
                             let loads = ring_loads(space, mesh.topology.element, angles);
-                            Shared::Ring(mesh, loads)
+                            Shared::Ring(Box::new(mesh), loads)
                         })
                     }
                 }

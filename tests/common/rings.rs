@@ -7,7 +7,6 @@ use jointsweep::mechanics::body::{Body, MAX_PARAMETERS, SHAPES, Shape};
 use jointsweep::mechanics::compliance::RingCompliance;
 use jointsweep::mechanics::compliance::condense::by_cholesky;
 use jointsweep::mechanics::contact::ring_joint::RingBody;
-pub use jointsweep::mechanics::contact_grading::contact_grading;
 use jointsweep::mechanics::element::stiffness::Elasticity;
 use jointsweep::mechanics::element::{ElementKind, side_functions};
 use jointsweep::mechanics::material::Idealization;
