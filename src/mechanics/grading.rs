@@ -181,8 +181,10 @@ mod tests {
             assert!(reached >= depth && (class.layer_count == 2 || before < depth), "{body:?} {class:?}");
             // The reference's layers grow less, so that it is not the deepest of its class.
             let nominal = class.nominal_depth();
+            // Many thin layers lose more by it.
+            let least = if class.level < LEVEL_COUNT { 0.75 } else { 0.6 };
             assert!(
-                nominal <= reached && nominal > 0.75 * class.class_depth(),
+                nominal <= reached && nominal > least * class.class_depth(),
                 "{body:?} {class:?}: {nominal}"
             );
         });
