@@ -128,11 +128,11 @@ fn table<'a>(rows: impl Iterator<Item = &'a Measured>) -> String {
     }
     let mut text = header + ",steps,unanswered,contact_iterations_mean,on_front\n";
     for row in rows {
-        let Measured { family, choice, parameter, runs, time_per_design, shared, errors, on_front } = row;
+        let Measured { family, choice, parameter, runs, errors, on_front, .. } = row;
+        let [time, least, shared] = [row.time_per_design, row.least_time_per_design, row.shared].map(short);
         let parameter = parameter.map_or(String::new(), |parameter| number(parameter, exact));
         let choice = if choice.contains(',') { format!("\"{choice}\"") } else { choice.clone() };
-        text +=
-            &format!("{family},{choice},{parameter},{runs},{},{}", short(*time_per_design), short(*shared));
+        text += &format!("{family},{choice},{parameter},{runs},{time},{least},{shared}");
         for (.., quantiles) in QUANTITIES {
             match quantiles(errors) {
                 Some(Quantiles { median, p95, max }) => {
@@ -178,6 +178,7 @@ mod tests {
             parameter: Some(1e-8),
             runs: 3,
             time_per_design: 1.23456e-5,
+            least_time_per_design: 1e-5,
             shared: 0.0,
             errors: Errors { force, steps: 10, unanswered: 4, iterations: Some(2.5), ..Errors::default() },
             on_front: true,

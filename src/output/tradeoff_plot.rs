@@ -266,6 +266,7 @@ mod tests {
             parameter: None,
             runs: 1,
             time_per_design: time,
+            least_time_per_design: time,
             shared: 0.0,
             errors: Errors { force, steps: 1, ..Errors::default() },
             on_front,

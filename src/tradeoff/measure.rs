@@ -4,10 +4,11 @@ use std::time::{Duration, Instant};
 
 use crate::error::Error;
 use crate::study::design::DesignCase;
-use crate::tradeoff::choice::Choice;
+use crate::tradeoff::choice::{Choice, Solution};
 use crate::tradeoff::errors::Errors;
 use crate::tradeoff::front::front;
 use crate::tradeoff::oracle::Oracle;
+use crate::tradeoff::state::States;
 
 /// What one choice costs and what it is worth.
 #[derive(Clone, Debug)]
@@ -19,6 +20,8 @@ pub struct Measured {
     pub runs: usize,
     /// Wall time of one thread for all designs, over their count, s.
     pub time_per_design: f64,
+    /// Of the fastest run, s: what neighbours on the machine have disturbed least.
+    pub least_time_per_design: f64,
     /// Wall time of one thread on what a sweep shares, s.
     pub shared: f64,
     pub errors: Errors,
@@ -38,7 +41,7 @@ pub struct Tradeoff {
 /// A choice that leaves a greater share of the steps without an answer has no place on the front.
 pub const MOST_UNANSWERED: f64 = 0.05;
 
-/// Further runs of a choice begin within this time.
+/// A choice that has taken longer is not run again.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 impl Measured {
@@ -49,7 +52,8 @@ impl Measured {
     }
 }
 
-/// Every choice up to `runs` times, one after the other, `notify` told of each as it is done.
+/// Every choice up to `runs` times, in turns, so that a busy moment of the machine falls on all alike; `notify` is told of
+/// each after its first run.
 pub fn measure(
     cases: &[DesignCase],
     choices: &[Choice],
@@ -63,12 +67,20 @@ pub fn measure(
         .map_err(|error| Error::Threads { threads: 1, problem: error.to_string() })?;
     pool.install(|| {
         let oracle = Oracle::new(cases);
-        let mut rows = Vec::new();
-        for choice in choices {
-            let measured = measure_choice(cases, choice, runs, &oracle);
-            notify(&measured);
-            rows.push(measured);
+        let mut tallies: Vec<Tally> = choices
+            .iter()
+            .map(|choice| {
+                let tally = Tally::first(cases, choice, &oracle);
+                notify(&tally.measured(cases.len()));
+                tally
+            })
+            .collect();
+        for _ in 1..runs {
+            for tally in tallies.iter_mut().filter(|tally| tally.spent < PATIENCE) {
+                tally.run(cases);
+            }
         }
+        let mut rows: Vec<Measured> = tallies.iter().map(|tally| tally.measured(cases.len())).collect();
         let points: Vec<_> = rows.iter().map(Measured::point).collect();
         for (row, on_front) in rows.iter_mut().zip(front(&points)) {
             row.on_front = on_front;
@@ -77,32 +89,54 @@ pub fn measure(
     })
 }
 
-fn measure_choice(cases: &[DesignCase], choice: &Choice, runs: usize, oracle: &Oracle) -> Measured {
-    let started = Instant::now();
-    let (mut own, mut shared) = (Vec::new(), Vec::new());
-    let mut errors = Errors::default();
-    while own.len() < runs.max(1) && (own.is_empty() || started.elapsed() < PATIENCE) {
-        let solution = (choice.solve)(cases);
-        own.push(solution.own.as_secs_f64());
-        shared.push(solution.shared.as_secs_f64());
-        if own.len() == 1 {
-            errors = Errors::new(&solution.states, &oracle.states);
-        }
+/// The runs of one choice so far.
+struct Tally<'a> {
+    choice: &'a Choice<'a>,
+    /// s.
+    own: Vec<f64>,
+    shared: Vec<f64>,
+    spent: Duration,
+    errors: Errors,
+}
+
+impl<'a> Tally<'a> {
+    /// With its first run, which all others repeat to the bit.
+    fn first(cases: &[DesignCase], choice: &'a Choice<'a>, oracle: &Oracle) -> Tally<'a> {
+        let errors = Errors::default();
+        let mut tally = Tally { choice, own: Vec::new(), shared: Vec::new(), spent: Duration::ZERO, errors };
+        let states = tally.run(cases);
+        tally.errors = Errors::new(&states, &oracle.states);
+        tally
     }
-    Measured {
-        family: choice.family,
-        choice: choice.name.clone(),
-        parameter: choice.parameter,
-        runs: own.len(),
-        time_per_design: median(&mut own) / cases.len().max(1) as f64,
-        shared: median(&mut shared),
-        errors,
-        on_front: false,
+
+    fn run(&mut self, cases: &[DesignCase]) -> States {
+        let started = Instant::now();
+        let Solution { states, shared, own } = (self.choice.solve)(cases);
+        self.own.push(own.as_secs_f64());
+        self.shared.push(shared.as_secs_f64());
+        self.spent += started.elapsed();
+        states
+    }
+
+    fn measured(&self, designs: usize) -> Measured {
+        Measured {
+            family: self.choice.family,
+            choice: self.choice.name.clone(),
+            parameter: self.choice.parameter,
+            runs: self.own.len(),
+            time_per_design: median(&self.own) / designs.max(1) as f64,
+            least_time_per_design: self.own.iter().fold(f64::INFINITY, |a, b| a.min(*b))
+                / designs.max(1) as f64,
+            shared: median(&self.shared),
+            errors: self.errors,
+            on_front: false,
+        }
     }
 }
 
 /// Of an even count the lower of the two middle ones; 0 without values.
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
 }
