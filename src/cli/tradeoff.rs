@@ -113,3 +113,47 @@ fn front(rows: &[Measured]) -> String {
     }
     aligned(&lines)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten designs of ten clearances.
+    fn study() -> Study {
+        let text = r#"
+[joint]
+idealization = "plane-stress"
+hole_radius = "10 mm"
+radial_clearance = { from = "1 mm", to = "2 mm", count = 10 }
+thickness = "5 mm"
+[joint.pin]
+model = "rigid-midplane"
+youngs_modulus = "210 GPa"
+poissons_ratio = 0.3
+[joint.plate]
+model = "annulus"
+outer_radius_ratio = 3
+youngs_modulus = "70 GPa"
+poissons_ratio = 0.3
+[load]
+indentation = "0.1 mm"
+"#;
+        Study::from_text(Path::new("ten.toml"), text.into()).unwrap()
+    }
+
+    #[test]
+    fn designs_are_evenly_spaced_over_the_sweep() {
+        let study = study();
+        let indices =
+            |count| -> Vec<u64> { designs(&study, count).unwrap().iter().map(|case| case.index).collect() };
+        assert_eq!(indices(1), [0]);
+        assert_eq!(indices(3), [0, 3, 6]);
+        assert_eq!(indices(5), [0, 2, 4, 6, 8]);
+        assert_eq!(indices(1000), (0..10).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn times_are_said_in_a_unit_that_shows_them() {
+        assert_eq!([2.5e-7, 3e-4, 0.5].map(brief), ["0.25 us", "0.3 ms", "0.50 s"]);
+    }
+}

@@ -120,7 +120,8 @@ const QUANTITIES: [Quantity; 4] = [
 
 /// One row a choice; what a choice does not say is an empty cell.
 fn table<'a>(rows: impl Iterator<Item = &'a Measured>) -> String {
-    let mut header = "family,choice,parameter,runs,time_per_design_s,shared_s".to_string();
+    let mut header =
+        "family,choice,parameter,runs,time_per_design_s,time_per_design_min_s,shared_s".to_string();
     for (name, unit, _) in QUANTITIES {
         for which in ["median", "p95", "max"] {
             header += &format!(",{name}_{which}{unit}");

@@ -7,7 +7,7 @@ use plotters::prelude::*;
 
 use crate::error::Error;
 use crate::tradeoff::families::FAMILIES;
-use crate::tradeoff::measure::{MOST_UNANSWERED, Measured};
+use crate::tradeoff::measure::{LEAST_ERROR, MOST_UNANSWERED, Measured};
 
 const SIZE: (u32, u32) = (1280, 820);
 /// Width of the legend at the right.
@@ -16,9 +16,7 @@ const FONT: &str = "sans-serif";
 const INK: RGBColor = RGBColor(40, 40, 40);
 const FRONT: RGBColor = RGBColor(30, 30, 30);
 
-/// Errors below this are rounding: shown at it.
-const LEAST_ERROR: f64 = 1e-9;
-/// And above this they are of no interest.
+/// Errors above this are of no interest.
 const MOST_ERROR: f64 = 7.0;
 
 /// Colours that are told apart by most eyes, in the order of `FAMILIES`; alike families have alike colours and differ in

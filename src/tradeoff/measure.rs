@@ -41,14 +41,21 @@ pub struct Tradeoff {
 /// A choice that leaves a greater share of the steps without an answer has no place on the front.
 pub const MOST_UNANSWERED: f64 = 0.05;
 
+/// Force errors below this are those of the oracle as much as of the choice.
+pub const LEAST_ERROR: f64 = 1e-9;
+
 /// A choice that has taken longer is not run again.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 impl Measured {
-    /// Time per design and the force error that 95 % of the steps keep to, where nearly all steps have an answer.
+    /// Time per design and the force error that 95 % of the steps keep to, at least `LEAST_ERROR`, where nearly all steps
+    /// have an answer.
     pub fn point(&self) -> Option<(f64, f64)> {
         let is_candidate = self.errors.unanswered_share() <= MOST_UNANSWERED;
-        self.errors.force.filter(|_| is_candidate).map(|force| (self.time_per_design, force.p95))
+        self.errors
+            .force
+            .filter(|_| is_candidate)
+            .map(|force| (self.time_per_design, force.p95.max(LEAST_ERROR)))
     }
 }
 
