@@ -201,8 +201,11 @@ fn every_input_has_an_outcome() {
         let end = augmented_end(&singular, spring, &settings);
         assert_eq!(end, AugmentedOutcome::Inner(ActiveSetOutcome::Singular), "{spring}");
     }
-    // No tolerance can be met that is none.
+    // Springs that pull are none, even where bodies are softer.
     let settled = [2.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0];
+    assert_eq!(penalty_of(&settled, 1.0), ActiveSetOutcome::Settled);
+    assert_eq!(penalty_of(&settled, -1.0), ActiveSetOutcome::Singular);
+    // No tolerance can be met that is none.
     for tolerance in [-1.0, f64::NAN] {
         let settings = AugmentedSettings { tolerance, ..settings };
         assert_eq!(augmented_end(&settled, 1.0, &settings), AugmentedOutcome::UpdateLimit);

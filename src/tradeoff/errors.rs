@@ -112,8 +112,8 @@ mod tests {
 
     #[test]
     fn quantiles_are_those_that_so_many_values_keep_to() {
-        let values = (1..=40).rev().map(f64::from).collect();
-        assert_eq!(Quantiles::of(values), Some(Quantiles { median: 20.0, p95: 38.0, max: 40.0 }));
+        let values = (1..=41).rev().map(f64::from).collect();
+        assert_eq!(Quantiles::of(values), Some(Quantiles { median: 21.0, p95: 39.0, max: 41.0 }));
         assert_eq!(Quantiles::of(vec![7.0]), Some(Quantiles { median: 7.0, p95: 7.0, max: 7.0 }));
         assert_eq!(Quantiles::of(Vec::new()), None);
     }
