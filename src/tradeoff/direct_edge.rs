@@ -7,15 +7,17 @@ use crate::engine::request::SpaceKey;
 use crate::mechanics::compliance::arc::ContactArc;
 use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::compliance::ring_loads::{arc_loads, galerkin_compliance, load_rule};
-use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance, RingCompliance};
+use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::contact::arc_state::ArcState;
 use crate::mechanics::contact::pressure::JointCompliance;
+use crate::mechanics::contact::ring_joint::RingBody;
 use crate::mechanics::real::LANES;
 use crate::study::design::{DesignCase, JointDesign, Load};
 use crate::tradeoff::choice::Solution;
-use crate::tradeoff::joints::{Joints, Terms};
+use crate::tradeoff::joints::Terms;
 use crate::tradeoff::moving_edge::whole;
-use crate::tradeoff::ring_mesh::{Division, RingMesh, RingSolver, groups};
+use crate::tradeoff::ring_mesh::Division;
+use crate::tradeoff::rings::Rings;
 use crate::tradeoff::state::State;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,51 +46,28 @@ struct Prepared {
 /// A design with its bodies.
 struct Joint<'a> {
     prepared: &'a Prepared,
-    /// With their Young's moduli.
-    bodies: [(&'a RingMesh, &'a RingCompliance, f64); 2],
+    bodies: [RingBody<'a>; 2],
 }
 
 impl DirectPath {
     pub fn solve(&self, cases: &[DesignCase]) -> Solution {
         let started = Instant::now();
-        let joints = Joints::new(cases, |_| ());
-        let groups = groups(&joints.bodies, &self.division);
-        let solver = RingSolver::Cholesky;
-        let meshes: Vec<Option<RingMesh>> = groups
-            .iter()
-            .map(|group| RingMesh::new(&joints.bodies[group.members[0]].0, &group.grading, &solver))
-            .collect();
         let prepared = [false, true].map(|half_ring| Prepared {
             space: PressureSpace::new(self.terms, SpaceKey { half_ring, terms: self.terms }.limit()),
             rule: load_rule(self.terms),
         });
-        let shared = started.elapsed();
-
-        let mut rings: Vec<Option<(&RingMesh, RingCompliance)>> = vec![None; joints.bodies.len()];
-        for (group, mesh) in groups.iter().zip(&meshes) {
-            let Some(mesh) = mesh else { continue };
-            for &number in &group.members {
-                let compliance = mesh.condense(&joints.bodies[number].0, &solver);
-                rings[number] = compliance.map(|compliance| (mesh, compliance));
-            }
-        }
-        let states = cases.iter().zip(&joints.of_case).map(|(case, [pin, plate])| {
-            let design = &case.joint;
-            let ring = |number: usize, modulus| {
-                rings[number].as_ref().map(|(mesh, compliance)| (*mesh, compliance, modulus))
-            };
-            let pin = ring(*pin, design.pin.material.youngs_modulus);
-            let plate = ring(*plate, design.plate.material.youngs_modulus);
-            let half_ring = Terms::Fixed(self.terms).space(design).half_ring;
-            match pin.zip(plate) {
-                Some((pin, plate)) => {
-                    let prepared = &prepared[usize::from(half_ring)];
-                    Joint { prepared, bodies: [pin, plate] }.states(case)
-                }
+        let of_spaces = started.elapsed();
+        let rings = Rings::new(cases, &self.division);
+        let states = cases.iter().enumerate().map(|(number, case)| {
+            let half_ring = Terms::Fixed(self.terms).space(&case.joint).half_ring;
+            let prepared = &prepared[usize::from(half_ring)];
+            match rings.pair(number, &case.joint) {
+                Some(bodies) => Joint { prepared, bodies }.states(case),
                 None => vec![None; case.steps.len()],
             }
         });
         let states = states.collect();
+        let shared = of_spaces + rings.shared;
         Solution { states, shared, own: started.elapsed() - shared }
     }
 }
@@ -106,13 +85,12 @@ impl Joint<'_> {
     fn at(&self, half_angle: f64) -> Option<ArcState> {
         let Prepared { space, rule } = self.prepared;
         let arc = ContactArc::new(half_angle);
-        let [pin, plate] = self.bodies.map(|(mesh, ring, modulus)| {
-            let topology = &mesh.topology;
+        let [pin, plate] = self.bodies.map(|RingBody { topology, compliance, youngs_modulus }| {
             let loads = arc_loads(&arc, space.terms, rule, topology.element, &topology.ring_angles);
-            let own = galerkin_compliance(ring, topology, &[loads], space.terms, 0.0);
+            let own = galerkin_compliance(compliance, topology, &[loads], space.terms, 0.0);
             // The same at all nodes is the same between them.
             let values = own.values.repeat(NODE_COUNT);
-            (PressureCompliance { values, ..own }, modulus)
+            (PressureCompliance { values, ..own }, youngs_modulus)
         });
         let joined = JointCompliance::new(space, (&pin.0, pin.1), (&plate.0, plate.1));
         joined.at(&[half_angle; LANES])[0]

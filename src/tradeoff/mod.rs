@@ -11,6 +11,7 @@ pub mod choice;
 pub mod joints;
 pub mod moving_edge;
 pub mod ring_mesh;
+pub mod rings;
 pub mod meshed;
 pub mod direct_edge;
 pub mod nodal;

@@ -2,18 +2,17 @@
 
 use std::time::Instant;
 
-use crate::mechanics::compliance::RingCompliance;
 use crate::mechanics::contact::active_set::{ActiveSetOutcome, NodalContact, solve_nodal_contact};
 use crate::mechanics::contact::augmented_lagrangian::{
     AugmentedOutcome, AugmentedSettings, solve_augmented_lagrangian,
 };
 use crate::mechanics::contact::penalty::{solve_penalty, springs};
-use crate::mechanics::contact::ring_joint::{RingBody, RingJoint};
+use crate::mechanics::contact::ring_joint::RingJoint;
 use crate::mechanics::material::effective_modulus;
 use crate::study::design::{DesignCase, JointDesign, Load};
 use crate::tradeoff::choice::Solution;
-use crate::tradeoff::joints::Joints;
-use crate::tradeoff::ring_mesh::{Division, RingMesh, RingSolver, groups};
+use crate::tradeoff::ring_mesh::Division;
+use crate::tradeoff::rings::Rings;
 use crate::tradeoff::state::State;
 
 /// How the unilateral conditions are met.
@@ -46,39 +45,16 @@ pub struct NodalPath {
 impl NodalPath {
     pub fn solve(&self, cases: &[DesignCase]) -> Solution {
         let started = Instant::now();
-        let joints = Joints::new(cases, |_| ());
-        let groups = groups(&joints.bodies, &self.division);
-        let solver = RingSolver::Cholesky;
-        let meshes: Vec<Option<RingMesh>> = groups
-            .iter()
-            .map(|group| RingMesh::new(&joints.bodies[group.members[0]].0, &group.grading, &solver))
-            .collect();
-        let shared = started.elapsed();
-
-        let mut rings: Vec<Option<(&RingMesh, RingCompliance)>> = vec![None; joints.bodies.len()];
-        for (group, mesh) in groups.iter().zip(&meshes) {
-            let Some(mesh) = mesh else { continue };
-            for &number in &group.members {
-                let compliance = mesh.condense(&joints.bodies[number].0, &solver);
-                rings[number] = compliance.map(|compliance| (mesh, compliance));
-            }
-        }
-        let states = cases.iter().zip(&joints.of_case).map(|(case, [pin, plate])| {
-            let design = &case.joint;
-            let ring = |number: usize, youngs_modulus| {
-                let (mesh, compliance) = rings[number].as_ref()?;
-                Some(RingBody { topology: &mesh.topology, compliance, youngs_modulus })
-            };
-            let pin = ring(*pin, design.pin.material.youngs_modulus);
-            let plate = ring(*plate, design.plate.material.youngs_modulus);
-            let joint = pin.zip(plate).and_then(|(pin, plate)| RingJoint::new(pin, plate).ok());
-            match joint {
+        let rings = Rings::new(cases, &self.division);
+        let states = cases.iter().enumerate().map(|(number, case)| {
+            let pair = rings.pair(number, &case.joint);
+            match pair.and_then(|[pin, plate]| RingJoint::new(pin, plate).ok()) {
                 Some(joint) => self.states(&joint, case),
                 None => vec![None; case.steps.len()],
             }
         });
         let states = states.collect();
-        Solution { states, shared, own: started.elapsed() - shared }
+        Solution { states, shared: rings.shared, own: started.elapsed() - rings.shared }
     }
 
     fn states(&self, joint: &RingJoint, case: &DesignCase) -> Vec<Option<State>> {

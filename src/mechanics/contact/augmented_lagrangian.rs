@@ -9,6 +9,7 @@
 //! iteration of Alart & Curnier (Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375). An inner problem is the penalised
 //! one with initial gaps g0_i - lambda_i/k_i. The outer error falls by (C + 1/k)^-1 1/k in each update, for every k > 0:
 //! quickly in smooth pressures and slowly in those that swing from node to node.
+//! Equation (29) of docs/theory.md.
 
 use super::active_set::{ActiveSetOutcome, NodalContact, gaps, solve_nodal_contact_from};
 use super::penalty::{not_sound, softened, springs_are_sound};

@@ -7,7 +7,7 @@
 //! Where nodes touch this is (C_AA + K_A^-1) f_A = -g0_A, and they touch where that force is positive: the exact
 //! conditions of `active_set`, with 1/k_i on the diagonal of C. So its semi-smooth Newton iteration with exact solves
 //! serves (Alart & Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375), and the force is too soft by a part of
-//! first order in 1/k.
+//! first order in 1/k. Equations (27), (28) of docs/theory.md.
 
 use super::active_set::{ActiveSetOutcome, NodalContact, solve_nodal_contact_from};
 use super::ring_joint::RingJoint;

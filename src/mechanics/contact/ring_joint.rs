@@ -3,7 +3,7 @@
 //!
 //! Nodal forces are work-equivalent to a pressure, f_i = integral of N_i p, so a node stands for the length
 //! w_i = integral of N_i along the ring, and the pressure that belongs to forces is that of M p = f with the boundary's
-//! mass matrix M_ij = integral of N_i N_j. With mid-side nodes f_i/w_i alone would swing from node to node.
+//! mass matrix M_ij = integral of N_i N_j. Equation (30) of docs/theory.md.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
