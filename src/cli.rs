@@ -14,6 +14,7 @@ mod devices;
 mod progress;
 mod report;
 mod run;
+mod tradeoff;
 
 /// Parametric sweeps of pin joints with clearance: contact stiffness tables of a stated accuracy.
 #[derive(Parser)]
@@ -34,6 +35,8 @@ enum Command {
     Bench(BenchArgs),
     /// Measures a GPU: checks it, times whole sweeps and each kernel, and compares them with the processor and the peaks
     BenchGpu(BenchGpuArgs),
+    /// Measures what each method, mesh, contact formulation, solver and precision costs and is worth on designs of a config
+    Tradeoff(TradeoffArgs),
     /// Lists the GPUs with a Vulkan driver, and what a sweep would be computed on
     Devices,
 }
@@ -97,6 +100,30 @@ struct BenchGpuArgs {
 }
 
 #[derive(Args)]
+struct TradeoffArgs {
+    /// The sweep whose designs are taken, a TOML file
+    config: PathBuf,
+    /// Designs, evenly spaced over the sweep
+    #[arg(long, value_name = "N", default_value = "100")]
+    designs: NonZeroU64,
+    /// Folder of the result [default: out/<config's name>/tradeoff]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Measure the GPU whose name or driver holds this too, software or not [default: the best GPU, if there is one]
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Runs of each choice; fewer of those that take seconds
+    #[arg(long, value_name = "N", default_value = "5")]
+    runs: NonZeroUsize,
+    /// Overwrite the result of another config
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
 struct BackendArgs {
     /// What computes
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
@@ -146,6 +173,7 @@ pub fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::BenchGpu(args) => bench_gpu::bench_gpu(&args),
+        Command::Tradeoff(args) => tradeoff::tradeoff(&args),
         Command::Devices => devices::devices(),
     };
     match ending {

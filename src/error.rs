@@ -40,6 +40,9 @@ pub enum Error {
 
     #[error("{problem}")]
     Adapter { problem: String },
+
+    #[error("cannot draw the plot: {problem}")]
+    Plot { problem: String },
 }
 
 /// `file:line: key: `, without the parts that are not known.

@@ -26,7 +26,7 @@
 //!
 //! Data runs one way:
 //! `config -> design -> plan -> body -> mesh -> assembly -> solve -> compliance -> contact -> outcome -> table`.
-//! Four wings, each of which uses only the wings above it (`tests/layering.rs` checks this):
+//! Five wings, each of which uses only the wings above it (`tests/layering.rs` checks this):
 
 /// What is true: pure functions of numbers, dimensionless; no files, threads or printing.
 pub mod mechanics;
@@ -34,6 +34,8 @@ pub mod mechanics;
 pub mod study;
 /// How it is computed: the only wing with threads and devices.
 pub mod engine;
+/// What each choice costs and what it is worth: designs run through all of them, timed and compared.
+pub mod tradeoff;
 /// What is handed over: the only wing that writes files.
 pub mod output;
 

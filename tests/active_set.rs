@@ -7,13 +7,15 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use common::greatest;
 use common::meshes::{ELEMENTS, order};
-use common::rings::{MeshedBody, body, concentric_grading, contact_grading};
+use common::rings::{MeshedBody, body, concentric_grading};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use jointsweep::mechanics::contact::active_set::{
-    ActiveSetOutcome, RingContact, RingsDiffer, normal_compliance, ring_contact, solve_nodal_contact,
+    ActiveSetOutcome, RingContact, ring_contact, solve_nodal_contact,
 };
+use jointsweep::mechanics::contact::ring_joint::{RingsDiffer, normal_compliance};
+use jointsweep::mechanics::contact_grading::contact_grading;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::element::stiffness::Elasticity;
 use jointsweep::mechanics::material::Idealization;

@@ -1,8 +1,8 @@
 //! The house rules that the compiler does not check.
 //!
 //! Data runs one way: a wing uses only wings above it in `lib.rs`, and inside a wing a module uses only those
-//! listed before it in its `mod.rs`. Children may use what their `mod.rs` itself defines. Only the engine has
-//! threads, only study and output touch files, and nothing in the library prints. Test modules are free.
+//! listed before it in its `mod.rs`. Children may use what their `mod.rs` itself defines. Only the engine and what
+//! measures it have threads, only study and output touch files, and nothing in the library prints. Test modules are free.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,12 +11,13 @@ use std::path::Path;
 type Sources = BTreeMap<String, String>;
 
 /// Beginnings of paths and names of macros that a wing must not use, and what they are.
-const FORBIDDEN: [(&str, &str, &[&str]); 7] = [
+const FORBIDDEN: [(&str, &str, &[&str]); 8] = [
     ("src/mechanics/", "threads", THREADS),
     ("src/study/", "threads", THREADS),
     ("src/output/", "threads", THREADS),
     ("src/mechanics/", "files", FILES),
     ("src/engine/", "files", FILES),
+    ("src/tradeoff/", "files", FILES),
     ("src/mechanics/", "environment", &["std::env", "std::process", "std::net"]),
     (
         "src/",

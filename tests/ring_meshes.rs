@@ -6,8 +6,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use common::greatest;
 use common::meshes::{ELEMENTS, PlaneMesh, scatter};
-use common::rings::{MeshedBody, body, contact_grading};
+use common::rings::{MeshedBody, body};
 use jointsweep::mechanics::body::Body;
+use jointsweep::mechanics::contact_grading::contact_grading;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::element::quadrature::gauss_legendre;
 use jointsweep::mechanics::grading::{GradingClass, LEVEL_COUNT};

@@ -6,10 +6,11 @@ use std::f64::consts::PI;
 
 use common::greatest;
 use common::meshes::{ELEMENTS, PlaneMesh, scatter};
-use common::rings::{MeshedBody, body, contact_grading, ring_displacement};
+use common::rings::{MeshedBody, body, ring_displacement};
 use jointsweep::mechanics::assembly::{Assembly, AssemblyError, Csr};
 use jointsweep::mechanics::compliance::RingCompliance;
 use jointsweep::mechanics::compliance::condense::{CondenseError, by_pcg, variational_compliance};
+use jointsweep::mechanics::contact_grading::contact_grading;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::element::stiffness::Elasticity;
 use jointsweep::mechanics::material::Idealization;

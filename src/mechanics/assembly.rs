@@ -136,6 +136,11 @@ impl Assembly {
         self.row_starts.len() - 1
     }
 
+    /// Values of the sparse matrix.
+    pub fn value_count(&self) -> usize {
+        self.columns.len()
+    }
+
     /// The sparse matrix that `values` (of `stiffness_values`) belong to.
     pub fn matrix<'a, T>(&'a self, values: &'a [T]) -> Csr<'a, T> {
         Csr { row_starts: &self.row_starts, columns: &self.columns, values }

@@ -4,6 +4,7 @@ pub mod body;
 pub mod element;
 pub mod mesh;
 pub mod grading;
+pub mod contact_grading;
 pub mod assembly;
 pub mod solve;
 pub mod compliance;

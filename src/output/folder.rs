@@ -10,10 +10,23 @@ use crate::study::config::Study;
 pub const TABLE: &str = "table.csv";
 pub const MANIFEST: &str = "manifest.json";
 
+/// What a command leaves in a folder besides the manifest.
+#[derive(Debug)]
+pub struct Contents {
+    /// As its manifests name it; runs do not.
+    command: Option<&'static str>,
+    files: &'static [&'static str],
+}
+
+pub static RUN: Contents = Contents { command: None, files: &[TABLE] };
+pub static TRADEOFF: Contents =
+    Contents { command: Some("tradeoff"), files: &["tradeoff.csv", "front.csv", "tradeoff.svg"] };
+
 /// A folder that a study's result may be written to.
 #[derive(Clone, Debug)]
 pub struct ResultFolder {
     dir: PathBuf,
+    contents: &'static Contents,
 }
 
 impl ResultFolder {
@@ -21,11 +34,20 @@ impl ResultFolder {
     /// it holds a result of another config, or a table nobody vouches for, unless `force`. Writes nothing.
     pub fn check(dir: Option<&Path>, study: &Study, force: bool) -> Result<ResultFolder, Error> {
         let dir = dir.map_or_else(|| Path::new("out").join(study.name()), Path::to_path_buf);
-        let folder = ResultFolder { dir };
-        if let Some(designs) = study.designs_file()
-            && is_same_file(designs, &folder.table())
-        {
-            return Err(Error::DesignsInTheWay { path: folder.table() });
+        ResultFolder::check_for(&RUN, dir, study, force)
+    }
+
+    /// The same for what a command leaves behind; a result of another command is in its way, too.
+    pub fn check_for(
+        contents: &'static Contents,
+        dir: PathBuf,
+        study: &Study,
+        force: bool,
+    ) -> Result<ResultFolder, Error> {
+        let folder = ResultFolder { dir, contents };
+        let in_the_way = |path: &PathBuf| study.designs_file().is_some_and(|file| is_same_file(file, path));
+        if let Some(path) = folder.files().find(in_the_way) {
+            return Err(Error::DesignsInTheWay { path });
         }
         match folder.occupant(study)? {
             Some(occupant) if !force => Err(Error::FolderTaken { dir: folder.dir, occupant }),
@@ -39,13 +61,17 @@ impl ResultFolder {
         let manifest = match std::fs::read(&path) {
             Ok(manifest) => String::from_utf8_lossy(&manifest).into_owned(),
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
-                let table = self.table().exists();
-                return Ok(table.then(|| format!("a {TABLE} without a {MANIFEST}")));
+                let left = self.contents.files.iter().find(|file| self.dir.join(file).exists());
+                return Ok(left.map(|file| format!("a {file} without a {MANIFEST}")));
             }
             Err(source) => return Err(Error::Io { action: "read", path, source }),
         };
         Ok(match origin(&manifest) {
             None => Some(format!("a {MANIFEST} of another program")),
+            Some(origin) if origin.command.as_deref() != self.contents.command => {
+                let command = origin.command.as_deref().unwrap_or("run");
+                Some(format!("the result of `jointsweep {command}` for {}", origin.path))
+            }
             Some(origin) if origin.text == study.source_text() => None,
             Some(origin) if Path::new(&origin.path) == study.path() => {
                 Some(format!("the result of {} as it was before its last change", origin.path))
@@ -56,6 +82,15 @@ impl ResultFolder {
 
     pub fn table(&self) -> PathBuf {
         self.dir.join(TABLE)
+    }
+
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// What is written here besides the manifest.
+    fn files(&self) -> impl Iterator<Item = PathBuf> {
+        self.contents.files.iter().map(|file| self.dir.join(file))
     }
 
     pub fn manifest(&self) -> PathBuf {

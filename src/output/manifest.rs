@@ -227,11 +227,14 @@ pub fn publish(path: &Path) -> Result<(), Error> {
 pub struct Origin {
     pub path: String,
     pub text: String,
+    /// What was done with it; a run does not say.
+    pub command: Option<String>,
 }
 
 /// Reads whose result a manifest describes; `None` when it does not say.
 pub fn origin(manifest: &str) -> Option<Origin> {
     let manifest: serde_json::Value = serde_json::from_str(manifest).ok()?;
     let config = |key: &str| manifest.get("config")?.get(key)?.as_str().map(str::to_string);
-    Some(Origin { path: config("path")?, text: config("text")? })
+    let command = manifest.get("command").and_then(|command| command.as_str()).map(str::to_string);
+    Some(Origin { path: config("path")?, text: config("text")?, command })
 }

@@ -6,3 +6,5 @@ pub mod folder;
 pub mod recorder;
 pub mod benchmark;
 pub mod gpu_benchmark;
+pub mod tradeoff_plot;
+pub mod tradeoff;

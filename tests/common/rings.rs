@@ -1,16 +1,16 @@
 //! Meshed and condensed bodies of a joint.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use jointsweep::mechanics::assembly::Assembly;
 use jointsweep::mechanics::body::{Body, MAX_PARAMETERS, SHAPES, Shape};
 use jointsweep::mechanics::compliance::RingCompliance;
 use jointsweep::mechanics::compliance::condense::by_cholesky;
-use jointsweep::mechanics::contact::active_set::RingBody;
+use jointsweep::mechanics::contact::ring_joint::RingBody;
 use jointsweep::mechanics::element::stiffness::Elasticity;
 use jointsweep::mechanics::element::{ElementKind, side_functions};
 use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates, layer_thicknesses};
+use jointsweep::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
 use jointsweep::mechanics::solve::cholesky::CholeskyAnalysis;
 
 pub fn shape(name: &str) -> &'static Shape {
@@ -104,36 +104,4 @@ pub fn concentric_grading(element: ElementKind, ratio: f64, count: usize, layer_
     let first_layer = ratio.ln().abs() / layer_count as f64;
     let angles = (0..=count).map(|i| PI * i as f64 / count as f64).collect();
     Grading { element, angles, first_layer, thickest_layer: first_layer, layer_count }
-}
-
-/// A mesh as finely divided at every contact angle from `least_angle` up: ring spacing h = max(least_angle/q, phi/q),
-/// with a node at pi/2, layers from the same least spacing growing at the same rate.
-pub fn contact_grading(element: ElementKind, least_angle: f64, q: f64, end: f64, depth: f64) -> Grading {
-    let first = least_angle / q;
-    let mut angles = vec![0.0];
-    for quarter in [FRAC_PI_2, PI] {
-        let start = angles.len() - 1;
-        let from = angles[start];
-        let mut reached = from;
-        while reached < quarter - 1e-9 {
-            reached += (reached / q).max(first);
-            angles.push(reached);
-        }
-        let scale = (quarter - from) / (reached - from);
-        angles[start + 1..].iter_mut().for_each(|angle| *angle = from + (*angle - from) * scale);
-        *angles.last_mut().unwrap() = quarter;
-        if end <= quarter {
-            break;
-        }
-    }
-    let growth = 1.0 + 1.0 / q;
-    let thickest_layer = growth.ln().max(first);
-    let mut reached = 0.0;
-    let enough = layer_thicknesses(first, thickest_layer, growth).take_while(|thickness| {
-        let go_on = reached < depth;
-        reached += thickness;
-        go_on
-    });
-    let layer_count = enough.count().max(2);
-    Grading { element, angles, first_layer: first, thickest_layer, layer_count }
 }

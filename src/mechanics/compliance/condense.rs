@@ -67,8 +67,7 @@ pub fn by_pcg<T: Real + PartialOrd + Into<f64>>(
     let values: Vec<T> = assembly.stiffness_values(elasticity, coordinates)?;
     let exact = assembly.matrix(&exact_values);
     let unknowns = assembly.unknown_count();
-    let solution =
-        pcg(assembly.matrix(&values), exact, &unit_loads(unknowns, ring_start..unknowns), settings);
+    let solution = pcg(assembly.matrix(&values), exact, &ring_unit_loads(unknowns, ring_start), settings);
     for (ring_unknown, &report) in solution.reports.iter().enumerate() {
         if !matches!(report.outcome, PcgOutcome::Converged | PcgOutcome::Stagnated) {
             return Err(CondenseError::Pcg { ring_unknown, report });
@@ -98,6 +97,17 @@ pub fn variational_compliance(exact: Csr<'_, f64>, ring_start: usize, columns: &
         }
     }
     symmetric(size, compliance)
+}
+
+/// C = B^T U from approximate columns U of K U = B: what `variational_compliance` is worth. Errors are of first order.
+pub fn plain_compliance(unknowns: usize, ring_start: usize, columns: &[f64]) -> RingCompliance {
+    let ring = columns.chunks_exact(unknowns).flat_map(|column| &column[ring_start..]).copied();
+    symmetric(unknowns - ring_start, ring.collect())
+}
+
+/// B: unit forces on the ring's unknowns, each a contiguous column.
+pub fn ring_unit_loads(unknowns: usize, ring_start: usize) -> Vec<f64> {
+    unit_loads(unknowns, ring_start..unknowns)
 }
 
 /// Unit forces on the unknowns of `range`, each a contiguous column.

@@ -145,6 +145,8 @@ impl Condense<'_> {
             })
             .collect();
         match self.plan.terms {
+            3 => self.gram::<FUSED, 3>(&tiles, &mut compliances),
+            6 => self.gram::<FUSED, 6>(&tiles, &mut compliances),
             10 => self.gram::<FUSED, 10>(&tiles, &mut compliances),
             16 => self.gram::<FUSED, 16>(&tiles, &mut compliances),
             MAX_TERMS => self.gram::<FUSED, MAX_TERMS>(&tiles, &mut compliances),

@@ -148,6 +148,8 @@ impl Evaluate<'_> {
     #[inline(always)]
     fn run_terms<const FUSED: bool>(self) -> [Option<ArcState>; LANES] {
         match self.joint.space.terms {
+            3 => self.run::<FUSED, 3>(),
+            6 => self.run::<FUSED, 6>(),
             10 => self.run::<FUSED, 10>(),
             16 => self.run::<FUSED, 16>(),
             MAX_TERMS => self.run::<FUSED, MAX_TERMS>(),
@@ -259,6 +261,8 @@ impl Change<'_> {
     #[inline(always)]
     fn run_terms<const FUSED: bool>(self) -> [f64; LANES] {
         match self.joint.space.terms {
+            3 => self.run::<FUSED, 3>(),
+            6 => self.run::<FUSED, 6>(),
             10 => self.run::<FUSED, 10>(),
             16 => self.run::<FUSED, 16>(),
             MAX_TERMS => self.run::<FUSED, MAX_TERMS>(),

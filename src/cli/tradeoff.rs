@@ -1,0 +1,159 @@
+//! `jointsweep tradeoff`: designs of a config through every choice there is.
+
+use std::io::Write;
+use std::path::Path;
+use std::time::SystemTime;
+
+use jointsweep::Error;
+use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice};
+use jointsweep::output::folder::{ResultFolder, TRADEOFF};
+use jointsweep::output::tradeoff::{TradeoffConditions, TradeoffManifest};
+use jointsweep::study::config::Study;
+use jointsweep::study::design::DesignCase;
+use jointsweep::tradeoff::choice::Scope;
+use jointsweep::tradeoff::families::choices;
+use jointsweep::tradeoff::joints::least_contact_angle;
+use jointsweep::tradeoff::measure::{Measured, measure};
+
+use super::report::{aligned, duration};
+use super::{Ending, TradeoffArgs, say};
+
+pub fn tradeoff(args: &TradeoffArgs) -> Result<Ending, Error> {
+    let started = SystemTime::now();
+    let study = Study::load(&args.config)?;
+    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(study.name()).join("tradeoff"));
+    let folder = ResultFolder::check_for(&TRADEOFF, dir, &study, args.force)?;
+    let device = device(args.adapter.as_deref())?;
+    let cases = designs(&study, args.designs.get())?;
+    let least_angle = least_contact_angle(&cases);
+    let choices = choices(&Scope { gpu: device.as_ref(), least_angle });
+
+    let mut done = 0;
+    let mut notify = |measured: &Measured| {
+        done += 1;
+        if !args.quiet {
+            say(&format!("{done}/{} {}", choices.len(), words(measured)));
+        }
+    };
+    let tradeoff = measure(&cases, &choices, args.runs.get(), &mut notify)?;
+    let adapter = device.as_ref().map(|device| &device.facts);
+    let conditions = TradeoffConditions { runs: args.runs.get(), adapter, least_angle, started };
+    TradeoffManifest::new(&study, &conditions).save(&folder, &tradeoff)?;
+    if !args.quiet {
+        let _ = std::io::stdout().write_all(front(&tradeoff.rows).as_bytes());
+        say(&folder.dir().display().to_string());
+    }
+    Ok(Ending::Complete)
+}
+
+/// The GPU that is named, or a real one if there is any.
+fn device(name: Option<&str>) -> Result<Option<GpuDevice>, Error> {
+    let adapters = Adapters::enumerate();
+    match name {
+        Some(name) => match adapters.open(AdapterChoice::Named(name)) {
+            Ok(device) => Ok(Some(device)),
+            Err(error) => Err(Error::Adapter { problem: error.to_string() }),
+        },
+        None => Ok(adapters.open(AdapterChoice::Best).ok()),
+    }
+}
+
+/// So many designs, evenly spaced over the sweep; all of a smaller one.
+fn designs(study: &Study, count: u64) -> Result<Vec<DesignCase>, Error> {
+    let total = study.design_count();
+    let count = count.min(total);
+    let mut cases = study.cases()?;
+    let mut next = 0;
+    let mut designs = Vec::new();
+    for number in 0..count {
+        // In u128, whatever the sweep's size.
+        let wanted = (u128::from(number) * u128::from(total) / u128::from(count)) as u64;
+        let skipped = usize::try_from(wanted - next).unwrap_or(usize::MAX);
+        next = wanted + 1;
+        designs.extend(cases.nth(skipped).transpose()?);
+    }
+    Ok(designs)
+}
+
+/// What a person wants to know of a choice while others are still running.
+fn words(measured: &Measured) -> String {
+    let Measured { family, choice, time_per_design, errors, .. } = measured;
+    let time = brief(*time_per_design);
+    match errors.force {
+        Some(force) => {
+            format!("{family}, {choice}: {time} a design, force within {:.1e} (95 % of the steps)", force.p95)
+        }
+        None => format!("{family}, {choice}: no answer"),
+    }
+}
+
+/// A time per design as a person says it.
+fn brief(seconds: f64) -> String {
+    if seconds < 1e-4 { format!("{:.2} us", 1e6 * seconds) } else { duration(seconds) }
+}
+
+/// The choices that no other one beats, fastest first.
+fn front(rows: &[Measured]) -> String {
+    let mut on_front: Vec<&Measured> = rows.iter().filter(|row| row.on_front).collect();
+    on_front.sort_by(|a, b| a.time_per_design.total_cmp(&b.time_per_design));
+    let mut lines =
+        vec![["family", "choice", "time/design", "shared", "force, 95 %", "worst"].map(String::from)];
+    for row in on_front {
+        let error = |of: fn(&jointsweep::tradeoff::errors::Quantiles) -> f64| {
+            row.errors.force.as_ref().map_or(String::new(), |force| format!("{:.1e}", of(force)))
+        };
+        lines.push([
+            row.family.to_string(),
+            row.choice.clone(),
+            brief(row.time_per_design),
+            duration(row.shared),
+            error(|force| force.p95),
+            error(|force| force.max),
+        ]);
+    }
+    aligned(&lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten designs of ten clearances.
+    fn study() -> Study {
+        let text = r#"
+[joint]
+idealization = "plane-stress"
+hole_radius = "10 mm"
+radial_clearance = { from = "1 mm", to = "2 mm", count = 10 }
+thickness = "5 mm"
+[joint.pin]
+model = "rigid-midplane"
+youngs_modulus = "210 GPa"
+poissons_ratio = 0.3
+[joint.plate]
+model = "annulus"
+outer_radius_ratio = 3
+youngs_modulus = "70 GPa"
+poissons_ratio = 0.3
+[load]
+indentation = "0.1 mm"
+"#;
+        Study::from_text(Path::new("ten.toml"), text.into()).unwrap()
+    }
+
+    #[test]
+    fn designs_are_evenly_spaced_over_the_sweep() {
+        let study = study();
+        let indices =
+            |count| -> Vec<u64> { designs(&study, count).unwrap().iter().map(|case| case.index).collect() };
+        assert_eq!(indices(1), [0]);
+        assert_eq!(indices(3), [0, 3, 6]);
+        assert_eq!(indices(5), [0, 2, 4, 6, 8]);
+        assert_eq!(indices(1000), (0..10).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn times_are_said_in_a_unit_that_shows_them() {
+        assert_eq!([2.5e-7, 3e-4, 0.5].map(brief), ["0.25 us", "0.3 ms", "0.50 s"]);
+    }
+}

@@ -1,0 +1,37 @@
+//! Contact node by node, exact, on meshes graded to the contact.
+
+use crate::mechanics::element::ElementKind;
+use crate::tradeoff::choice::{Choice, Family, Scope};
+use crate::tradeoff::families::contact_mesh::FINENESS;
+use crate::tradeoff::nodal::{Formulation, NodalPath};
+use crate::tradeoff::ring_mesh::Division;
+
+pub static QUAD8: Family = Family {
+    name: "node-contact-q8",
+    about: "node contact, exact, Q8",
+    parameter: "elements per contact angle",
+    choices: |family, scope| choices(family, scope, ElementKind::Quad8, FINENESS),
+};
+
+pub static QUAD4: Family = Family {
+    name: "node-contact-q4",
+    about: "node contact, exact, Q4",
+    parameter: "elements per contact angle",
+    choices: |family, scope| {
+        choices(family, scope, ElementKind::Quad4, FINENESS.map(|fineness| 2.0 * fineness))
+    },
+};
+
+fn choices<'a>(
+    family: &Family,
+    scope: &Scope<'a>,
+    element: ElementKind,
+    fineness: [f64; 3],
+) -> Vec<Choice<'a>> {
+    let choice = |fineness: f64| {
+        let division = Division::Contact { element, fineness, least_angle: scope.least_angle };
+        let path = NodalPath { division, formulation: Formulation::Exact };
+        family.choice(format!("q = {fineness}"), Some(fineness), move |cases| path.solve(cases))
+    };
+    fineness.into_iter().map(choice).collect()
+}

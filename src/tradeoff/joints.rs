@@ -1,0 +1,141 @@
+//! Designs as contact sees them: their distinct bodies, their loads over their sizes, and contact angles in advance.
+
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::hash::Hash;
+
+use crate::engine::request::SpaceKey;
+use crate::mechanics::body::{Body, BodyKey};
+use crate::mechanics::laws::{HertzContact, Pair};
+use crate::study::design::{DesignCase, JointDesign, Load};
+
+/// The distinct bodies of some designs: each is solved once.
+pub struct Joints<K> {
+    /// With what else they depend on.
+    pub bodies: Vec<(Body, K)>,
+    /// Pin and plate of each design among them.
+    pub of_case: Vec<[usize; 2]>,
+}
+
+impl<K: Copy + Eq + Hash> Joints<K> {
+    /// `key` is what the bodies of a joint depend on besides themselves.
+    pub fn new(cases: &[DesignCase], key: impl Fn(&JointDesign) -> K) -> Joints<K> {
+        let mut bodies = Vec::new();
+        let mut known: HashMap<(BodyKey, K), usize> = HashMap::new();
+        let of_case = cases
+            .iter()
+            .map(|case| {
+                let key = key(&case.joint);
+                [&case.joint.pin, &case.joint.plate].map(|part| {
+                    let body = case.joint.body(part);
+                    *known.entry((body.key(), key)).or_insert_with(|| {
+                        bodies.push((body, key));
+                        bodies.len() - 1
+                    })
+                })
+            })
+            .collect();
+        Joints { bodies, of_case }
+    }
+}
+
+/// How many trial pressures a joint is solved with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Terms {
+    /// As many as its thinner body asks for, as a sweep does.
+    ByDepth,
+    Fixed(usize),
+}
+
+impl Terms {
+    /// The pressure space of a joint.
+    pub fn space(self, joint: &JointDesign) -> SpaceKey {
+        let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
+        let terms = match self {
+            Terms::Fixed(terms) => terms,
+            Terms::ByDepth => {
+                let depth = |body: &Body| (body.shape.depth_range)(&body.parameters).0;
+                // The steps of `engine::plan`.
+                match depth(&pin).min(depth(&plate)) {
+                    depth if depth > 0.35 => 10,
+                    depth if depth > 0.15 => 16,
+                    _ => 24,
+                }
+            }
+        };
+        SpaceKey { half_ring: pin.shape.end_angle < PI, terms }
+    }
+}
+
+/// Whether both bodies of a design have exact modes.
+pub fn is_concentric(joint: &JointDesign) -> bool {
+    joint.pin.shape.concentric && joint.plate.shape.concentric
+}
+
+/// The closed forms' view of a joint, where it has one.
+pub fn pair(joint: &JointDesign) -> Option<Pair> {
+    let JointDesign { idealization, hole_radius, radial_clearance, thickness, pin, plate } = joint;
+    Pair::new(*hole_radius, *radial_clearance, *thickness, &pin.material, &plate.material, *idealization).ok()
+}
+
+/// About the least contact half angle of all steps, rad: half of what the undeformed circles overlap by, or Hertz's strip
+/// under a force. Never below 0.1 deg, where meshes would have no end, nor above 10 deg.
+pub fn least_contact_angle(cases: &[DesignCase]) -> f64 {
+    let angle = |joint: &JointDesign, load: Load| match load {
+        Load::Indentation(delta) if delta > 0.0 => {
+            Some(0.5 * (joint.radial_clearance / (joint.radial_clearance + delta)).acos())
+        }
+        Load::Force(force) if force > 0.0 => {
+            let contact = HertzContact::from_force(&pair(joint)?, force / joint.thickness).ok()?;
+            Some(contact.contact_half_width() / joint.hole_radius)
+        }
+        _ => None,
+    };
+    let angles = cases.iter().flat_map(|case| case.steps.iter().filter_map(|load| angle(&case.joint, *load)));
+    let least = angles.filter(|angle| angle.is_finite()).fold(f64::INFINITY, f64::min);
+    least.clamp(0.1_f64.to_radians(), 10.0_f64.to_radians())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::body::{annulus, cored_disc};
+    use crate::mechanics::material::{Idealization, Material};
+    use crate::study::design::Part;
+
+    fn case(ratio: f64, clearance: f64, steps: &[Load]) -> DesignCase {
+        let material = Material { youngs_modulus: 200e3, poissons_ratio: 0.3 };
+        let part = |shape, ratio: f64| Part { shape, parameters: [ratio, 0.0, 0.0], support: 0, material };
+        let joint = JointDesign {
+            idealization: Idealization::PlaneStress,
+            hole_radius: 100.0,
+            radial_clearance: clearance,
+            thickness: 1.0,
+            pin: part(&cored_disc::SHAPE, 0.2),
+            plate: part(&annulus::SHAPE, ratio),
+        };
+        DesignCase { index: 0, joint, steps: steps.to_vec() }
+    }
+
+    /// Bodies are shared by designs that differ in sizes and loads, unless they are solved in another space.
+    #[test]
+    fn equal_bodies_are_solved_once() {
+        let cases = [case(2.0, 0.1, &[]), case(2.0, 0.3, &[]), case(3.0, 0.3, &[]), case(1.3, 0.3, &[])];
+        let joints = Joints::new(&cases, |joint| Terms::ByDepth.space(joint));
+        assert_eq!(joints.of_case, [[0, 1], [0, 1], [0, 2], [3, 4]]);
+        assert_eq!(joints.bodies[3].1.terms, 16);
+        assert_eq!(Joints::new(&cases, |_| ()).of_case, [[0, 1], [0, 1], [0, 2], [0, 3]]);
+    }
+
+    #[test]
+    fn the_least_contact_angle_is_that_of_the_lightest_step() {
+        let degrees = |steps: &[Load]| least_contact_angle(&[case(2.0, 0.1, steps)]).to_degrees();
+        // cos 60 deg = 0.1/0.2.
+        assert!((degrees(&[Load::Indentation(0.1)]) - 10.0).abs() < 1e-9);
+        assert!((degrees(&[Load::Indentation(0.001), Load::Indentation(0.1)]) - 4.03).abs() < 0.01);
+        assert!((degrees(&[Load::Force(1e-9), Load::Force(0.0)]) - 0.1).abs() < 1e-9);
+        // a^2 = 4 F R/(pi E*), R = 99.9 100/0.1.
+        let half_width = (4.0 * 30.0 * 99_900.0 / (PI * 1e5)).sqrt();
+        assert!((degrees(&[Load::Force(30.0)]) - (half_width / 100.0).to_degrees()).abs() < 1e-9);
+    }
+}
