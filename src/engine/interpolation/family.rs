@@ -271,73 +271,39 @@ impl Family {
         library: &mut BodyLibrary,
         nodes: &CurveNodes,
     ) -> Option<FittedFamily> {
-        let held_out = self.held_out_points();
-        let amplitudes: Vec<f64> = held_out
-            .iter()
-            .map(|point| {
-                let body = body_at(&self.example, point);
-                2.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio)
-            })
-            .collect();
         let first = self.first_level(accuracy);
         let levels = if self.exact { first..=first } else { first..=FINEST };
-        let fidelity = |level| if self.exact { Fidelity::Series } else { Fidelity::Mesh { level } };
-        let mut best: Option<(f64, FittedFamily)> = None;
-        let (mut solved, mut spent) = (0, 0.0);
-        let mut count = |bodies: usize, level: usize| {
-            solved += bodies as u64;
-            spent += bodies as f64 * self.sample_seconds(level);
-            (solved, spent)
-        };
-        let mut coarse = Vec::new();
+        let mut expense = Expense::default();
+        let mut held_out = HeldOut::new(self);
         if !self.exact {
-            coarse = self.solve(library, nodes, &held_out, fidelity(first - 1));
-            count(held_out.len(), first - 1);
+            held_out.solve(self, first - 1, library, nodes, &mut expense);
         }
+        let mut best: Option<(f64, FittedFamily)> = None;
+        // What is only fair is good enough where a better one would cost much.
+        let is_enough = |best: &Option<(f64, FittedFamily)>, expense: &Expense| {
+            let least = best.as_ref().map_or(f64::INFINITY, |(worst, _)| *worst) / accuracy;
+            least <= GOOD || (least <= FAIR && expense.seconds > FAIR_BUDGET * budget)
+        };
         for level in levels {
-            let expected = self.solve(library, nodes, &held_out, fidelity(level));
-            count(held_out.len(), level);
-            // Of each body held out, the error of its own mesh.
-            let of_mesh: Vec<[f64; CURVE_NODES]> = if self.exact {
-                vec![[0.0; CURVE_NODES]; held_out.len()]
-            } else {
-                let checked = expected.par_iter().zip(&coarse).zip(&amplitudes);
-                checked
-                    .map(|((fine, coarse), amplitude)| {
-                        self.changes(nodes, *amplitude, fine, coarse).map(|change| mesh_error(level, change))
-                    })
-                    .collect()
-            };
-            if worst_near(nodes, &quantile(&of_mesh)) > MESH_SHARE * accuracy && level < FINEST {
-                coarse = expected;
+            held_out.solve(self, level, library, nodes, &mut expense);
+            if worst_near(nodes, &quantile(&held_out.of_mesh)) > MESH_SHARE * accuracy && level < FINEST {
                 continue;
             }
             let mut samples: Vec<Vec<f64>> = Vec::new();
             for degrees in DEGREES[self.free()] {
                 let polynomials = self.polynomials(*degrees);
                 let points = self.sample_points(self.sample_count(*degrees));
-                let new = points.len() - samples.len().min(points.len());
-                let (_, would_be_spent) = count(new, level);
-                if would_be_spent > budget
-                    || best.as_ref().is_some_and(|(worst, _)| {
-                        *worst <= FAIR * accuracy && would_be_spent > FAIR_BUDGET * budget
-                    })
-                {
+                // Those of lower degrees come first.
+                let new = points.get(samples.len()..).unwrap_or_default();
+                expense.add(self, new.len(), level);
+                if expense.seconds > budget || is_enough(&best, &expense) {
                     break;
                 }
-                let known = samples.len().min(points.len());
-                samples.extend(self.solve(library, nodes, &points[known..], fidelity(level)));
+                samples.extend(self.solve(library, nodes, new, self.fidelity(level)));
                 let Some(fit) = BodyFit::new(polynomials, &points, &samples, MODE_SHARE * accuracy) else {
                     continue;
                 };
-                let bounds: Vec<[f64; CURVE_NODES]> = (held_out.par_iter().zip(&expected))
-                    .zip(of_mesh.par_iter().zip(&amplitudes))
-                    .map(|((point, expected), (of_mesh, amplitude))| {
-                        let changes = self.changes(nodes, *amplitude, expected, &fit.at(point));
-                        std::array::from_fn(|node| SAFETY * changes[node] + of_mesh[node])
-                    })
-                    .collect();
-                let bound = quantile(&bounds);
+                let bound = held_out.bound(&fit, nodes);
                 let worst = worst_near(nodes, &bound);
                 if best.as_ref().is_none_or(|(least, _)| worst < *least) {
                     best = Some((worst, FittedFamily { fit, bound, solved: 0 }));
@@ -346,21 +312,19 @@ impl Family {
                     break;
                 }
             }
-            let (_, spent) = count(0, level);
-            let enough = |worst: f64| {
-                worst <= GOOD * accuracy || (worst <= FAIR * accuracy && spent > FAIR_BUDGET * budget)
-            };
-            if spent > budget || best.as_ref().is_some_and(|(worst, _)| enough(*worst)) {
+            if expense.seconds > budget || is_enough(&best, &expense) {
                 break;
             }
-            coarse = expected;
         }
-        let (solved, _) = count(0, first);
         let (_, fitted) = best?;
         // A design at an arc whose bound is too large goes on to the meshes; not too many may.
         let near: Vec<f64> = bounds_near(nodes, &fitted.bound).collect();
         let fair = near.iter().filter(|bound| **bound <= FAIR * accuracy).count();
-        (2 * fair >= near.len()).then_some(FittedFamily { solved, ..fitted })
+        (2 * fair >= near.len()).then_some(FittedFamily { solved: expense.bodies, ..fitted })
+    }
+
+    fn fidelity(&self, level: usize) -> Fidelity {
+        if self.exact { Fidelity::Series } else { Fidelity::Mesh { level } }
     }
 
     /// The first mesh of the samples: one finer than a design would begin with.
@@ -387,20 +351,85 @@ impl Family {
         let topologies = if self.exact { 0.0 } else { TOPOLOGIES[free] * TOPOLOGY_SECONDS };
         (samples as f64 + held_out) * self.sample_seconds(level) + coarse + topologies
     }
+}
 
-    /// Relative changes of the work of a body alone at each node; infinite where they have no value.
-    fn changes(
-        &self,
-        nodes: &CurveNodes,
-        amplitude: f64,
-        expected: &[f64],
-        found: &[f64],
-    ) -> [f64; CURVE_NODES] {
-        let difference: Vec<f64> =
-            found.iter().zip(expected).map(|(found, expected)| found - expected).collect();
-        relative_changes(nodes, amplitude, expected, &difference)
-            .map(|change| if change.is_finite() { change.abs() } else { f64::INFINITY })
+/// What a fit has taken so far.
+#[derive(Default)]
+struct Expense {
+    bodies: u64,
+    /// By `unit_costs`.
+    seconds: f64,
+}
+
+impl Expense {
+    fn add(&mut self, family: &Family, bodies: usize, level: usize) {
+        self.bodies += bodies as u64;
+        self.seconds += bodies as f64 * family.sample_seconds(level);
     }
+}
+
+/// Bodies that a fit is checked on.
+struct HeldOut {
+    points: Vec<Vec<f64>>,
+    amplitudes: Vec<f64>,
+    /// Their compliances on the finest mesh so far.
+    expected: Vec<Vec<f64>>,
+    /// The error of that mesh.
+    of_mesh: Vec<[f64; CURVE_NODES]>,
+}
+
+impl HeldOut {
+    fn new(family: &Family) -> HeldOut {
+        let points = family.held_out_points();
+        let amplitude = |point: &Vec<f64>| {
+            let body = body_at(&family.example, point);
+            2.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio)
+        };
+        let amplitudes = points.iter().map(amplitude).collect();
+        HeldOut { points, amplitudes, expected: Vec::new(), of_mesh: Vec::new() }
+    }
+
+    /// Goes on to a mesh; the change since the one before tells its error.
+    fn solve(
+        &mut self,
+        family: &Family,
+        level: usize,
+        library: &mut BodyLibrary,
+        nodes: &CurveNodes,
+        expense: &mut Expense,
+    ) {
+        let coarse = std::mem::take(&mut self.expected);
+        self.expected = family.solve(library, nodes, &self.points, family.fidelity(level));
+        expense.add(family, self.points.len(), level);
+        self.of_mesh = if family.exact {
+            vec![[0.0; CURVE_NODES]; self.points.len()]
+        } else {
+            (self.expected.par_iter().zip(&coarse).zip(&self.amplitudes))
+                .map(|((fine, coarse), amplitude)| {
+                    changes(nodes, *amplitude, fine, coarse).map(|change| mesh_error(level, change))
+                })
+                .collect()
+        };
+    }
+
+    /// Of the errors of a fit and of the meshes together.
+    fn bound(&self, fit: &BodyFit, nodes: &CurveNodes) -> [f64; CURVE_NODES] {
+        let errors: Vec<[f64; CURVE_NODES]> = (self.points.par_iter().zip(&self.expected))
+            .zip(self.of_mesh.par_iter().zip(&self.amplitudes))
+            .map(|((point, expected), (of_mesh, amplitude))| {
+                let changes = changes(nodes, *amplitude, expected, &fit.at(point));
+                std::array::from_fn(|node| SAFETY * changes[node] + of_mesh[node])
+            })
+            .collect();
+        quantile(&errors)
+    }
+}
+
+/// Relative changes of the work of a body alone at each node; infinite where they have no value.
+fn changes(nodes: &CurveNodes, amplitude: f64, expected: &[f64], found: &[f64]) -> [f64; CURVE_NODES] {
+    let difference: Vec<f64> = found.iter().zip(expected).map(|(found, expected)| found - expected).collect();
+    relative_changes(nodes, amplitude, expected, &difference)
+        .map(|change| if change.is_finite() { change.abs() } else { f64::INFINITY })
 }
 
 /// At each node what few of the bounds exceed.

@@ -98,7 +98,7 @@ pub struct FitScratch {
 
 impl BodyFit {
     /// From points and the samples there (all of one length), each weighted by its own size. Modes are added until what
-    /// is left of each sample is below `tolerance` of it. `None` where the points do not determine the polynomials.
+    /// is left of each sample is below `tolerance` of it, which must be below 1. `None` where the points do not determine the polynomials.
     pub fn new(
         polynomials: Polynomials,
         points: &[Vec<f64>],
@@ -116,6 +116,9 @@ impl BodyFit {
         let modes = modes(samples, &scales, tolerance);
         let length = samples[0].len();
         let mode_count = modes.len() / length;
+        if mode_count == 0 {
+            return None;
+        }
         let (mut work, mut values) = (Vec::new(), Vec::new());
         let mut design = Mat::<f64>::zeros(rows, count);
         let mut amplitudes = Mat::<f64>::zeros(rows, mode_count);
