@@ -79,7 +79,7 @@ pub fn pair(joint: &JointDesign) -> Option<Pair> {
 }
 
 /// About the least contact half angle of all steps, rad: half of what the undeformed circles overlap by, or Hertz's strip
-/// under a force. Never below 0.1 deg, where meshes would have no end, nor above 10 deg.
+/// under a force. Never below 0.5 deg, where meshes would have no end, nor above 10 deg.
 pub fn least_contact_angle(cases: &[DesignCase]) -> f64 {
     let angle = |joint: &JointDesign, load: Load| match load {
         Load::Indentation(delta) if delta > 0.0 => {
@@ -93,7 +93,7 @@ pub fn least_contact_angle(cases: &[DesignCase]) -> f64 {
     };
     let angles = cases.iter().flat_map(|case| case.steps.iter().filter_map(|load| angle(&case.joint, *load)));
     let least = angles.filter(|angle| angle.is_finite()).fold(f64::INFINITY, f64::min);
-    least.clamp(0.1_f64.to_radians(), 10.0_f64.to_radians())
+    least.clamp(0.5_f64.to_radians(), 10.0_f64.to_radians())
 }
 
 #[cfg(test)]
@@ -133,7 +133,7 @@ mod tests {
         // cos 60 deg = 0.1/0.2.
         assert!((degrees(&[Load::Indentation(0.1)]) - 10.0).abs() < 1e-9);
         assert!((degrees(&[Load::Indentation(0.001), Load::Indentation(0.1)]) - 4.03).abs() < 0.01);
-        assert!((degrees(&[Load::Force(1e-9), Load::Force(0.0)]) - 0.1).abs() < 1e-9);
+        assert!((degrees(&[Load::Force(1e-9), Load::Force(0.0)]) - 0.5).abs() < 1e-9);
         // a^2 = 4 F R/(pi E*), R = 99.9 100/0.1.
         let half_width = (4.0 * 30.0 * 99_900.0 / (PI * 1e5)).sqrt();
         assert!((degrees(&[Load::Force(30.0)]) - (half_width / 100.0).to_degrees()).abs() < 1e-9);

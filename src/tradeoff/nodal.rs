@@ -28,7 +28,7 @@ pub enum Formulation {
 
 /// Newton iterations of an active set, and outer updates of an augmented Lagrangian.
 const ITERATION_LIMIT: usize = 100;
-const UPDATE_LIMIT: usize = 5000;
+const UPDATE_LIMIT: usize = 500;
 
 /// Steps to the indentation of a force; each is one contact problem.
 const FORCE_STEPS: usize = 60;
