@@ -49,7 +49,7 @@ const RIGID: f64 = 1e12;
 
 /// Contact half angles under loads of eight decades, deg, with the error of each level but the finest.
 fn errors(library: &BodyLibrary, body: &Body) -> Option<Vec<(f64, [f64; LEVELS])>> {
-    let space = space_of(body, body);
+    let space = space_of(body, body, 1e-6);
     let key = |fidelity| BodyRequest { body: *body, fidelity, space }.key();
     let finest = Fidelity::Mesh { level: LEVEL_COUNT - 1 };
     let exact = library.compliance(&key(if body.shape.concentric { Fidelity::Series } else { finest }));
@@ -99,7 +99,7 @@ fn main() {
                     fidelities.iter().map(|&fidelity| BodyRequest {
                         body: *body,
                         fidelity,
-                        space: space_of(body, body),
+                        space: space_of(body, body, 1e-6),
                     })
                 })
                 .collect();

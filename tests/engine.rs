@@ -127,9 +127,10 @@ fn methods_are_told_with_their_errors() {
         outcome.response.map(|response| (response.method, response.force_error)).unwrap()
     };
     let concentric = joint(disc(), ring(2.0));
-    for method in [MethodChoice::Series, MethodChoice::Auto] {
+    // At 1 % `auto` takes fewer trial pressures.
+    for (method, most) in [(MethodChoice::Series, 1e-7), (MethodChoice::Auto, 1e-5)] {
         let (method, error) = told(concentric, method);
-        assert!(method == Method::Series && (1e-8..1e-7).contains(&error), "{error:e}");
+        assert!(method == Method::Series && (1e-8..most).contains(&error), "{error:e}");
     }
     // One mesh makes a row of finite elements.
     for (joint, method) in [(concentric, MethodChoice::Fe), (joint(half(), ring(2.0)), MethodChoice::Auto)] {
@@ -208,8 +209,10 @@ fn thin_bodies_get_more_trial_pressures() {
         (core(0.9), ring(3.0), 24),
         (core(0.8), ring(1.1), 24),
     ] {
-        let plan = JointPlan::new(&joint(pin, plate), MethodChoice::Fe, 1).unwrap();
-        assert_eq!((plan.pin.space, plan.pin.space.terms), (plan.plate.space, terms));
+        for (accuracy, terms) in [(1e-4, terms), (0.01, [6, 10, 16][(terms - 10) / 6])] {
+            let plan = JointPlan::new(&joint(pin, plate), MethodChoice::Fe, accuracy, 1).unwrap();
+            assert_eq!((plan.pin.space, plan.pin.space.terms), (plan.plate.space, terms));
+        }
     }
 }
 

@@ -24,7 +24,7 @@ const RIGID: f64 = 1e12;
 
 /// Of each level that is known, at each load: the error of the work, and what is said of it.
 fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
-    let space = space_of(body, body);
+    let space = space_of(body, body, 1e-6);
     let request = |fidelity| BodyRequest { body: *body, fidelity, space };
     let finest = Fidelity::Mesh { level: LEVEL_COUNT - 1 };
     let judge = request(if body.shape.concentric { Fidelity::Series } else { finest });

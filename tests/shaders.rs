@@ -118,7 +118,8 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         value_count,
         system_count,
         line_count,
-        is_bowed
+        is_bowed,
+        is_plane_strain
     );
     let systems: Layout = layout_here!(
         SystemParameters,

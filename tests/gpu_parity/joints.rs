@@ -19,7 +19,8 @@ use super::*;
 use crate::random::Random;
 
 fn trial(precision: Precision, terms: usize) -> &'static TrialKernels<'static> {
-    static TRIALS: [[OnceLock<TrialKernels<'static>>; 3]; 3] = [const { [const { OnceLock::new() }; 3] }; 3];
+    static TRIALS: [[OnceLock<TrialKernels<'static>>; TERM_CHOICES.len()]; 3] =
+        [const { [const { OnceLock::new() }; TERM_CHOICES.len()] }; 3];
     let of_terms = TERM_CHOICES.iter().position(|choice| *choice == terms).unwrap();
     TRIALS[precision as usize][of_terms]
         .get_or_init(|| TrialKernels::new(device(), precision, INVOCATIONS, terms).unwrap())

@@ -19,10 +19,10 @@ use crate::mechanics::real::Real;
 pub const MAX_TERMS: usize = 24;
 
 /// Counts of trial pressures there is compiled code for.
-pub const TERM_CHOICES: [usize; 3] = [10, 16, MAX_TERMS];
+pub const TERM_CHOICES: [usize; 4] = [6, 10, 16, MAX_TERMS];
 
 /// Fewer than any sweep is solved with, on the processor alone: what meshes without the exact near field can bear.
-pub const FEW_TERMS: [usize; 2] = [3, 6];
+pub const FEW_TERMS: [usize; 1] = [3];
 
 /// Geometry of one contact half angle.
 #[derive(Clone, Copy, Debug)]
