@@ -11,6 +11,7 @@ mod backend;
 mod bench;
 mod bench_gpu;
 mod devices;
+mod explain;
 mod progress;
 mod report;
 mod run;
@@ -31,6 +32,8 @@ failed and say why in their status; 130 interrupted, the rows so far are kept.";
 enum Command {
     /// Solves every design of a config and writes table.csv and manifest.json
     Run(RunArgs),
+    /// Says what each design is solved with and why, what was ruled out, and the estimated error and time
+    Explain(ExplainArgs),
     /// Measures whole runs of configs and writes sweep.csv and sweep.manifest.json
     Bench(BenchArgs),
     /// Measures a GPU: checks it, times whole sweeps and each kernel, and compares them with the processor and the peaks
@@ -62,6 +65,15 @@ struct RunArgs {
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
+}
+
+#[derive(Args)]
+struct ExplainArgs {
+    /// The sweep, a TOML file
+    config: PathBuf,
+    /// Only this design, by its number in the table [default: all, by what is chosen for them]
+    #[arg(long, value_name = "N")]
+    design: Option<u64>,
 }
 
 #[derive(Args)]
@@ -171,6 +183,7 @@ pub fn main() -> ExitCode {
     };
     let ending = match cli.command {
         Command::Run(args) => run::run(&args),
+        Command::Explain(args) => explain::explain(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::BenchGpu(args) => bench_gpu::bench_gpu(&args),
         Command::Tradeoff(args) => tradeoff::tradeoff(&args),

@@ -41,6 +41,10 @@ pub enum Error {
     #[error("{problem}")]
     Adapter { problem: String },
 
+    /// `design` as in the table.
+    #[error("there is no design {design}: the sweep has {count}, counted from 0")]
+    NoSuchDesign { design: u64, count: u64 },
+
     #[error("cannot draw the plot: {problem}")]
     Plot { problem: String },
 }

@@ -92,6 +92,7 @@ pub fn aligned<const N: usize>(lines: &[[String; N]]) -> String {
 /// A time as a person says it.
 pub fn duration(seconds: f64) -> String {
     match seconds {
+        s if s > 0.0 && s < 1e-4 => format!("{:.0} us", s * 1e6),
         s if s < 0.1 => format!("{:.1} ms", s * 1e3),
         s if s < 10.0 => format!("{s:.2} s"),
         s if s < 119.5 => format!("{s:.0} s"),
@@ -108,6 +109,7 @@ mod tests {
     fn times_are_short() {
         let times = [
             (0.0, "0.0 ms"),
+            (5e-5, "50 us"),
             (0.0123, "12.3 ms"),
             (3.21, "3.21 s"),
             (38.4, "38 s"),

@@ -9,5 +9,6 @@ pub mod respond;
 pub mod unit_costs;
 pub mod interpolation;
 pub mod cost;
+pub mod explain;
 pub mod backend;
 pub mod sweep;

@@ -420,6 +420,24 @@ fn an_interrupted_run_leaves_a_valid_table_and_says_so() {
     assert_eq!(manifest["counts"]["rows_asked"], 10_000_000);
 }
 
+/// What the planner has chosen, for the whole sweep and for one design of it.
+#[test]
+fn explain_says_what_is_chosen_and_why() {
+    let work = Workdir::new("explain");
+    let study =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/configs/liu2007.toml")).unwrap();
+    work.write("study.toml", &study);
+    let all = work.run(&["explain", "study.toml"]).expect(0);
+    assert!(all.stdout.contains("mesh levels 2 and 3       14"), "{}", all.stdout);
+    let one = work.run(&["explain", "study.toml", "--design", "13"]).expect(0);
+    for said in ["chosen      mesh levels 2 and 3", "annulus: exact modes", "every row is ok", "ruled out"] {
+        assert!(one.stdout.contains(said), "{said}: {}", one.stdout);
+    }
+    let beyond = work.run(&["explain", "study.toml", "--design", "14"]).expect(1);
+    assert_eq!(beyond.stderr, "error: there is no design 14: the sweep has 14, counted from 0\n");
+    assert!(beyond.stdout.is_empty());
+}
+
 /// A limit on file sizes stands for a full disk: the write that meets it is done in part.
 #[cfg(unix)]
 #[test]

@@ -1,0 +1,94 @@
+//! `jointsweep explain`: what the planner has chosen for a sweep, or for one design of it, and why.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+use jointsweep::Error;
+use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::explain::{Explainer, Explanation, percent};
+use jointsweep::study::config::Study;
+use jointsweep::study::design::DesignCase;
+
+use super::report::{aligned, duration};
+use super::{Ending, ExplainArgs};
+
+pub fn explain(args: &ExplainArgs) -> Result<Ending, Error> {
+    let study = Study::load(&args.config)?;
+    let explainer = Explainer::new(&study);
+    let text = match args.design {
+        None => overview(&study, &explainer)?,
+        Some(design) => one(&study, &explainer, design)?,
+    };
+    let _ = std::io::stdout().write_all(text.as_bytes());
+    Ok(Ending::Complete)
+}
+
+fn overview(study: &Study, explainer: &Explainer) -> Result<String, Error> {
+    let shares = explainer.shares()?;
+    let mut lines = vec![["chosen".to_string(), "designs".into(), "core time".into(), "for example".into()]];
+    for (chosen, share) in shares {
+        let example = format!("--design {}", share.example);
+        lines.push([
+            chosen,
+            share.designs.to_string(),
+            format!("about {}", duration(share.seconds)),
+            example,
+        ]);
+    }
+    let accuracy = 100.0 * study.solve.accuracy;
+    let mut text =
+        format!("{} designs at {accuracy} %, method {}\n\n", study.design_count(), study.solve.method.name());
+    text += &aligned(&lines);
+    text += "\nThe time leaves out what a sweep shares: near fields, meshes, fits.\n";
+    Ok(text)
+}
+
+/// `design` as in the table.
+fn one(study: &Study, explainer: &Explainer, design: u64) -> Result<String, Error> {
+    let Some(case) = nth(study, design)? else {
+        return Err(Error::NoSuchDesign { design, count: study.design_count() });
+    };
+    let Explanation { chosen, why, bodies, ruled_out, error, seconds } = explainer.explain(&case);
+    let mut text = String::new();
+    let mut line = |name: &str, value: &str| _ = writeln!(text, "{name:<12}{value}");
+    line("design", &format!("{design} of the {} of the sweep", study.design_count()));
+    line("chosen", &chosen);
+    line("because", &why);
+    for body in &bodies {
+        line("", body);
+    }
+    if error.is_finite() {
+        line("error", &format!("at most about {} of the force, told before solving", percent(error)));
+    }
+    if let Some(told) = solved(study, case) {
+        line("solved", &told);
+    }
+    line("core time", &format!("about {}", duration(seconds)));
+    text += "\nruled out\n";
+    for (what, why) in ruled_out {
+        _ = writeln!(text, "  {what}: {why}");
+    }
+    Ok(text)
+}
+
+/// What the design's own rows say, each design being solved by itself.
+fn solved(study: &Study, case: DesignCase) -> Option<String> {
+    let outcome = CpuBackend::new(study.solve).solve(&[case]).pop()?;
+    let responses: Vec<_> = outcome.steps.iter().filter_map(|step| step.response).collect();
+    let worst = responses.iter().map(|response| response.force_error).fold(0.0, f64::max);
+    let method = responses.first()?.method.name();
+    let warned = outcome.steps.iter().filter(|step| step.status != "ok").count();
+    Some(match warned {
+        0 => format!("alone, by {method}: force_error is {} at most, every row is ok", percent(worst)),
+        _ => format!(
+            "alone, by {method}: force_error is {} at most, {warned} of {} rows are not ok",
+            percent(worst),
+            outcome.steps.len()
+        ),
+    })
+}
+
+fn nth(study: &Study, design: u64) -> Result<Option<DesignCase>, Error> {
+    let Ok(before) = usize::try_from(design) else { return Ok(None) };
+    study.cases()?.nth(before).transpose()
+}

@@ -1,0 +1,227 @@
+//! What a design is solved with, and why: the planner's choice in words, with what was ruled out, an estimated error and
+//! time. Nothing is solved here.
+
+use std::collections::BTreeMap;
+
+use crate::engine::interpolation::plan::InterpolationPlan;
+use crate::engine::known_errors::{KNOWN_LEVELS, worst_known_error};
+use crate::engine::plan::{Estimate, JointPlan, first_level, mesh_error};
+use crate::engine::request::{BodyRequest, Fidelity, mesh_size};
+use crate::engine::unit_costs::{
+    DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, ROW_SECONDS, SERIES_SECONDS,
+    body_seconds,
+};
+use crate::error::Error;
+use crate::study::config::{MethodChoice, Study};
+use crate::study::design::DesignCase;
+
+/// Why a design is solved as it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explanation {
+    /// In one line.
+    pub chosen: String,
+    pub why: String,
+    /// What each body is solved on.
+    pub bodies: Vec<String>,
+    /// What was looked at before, cheapest first, and why it was not taken.
+    pub ruled_out: Vec<(String, String)>,
+    /// Of the force, relative, at most, as far as is known before solving.
+    pub error: f64,
+    /// Of one core, s; what a sweep shares is left out.
+    pub seconds: f64,
+}
+
+/// Designs that are solved alike.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Share {
+    pub designs: u64,
+    /// The first of them, from 0.
+    pub example: u64,
+    /// Core time of all, s.
+    pub seconds: f64,
+}
+
+/// Explains designs of one study.
+pub struct Explainer<'a> {
+    study: &'a Study,
+    interpolation: Option<InterpolationPlan>,
+}
+
+impl<'a> Explainer<'a> {
+    pub fn new(study: &'a Study) -> Explainer<'a> {
+        Explainer { study, interpolation: InterpolationPlan::of_study(study) }
+    }
+
+    /// The whole study by what is chosen.
+    pub fn shares(&self) -> Result<BTreeMap<String, Share>, Error> {
+        let mut shares: BTreeMap<String, Share> = BTreeMap::new();
+        for case in self.study.cases()? {
+            let case = case?;
+            let Explanation { chosen, seconds, .. } = self.explain(&case);
+            let share = shares.entry(chosen).or_insert(Share { example: case.index, ..Share::default() });
+            share.designs += 1;
+            share.seconds += seconds;
+        }
+        Ok(shares)
+    }
+
+    pub fn explain(&self, case: &DesignCase) -> Explanation {
+        let method = self.study.solve.method;
+        let rows = case.steps.len() as f64;
+        let mut ruled_out = Vec::new();
+        if method == MethodChoice::ClosedForm {
+            return Explanation {
+                chosen: "closed form".into(),
+                why: "`method = \"closed-form\"` asks for Johnson's law".into(),
+                bodies: Vec::new(),
+                ruled_out,
+                error: 1.0,
+                seconds: rows * ROW_SECONDS,
+            };
+        }
+        let mut rule_out = |what: &str, why: String| ruled_out.push((what.to_string(), why));
+        rule_out("closed form", "knows nothing of the plate's extent: right to a factor of two".into());
+        if let Some(why) = self.not_interpolated(case) {
+            rule_out("interpolation across bodies", why);
+        } else {
+            return Explanation {
+                chosen: "interpolated".into(),
+                why: "the sweep has so many distinct bodies that fits of their compliances cost less".into(),
+                bodies: Vec::new(),
+                ruled_out,
+                error: self.study.solve.accuracy,
+                seconds: INTERPOLATED_DESIGN_SECONDS + rows * INTERPOLATED_ROW_SECONDS,
+            };
+        }
+        self.explain_bodies(case, ruled_out)
+    }
+
+    /// `None` where the bodies are interpolated.
+    fn not_interpolated(&self, case: &DesignCase) -> Option<String> {
+        match &self.interpolation {
+            Some(plan) if plan.covers(&case.joint) => None,
+            Some(_) => {
+                Some("a body is outside of what is fitted: a thin wall, a singular Poisson's ratio".into())
+            }
+            None if !self.study.interpolation => Some("`interpolation = \"off\"`".into()),
+            None if self.study.solve.method == MethodChoice::Series => {
+                Some("`method = \"series\"` is exact".into())
+            }
+            None if self.study.solve.accuracy < 1e-3 => Some("good to 0.1 % at best".into()),
+            None => Some(format!("too few distinct bodies in {} designs", self.study.design_count())),
+        }
+    }
+
+    fn explain_bodies(&self, case: &DesignCase, mut ruled_out: Vec<(String, String)>) -> Explanation {
+        let (method, accuracy) = (self.study.solve.method, self.study.solve.accuracy);
+        let Some(plan) = JointPlan::cheapest(&case.joint, method, accuracy) else {
+            return Explanation {
+                chosen: "refused".into(),
+                why: "`method = \"series\"` needs a rigid-core pin in an annulus".into(),
+                bodies: Vec::new(),
+                ruled_out,
+                error: f64::INFINITY,
+                seconds: 0.0,
+            };
+        };
+        for request in plan.meshed() {
+            let name = request.body.shape.name;
+            let why = match method {
+                MethodChoice::Fe if request.body.shape.concentric => {
+                    "`method = \"fe\"` asks for meshes".into()
+                }
+                _ => format!("has no exact modes for a `{name}`"),
+            };
+            ruled_out.push((format!("series for the {name}"), why));
+        }
+        let levels = if plan.estimate == Estimate::Known { plan.level } else { KNOWN_LEVELS };
+        let is_meshed = plan.estimate != Estimate::Exact;
+        for level in (0..levels).filter(|_| is_meshed) {
+            ruled_out.push((format!("mesh level {level} alone"), not_known_enough(&plan, level, accuracy)));
+        }
+        let (chosen, why, error) = match plan.estimate {
+            Estimate::Exact => (
+                "series".to_string(),
+                "both bodies have exact modes, which cost less than any mesh".into(),
+                1e-5_f64.min(accuracy),
+            ),
+            Estimate::Known => {
+                let errors = plan.meshed().filter_map(|request| worst_known_error(&request.body, plan.level));
+                let worst = errors.fold(0.0, f64::max);
+                let why = format!("known to be within {} on such bodies, whatever the load", percent(worst));
+                (format!("mesh level {}", plan.level), why, worst)
+            }
+            Estimate::Change(_) => {
+                let (level, first) = (plan.level, first_level(accuracy));
+                let why = format!(
+                    "the difference of two meshes tells the error of each design; level {first} is the coarsest that is \
+                     typically within {}, and where it is not, finer ones follow",
+                    percent(accuracy)
+                );
+                (format!("mesh levels {} and {level}", level - 1), why, accuracy.max(mesh_error(level, 0.0)))
+            }
+        };
+        let requests: Vec<BodyRequest> = plan.requests().collect();
+        let seconds: f64 = requests.iter().map(request_seconds).sum();
+        Explanation {
+            chosen,
+            why,
+            bodies: requests.iter().map(describe).collect(),
+            ruled_out,
+            error,
+            seconds: seconds + DESIGN_SECONDS + case.steps.len() as f64 * ROW_SECONDS,
+        }
+    }
+}
+
+fn not_known_enough(plan: &JointPlan, level: usize, accuracy: f64) -> String {
+    let errors: Vec<Option<f64>> =
+        plan.meshed().map(|request| worst_known_error(&request.body, level)).collect();
+    match errors.iter().copied().collect::<Option<Vec<f64>>>() {
+        None => "its error on such bodies was not measured beforehand".into(),
+        Some(errors) => {
+            let worst = errors.into_iter().fold(0.0, f64::max);
+            format!("may be off by {}, {} is asked", percent(worst), percent(accuracy))
+        }
+    }
+}
+
+fn request_seconds(request: &BodyRequest) -> f64 {
+    match request.fidelity {
+        Fidelity::Series => SERIES_SECONDS,
+        Fidelity::Mesh { level } => body_seconds(&request.body, level),
+    }
+}
+
+fn describe(request: &BodyRequest) -> String {
+    let (name, terms) = (request.body.shape.name, request.space.terms);
+    match request.fidelity {
+        Fidelity::Series => format!("{name}: exact modes, {terms} trial pressures"),
+        Fidelity::Mesh { level } => {
+            let unknowns = mesh_size(&request.body, level).unknowns;
+            format!("{name}: mesh level {level}, {unknowns} unknowns, {terms} trial pressures")
+        }
+    }
+}
+
+/// A share in percent, with two digits.
+pub fn percent(share: f64) -> String {
+    let digits = (1 - (100.0 * share).log10().floor() as i32).clamp(0, 9) as usize;
+    let text = format!("{:.digits$}", 100.0 * share);
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    format!("{text} %")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_told_in_percent() {
+        for (share, text) in
+            [(0.01, "1 %"), (0.0012, "0.12 %"), (9.5e-3, "0.95 %"), (0.1, "10 %"), (1e-4, "0.01 %")]
+        {
+            assert_eq!(percent(share), text);
+        }
+    }
+}
