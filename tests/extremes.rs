@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use jointsweep::engine::backend::cpu::CpuBackend;
 use jointsweep::engine::interpolation::plan::InterpolationPlan;
 use jointsweep::engine::outcome::{DesignOutcome, Method, Response};
-use jointsweep::mechanics::body::{annulus, cored_disc};
+use jointsweep::mechanics::body::{annulus, block, cored_disc, half_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
 use jointsweep::study::config::{MethodChoice, SolveOptions};
 use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
@@ -151,6 +151,34 @@ fn interpolated_joints_are_right_or_say_so() {
         let wrong = check(&cases, &found, &exact, 0.01);
         assert!(wrong.is_empty(), "{} of {}", wrong.len(), cases.len());
     }
+}
+
+/// Half discs, and blocks whose sides lie anywhere; the judge is the same program at a fifth of the error, where it does not
+/// warn of itself.
+#[test]
+fn half_discs_and_blocks_are_right_or_say_so() {
+    let mut random = Random::new(73);
+    let side = |random: &mut Random| {
+        if random.unit() < 0.5 { 1.0 + random.log(0.02, 1.0) } else { random.log(1.02, 300.0) }
+    };
+    let one = |index: u64| {
+        let mut case = extreme(&mut random, index);
+        if index.is_multiple_of(2) {
+            let pin = &mut case.joint.pin;
+            (pin.shape, pin.parameters) = (&half_disc::SHAPE, [0.0; 3]);
+        }
+        if index % 4 != 0 {
+            let plate = &mut case.joint.plate;
+            let sides = [side(&mut random), side(&mut random), side(&mut random)];
+            (plate.shape, plate.parameters, plate.support) =
+                (&block::SHAPE, sides, (random.unit() * 2.0) as usize);
+        }
+        case
+    };
+    let cases: Vec<DesignCase> = (0..draws() as u64 / 20).map(one).collect();
+    let exact = solve(&cases, MethodChoice::Auto, 2e-3);
+    let wrong = check(&cases, &solve(&cases, MethodChoice::Auto, 0.01), &exact, 0.01);
+    assert!(wrong.is_empty(), "{} of {}", wrong.len(), cases.len());
 }
 
 #[test]

@@ -77,6 +77,12 @@ const SERIES_ERROR: f64 = 1e-8;
 
 pub const NOT_CONCENTRIC: &str = "failed: series needs a rigid-core pin in an annulus";
 
+pub const NOT_A_PUSH: &str = "failed: the bodies do not push each other, the mesh is too coarse for them";
+
+fn is_a_push(state: &LoadState) -> bool {
+    [state.force, state.tangent_stiffness, state.energy, state.peak_pressure].iter().all(|value| *value > 0.0)
+}
+
 impl Solving {
     fn method(&self) -> Method {
         match self.way {
@@ -113,6 +119,11 @@ impl Solving {
         let step = |load: &Load| {
             let Some(load_over) = dimensionless(joint, *load) else { return unloaded(self.method()) };
             let state = match states.next().unwrap_or(Err(NoState::BrokenCompliance)) {
+                // A mesh far too coarse for its body may answer with a pull.
+                Ok(state) if !is_a_push(&state) => {
+                    settled = false;
+                    return StepOutcome { response: None, status: NOT_A_PUSH.into() };
+                }
                 Ok(state) => state,
                 Err(reason) => {
                     return StepOutcome { response: None, status: failure(reason, self.limit) };
