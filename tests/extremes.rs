@@ -167,7 +167,7 @@ fn half_discs_and_blocks_are_right_or_say_so() {
             let pin = &mut case.joint.pin;
             (pin.shape, pin.parameters) = (&half_disc::SHAPE, [0.0; 3]);
         }
-        if index % 4 != 0 {
+        if !index.is_multiple_of(4) {
             let plate = &mut case.joint.plate;
             let sides = [side(&mut random), side(&mut random), side(&mut random)];
             (plate.shape, plate.parameters, plate.support) =
