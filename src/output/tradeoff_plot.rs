@@ -1,12 +1,13 @@
 //! `tradeoff.svg`: every choice as a point, time per design against error of the force, with the Pareto front as a line.
 
+use std::f64::consts::PI;
 use std::fmt::Display;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use crate::error::Error;
-use crate::tradeoff::families::FAMILIES;
+use crate::tradeoff::families::{FAMILIES, planner};
 use crate::tradeoff::measure::{LEAST_ERROR, MOST_UNANSWERED, Measured};
 
 const SIZE: (u32, u32) = (1280, 820);
@@ -21,7 +22,7 @@ const MOST_ERROR: f64 = 7.0;
 
 /// Colours that are told apart by most eyes, in the order of `FAMILIES`; alike families have alike colours and differ in
 /// their marks.
-const COLOURS: [RGBColor; 17] = [
+const COLOURS: [RGBColor; 18] = [
     RGBColor(120, 120, 120), // closed forms
     RGBColor(0, 0, 0),       // series
     RGBColor(200, 30, 30),   // moving edge, Q8
@@ -39,6 +40,7 @@ const COLOURS: [RGBColor; 17] = [
     RGBColor(150, 90, 200),
     RGBColor(80, 30, 110),
     RGBColor(190, 150, 0), // GPU
+    RGBColor(0, 150, 40),  // the planner
 ];
 
 /// One point of the plot.
@@ -150,6 +152,9 @@ fn mark(area: &Area, (x, y): (i32, i32), family: usize, hollow: bool) -> Drawn {
     let colour = COLOURS[family % COLOURS.len()];
     let style = if hollow { colour.stroke_width(2) } else { colour.filled() };
     let size = 5;
+    if FAMILIES[family % FAMILIES.len()].name == planner::FAMILY.name {
+        return star(area, (x, y), colour, hollow);
+    }
     match family % 4 {
         0 => area.draw(&Circle::new((x, y), size, style))?,
         1 => {
@@ -165,6 +170,26 @@ fn mark(area: &Area, (x, y): (i32, i32), family: usize, hollow: bool) -> Drawn {
                 area.draw(&Polygon::new(corners.to_vec(), style))?;
             }
         }
+    }
+    Ok(())
+}
+
+/// The mark of what a sweep does by itself: larger than all others, on white.
+fn star(area: &Area, (x, y): (i32, i32), colour: RGBColor, hollow: bool) -> Drawn {
+    let tips = |size: f64| -> Vec<(i32, i32)> {
+        let tip = |number: i32| {
+            let radius = size * if number % 2 == 0 { 1.0 } else { 0.45 };
+            let (sin, cos) = (f64::from(number) * PI / 5.0).sin_cos();
+            (x + (radius * sin).round() as i32, y - (radius * cos).round() as i32)
+        };
+        // The first again at the end, where the outline closes.
+        (0..=10).map(tip).collect()
+    };
+    area.draw(&Polygon::new(tips(15.0), WHITE.filled()))?;
+    if hollow {
+        area.draw(&PathElement::new(tips(11.0), colour.stroke_width(2)))?;
+    } else {
+        area.draw(&Polygon::new(tips(11.0), colour.filled()))?;
     }
     Ok(())
 }

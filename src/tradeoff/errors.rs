@@ -86,7 +86,7 @@ impl Errors {
 
 /// |F - F*|/F* at the indentation of the oracle. Where the force is prescribed and the indentation is found, k_t turns the
 /// error of the one into that of the other, to first order.
-fn force_error(found: &State, exact: &State) -> f64 {
+pub fn force_error(found: &State, exact: &State) -> f64 {
     let beside = exact.tangent_stiffness * (found.indentation - exact.indentation);
     ((found.force - exact.force - beside) / exact.force).abs()
 }

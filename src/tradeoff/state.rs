@@ -1,5 +1,7 @@
 //! The answer to one load step of one design.
 
+use crate::engine::outcome::Response;
+
 /// Of the whole joint; N, mm, MPa.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
@@ -19,6 +21,21 @@ pub struct State {
 pub type States = Vec<Vec<Option<State>>>;
 
 impl State {
+    /// Of what a sweep has found; `None` where nothing touches yet.
+    pub fn of(response: &Response) -> Option<State> {
+        let Response { indentation, force, tangent_stiffness, contact_half_angle, peak_pressure, .. } =
+            *response;
+        let state = State {
+            indentation,
+            force,
+            tangent_stiffness,
+            contact_half_angle,
+            peak_pressure,
+            iterations: None,
+        };
+        if force > 0.0 { state.sound() } else { None }
+    }
+
     /// Itself if every number in it is one.
     pub fn sound(self) -> Option<State> {
         let State { indentation, force, tangent_stiffness, contact_half_angle, peak_pressure, .. } = self;

@@ -7,7 +7,7 @@ use crate::engine::backend::Backend;
 use crate::engine::backend::gpu::context::{GpuDevice, GpuError};
 use crate::engine::backend::gpu::kernels::Precision;
 use crate::engine::backend::gpu::solver::{GpuBackend, GpuChoice};
-use crate::engine::outcome::{DesignOutcome, Response};
+use crate::engine::outcome::DesignOutcome;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
 use crate::tradeoff::choice::{Choice, Family, Scope, Solution};
@@ -48,7 +48,7 @@ fn solve(
     let outcomes = backend.solve(cases)?;
     let own = started.elapsed() - first;
     let states = outcomes.iter().map(|outcome: &DesignOutcome| {
-        outcome.steps.iter().map(|step| step.response.as_ref().and_then(state)).collect()
+        outcome.steps.iter().map(|step| step.response.as_ref().and_then(State::of)).collect()
     });
     Ok(Solution { states: states.collect(), shared: first.saturating_sub(own), own })
 }
@@ -56,12 +56,4 @@ fn solve(
 fn nothing(cases: &[DesignCase]) -> Solution {
     let states = cases.iter().map(|case| vec![None; case.steps.len()]).collect();
     Solution { states, shared: Duration::ZERO, own: Duration::ZERO }
-}
-
-fn state(response: &Response) -> Option<State> {
-    let Response { indentation, force, tangent_stiffness, contact_half_angle, peak_pressure, .. } = *response;
-    let state =
-        State { indentation, force, tangent_stiffness, contact_half_angle, peak_pressure, iterations: None };
-    // Nothing touches yet.
-    if force > 0.0 { state.sound() } else { None }
 }

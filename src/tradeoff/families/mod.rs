@@ -11,11 +11,12 @@ pub mod augmented_lagrangian;
 pub mod cholesky;
 pub mod pcg;
 pub mod gpu;
+pub mod planner;
 
 use crate::tradeoff::choice::{Choice, Family, Scope};
 
 /// In the order of tables and legends.
-pub static FAMILIES: [&Family; 17] = [
+pub static FAMILIES: [&Family; 18] = [
     &closed_form::FAMILY,
     &series::FAMILY,
     &ladder::QUAD8,
@@ -33,6 +34,7 @@ pub static FAMILIES: [&Family; 17] = [
     &pcg::F32,
     &pcg::MIXED,
     &gpu::FAMILY,
+    &planner::FAMILY,
 ];
 
 /// Every choice there is.

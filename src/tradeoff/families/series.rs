@@ -7,7 +7,7 @@ use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
 use crate::mechanics::body::Body;
 use crate::study::design::DesignCase;
 use crate::tradeoff::choice::{Choice, Family, Scope, Solution};
-use crate::tradeoff::joints::{Joints, Terms, is_concentric};
+use crate::tradeoff::joints::{Joints, Terms};
 use crate::tradeoff::moving_edge;
 use crate::tradeoff::state::States;
 
@@ -26,11 +26,19 @@ fn choices<'a>(family: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
 
 /// By way of the engine's library of bodies, what is not concentric without an answer to `series`.
 pub fn solve(terms: Terms, fidelity: Fidelity, cases: &[DesignCase]) -> Solution {
+    solve_bodies(terms, |_| fidelity, cases)
+}
+
+/// The same, each body as `fidelity` has it.
+pub fn solve_bodies(terms: Terms, fidelity: impl Fn(&Body) -> Fidelity, cases: &[DesignCase]) -> Solution {
     let started = Instant::now();
-    let can = |case: &DesignCase| fidelity != Fidelity::Series || is_concentric(&case.joint);
+    let can = |case: &DesignCase| {
+        let bodies = [&case.joint.pin, &case.joint.plate].map(|part| case.joint.body(part));
+        bodies.iter().all(|body| body.shape.concentric || fidelity(body) != Fidelity::Series)
+    };
     let solved: Vec<DesignCase> = cases.iter().filter(|case| can(case)).cloned().collect();
     let joints = Joints::new(&solved, |joint| terms.space(joint));
-    let request = |(body, space): (Body, SpaceKey)| BodyRequest { body, fidelity, space };
+    let request = |(body, space): (Body, SpaceKey)| BodyRequest { body, fidelity: fidelity(&body), space };
     let mut library = BodyLibrary::default();
     library.solve(&joints.bodies.iter().copied().map(request).collect::<Vec<_>>());
     let mut found = solved.iter().zip(&joints.of_case).map(|(case, bodies)| {

@@ -1,0 +1,164 @@
+//! What the planner promises of its choices: the accuracy asked, an error estimate that bounds the error, and no finer
+//! mesh than is known to be needed. What its choices cost is measured by `examples/planner_check.rs`.
+//!
+//! Run with `--nocapture` to see the shares.
+
+#[path = "common/draws.rs"]
+mod draws;
+#[path = "common/random.rs"]
+mod random;
+
+use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
+use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::known_errors::{KNOWN_LEVELS, worst_known_error};
+use jointsweep::engine::outcome::{Method, Response};
+use jointsweep::engine::plan::{Estimate, JointPlan, first_level};
+use jointsweep::engine::request::Fidelity;
+use jointsweep::mechanics::body::Body;
+use jointsweep::study::config::{MethodChoice, SolveOptions};
+use jointsweep::study::design::DesignCase;
+use jointsweep::tradeoff::errors::force_error;
+use jointsweep::tradeoff::families::series;
+use jointsweep::tradeoff::joints::{Terms, is_concentric};
+use jointsweep::tradeoff::oracle::Oracle;
+use jointsweep::tradeoff::state::State;
+
+const ACCURACIES: [f64; 3] = [0.1, 1e-2, 1e-3];
+
+/// So many of each kind, fewer of blocks where their oracle would take minutes.
+fn cases(count: u64, blocks: u64) -> Vec<DesignCase> {
+    [draw(71, count, concentric), draw(72, count, half_disc_in_annulus), draw(73, blocks, disc_in_block)]
+        .concat()
+}
+
+/// The only row of each design.
+fn planned(cases: &[DesignCase], accuracy: f64) -> Vec<Option<Response>> {
+    let outcomes = CpuBackend::new(SolveOptions { accuracy, method: MethodChoice::Auto }).solve(cases);
+    outcomes.into_iter().map(|outcome| outcome.steps[0].response).collect()
+}
+
+/// Goal: of all rows that the oracle has an answer to 99 % are within the accuracy, 95 % of the errors within their
+/// estimate. The oracle is `series` with the most trial pressures, or a mesh finer than any that is planned.
+#[test]
+fn the_accuracy_holds_and_estimates_bound_the_error() {
+    let cases = cases(90, 20);
+    let oracle = Oracle::new(&cases).states;
+    for accuracy in ACCURACIES {
+        let rows: Vec<(Option<Response>, State)> = planned(&cases, accuracy)
+            .into_iter()
+            .zip(&oracle)
+            .filter_map(|(response, exact)| Some((response, exact[0]?)))
+            .collect();
+        let judged: Vec<Option<(f64, f64)>> = rows
+            .iter()
+            .map(|(response, exact)| {
+                let response = response.as_ref()?;
+                Some((force_error(&State::of(response)?, exact), response.force_error))
+            })
+            .collect();
+        // A row without an answer keeps no promise.
+        let share = |holds: &dyn Fn(f64, f64) -> bool| {
+            let holding =
+                judged.iter().flatten().filter(|(error, estimate)| holds(*error, *estimate)).count();
+            holding as f64 / judged.len() as f64
+        };
+        let within = share(&|error, _| error <= accuracy);
+        let bounded = share(&|error, estimate| error <= estimate);
+        println!("{accuracy}: {} rows, within {within:.4}, bounded {bounded:.4}", judged.len());
+        assert!(judged.len() >= 190, "the oracle knows nearly all designs");
+        assert!(within >= 0.99, "{accuracy}: {within}");
+        assert!(bounded >= 0.95, "{accuracy}: {bounded}");
+    }
+}
+
+/// Exact modes wherever a body has them; else the coarsest mesh that is known to do for both bodies, and where none is
+/// known the one that accuracies like this begin with.
+#[test]
+fn no_mesh_is_finer_than_is_known_to_be_needed() {
+    let (mut known, mut unknown) = (0, 0);
+    for case in &cases(300, 300) {
+        for accuracy in ACCURACIES {
+            let plan = JointPlan::cheapest(&case.joint, MethodChoice::Auto, accuracy).unwrap();
+            for request in [plan.pin, plan.plate] {
+                let is_exact = request.fidelity == Fidelity::Series;
+                assert_eq!(is_exact, request.body.shape.concentric, "{accuracy}: {request:?}");
+            }
+            let meshed: Vec<Body> = plan.meshed().map(|request| request.body).collect();
+            let is_enough = |level: usize| {
+                meshed
+                    .iter()
+                    .all(|body| worst_known_error(body, level).is_some_and(|error| error <= accuracy))
+            };
+            match plan.estimate {
+                Estimate::Exact => assert!(meshed.is_empty()),
+                Estimate::Known => {
+                    known += 1;
+                    assert!(is_enough(plan.level) && !(0..plan.level).any(is_enough), "{accuracy}: {plan:?}");
+                    // One mesh does: none is solved to tell how good it is.
+                    assert!(plan.requests().count() == 2, "{accuracy}: {plan:?}");
+                }
+                Estimate::Change(_) => {
+                    unknown += 1;
+                    assert!(plan.level == first_level(accuracy), "{accuracy}: {plan:?}");
+                    assert!(!(0..=plan.level).any(is_enough), "{accuracy}: {plan:?}");
+                }
+            }
+        }
+    }
+    println!("{known} plans by what is known, {unknown} by the change between meshes");
+    assert!(known > 500 && unknown > 100);
+}
+
+/// What was planned is what is done: `series` for concentric bodies, without any mesh, and where a level is known to do
+/// the force of that level to the bit, except where a row's own estimate asks for more. For 0.1 % none is known to do.
+#[test]
+fn what_is_planned_is_what_is_solved() {
+    let cases = cases(40, 40);
+    for accuracy in [0.1, 1e-2] {
+        let exact: Vec<DesignCase> =
+            cases.iter().filter(|case| is_concentric(&case.joint)).cloned().collect();
+        let mut backend = CpuBackend::new(SolveOptions { accuracy, method: MethodChoice::Auto });
+        let outcomes = backend.solve(&exact);
+        let method = |response: &Response| response.method;
+        assert!(
+            outcomes
+                .iter()
+                .filter_map(|outcome| outcome.steps[0].response.as_ref().map(method))
+                .all(|method| method == Method::Series)
+        );
+        assert!(
+            backend.library.times.condense.is_zero(),
+            "no mesh is solved where all bodies have exact modes"
+        );
+
+        let (mut stayed, mut known) = (0, 0);
+        let responses = planned(&cases, accuracy);
+        for level in 0..KNOWN_LEVELS {
+            let is_of_level = |case: &DesignCase| {
+                let plan = JointPlan::cheapest(&case.joint, MethodChoice::Auto, accuracy).unwrap();
+                plan.estimate == Estimate::Known && plan.level == level
+            };
+            let (own, responses): (Vec<DesignCase>, Vec<Option<Response>>) = cases
+                .iter()
+                .cloned()
+                .zip(&responses)
+                .filter(|(case, _)| is_of_level(case))
+                .map(|(case, response)| (case, *response))
+                .unzip();
+            let fidelity = |body: &Body| match body.shape.concentric {
+                true => Fidelity::Series,
+                false => Fidelity::Mesh { level },
+            };
+            let alone = series::solve_bodies(Terms::ByDepth, fidelity, &own).states;
+            let forces = |state: &Option<State>| state.map(|state| state.force);
+            known += own.len();
+            stayed += alone
+                .iter()
+                .zip(&responses)
+                .filter(|(states, response)| forces(&states[0]) == response.map(|response| response.force))
+                .count();
+        }
+        println!("{accuracy}: {stayed} of {known} stay on the level they begin with");
+        assert!(known > 20 && stayed as f64 >= 0.95 * known as f64, "{accuracy}: {stayed} of {known}");
+    }
+}
