@@ -110,7 +110,7 @@ fn no_mesh_is_finer_than_is_known_to_be_needed() {
 }
 
 /// What was planned is what is done: `series` for concentric bodies, without any mesh, and where a level is known to do
-/// the force of that level to the bit, except where a row's own estimate asks for more. For 0.1 % none is known to do.
+/// the force of that level, but for the 1e-5 that fewer trial pressures leave, except where a row's own estimate asks for more. For 0.1 % none is known to do.
 #[test]
 fn what_is_planned_is_what_is_solved() {
     let cases = cases(40, 40);
@@ -155,7 +155,11 @@ fn what_is_planned_is_what_is_solved() {
             stayed += alone
                 .iter()
                 .zip(&responses)
-                .filter(|(states, response)| forces(&states[0]) == response.map(|response| response.force))
+                .filter(|(states, response)| {
+                    let both = forces(&states[0]).zip(response.map(|response| response.force));
+                    // Levels differ by 1e-4 and more.
+                    both.is_none_or(|(alone, planned)| (alone / planned - 1.0).abs() < 2e-5)
+                })
                 .count();
         }
         println!("{accuracy}: {stayed} of {known} stay on the level they begin with");
