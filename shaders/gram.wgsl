@@ -1,7 +1,8 @@
 // Twin: src/mechanics/compliance/lane_condensation.rs (gram) and near_field.rs (correct).
 //
 // From the compliance C of a ring to that of the trial pressures: for each arc G = F^T C F, F being the nodal loads of
-// its trial pressures, and to it the near field of the body's class, interpolated in Poisson's ratio.
+// its trial pressures, and to it the near field of the body's class, interpolated in Poisson's ratio and in the growth of
+// the layers.
 //
 // One workgroup makes one arc of one body. It goes through the ring's rows in tiles: of each tile W = C F first, then
 // its share F^T W in all entries.
@@ -25,11 +26,11 @@ struct GramParameters {
 @group(0) @binding(1) var<storage, read> compliance: array<wide4>;
 // [arc][ring unknown][k]
 @group(0) @binding(2) var<storage, read> loads: array<wide>;
-// Least margin whose logarithm is interpolated in, 0 where Poisson's ratio itself is; of each node of it [coordinate,
-// barycentric weight]; then [node][arc][entry].
-@group(0) @binding(3) var<storage, read> near_field: array<wide>;
-// [body]: margin of Poisson's ratio, 1 + nu in plane stress and 1 - 2 nu in plane strain.
-@group(0) @binding(4) var<storage, read> margins: array<wide>;
+// Of each node in Poisson's ratio [coordinate, barycentric weight]; then [growth][node][arc][entry].
+@group(0) @binding(3) var<storage, read> near_fields: array<wide>;
+// [body][margin of Poisson's ratio, 1 + nu in plane stress and 1 - 2 nu in plane strain; its coordinate among the nodes;
+// place among the growths, the fraction being how far from one to the next]
+@group(0) @binding(4) var<storage, read> bodies: array<wide>;
 // [body][system]
 @group(0) @binding(5) var<storage, read> states: array<SystemState>;
 // [body][block][rho, |b|, |b - K x|/|b|]
@@ -45,15 +46,6 @@ const BEYOND = wide(1e30);
 
 var<workgroup> products: array<wide, TILE_ROWS * TERMS>;
 
-// What the near field is interpolated in.
-fn coordinate_of(margin: wide) -> wide {
-    let least = near_field[0];
-    if least > wide(0.0) {
-        return logarithm(max(margin, least));
-    }
-    return select(margin - wide(1.0), wide(0.5) * (wide(1.0) - margin), parameters.is_plane_strain != 0u);
-}
-
 // 2 E/E': 2 in plane stress, 2 (1 - nu^2) in plane strain.
 fn amplitude_of(margin: wide) -> wide {
     let of_strain = wide(0.5) * (wide(1.0) + margin) * (wide(3.0) - margin);
@@ -61,14 +53,13 @@ fn amplitude_of(margin: wide) -> wide {
 }
 
 // The share of each node in the near field of a body.
-fn shares_of(margin: wide) -> array<wide, NEAR_FIELD_NODES> {
-    let coordinate = coordinate_of(margin);
+fn shares_of(coordinate: wide) -> array<wide, NEAR_FIELD_NODES> {
     var shares: array<wide, NEAR_FIELD_NODES>;
     var sum = wide(0.0);
     for (var node = 0u; node < NEAR_FIELD_NODES; node++) {
-        let distance = coordinate - near_field[1u + 2u * node];
+        let distance = coordinate - near_fields[2u * node];
         // On a node its own share drowns the others.
-        shares[node] = near_field[2u + 2u * node] / select(distance, wide(1e-30), distance == wide(0.0));
+        shares[node] = near_fields[2u * node + 1u] / select(distance, wide(1e-30), distance == wide(0.0));
         sum += shares[node];
     }
     for (var node = 0u; node < NEAR_FIELD_NODES; node++) {
@@ -111,7 +102,10 @@ fn gram(
     let arc = group.y;
     let ring_count = parameters.ring_count;
     let slot = (parameters.first_slot + body) * parameters.slot_size;
-    var shares = shares_of(margins[body]);
+    let margin = bodies[3u * body];
+    var shares = shares_of(bodies[3u * body + 1u]);
+    let growth = u32(bodies[3u * body + 2u]);
+    let between = bodies[3u * body + 2u] - wide(growth);
     let arc_loads = arc * ring_count * TERMS;
     var sums: array<wide, OWN>;
     for (var own = 0u; own < OWN; own++) {
@@ -153,8 +147,10 @@ fn gram(
         if entry < ENTRIES {
             var sum = sums[own];
             for (var node = 0u; node < NEAR_FIELD_NODES; node++) {
-                let at = 1u + 2u * NEAR_FIELD_NODES + (node * parameters.arc_count + arc) * ENTRIES + entry;
-                sum += shares[node] * near_field[at];
+                let value = ((growth * NEAR_FIELD_NODES + node) * parameters.arc_count + arc) * ENTRIES + entry;
+                let at = 2u * NEAR_FIELD_NODES + value;
+                let next = at + NEAR_FIELD_NODES * parameters.arc_count * ENTRIES;
+                sum += shares[node] * ((wide(1.0) - between) * near_fields[at] + between * near_fields[next]);
             }
             slots[slot + SLOT_HEADER + arc * ENTRIES + entry] = sum;
         }
@@ -162,7 +158,7 @@ fn gram(
     if arc == 0u && invocation == 0u {
         let residual = worst_residual(body);
         slots[slot] = select(wide(1.0), wide(0.0), residual == BEYOND);
-        slots[slot + 1u] = amplitude_of(margins[body]);
+        slots[slot + 1u] = amplitude_of(margin);
         slots[slot + 2u] = residual;
     }
 }

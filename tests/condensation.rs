@@ -143,16 +143,12 @@ fn the_near_field_removes_the_error_of_the_ring() {
         let plan = CondensationPlan::new(&body, class.grading(body.shape.end_angle), &space);
         let mut corrected = plan.condense(&[body]).remove(0);
         let plain = corrected.values.clone();
-        let near_field = NearFieldClass {
-            side: body.shape.side,
-            half_ring: false,
-            grading: class,
-            idealization: body.idealization,
-            range: PoissonRange::Positive,
-        };
-        let highest = near_field.highest_mode();
-        NearField::new(&near_field, &space, &space.moments(highest), highest)
-            .correct(body.poissons_ratio, &mut corrected);
+        let (around, between) = NearFieldClass::around(&body, class);
+        let near_fields = around.map(|near_field| {
+            let highest = near_field.highest_mode();
+            NearField::new(&near_field, &space, &space.moments(highest), highest)
+        });
+        NearField::correct(near_fields.each_ref(), between, body.poissons_ratio, &mut corrected);
         let mut worst = [0.0_f64; 2];
         for node in 0..NODE_COUNT {
             // The work of a punch-like pressure, p_0.
@@ -174,6 +170,7 @@ fn the_near_field_makes_its_own_reference_exact() {
     for (name, range, idealization) in [
         ("annulus", PoissonRange::Positive, Idealization::PlaneStress),
         ("rigid-core", PoissonRange::Negative, Idealization::PlaneStrain),
+        ("annulus", PoissonRange::Compressible, Idealization::PlaneStrain),
         ("annulus", PoissonRange::Incompressible, Idealization::PlaneStrain),
         ("rigid-core", PoissonRange::Auxetic, Idealization::PlaneStress),
         ("annulus", PoissonRange::Conformal, Idealization::PlaneStress),
@@ -182,18 +179,20 @@ fn the_near_field_makes_its_own_reference_exact() {
         let grading =
             GradingClass::of(&of(if name == "annulus" { 1.6 } else { 0.6 }, 0.0), ElementKind::Quad8, 1);
         let side = of(2.0, 0.0).shape.side;
-        let class = NearFieldClass { side, half_ring: false, grading, idealization, range };
+        // Layers that grow 1.75 times: a body of the class.
+        let growth = 7;
+        let class = NearFieldClass { side, half_ring: false, grading, idealization, range, growth };
         let highest = class.highest_mode();
         let moments = space.moments(highest);
         let near_field = NearField::new(&class, &space, &moments, highest);
-        let depth = grading.nominal_depth();
-        let ratio = if name == "annulus" { depth.exp() } else { (-depth).exp() };
+        let ratio = class.reference().fixed_radius;
         let plan = CondensationPlan::new(&of(ratio, 0.0), grading.grading(std::f64::consts::PI), &space);
         let (low, high): (f64, f64) = match range {
             PoissonRange::Conformal => (1e-3_f64.ln(), 0.25_f64.ln()),
             PoissonRange::Auxetic => (-0.75, 0.0),
             PoissonRange::Negative => (-1.0, 0.0),
             PoissonRange::Positive => (0.0, 0.5),
+            PoissonRange::Compressible => (0.06_f64.powf(0.25), 1.0),
             PoissonRange::Incompressible => (1e-5_f64.ln(), 0.06_f64.ln()),
         };
         // Half-way between two nodes where `i` is a whole number and a half.
@@ -202,6 +201,7 @@ fn the_near_field_makes_its_own_reference_exact() {
             let coordinate = 0.5 * (low + high) + 0.5 * (high - low) * angle.cos();
             match range {
                 PoissonRange::Conformal => coordinate.exp() - 1.0,
+                PoissonRange::Compressible => 0.5 * (1.0 - coordinate.powi(4)),
                 PoissonRange::Incompressible => 0.5 * (1.0 - coordinate.exp()),
                 _ => coordinate,
             }
@@ -214,7 +214,7 @@ fn the_near_field_makes_its_own_reference_exact() {
         // On nodes to rounding; between them to what eight nodes leave.
         for (poissons_ratio, tolerance) in [(node(0.0), 1e-12), (node(3.0), 1e-12), (node(3.5), between)] {
             let mut corrected = plan.condense(&[of(ratio, poissons_ratio)]).remove(0);
-            near_field.correct(poissons_ratio, &mut corrected);
+            near_field.add(1.0, poissons_ratio, &mut corrected);
             let concentric = ConcentricBody { fixed_radius: ratio, poissons_ratio, idealization };
             let exact = concentric.compliance(&space, &moments, highest);
             let pairs = corrected.values.iter().zip(&exact.values);

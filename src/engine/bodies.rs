@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use crate::engine::near_fields::{NearFieldLibrary, Space, near_field_key};
+use crate::engine::near_fields::{NearFieldLibrary, Space};
 use crate::engine::request::{BodyRequest, Fidelity, RequestKey, SpaceKey, TopologyKey, concentric};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::PressureCompliance;
@@ -101,8 +101,7 @@ impl BodyLibrary {
         let bodies: Vec<Body> = requests.iter().map(|request| request.body).collect();
         let mut compliances = self.plans[plan].condense(&bodies);
         for (request, compliance) in requests.iter().zip(&mut compliances) {
-            let near_field = self.shared.near_field(&near_field_key(request));
-            near_field.correct(request.body.poissons_ratio, compliance);
+            self.shared.correct(request, compliance);
         }
         requests.iter().map(BodyRequest::key).zip(compliances).collect()
     }

@@ -6,10 +6,9 @@ use std::collections::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::engine::request::{BodyRequest, ELEMENT, Fidelity, SpaceKey, concentric};
-use crate::mechanics::body::Body;
-use crate::mechanics::compliance::NODE_COUNT;
-use crate::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
+use crate::mechanics::compliance::near_field::{NearField, NearFieldClass};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
+use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::grading::GradingClass;
 
 /// Bodies with one of these share a near field.
@@ -34,6 +33,13 @@ impl NearFieldLibrary {
         &self.spaces[&key]
     }
 
+    /// Adds the near field of a body, which was prepared, to its condensed compliance.
+    pub fn correct(&self, request: &BodyRequest, compliance: &mut PressureCompliance) {
+        let (around, between) = near_field_keys(request);
+        let around = around.each_ref().map(|key| self.near_field(key));
+        NearField::correct(around, between, request.body.poissons_ratio, compliance);
+    }
+
     /// A near field that was prepared.
     pub fn near_field(&self, key: &NearFieldKey) -> &NearField {
         &self.near_fields[key]
@@ -47,13 +53,16 @@ impl NearFieldLibrary {
             let highest = match request.fidelity {
                 Fidelity::Series => concentric(&request.body).highest_mode(),
                 Fidelity::Mesh { .. } => {
-                    let key = near_field_key(request);
-                    if self.near_fields.contains_key(&key) {
-                        continue;
+                    let new = near_field_keys(request).0.into_iter();
+                    let new = new.filter(|key| !self.near_fields.contains_key(key));
+                    let highest = |key: NearFieldKey| {
+                        near_fields.insert(key);
+                        key.0.highest_mode()
+                    };
+                    match new.map(highest).max() {
+                        Some(highest) => highest,
+                        None => continue,
                     }
-                    let highest = key.0.highest_mode();
-                    near_fields.insert(key);
-                    highest
                 }
             };
             let most = needs.entry(request.space).or_default();
@@ -91,15 +100,13 @@ impl NearFieldLibrary {
     }
 }
 
-/// The near field of a body on a mesh.
-pub fn near_field_key(request: &BodyRequest) -> NearFieldKey {
-    let Body { shape, idealization, poissons_ratio, .. } = request.body;
+/// The two near fields between which that of a body on a mesh lies, and how far from the first to the second.
+pub fn near_field_keys(request: &BodyRequest) -> ([NearFieldKey; 2], f64) {
     let level = match request.fidelity {
         Fidelity::Mesh { level } => level,
         Fidelity::Series => unreachable!("an exact body has no near field"),
     };
     let grading = GradingClass::of(&request.body, ELEMENT, level);
-    let half_ring = shape.end_angle < std::f64::consts::PI;
-    let range = PoissonRange::of(poissons_ratio, idealization);
-    (NearFieldClass { side: shape.side, half_ring, grading, idealization, range }, request.space)
+    let (around, between) = NearFieldClass::around(&request.body, grading);
+    (around.map(|class| (class, request.space)), between)
 }

@@ -174,8 +174,8 @@ pub fn ring_points(grading: &Grading) -> Vec<[f64; 2]> {
 fn radius(body: &Body, depth: f64) -> f64 {
     match body.shape.side {
         Side::Plate => depth.exp(),
-        // To the ring like the others, whose near field it shares, and to zero at the centre.
-        Side::Pin => (-depth).exp() - centre_pull(body) * (depth / deepest(body)).powi(2),
+        // Like the others near the ring, whose near field it shares, and to zero at the centre.
+        Side::Pin => (-depth).exp() - centre_pull(body) * (depth / deepest(body)).powi(6),
     }
 }
 
@@ -194,53 +194,81 @@ fn deepest(body: &Body) -> f64 {
 /// beyond. The collapsed centre of a solid disc is a row of coincident nodes, which are supported.
 pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> Vec<[f64; 2]> {
     let columns = 2 * (grading.angles.len() - 1);
-    let rows = 2 * grading.layer_count;
-    // Straight lines, which cannot leave a convex body (but can cut the ring, where it is divided too coarsely for a
-    // thin place: assembly refuses such a mesh). Mid-side nodes of layers lie half-way between corner nodes.
-    let mut places: Vec<Vec<[f64; 2]>> = Vec::with_capacity(columns + 1);
-    let mut layers: Vec<f64> = Vec::new();
-    let mut depth = f64::NAN;
+    let wall = (body.shape.depth_range)(&body.parameters).0.exp_m1();
+    let mut courses: Vec<Course> = Vec::with_capacity(columns + 1);
+    let mut shares: Vec<Vec<f64>> = Vec::with_capacity(columns + 1);
     for (line, on_ring) in lines(body, grading).iter().zip(ring_points(grading)) {
-        if line.depth != depth {
-            depth = line.depth;
-            let depths = layer_depths(grading, line);
-            layers = depths.into_iter().map(|depth| radius(body, depth)).collect();
-        }
         let far_radius = radius(body, line.depth);
-        let corner = |radius: &f64| -> [f64; 2] {
-            let share = (radius - 1.0) / (far_radius - 1.0);
-            [0, 1].map(|axis| on_ring[axis] + share * (line.far[axis] - on_ring[axis]))
-        };
-        let mut nodes = Vec::with_capacity(rows + 1);
-        for (layer, point) in layers.iter().map(corner).enumerate() {
-            if layer > 0 {
-                nodes.push(midpoint(nodes[2 * layer - 2], point));
-            }
-            nodes.push(point);
-        }
-        places.push(nodes);
+        let share = |depth: f64| (radius(body, depth) - 1.0) / (far_radius - 1.0);
+        let corners: Vec<f64> = layer_depths(grading, line).into_iter().map(share).collect();
+        shares.push(half_steps(&corners, 1));
+        courses.push(Course::new(on_ring, line.far, far_radius, wall));
     }
-    if body.shape.straight_boundary {
-        for column in (1..columns).step_by(2) {
-            places[column] = bowed(&places[column - 1], &places[column], &places[column + 1]);
-        }
-    }
-    topology.grid.iter().map(|&(row, column)| places[column][row]).collect()
+    // Mid-side nodes of layers lie half-way between corner nodes.
+    let place = |row: usize, column: usize| {
+        let corner = |row: usize| courses[column].point(shares[column][row]);
+        if row.is_multiple_of(2) { corner(row) } else { midpoint(corner(row - 1), corner(row + 1)) }
+    };
+    // And those between two lines half-way between these, but for the bow. The layers of their own line do not matter, so
+    // that elements keep their shape where the depth changes quickly.
+    let bowed = |row: usize, column: usize| {
+        let middle = midpoint(place(row, column - 1), place(row, column + 1));
+        let chord = midpoint(courses[column - 1].on_ring, courses[column + 1].on_ring);
+        let bow = courses[column].bow(shares[column][row]);
+        [0, 1].map(|axis| middle[axis] + bow * (courses[column].on_ring[axis] - chord[axis]))
+    };
+    let is_bowed = |column: usize| body.shape.straight_boundary && !column.is_multiple_of(2);
+    let node = |&(row, column): &(usize, usize)| {
+        if is_bowed(column) { bowed(row, column) } else { place(row, column) }
+    };
+    topology.grid.iter().map(node).collect()
 }
 
-/// The line of mid-side nodes half-way between two lines of corner nodes: bowed at the ring as `line` is there,
-/// straight at the boundary, and in proportion between. Its own layers do not matter, so that elements keep their
-/// shape where the depth changes quickly.
-fn bowed(before: &[[f64; 2]], line: &[[f64; 2]], after: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let (ring, far) = (line[0], line[line.len() - 1]);
-    let chord = midpoint(before[0], after[0]);
-    let length = (far[0] - ring[0]).hypot(far[1] - ring[1]);
-    let at = |(row, place): (usize, &[f64; 2])| {
-        let share = 1.0 - (place[0] - ring[0]).hypot(place[1] - ring[1]) / length;
-        let middle = midpoint(before[row], after[row]);
-        [0, 1].map(|axis| middle[axis] + share * (ring[axis] - chord[axis]))
-    };
-    line.iter().enumerate().map(at).collect()
+/// The course of a line from the ring to its end: near the ring that of a line of a concentric body, whose near field is to
+/// be its own, then straight.
+///
+/// A straight line cannot leave a convex body (but can cut the ring, where it is divided too coarsely for a thin place:
+/// assembly refuses such a mesh). One that runs out radially could, where it has to turn by more than the thinnest wall.
+struct Course {
+    on_ring: [f64; 2],
+    far: [f64; 2],
+    far_radius: f64,
+    /// The share of the way on which the line leaves the radius is 1/`haste`.
+    haste: f64,
+}
+
+/// By how much of the thinnest wall a line's end may lie off its radius before it must make haste to turn there.
+const LEEWAY: f64 = 0.3;
+
+impl Course {
+    fn new(on_ring: [f64; 2], far: [f64; 2], far_radius: f64, wall: f64) -> Course {
+        let aside = (on_ring[0] * far[1] - on_ring[1] * far[0]).abs();
+        Course { on_ring, far, far_radius, haste: (aside / (LEEWAY * wall)).max(1.0) }
+    }
+
+    /// From 1 at the ring, with no slope, to 0.
+    fn radial_part(&self, share: f64) -> f64 {
+        let way = (share * self.haste).min(1.0);
+        (1.0 - way) * (1.0 - way) * (1.0 + 2.0 * way)
+    }
+
+    fn radius(&self, share: f64) -> f64 {
+        1.0 + share * (self.far_radius - 1.0)
+    }
+
+    fn point(&self, share: f64) -> [f64; 2] {
+        let part = self.radial_part(share);
+        [0, 1].map(|axis| {
+            let straight = self.on_ring[axis] + share * (self.far[axis] - self.on_ring[axis]);
+            straight + part * (self.radius(share) * self.on_ring[axis] - straight)
+        })
+    }
+
+    /// How far a layer's edge bulges, over the ring's: like a circle near the ring, straight at the end.
+    fn bow(&self, share: f64) -> f64 {
+        let part = self.radial_part(share);
+        part * self.radius(share) + (1.0 - part) * (1.0 - share)
+    }
 }
 
 fn polar(radius: f64, angle: f64) -> [f64; 2] {
@@ -260,7 +288,7 @@ fn half_steps(values: &[f64], step: usize) -> Vec<f64> {
 }
 
 /// The one factor by which layers grow, from the first on and up to the thickest allowed, to be `depth` in all.
-fn layer_growth(grading: &Grading, depth: f64) -> f64 {
+pub fn layer_growth(grading: &Grading, depth: f64) -> f64 {
     let Grading { first_layer, thickest_layer, layer_count, .. } = *grading;
     let total =
         |growth: f64| layer_thicknesses(first_layer, thickest_layer, growth).take(layer_count).sum::<f64>();

@@ -1,15 +1,14 @@
 //! Designs solved on meshes by contact with a moving edge and the exact near field, as a sweep does, with the parts of
 //! that path open to choice: elements, level, trial pressures, and how bodies are condensed.
 
-use std::collections::HashMap;
-use std::f64::consts::PI;
+use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
 use crate::engine::request::SpaceKey;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::PressureCompliance;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
-use crate::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
+use crate::mechanics::compliance::near_field::{NearField, NearFieldClass};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::compliance::ring_loads::{ArcLoads, galerkin_compliance, ring_loads};
 use crate::mechanics::element::ElementKind;
@@ -85,9 +84,10 @@ impl MeshedPath {
             for ((&number, body), compliance) in
                 group.members.iter().zip(&bodies).zip(self.condense(shared, &bodies, &space.space))
             {
-                let near_field = &space.near_fields[&self.near_field_class(body)];
+                let (around, between) = self.near_field_classes(body);
+                let around = around.each_ref().map(|class| &space.near_fields[class]);
                 compliances[number] = compliance.map(|mut compliance| {
-                    near_field.correct(body.poissons_ratio, &mut compliance);
+                    NearField::correct(around, between, body.poissons_ratio, &mut compliance);
                     compliance
                 });
             }
@@ -123,25 +123,15 @@ impl MeshedPath {
         }
     }
 
-    fn near_field_class(&self, body: &Body) -> NearFieldClass {
-        NearFieldClass {
-            side: body.shape.side,
-            half_ring: body.shape.end_angle < PI,
-            grading: GradingClass::of(body, self.element, self.level),
-            idealization: body.idealization,
-            range: PoissonRange::of(body.poissons_ratio, body.idealization),
-        }
+    fn near_field_classes(&self, body: &Body) -> ([NearFieldClass; 2], f64) {
+        NearFieldClass::around(body, GradingClass::of(body, self.element, self.level))
     }
 
     /// The spaces of the bodies, with their near fields.
     fn spaces(&self, bodies: &[(Body, SpaceKey)]) -> HashMap<SpaceKey, Space> {
-        let mut classes: HashMap<SpaceKey, Vec<NearFieldClass>> = HashMap::new();
+        let mut classes: HashMap<SpaceKey, HashSet<NearFieldClass>> = HashMap::new();
         for (body, key) in bodies {
-            let of_space = classes.entry(*key).or_default();
-            let class = self.near_field_class(body);
-            if !of_space.contains(&class) {
-                of_space.push(class);
-            }
+            classes.entry(*key).or_default().extend(self.near_field_classes(body).0);
         }
         let made = classes.into_iter().map(|(key, classes)| {
             let space = PressureSpace::new(key.terms, key.limit());

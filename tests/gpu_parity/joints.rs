@@ -6,7 +6,6 @@ use jointsweep::engine::backend::gpu::contact::{DeviceJoint, LoadResponse, NO_SL
 use jointsweep::engine::backend::gpu::slots::{GramShared, Slots};
 use jointsweep::engine::backend::gpu::trial::TrialKernels;
 use jointsweep::engine::bodies::BodyLibrary;
-use jointsweep::engine::near_fields::near_field_key;
 use jointsweep::engine::request::{BodyRequest, Fidelity, SpaceKey};
 use jointsweep::engine::respond::LoadState;
 use jointsweep::mechanics::body::{annulus, cored_disc};
@@ -43,10 +42,10 @@ fn slots_hold_what_the_processor_finds() {
         library.solve(&requests);
         for (precision, rounding) in precisions() {
             let kernels = trial(precision, terms);
-            let near_field = library.shared.near_field(&near_field_key(&requests[0]));
-            let shared =
-                GramShared::new(kernels, library.space(space), &bodies.meshed[0].topology, near_field)
-                    .unwrap();
+            let topology = &bodies.meshed[0].topology;
+            // As if met one batch after the other.
+            let mut shared = GramShared::new(kernels, &library.shared, topology, &requests[..1]).unwrap();
+            shared.cover(kernels, &library.shared, &requests).unwrap();
             let systems = bodies.batch(precision);
             let steps = (MOST_TRIPS / bodies.counts().trips(u64::from(INVOCATIONS))) as u32;
             systems
@@ -95,9 +94,9 @@ fn a_body_that_was_not_solved_gives_no_answer() {
     library.solve(&requests);
     for (precision, _) in precisions() {
         let kernels = trial(precision, terms);
-        let near_field = library.shared.near_field(&near_field_key(&requests[0]));
         let space = library.space(space);
-        let shared = GramShared::new(kernels, space, &bodies.meshed[0].topology, near_field).unwrap();
+        let topology = &bodies.meshed[0].topology;
+        let shared = GramShared::new(kernels, &library.shared, topology, &requests).unwrap();
         let slots = |numbers: &[f64]| {
             let systems = bodies.batch(precision);
             systems.assemble_and_condense(&bodies.layout, numbers, &precision.settings(), 100).unwrap();

@@ -11,7 +11,8 @@
 //!
 //! Equivalently: contact sees the exact kernel of the reference, and the mesh only the smooth difference of two bodies
 //! (subtraction of the singularity). What is left is the far field's error. The difference in brackets is a smooth
-//! function of Poisson's ratio and is interpolated between Chebyshev nodes, which fill the lanes of one batch.
+//! function of Poisson's ratio and is interpolated between Chebyshev nodes, which fill the lanes of one batch; and of the
+//! growth of the layers where contact begins, between steps of which it is interpolated linearly.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -24,7 +25,7 @@ use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::material::Idealization;
-use crate::mechanics::mesh::Grading;
+use crate::mechanics::mesh::{Grading, layer_growth};
 use crate::mechanics::real::LANES;
 
 /// |ln r| of a reference's fixed circle, at most: deeper bodies bring a far field of their own.
@@ -37,15 +38,19 @@ pub enum PoissonRange {
     Conformal,
     /// Plane stress, the rest of the negative ones.
     Auxetic,
+    /// Plane stress, the positive ones.
+    Positive,
     /// Plane strain, all negative ones.
     Negative,
-    Positive,
+    /// Plane strain, most of the positive ones.
+    Compressible,
     /// Plane strain close to 1/2, nearly incompressible.
     Incompressible,
 }
 
-/// From this Poisson's ratio on, plane strain is nearly incompressible: the error of a mesh is no polynomial of Poisson's
-/// ratio any more, but a smooth function of ln(1 - 2 nu).
+/// From this Poisson's ratio on, plane strain is nearly incompressible: the error of a mesh, with poles just beyond 1/2, is a smooth
+/// function of ln(1 - 2 nu) there. Below, it is one of a root of 1 - 2 nu, far enough from the poles and near enough to
+/// what is a polynomial of Poisson's ratio.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.47;
 
 /// Of 1 - 2 nu: below it nothing changes any more.
@@ -63,27 +68,20 @@ impl PoissonRange {
         match idealization {
             Idealization::PlaneStress if poissons_ratio < NEARLY_CONFORMAL => PoissonRange::Conformal,
             Idealization::PlaneStress if poissons_ratio < 0.0 => PoissonRange::Auxetic,
+            Idealization::PlaneStress => PoissonRange::Positive,
             Idealization::PlaneStrain if poissons_ratio < 0.0 => PoissonRange::Negative,
             Idealization::PlaneStrain if poissons_ratio > NEARLY_INCOMPRESSIBLE => {
                 PoissonRange::Incompressible
             }
-            _ => PoissonRange::Positive,
-        }
-    }
-
-    /// Where the logarithm of `Idealization::margin` is interpolated in: the margin below which nothing changes any more.
-    pub fn least_margin(self) -> Option<f64> {
-        match self {
-            PoissonRange::Conformal => Some(LEAST_SHEAR),
-            PoissonRange::Incompressible => Some(LEAST_COMPRESSIBILITY),
-            _ => None,
+            Idealization::PlaneStrain => PoissonRange::Compressible,
         }
     }
 
     /// What is interpolated in.
-    fn coordinate(self, poissons_ratio: f64) -> f64 {
+    pub fn coordinate(self, poissons_ratio: f64) -> f64 {
         match self {
             PoissonRange::Conformal => (1.0 + poissons_ratio).max(LEAST_SHEAR).ln(),
+            PoissonRange::Compressible => (1.0 - 2.0 * poissons_ratio).powf(0.25),
             PoissonRange::Incompressible => (1.0 - 2.0 * poissons_ratio).max(LEAST_COMPRESSIBILITY).ln(),
             _ => poissons_ratio,
         }
@@ -93,6 +91,7 @@ impl PoissonRange {
     fn poissons_ratio(self, coordinate: f64) -> f64 {
         match self {
             PoissonRange::Conformal => coordinate.exp() - 1.0,
+            PoissonRange::Compressible => 0.5 * (1.0 - coordinate.powi(4)),
             PoissonRange::Incompressible => 0.5 * (1.0 - coordinate.exp()),
             _ => coordinate,
         }
@@ -105,6 +104,7 @@ impl PoissonRange {
             PoissonRange::Auxetic => (NEARLY_CONFORMAL, 0.0),
             PoissonRange::Negative => (-1.0, 0.0),
             PoissonRange::Positive => (0.0, 0.5),
+            PoissonRange::Compressible => ((1.0 - 2.0 * NEARLY_INCOMPRESSIBLE).powf(0.25), 1.0),
             PoissonRange::Incompressible => {
                 (LEAST_COMPRESSIBILITY.ln(), (1.0 - 2.0 * NEARLY_INCOMPRESSIBLE).ln())
             }
@@ -117,7 +117,7 @@ impl PoissonRange {
     }
 }
 
-/// Bodies of one class share a near field.
+/// What a near field belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NearFieldClass {
     pub side: Side,
@@ -126,12 +126,45 @@ pub struct NearFieldClass {
     pub grading: GradingClass,
     pub idealization: Idealization,
     pub range: PoissonRange,
+    /// By which layers grow, in units of `GROWTH_STEP`.
+    pub growth: u32,
 }
 
+/// Between these steps of the layers' growth near fields are interpolated.
+pub const GROWTH_STEP: f64 = 0.25;
+
 impl NearFieldClass {
+    /// The two between which the near field of a body lies, by the growth of its layers where contact begins, and how far
+    /// from the first to the second (0 to 1).
+    pub fn around(body: &Body, grading: GradingClass) -> ([NearFieldClass; 2], f64) {
+        let Body { shape, parameters, poissons_ratio, idealization, .. } = body;
+        let depth = (shape.depth)(parameters, 0.0);
+        let steps = layer_growth(&grading.grading(shape.end_angle), depth) / GROWTH_STEP;
+        // A reference needs layers.
+        let below = steps.floor().max(1.0);
+        let class = |growth: f64| NearFieldClass {
+            side: shape.side,
+            half_ring: shape.end_angle < PI,
+            grading,
+            idealization: *idealization,
+            range: PoissonRange::of(*poissons_ratio, *idealization),
+            growth: growth as u32,
+        };
+        ([class(below), class(below + 1.0)], steps - below)
+    }
+
+    fn growth(&self) -> f64 {
+        f64::from(self.growth) * GROWTH_STEP
+    }
+
+    /// The layers of the reference.
+    fn layers(&self) -> GradingClass {
+        self.grading.cut_at(DEEPEST_REFERENCE, self.growth())
+    }
+
     /// The concentric body that stands for the class, but for its Poisson's ratio.
-    fn reference(&self) -> ConcentricBody {
-        let depth = self.grading.cut_at(DEEPEST_REFERENCE).nominal_depth();
+    pub fn reference(&self) -> ConcentricBody {
+        let depth = self.layers().depth_at_growth(self.growth());
         let fixed_radius = if self.side == Side::Plate { depth.exp() } else { (-depth).exp() };
         ConcentricBody { fixed_radius, poissons_ratio: 0.0, idealization: self.idealization }
     }
@@ -157,7 +190,7 @@ impl NearField {
         moments: &[[f64; NODE_COUNT]],
         highest: usize,
     ) -> NearField {
-        let NearFieldClass { side, half_ring, grading, idealization, range } = *class;
+        let NearFieldClass { side, half_ring, idealization, range, .. } = *class;
         let reference = class.reference();
         let mut parameters = [0.0; MAX_PARAMETERS];
         parameters[0] = reference.fixed_radius;
@@ -169,11 +202,7 @@ impl NearField {
             idealization,
         });
         let end_angle = if half_ring { FRAC_PI_2 } else { PI };
-        let plan = CondensationPlan::new(
-            &bodies[0],
-            whole_ring(&grading.cut_at(DEEPEST_REFERENCE), end_angle),
-            space,
-        );
+        let plan = CondensationPlan::new(&bodies[0], whole_ring(&class.layers(), end_angle), space);
         let mut condensed = plan.condense(&bodies).into_iter();
         let values = bodies.map(|body| {
             let exact = ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference };
@@ -196,12 +225,24 @@ impl NearField {
         weights.map(|weight| weight / sum)
     }
 
-    /// Adds the near field to a condensed compliance of a body of the class.
+    /// Adds a share of the near field to a condensed compliance of a body of the class.
     ///
     /// The exact compliance comes without its -pi/2 c ln b, so the sum does too: c is a polynomial of Poisson's ratio.
-    pub fn correct(&self, poissons_ratio: f64, compliance: &mut PressureCompliance) {
-        let shares = NearField::shares(self.range, poissons_ratio);
+    pub fn add(&self, share: f64, poissons_ratio: f64, compliance: &mut PressureCompliance) {
+        let shares = NearField::shares(self.range, poissons_ratio).map(|of_node| share * of_node);
         Arch::new().dispatch(AddShares { shares, nodes: &self.values, values: &mut compliance.values });
+    }
+
+    /// Adds to a condensed compliance the near field of a body that lies `between` (0 to 1) the first and the second of two
+    /// classes.
+    pub fn correct(
+        around: [&NearField; 2],
+        between: f64,
+        poissons_ratio: f64,
+        compliance: &mut PressureCompliance,
+    ) {
+        around[0].add(1.0 - between, poissons_ratio, compliance);
+        around[1].add(between, poissons_ratio, compliance);
     }
 }
 

@@ -84,12 +84,12 @@ pub fn body_kernels(
     let Some(group) = bodies.groups.iter().max_by_key(|group| size(group)) else {
         return Ok(Vec::new());
     };
-    let (key, bodies) = (&group.key, bodies.of(group));
+    let (key, requests, bodies) = (&group.key, &bodies.requests[group.slots.clone()], bodies.of(group));
     let trials = TrialKernels::new(gpu, precision, INVOCATIONS, space.terms)?;
     let mut library = NearFieldLibrary::default();
-    library.prepare(&[BodyRequest { body: bodies[0], fidelity: Fidelity::Mesh { level }, space }]);
+    library.prepare(requests);
     let kernels = Kernels::new(gpu, precision, INVOCATIONS)?;
-    let group = Group::new(&key.0, &bodies[0], kernels.facts(FIRST_GUESS), &trials, &library)?;
+    let group = Group::new(&key.0, requests, kernels.facts(FIRST_GUESS), &trials, &library)?;
     let times = of_bodies(&kernels, &trials, group, &bodies)?;
     Ok(times.into_iter().map(|time| KernelTime { level, ..time }).collect())
 }

@@ -1,6 +1,8 @@
 //! Slots: what contact must know of a body, one slot a body, on the device. They are filled by `gram.wgsl` from a batch of
 //! systems, or with a compliance that the processor has found.
 
+use std::collections::BTreeSet;
+
 use bytemuck::{Pod, Zeroable};
 
 use super::context::GpuError;
@@ -8,8 +10,10 @@ use super::dispatch::Dispatch;
 use super::layout::is_plane_strain;
 use super::stages::SystemBatch;
 use super::trial::{SLOT_HEADER, TrialKernels, slot_size};
+use crate::engine::near_fields::{NearFieldKey, NearFieldLibrary, near_field_keys};
+use crate::engine::request::BodyRequest;
 use crate::mechanics::body::Body;
-use crate::mechanics::compliance::near_field::NearField;
+use crate::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::compliance::ring_loads::ring_loads;
 use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance};
@@ -27,10 +31,14 @@ pub struct GramParameters {
     pub is_plane_strain: u32,
 }
 
-/// What bodies of one topology and near field share: the loads of the trial pressures, and the near field.
+/// What bodies of one topology and range of Poisson's ratio share: the loads of the trial pressures, and the near fields.
 pub struct GramShared {
     loads: wgpu::Buffer,
-    near_field: wgpu::Buffer,
+    /// One of the near fields; the others differ in the growth of their layers.
+    key: NearFieldKey,
+    /// Of the near fields on the device, ascending.
+    growths: Vec<u32>,
+    near_fields: wgpu::Buffer,
 }
 
 /// The slots of many bodies.
@@ -89,16 +97,15 @@ impl<'a> Slots<'a> {
             first_slot: first_slot as u32,
             is_plane_strain: is_plane_strain(bodies[0].idealization),
         };
-        let margin = |body: &Body| body.idealization.margin(body.poissons_ratio);
-        let margins: Vec<f64> = bodies.iter().map(margin).collect();
+        let numbers: Vec<f64> = bodies.iter().flat_map(|body| shared.numbers(body)).collect();
         let group = gpu.bind(
             gram,
             &[
                 &gpu.uniform(&parameters),
                 &systems.compliance,
                 &shared.loads,
-                &shared.near_field,
-                &gpu.filled("margins", &precision.encode(&margins)),
+                &shared.near_fields,
+                &gpu.filled("gram_bodies", &precision.encode(&numbers)),
                 &systems.states,
                 &systems.norms,
                 &self.buffer,
@@ -120,27 +127,70 @@ impl<'a> Slots<'a> {
 }
 
 impl GramShared {
+    /// For requests of one topology and range of Poisson's ratio, one at least, that `library` was prepared for.
     pub fn new(
         kernels: &TrialKernels,
-        space: &PressureSpace,
+        library: &NearFieldLibrary,
         topology: &RingTopology,
-        near_field: &NearField,
+        requests: &[BodyRequest],
     ) -> Result<GramShared, GpuError> {
         let TrialKernels { gpu, precision, .. } = kernels;
-        let loads = trial_loads(space, topology);
-        gpu.checked("trial loads and near field", || GramShared {
+        let loads = trial_loads(&library.space(requests[0].space).space, topology);
+        let mut shared = gpu.checked("trial loads", || GramShared {
             loads: gpu.filled("loads", &precision.encode(&loads)),
-            near_field: gpu.filled("near_field", &precision.encode(&near_field_numbers(near_field))),
-        })
+            key: near_field_keys(&requests[0]).0[0],
+            growths: Vec::new(),
+            near_fields: gpu.empty("near_fields", precision.wide_bytes()),
+        })?;
+        shared.cover(kernels, library, requests)?;
+        Ok(shared)
+    }
+
+    /// Takes in the near fields of more requests like those before.
+    pub fn cover(
+        &mut self,
+        kernels: &TrialKernels,
+        library: &NearFieldLibrary,
+        requests: &[BodyRequest],
+    ) -> Result<(), GpuError> {
+        let TrialKernels { gpu, precision, .. } = kernels;
+        let wanted = requests.iter().flat_map(|request| near_field_keys(request).0);
+        let wanted: BTreeSet<u32> =
+            wanted.map(|(class, _)| class.growth).chain(self.growths.iter().copied()).collect();
+        if wanted.len() == self.growths.len() {
+            return Ok(());
+        }
+        self.growths = wanted.into_iter().collect();
+        let (class, space) = self.key;
+        let near_field =
+            |growth: &u32| library.near_field(&(NearFieldClass { growth: *growth, ..class }, space));
+        let numbers = near_field_numbers(class.range, self.growths.iter().map(near_field));
+        self.near_fields =
+            gpu.checked("near fields", || gpu.filled("near_fields", &precision.encode(&numbers)))?;
+        Ok(())
+    }
+
+    /// `bodies` of `gram.wgsl`.
+    fn numbers(&self, body: &Body) -> [f64; 3] {
+        let Body { poissons_ratio, idealization, .. } = *body;
+        let coordinate = self.key.0.range.coordinate(poissons_ratio);
+        [idealization.margin(poissons_ratio), coordinate, self.place(body)]
+    }
+
+    /// Where the near field of a body lies among those on the device: the number of the first it lies between, and how far
+    /// from there to the next. Not a number where they are not there, which spoils the slot.
+    fn place(&self, body: &Body) -> f64 {
+        let ([below, _], between) = NearFieldClass::around(body, self.key.0.grading);
+        let number = self.growths.binary_search(&below.growth);
+        number.map_or(f64::NAN, |number| number as f64 + between)
     }
 }
 
-/// `near_field` of `gram.wgsl`.
-fn near_field_numbers(near_field: &NearField) -> Vec<f64> {
-    let mut numbers = vec![near_field.range.least_margin().unwrap_or(0.0)];
-    numbers
-        .extend(near_field.range.nodes().into_iter().flat_map(|(coordinate, weight)| [coordinate, weight]));
-    numbers.extend(near_field.values.iter().flatten());
+/// `near_fields` of `gram.wgsl`.
+fn near_field_numbers<'a>(range: PoissonRange, near_fields: impl Iterator<Item = &'a NearField>) -> Vec<f64> {
+    let nodes = range.nodes().into_iter();
+    let mut numbers: Vec<f64> = nodes.flat_map(|(coordinate, weight)| [coordinate, weight]).collect();
+    numbers.extend(near_fields.flat_map(|near_field| near_field.values.iter().flatten()));
     numbers
 }
 

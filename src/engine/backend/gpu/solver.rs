@@ -18,7 +18,7 @@ use super::stages::SystemBatch;
 use super::trial::{TrialKernels, slot_size};
 use crate::engine::backend::cpu::CpuBackend;
 use crate::engine::backend::{Backend, add_stages};
-use crate::engine::near_fields::{NearFieldLibrary, near_field_key};
+use crate::engine::near_fields::NearFieldLibrary;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::{Estimate, JointPlan};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey, TopologyKey};
@@ -188,11 +188,14 @@ impl<'a> GpuBackend<'a> {
         let library = &mut self.cpu.library.shared;
         library.prepare(&meshed);
         for group in &bodies.groups {
-            if let Entry::Vacant(entry) = self.groups.entry(group.key.clone()) {
-                let facts = self.kernels.facts(FIRST_GUESS);
-                let trial = &self.trials[&space.terms];
-                let first = &bodies.requests[group.slots.start].body;
-                entry.insert(Group::new(&group.key.0, first, facts, trial, library)?);
+            let trial = &self.trials[&space.terms];
+            let requests = &bodies.requests[group.slots.clone()];
+            match self.groups.entry(group.key.clone()) {
+                Entry::Occupied(mut known) => known.get_mut().shared.cover(trial, library, requests)?,
+                Entry::Vacant(entry) => {
+                    let facts = self.kernels.facts(FIRST_GUESS);
+                    entry.insert(Group::new(&group.key.0, requests, facts, trial, library)?);
+                }
             }
         }
         Ok(())
@@ -299,27 +302,22 @@ impl Backend for GpuBackend<'_> {
 }
 
 impl Group {
+    /// For requests of one group, one at least.
     pub(super) fn new(
         key: &TopologyKey,
-        body: &Body,
+        requests: &[BodyRequest],
         facts: KernelFacts,
         kernels: &TrialKernels,
         library: &NearFieldLibrary,
     ) -> Result<Group, GpuError> {
-        let request = BodyRequest {
-            body: *body,
-            fidelity: Fidelity::Mesh { level: key.class.level },
-            space: key.space,
-        };
+        let body = &requests[0].body;
         let grading = key.grading(body);
         let layout = MeshLayout::new(body, &grading).map_err(|error| GpuError::Failed {
             adapter: kernels.gpu.facts.name.clone(),
             what: "layout",
             problem: error.to_string(),
         })?;
-        let space = &library.space(key.space).space;
-        let near_field = library.near_field(&near_field_key(&request));
-        let shared = GramShared::new(kernels, space, &RingTopology::new(body, &grading), near_field)?;
+        let shared = GramShared::new(kernels, library, &RingTopology::new(body, &grading), requests)?;
         Ok(Group { counts: layout.counts(), layout, shared, facts })
     }
 }
