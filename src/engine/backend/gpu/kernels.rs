@@ -161,10 +161,7 @@ pub const CONDENSE: KernelFile = KernelFile {
 
 pub const GRAM: KernelFile = KernelFile {
     name: "gram",
-    text: concat!(
-        include_str!("../../../../shaders/functions.wgsl"),
-        include_str!("../../../../shaders/gram.wgsl")
-    ),
+    text: include_str!("../../../../shaders/gram.wgsl"),
     entry_points: &["gram"],
     written: &[false, false, false, false, false, false, true],
     summand: None,
