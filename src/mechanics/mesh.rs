@@ -141,17 +141,17 @@ impl RingTopology {
 
 /// How one line of a mesh runs from the ring to the far boundary.
 #[derive(Clone, Copy, Debug)]
-pub struct Line {
+struct Line {
     /// Depth of its end, in the shape's measure.
-    pub depth: f64,
+    depth: f64,
     /// Factor from one layer to the next.
-    pub growth: f64,
+    growth: f64,
     /// Its end.
-    pub far: [f64; 2],
+    far: [f64; 2],
 }
 
 /// The lines of `body`, one a column in half elements.
-pub fn lines(body: &Body, grading: &Grading) -> Vec<Line> {
+fn lines(body: &Body, grading: &Grading) -> Vec<Line> {
     let (mut depth, mut growth, mut far_radius) = (f64::NAN, f64::NAN, f64::NAN);
     let line = |target: f64| {
         let own_depth = (body.shape.depth)(&body.parameters, target);
@@ -220,7 +220,7 @@ pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> V
         }
         places.push(nodes);
     }
-    if body.shape.straight_boundary {
+    if !body.shape.sides.is_empty() {
         for column in (1..columns).step_by(2) {
             places[column] = bowed(&places[column - 1], &places[column], &places[column + 1]);
         }
@@ -243,7 +243,8 @@ fn bowed(before: &[[f64; 2]], line: &[[f64; 2]], after: &[[f64; 2]]) -> Vec<[f64
     line.iter().enumerate().map(at).collect()
 }
 
-fn polar(radius: f64, angle: f64) -> [f64; 2] {
+/// The point at a distance from the ring's centre, in the direction of an angle from the load line.
+pub fn polar(radius: f64, angle: f64) -> [f64; 2] {
     [radius * angle.sin(), -radius * angle.cos()]
 }
 
@@ -300,7 +301,7 @@ pub fn layer_thicknesses(first: f64, thickest: f64, growth: f64) -> impl Iterato
 }
 
 /// The ring's corner column nearest to each corner of the far boundary, strictly between the ends and ascending.
-fn corner_columns(body: &Body, angles: &[f64]) -> Vec<usize> {
+pub fn corner_columns(body: &Body, angles: &[f64]) -> Vec<usize> {
     let corners = (body.shape.corners)(&body.parameters);
     let last = angles.len() - 1;
     let mut columns: Vec<usize> = Vec::with_capacity(corners.len());
