@@ -32,11 +32,11 @@ fn draw(random: &mut Random, shape: &'static Shape) -> Body {
     };
     let mut parameters = [0.0; 3];
     for (parameter, value) in shape.parameters.iter().zip(&mut parameters) {
-        let ratio = match shape.straight_boundary {
+        let ratio = match shape.sides.is_empty() {
             // Finer meshes of others take minutes.
-            true => random.log(1.2, 10.0),
-            false if random.unit() < 0.3 => 1.0 + random.log(0.02, 1.0),
-            false => random.log(1.1, 300.0),
+            false => random.log(1.2, 10.0),
+            true if random.unit() < 0.3 => 1.0 + random.log(0.02, 1.0),
+            true => random.log(1.1, 300.0),
         };
         *value = if parameter.below <= 1.0 { (1.0 / ratio).max(0.01) } else { ratio };
     }

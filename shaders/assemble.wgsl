@@ -1,4 +1,5 @@
-// Twin: src/mechanics/assembly.rs (stiffness_values), src/mechanics/mesh.rs (coordinates), element/stiffness.rs (Q8).
+// Twin: src/mechanics/assembly.rs (stiffness_values), src/mechanics/mesh.rs (coordinates, lines, boundary_angles,
+// layer_growth), element/stiffness.rs (Q8).
 //
 // From a few numbers of each body to the values of its stiffness.
 //
@@ -21,20 +22,20 @@ struct AssembleParameters {
     value_count: u32,
     // Systems of one body, a multiple of four.
     system_count: u32,
-    // 1 where all lines of a body are alike, else `column_count`.
-    line_count: u32,
-    // Whether mid-side lines lie half-way between their neighbours.
-    is_bowed: u32,
+    // Straight sides of the far boundary; 0 where it is round and all lines of a body are alike.
+    side_count: u32,
     // Else in plane stress.
     is_plane_strain: u32,
 }
 
 @group(0) @binding(0) var<uniform> parameters: AssembleParameters;
-// [body][margin of Poisson's ratio, then for each line: depth, growth, scale, and where lines are bowed turn]
+// [body][margin of Poisson's ratio, then the depth of a round boundary, or for each straight side: distance from the
+// ring's centre less 1, and but for the last the angle of the corner at its end, and the column that leads there]
 @group(0) @binding(1) var<storage, read> bodies: array<wide>;
 // Shared by the topology: (first layer, thickest layer), (sign, pull of the centre), then for each column the ring's
-// point, its step to the next point, and how far it lies off the chord of its neighbours; then the derivatives of the
-// shape functions by (xi, eta), [point][node].
+// point, its step to the next point, how far it lies off the chord of its neighbours, and (angle from the load line, 0);
+// then the derivatives of the shape functions by (xi, eta), [point][node]; then for each straight side the direction of
+// its foot, and (angle of the foot, 0).
 @group(0) @binding(2) var<storage, read> shared_numbers: array<wide2>;
 // [element][node]: grid index.
 @group(0) @binding(3) var<storage, read> element_grid: array<u32>;
@@ -57,9 +58,23 @@ const POINT_SIZE = 9u;
 var<workgroup> sound_points: atomic<u32>;
 var<workgroup> sound_total: u32;
 
-// Numbers of a line.
-fn line_size() -> u32 {
-    return select(3u, 4u, parameters.is_bowed != 0u);
+// How far off its radius a line's end may lie, over the thinnest wall; the twin is `mesh::LEEWAY`.
+const LEEWAY = wide(0.3);
+
+struct Line {
+    depth: wide,
+    // From the ring to the far boundary.
+    span: wide2,
+    // `mesh::Course::haste`; 0 where all lines run along their radii.
+    haste: wide,
+}
+
+fn body_size() -> u32 {
+    return select(2u, 3u * parameters.side_count - 1u, parameters.side_count > 0u);
+}
+
+fn ring_angle(column: u32) -> wide {
+    return shared_numbers[2u + 3u * parameters.column_count + column].x;
 }
 
 // Direct, cross and shear modulus for Young's modulus 1, from 1 + nu in plane stress or 1 - 2 nu in plane strain.
@@ -72,62 +87,142 @@ fn elasticity(margin: wide) -> array<wide, 3> {
     return array<wide, 3>(direct, (margin - wide(1.0)) * direct, wide(0.5) / margin);
 }
 
-// Reaches of all grid points of a line. Where lines are bowed, a mid-side line has (share, 0) instead, for `bow`.
-fn reach_of_line(column: u32, numbers: u32, grid: u32) {
-    let line = numbers + 1u + line_size() * min(column, parameters.line_count - 1u);
-    let depth = bodies[line];
-    let growth = bodies[line + 1u];
+// How far outside of the ring a line is at a part of its depth, over the ring's radius.
+fn beyond_ring(depth: wide, part: wide) -> wide {
+    let square = part * part;
+    return exp_minus_one(shared_numbers[1].x * depth * part) - shared_numbers[1].y * square * square * square;
+}
+
+// The line of a column in a body with straight sides. Between two corners the boundary's angles follow the ring's in
+// proportion; those of mid-side lines are so the means of their neighbours'.
+fn line_to_side(column: u32, numbers: u32) -> Line {
+    var side = 0u;
+    // Angles of the ring and of the boundary, where the side begins and where it ends.
+    var begin = wide2(wide(0.0), wide(0.0));
+    let last = ring_angle(parameters.column_count - 1u);
+    var end = wide2(last, last);
+    for (var corner = 0u; corner < parameters.side_count - 1u; corner++) {
+        let at = numbers + 2u + 3u * corner;
+        let corner_column = u32(bodies[at + 1u]);
+        let angles = wide2(ring_angle(corner_column), bodies[at]);
+        if column <= corner_column {
+            end = angles;
+            break;
+        }
+        begin = angles;
+        side = corner + 1u;
+    }
+    let foot = 2u + 4u * parameters.column_count + POINTS * NODES + 2u * side;
+    let outward = shared_numbers[foot];
+    let sideways = wide2(-outward.y, outward.x);
+    let share = (ring_angle(column) - begin.x) / (end.x - begin.x);
+    let turned = begin.y - shared_numbers[foot + 1u].x + share * (end.y - begin.y);
+    let beyond = bodies[numbers + 1u + 3u * side];
+    let along = (wide(1.0) + beyond) * tangent(turned);
+    // |far|^2 - 1, and far - ring outward and sideways, so that a thin wall keeps its digits: 1 - cos = sin^2/(1 + cos).
+    let depth = wide(0.5) * logarithm_of_one_plus(beyond * (wide(2.0) + beyond) + along * along);
     let on_ring = shared_numbers[2u + column];
-    var span = bodies[line + 2u] * on_ring;
-    if parameters.is_bowed != 0u {
-        span += bodies[line + 3u] * wide2(-on_ring.y, on_ring.x);
-        if column % 2u == 1u {
-            span = wide2(wide(1.0), wide(0.0));
+    let cosine = on_ring.x * outward.x + on_ring.y * outward.y;
+    let sine = on_ring.x * sideways.x + on_ring.y * sideways.y;
+    let span = (beyond + sine * sine / (wide(1.0) + cosine)) * outward + (along - sine) * sideways;
+    let aside = abs(on_ring.x * span.y - on_ring.y * span.x);
+    return Line(depth, span, max(aside / (LEEWAY * thinnest_wall(numbers)), wide(1.0)));
+}
+
+fn thinnest_wall(numbers: u32) -> wide {
+    var least = bodies[numbers + 1u];
+    for (var side = 1u; side < parameters.side_count; side++) {
+        least = min(least, bodies[numbers + 1u + 3u * side]);
+    }
+    return least;
+}
+
+fn depth_at_growth(growth: wide) -> wide {
+    var depth = wide(0.0);
+    var thickness = shared_numbers[0].x;
+    for (var layer = 0u; layer < parameters.row_count / 2u; layer++) {
+        depth += thickness;
+        thickness = min(thickness * growth, shared_numbers[0].y);
+    }
+    return depth;
+}
+
+// The one factor by which layers grow, from the first on and up to the thickest allowed, to be `depth` in all.
+fn layer_growth(depth: wide) -> wide {
+    var low = wide(0.0);
+    var high = wide(1.0);
+    while depth_at_growth(high) < depth && high < wide(1e9) {
+        low = high;
+        high *= wide(2.0);
+    }
+    for (var halving = 0u; halving < 40u; halving++) {
+        let middle = wide(0.5) * (low + high);
+        if depth_at_growth(middle) < depth {
+            low = middle;
+        } else {
+            high = middle;
         }
     }
-    let first_layer = shared_numbers[0].x;
-    let thickest = shared_numbers[0].y;
-    let sign = shared_numbers[1].x;
-    let pull = shared_numbers[1].y;
-    let layer_count = parameters.row_count / 2u;
-    // The growth factor is only as good as the host's bisection; the far boundary is where it is.
-    var total = wide(0.0);
-    var thickness = first_layer;
-    for (var layer = 0u; layer < layer_count; layer++) {
-        total += thickness;
-        thickness = min(thickness * growth, thickest);
+    return high;
+}
+
+// Of a corner node: `mesh::Course::point`. In a body with straight sides a mid-side line has (1 less its bow, 0) instead,
+// for `bow`.
+fn reach_at(line: Line, far: wide, column: u32, share: wide) -> wide2 {
+    if line.haste == wide(0.0) {
+        return share * line.span;
     }
-    let far = exp_minus_one(sign * depth) - pull;
+    let way = min(share * line.haste, wide(1.0));
+    let left = wide(1.0) - way;
+    let radial_part = left * left * (wide(1.0) + wide(2.0) * way);
+    if column % 2u == 1u {
+        return wide2(share * (wide(1.0) - radial_part * (wide(1.0) + far)), wide(0.0));
+    }
+    return share * (line.span + radial_part * (far * shared_numbers[2u + column] - line.span));
+}
+
+// Reaches of all grid points of a line.
+fn reach_of_line(column: u32, numbers: u32, grid: u32) {
+    var line: Line;
+    if parameters.side_count > 0u {
+        line = line_to_side(column, numbers);
+    } else {
+        let depth = bodies[numbers + 1u];
+        line = Line(depth, beyond_ring(depth, wide(1.0)) * shared_numbers[2u + column], wide(0.0));
+    }
+    let growth = layer_growth(line.depth);
+    // The growth factor is only as good as the bisection; the far boundary is where it is.
+    let total = depth_at_growth(growth);
+    let far = beyond_ring(line.depth, wide(1.0));
     var reached = wide(0.0);
-    var share_before = wide(0.0);
-    thickness = first_layer;
-    geometry[grid + column] = wide2(wide(0.0), wide(0.0));
-    for (var layer = 0u; layer < layer_count; layer++) {
+    var before = wide2(wide(0.0), wide(0.0));
+    var thickness = shared_numbers[0].x;
+    geometry[grid + column] = before;
+    for (var layer = 0u; layer < parameters.row_count / 2u; layer++) {
         reached += thickness;
-        thickness = min(thickness * growth, thickest);
-        let part = reached / total;
-        let share = (exp_minus_one(sign * depth * part) - pull * part * part) / far;
+        thickness = min(thickness * growth, shared_numbers[0].y);
+        let own = reach_at(line, far, column, beyond_ring(line.depth, reached / total) / far);
         let row = grid + 2u * layer * parameters.column_count + column;
-        geometry[row + parameters.column_count] = wide(0.5) * (share_before + share) * span;
-        geometry[row + 2u * parameters.column_count] = share * span;
-        share_before = share;
+        geometry[row + parameters.column_count] = wide(0.5) * (before + own);
+        geometry[row + 2u * parameters.column_count] = own;
+        before = own;
     }
 }
 
-// Half-way between the lines of corner nodes, bowed at the ring and straight at the far boundary.
+// Half-way between the lines of corner nodes, but for the bow.
 fn bow(column: u32, grid: u32) {
     let sagitta = shared_numbers[2u + 2u * parameters.column_count + column];
     for (var row = 0u; row < parameters.row_count; row++) {
         let place = grid + row * parameters.column_count + column;
-        let share = geometry[place].x;
-        geometry[place] = wide(0.5) * (geometry[place - 1u] + geometry[place + 1u]) - share * sagitta;
+        let less = geometry[place].x;
+        geometry[place] = wide(0.5) * (geometry[place - 1u] + geometry[place + 1u]) - less * sagitta;
     }
 }
 
 // Gradients of the shape functions by x and y, and |J|, at one point of one element; whether |J| > 0.
 fn gradients(item: u32, grid: u32, points: u32) -> bool {
     let element = item / POINTS;
-    let rule = 2u + 3u * parameters.column_count + (item % POINTS) * NODES;
+    let rule = 2u + 4u * parameters.column_count + (item % POINTS) * NODES;
     let origin = element_grid[element * NODES];
     let first_column = origin % parameters.column_count;
     var by_xi = wide2(wide(0.0), wide(0.0));
@@ -189,7 +284,7 @@ fn assemble(
     let body = group.x;
     let grid_size = parameters.row_count * parameters.column_count;
     let point_count = POINTS * parameters.element_count;
-    let numbers = body * (1u + line_size() * parameters.line_count);
+    let numbers = body * body_size();
     let grid = body * (grid_size + point_count * POINT_SIZE);
     let points = grid + grid_size;
 
@@ -202,7 +297,7 @@ fn assemble(
     }
     storageBarrier();
     workgroupBarrier();
-    if parameters.is_bowed != 0u {
+    if parameters.side_count > 0u {
         for (var column = 2u * invocation + 1u; column < parameters.column_count; column += 2u * INVOCATIONS) {
             bow(column, grid);
         }

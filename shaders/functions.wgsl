@@ -39,13 +39,24 @@ fn logarithm(x: wide) -> wide {
     return guess + wide(2.0) * share * (wide(1.0) + share * share / wide(3.0));
 }
 
-// tan x, 0 <= x <= 1.25, to a rounding of its own size: from tan(x/2) = sin/cos by their Taylor series.
+// ln(1 + x), x >= 0, to a rounding of its own size: its logarithm y in f32, and the rest as above, of
+// (1 + x) e^-y - 1 = (x - (e^y - 1))/e^y.
+fn logarithm_of_one_plus(x: wide) -> wide {
+    let guess = wide(log(f32(wide(1.0) + x)));
+    let grown = exp_minus_one(guess);
+    let rest = (x - grown) / (wide(1.0) + grown);
+    let share = rest / (wide(2.0) + rest);
+    return guess + wide(2.0) * share * (wide(1.0) + share * share / wide(3.0));
+}
+
+// tan x, |x| < pi/2, to a rounding of its own size and what a rounding of x changes it by: from tan(x/2) = sin/cos by
+// their Taylor series.
 fn tangent(x: wide) -> wide {
     let half = wide(0.5) * x;
     let square = half * half;
     var sine = wide(1.0);
     var cosine = wide(1.0);
-    // Ten terms each: 0.625^20/20! is below the rounding of f64.
+    // Ten terms each: 0.8^20/20! is below the rounding of f64.
     for (var k = 10u; k >= 1u; k--) {
         let even = wide(2u * k);
         sine = wide(1.0) - square * sine / (even * (even + wide(1.0)));

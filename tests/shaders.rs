@@ -117,8 +117,7 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         element_count,
         value_count,
         system_count,
-        line_count,
-        is_bowed,
+        side_count,
         is_plane_strain
     );
     let systems: Layout = layout_here!(

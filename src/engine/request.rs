@@ -88,10 +88,10 @@ impl TopologyKey {
         };
         let class = GradingClass::of(body, ELEMENT, level);
         // Only where the far boundary is partly held does the topology depend on the body's own ratios.
-        let held = if body.shape.straight_boundary {
-            held_columns(body, &class.grading(body.shape.end_angle))
-        } else {
+        let held = if body.shape.sides.is_empty() {
             Vec::new()
+        } else {
+            held_columns(body, &class.grading(body.shape.end_angle))
         };
         TopologyKey {
             shape: body.shape.name,

@@ -141,17 +141,17 @@ impl RingTopology {
 
 /// How one line of a mesh runs from the ring to the far boundary.
 #[derive(Clone, Copy, Debug)]
-pub struct Line {
+struct Line {
     /// Depth of its end, in the shape's measure.
-    pub depth: f64,
+    depth: f64,
     /// Factor from one layer to the next.
-    pub growth: f64,
+    growth: f64,
     /// Its end.
-    pub far: [f64; 2],
+    far: [f64; 2],
 }
 
 /// The lines of `body`, one a column in half elements.
-pub fn lines(body: &Body, grading: &Grading) -> Vec<Line> {
+fn lines(body: &Body, grading: &Grading) -> Vec<Line> {
     let (mut depth, mut growth, mut far_radius) = (f64::NAN, f64::NAN, f64::NAN);
     let line = |target: f64| {
         let own_depth = (body.shape.depth)(&body.parameters, target);
@@ -196,28 +196,30 @@ pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> V
     let columns = 2 * (grading.angles.len() - 1);
     let wall = (body.shape.depth_range)(&body.parameters).0.exp_m1();
     let mut courses: Vec<Course> = Vec::with_capacity(columns + 1);
-    let mut shares: Vec<Vec<f64>> = Vec::with_capacity(columns + 1);
+    // Of each column at the ends of its layers.
+    let mut points: Vec<Vec<[f64; 2]>> = Vec::with_capacity(columns + 1);
+    let mut bows: Vec<Vec<f64>> = Vec::with_capacity(columns + 1);
     for (line, on_ring) in lines(body, grading).iter().zip(ring_points(grading)) {
         let far_radius = radius(body, line.depth);
+        let course = Course::new(on_ring, line.far, far_radius, wall);
         let share = |depth: f64| (radius(body, depth) - 1.0) / (far_radius - 1.0);
-        let corners: Vec<f64> = layer_depths(grading, line).into_iter().map(share).collect();
-        shares.push(half_steps(&corners, 1));
-        courses.push(Course::new(on_ring, line.far, far_radius, wall));
+        let shares: Vec<f64> = layer_depths(grading, line).into_iter().map(share).collect();
+        points.push(shares.iter().map(|share| course.point(*share)).collect());
+        bows.push(shares.iter().map(|share| course.bow(*share)).collect());
+        courses.push(course);
     }
     // Mid-side nodes of layers lie half-way between corner nodes.
-    let place = |row: usize, column: usize| {
-        let corner = |row: usize| courses[column].point(shares[column][row]);
-        if row.is_multiple_of(2) { corner(row) } else { midpoint(corner(row - 1), corner(row + 1)) }
-    };
+    let place =
+        |row: usize, column: usize| midpoint(points[column][row / 2], points[column][row.div_ceil(2)]);
     // And those between two lines half-way between these, but for the bow. The layers of their own line do not matter, so
     // that elements keep their shape where the depth changes quickly.
     let bowed = |row: usize, column: usize| {
         let middle = midpoint(place(row, column - 1), place(row, column + 1));
         let chord = midpoint(courses[column - 1].on_ring, courses[column + 1].on_ring);
-        let bow = courses[column].bow(shares[column][row]);
+        let bow = 0.5 * (bows[column][row / 2] + bows[column][row.div_ceil(2)]);
         [0, 1].map(|axis| middle[axis] + bow * (courses[column].on_ring[axis] - chord[axis]))
     };
-    let is_bowed = |column: usize| body.shape.straight_boundary && !column.is_multiple_of(2);
+    let is_bowed = |column: usize| !body.shape.sides.is_empty() && !column.is_multiple_of(2);
     let node = |&(row, column): &(usize, usize)| {
         if is_bowed(column) { bowed(row, column) } else { place(row, column) }
     };
@@ -271,7 +273,8 @@ impl Course {
     }
 }
 
-fn polar(radius: f64, angle: f64) -> [f64; 2] {
+/// The point at a distance from the ring's centre, in the direction of an angle from the load line.
+pub fn polar(radius: f64, angle: f64) -> [f64; 2] {
     [radius * angle.sin(), -radius * angle.cos()]
 }
 
@@ -328,7 +331,7 @@ pub fn layer_thicknesses(first: f64, thickest: f64, growth: f64) -> impl Iterato
 }
 
 /// The ring's corner column nearest to each corner of the far boundary, strictly between the ends and ascending.
-fn corner_columns(body: &Body, angles: &[f64]) -> Vec<usize> {
+pub fn corner_columns(body: &Body, angles: &[f64]) -> Vec<usize> {
     let corners = (body.shape.corners)(&body.parameters);
     let last = angles.len() - 1;
     let mut columns: Vec<usize> = Vec::with_capacity(corners.len());

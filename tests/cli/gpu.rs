@@ -2,7 +2,7 @@
 //!
 //! Without a Vulkan driver these tests are ignored.
 
-use crate::workdir::Workdir;
+use crate::workdir::{Rows, Workdir};
 
 /// Meshes on both sides, two loads a design, one of them without contact.
 const SWEEP: &str = r#"
@@ -32,6 +32,36 @@ count = 6
 [solve]
 accuracy = "1 %"
 method = "fe"
+"#;
+
+/// Pins that are all different in plates of a few kinds (software takes long for each), about as many as make it worth
+/// the while to interpolate them.
+const LARGE: &str = r#"
+[joint]
+idealization = "plane-stress"
+hole_radius = { from = "5 mm", to = "50 mm", spacing = "log" }
+radial_clearance = { from = "0.01 mm", to = "0.2 mm", spacing = "log" }
+thickness = "5 mm"
+[joint.pin]
+model = "rigid-core"
+core_radius_ratio = { from = 0.1, to = 0.4 }
+youngs_modulus = "210 GPa"
+poissons_ratio = 0.3
+[joint.plate]
+model = "block"
+half_width_ratio = [2.0, 2.2, 2.4, 2.6, 2.8, 3.0]
+depth_ratio = 3.0
+height_ratio = 2.0
+support = "outer"
+youngs_modulus = { from = "10 GPa", to = "210 GPa" }
+poissons_ratio = 0.3
+[load]
+indentation = "0.02 mm"
+[sampling]
+method = "latin-hypercube"
+count = 2500
+[solve]
+accuracy = "1 %"
 "#;
 
 /// Any adapter: every name holds the empty one.
@@ -79,6 +109,49 @@ fn a_config_gives_the_same_table_on_both_backends() {
         println!("{precision}: {worst:.1e}");
         assert!(worst < allowed, "{precision}: {worst:e}");
     }
+}
+
+/// The processor interpolates a large sweep across bodies, a GPU solves each of them: forces agree to the accuracy asked,
+/// and to that of the device's numbers where the processor may not interpolate.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_sweep_that_only_the_processor_interpolates_agrees_to_the_accuracy_asked() {
+    let work = Workdir::new("interpolated");
+    work.write("auto.toml", LARGE);
+    work.write("off.toml", &format!("{LARGE}interpolation = \"off\"\n"));
+    for name in ["auto", "off"] {
+        let config = format!("{name}.toml");
+        work.run(&["run", &config, "--out", name, "--backend", "cpu"]).expect(0);
+    }
+    let arguments = ["run", "auto.toml", "--out", "gpu", "--precision", "f32"];
+    work.run(&[&arguments[..], &ANY].concat()).expect(0);
+    let [interpolated, on_meshes, on_gpu] = ["auto", "off", "gpu"].map(|name| {
+        let table = work.table(&format!("{name}/table.csv"));
+        assert_eq!(table.column("status"), ["ok"; 2500], "{name}");
+        table
+    });
+    let count = interpolated.column("method").iter().filter(|method| **method == "interpolated").count();
+    assert!(count > 2300, "{count} rows interpolated");
+    assert_eq!(on_meshes.column("method"), ["fe"; 2500]);
+    assert_eq!((on_gpu.column("method"), on_gpu.column("backend")), (vec!["fe"; 2500], vec!["gpu"; 2500]));
+
+    let [auto, off] = [&interpolated, &on_meshes].map(|table| worst_force(&on_gpu, table));
+    println!("{count} interpolated: {auto:.1e}, with interpolation off {off:.1e}");
+    // Each side has 1 %.
+    assert!(auto < 0.02, "{auto:e}");
+    assert!(off < 1e-4, "{off:e}");
+    // Control: interpolated forces are not those of the meshes.
+    assert!(auto > 1e-4, "{auto:e}");
+}
+
+/// The greatest relative difference of the forces of the same designs.
+fn worst_force(found: &Rows, expected: &Rows) -> f64 {
+    assert_eq!(found.column("core_radius_ratio"), expected.column("core_radius_ratio"));
+    let forces = |rows: &Rows| -> Vec<f64> {
+        rows.column("force_n").into_iter().map(|force| force.parse().unwrap()).collect()
+    };
+    let differences = forces(found).into_iter().zip(forces(expected)).map(|(a, b)| (a / b - 1.0).abs());
+    differences.fold(0.0, f64::max)
 }
 
 #[test]

@@ -14,6 +14,7 @@ mod limits;
 mod stages;
 mod sweeps;
 
+use std::collections::HashSet;
 use std::sync::OnceLock;
 
 use common::greatest;
@@ -28,7 +29,7 @@ use jointsweep::mechanics::compliance::condense::variational_compliance;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::GradingClass;
 use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::{Grading, ring_points};
+use jointsweep::mechanics::mesh::{Grading, corner_columns, ring_points};
 use jointsweep::mechanics::solve::pcg::{PcgOutcome, PcgReport, PcgSettings, pcg};
 use jointsweep::mechanics::solve::refine::{RefineSettings, refined};
 
@@ -136,6 +137,24 @@ fn families_at(level: usize, poissons_ratios: &[f64]) -> Vec<(&'static str, Bodi
         ("rigid-midplane", of("rigid-midplane", &[&[], &[], &[]], 0)),
         ("block on its base", of("block", &[&[2.0, 3.0, 1.6], &[2.02, 3.0, 1.62], &[2.0, 3.05, 1.6]], 0)),
         ("block held around", of("block", &[&[2.0, 3.0, 1.6], &[2.02, 3.0, 1.62], &[2.0, 3.05, 1.6]], 1)),
+    ]
+}
+
+/// Blocks of one topology whose corners lie on other columns each: lopsided ones, some with a thin wall below, beside or
+/// above the hole, and one that is long.
+fn blocks() -> Vec<(&'static str, Bodies)> {
+    let of = |ratios: [[f64; 3]; 3], level: usize| {
+        let plate =
+            |ratios: [f64; 3]| Body { support: 1, ..body("block", &ratios, Idealization::PlaneStress, 0.3) };
+        let bodies = Bodies::new(ratios.map(plate).to_vec(), level);
+        let columns = bodies.bodies.iter().map(|body| corner_columns(body, &bodies.grading.angles));
+        assert_eq!(columns.collect::<HashSet<_>>().len(), 3, "{ratios:?}");
+        bodies
+    };
+    vec![
+        ("lopsided block", of([[2.0, 3.0, 1.6], [3.0, 1.6, 2.0], [1.6, 2.0, 3.0]], 2)),
+        ("thin-walled block", of([[1.06, 3.0, 1.5], [3.0, 1.06, 1.5], [1.5, 3.0, 1.06]], 1)),
+        ("long block", of([[20.0, 1.5, 1.6], [1.6, 20.0, 1.5], [1.5, 1.6, 20.0]], 1)),
     ]
 }
 

@@ -11,7 +11,7 @@
 //!              <-----> half_width_ratio
 //! ```
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::{Shape, ShapeParameter, Side};
 
@@ -35,10 +35,37 @@ pub static SHAPE: Shape = Shape {
     concentric: false,
     reaches_centre: false,
     corners: |&[half_width, depth, height]| vec![half_width.atan2(depth), PI - half_width.atan2(height)],
-    straight_boundary: true,
+    // Bottom, side, top.
+    sides: &[0.0, FRAC_PI_2, PI],
     boundary_held: |support, side| support == 1 || side == 0,
     depth_range: |&[half_width, depth, height]| {
         let to_corner = half_width.hypot(depth.max(height));
         (half_width.min(depth).min(height).ln(), to_corner.ln())
     },
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Along each side the boundary lies at r = d/cos(theta - psi), d being its distance and psi the angle of its foot.
+    #[test]
+    fn sides_are_straight_from_corner_to_corner() {
+        for ratios in [[2.0, 3.0, 1.6], [1.02, 40.0, 3.0], [30.0, 1.1, 1.001]] {
+            let distances = [ratios[1], ratios[0], ratios[2]];
+            let mut ends = (SHAPE.corners)(&ratios);
+            ends.insert(0, 0.0);
+            ends.push(PI);
+            assert_eq!((SHAPE.sides.len(), distances.len()), (ends.len() - 1, ends.len() - 1));
+            for ((foot, distance), ends) in SHAPE.sides.iter().zip(distances).zip(ends.windows(2)) {
+                for share in [0.0, 0.1, 0.4, 0.7, 1.0] {
+                    let angle = ends[0] + share * (ends[1] - ends[0]);
+                    let expected = (distance / (angle - foot).cos()).ln();
+                    let found = (SHAPE.depth)(&ratios, angle);
+                    assert!((found - expected).abs() < 1e-12, "{ratios:?} {angle}: {found} {expected}");
+                }
+                assert!((ends[0]..=ends[1]).contains(foot), "{ratios:?} {foot}");
+            }
+        }
+    }
+}

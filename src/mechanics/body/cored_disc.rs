@@ -15,7 +15,7 @@ pub static SHAPE: Shape = Shape {
     concentric: true,
     reaches_centre: false,
     corners: |_| Vec::new(),
-    straight_boundary: false,
+    sides: &[],
     boundary_held: |_, _| true,
     depth_range: |&[core, ..]| (-core.ln(), -core.ln()),
 };

@@ -17,7 +17,7 @@ pub static SHAPE: Shape = Shape {
     concentric: false,
     reaches_centre: true,
     corners: |_| Vec::new(),
-    straight_boundary: false,
+    sides: &[],
     boundary_held: |_, _| true,
     depth_range: |_| (CENTRE, CENTRE),
 };

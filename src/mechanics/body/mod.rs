@@ -55,8 +55,9 @@ pub struct Shape {
     pub reaches_centre: bool,
     /// Angles of the far boundary's corners, ascending.
     pub corners: fn(&[f64; MAX_PARAMETERS]) -> Vec<f64>,
-    /// Whether the far boundary is straight between its corners.
-    pub straight_boundary: bool,
+    /// The straight sides of the far boundary, in order, one more than corners: angles of the feet of the perpendiculars
+    /// from the ring's centre, each on its side. Empty where the boundary is round; only plates can have them.
+    pub sides: &'static [f64],
     /// Whether a side of the far boundary (counted from the load line, between corners) is held by a support.
     pub boundary_held: fn(usize, usize) -> bool,
     /// The least and the greatest depth.

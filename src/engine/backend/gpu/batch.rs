@@ -129,7 +129,8 @@ impl BodyCounts {
     }
 
     /// The most loop trips of one invocation in the kernels that are not split into steps. In `assemble`: its values,
-    /// each of at most four elements, those of four points; in `refine`: its rows, once with their entries; in
+    /// each of at most four elements, those of four points (most are of fewer, which leaves room for the search of each
+    /// line's growth); in `refine`: its rows, once with their entries; in
     /// `condense`: its rows, each over all unknowns.
     pub fn whole_trips(&self, invocations: u64) -> u64 {
         let assemble = self.matrix_values.div_ceil(invocations) * (1 + 4 * (1 + 4));

@@ -11,7 +11,7 @@ use crate::mechanics::body::{Body, Side};
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::element::stiffness::ElementRule;
 use crate::mechanics::material::Idealization;
-use crate::mechanics::mesh::{Grading, RingTopology, centre_pull, lines, ring_points};
+use crate::mechanics::mesh::{Grading, RingTopology, centre_pull, corner_columns, polar, ring_points};
 use crate::mechanics::solve::refine::RefineSettings;
 
 /// What `assemble` is told.
@@ -23,8 +23,7 @@ pub struct AssembleParameters {
     pub element_count: u32,
     pub value_count: u32,
     pub system_count: u32,
-    pub line_count: u32,
-    pub is_bowed: u32,
+    pub side_count: u32,
     pub is_plane_strain: u32,
 }
 
@@ -254,9 +253,7 @@ impl MeshLayout {
             element_count: topology.element_count() as u32,
             value_count: systems.sliced.columns.len() as u32,
             system_count: systems.system_count() as u32,
-            // Only a straight boundary gives each line a depth and a direction of its own.
-            line_count: if body.shape.straight_boundary { column_count as u32 } else { 1 },
-            is_bowed: u32::from(body.shape.straight_boundary),
+            side_count: body.shape.sides.len() as u32,
             is_plane_strain: is_plane_strain(body.idealization),
         };
         Ok(MeshLayout {
@@ -265,7 +262,7 @@ impl MeshLayout {
             source_starts,
             sources,
             element_grid: topology.connectivity.iter().map(place).collect(),
-            shared_numbers: shared_numbers(body, grading),
+            shared_numbers: shared_numbers(body, grading, &topology.ring_angles),
             parameters,
         })
     }
@@ -296,25 +293,28 @@ impl MeshLayout {
 
     /// How many numbers one body has.
     pub fn body_number_count(&self) -> usize {
-        let AssembleParameters { line_count, is_bowed, .. } = self.parameters;
-        1 + (3 + is_bowed as usize) * line_count as usize
+        match self.parameters.side_count as usize {
+            0 => 2,
+            sides => 3 * sides - 1,
+        }
     }
 
-    /// The numbers of one body: the margin of its Poisson's ratio, then depth, growth and end of each line that is its own.
-    ///
-    /// The end of a line is given as what takes the ring's point to it: far - ring = scale ring + turn ring', ring'
-    /// being the ring's point turned by a right angle. For a concentric body scale is the same on all lines, and turn is 0.
+    /// The numbers of one body: the margin of its Poisson's ratio, then the depth of a round boundary, or of each
+    /// straight side how far beyond the ring it lies, and of each but the last the corner at its end: its angle, and the
+    /// column that leads to it.
     pub fn body_numbers(&self, body: &Body) -> Vec<f64> {
+        let depth = |angle: f64| (body.shape.depth)(&body.parameters, angle);
         let mut numbers = vec![body.idealization.margin(body.poissons_ratio)];
-        let lines = lines(body, &self.grading);
-        for (line, [x, y]) in
-            lines.iter().zip(ring_points(&self.grading)).take(self.parameters.line_count as usize)
-        {
-            let [far_x, far_y] = [line.far[0] - x, line.far[1] - y];
-            numbers.extend([line.depth, line.growth, far_x * x + far_y * y]);
-            if body.shape.straight_boundary {
-                numbers.push(far_y * x - far_x * y);
-            }
+        if body.shape.sides.is_empty() {
+            numbers.push(depth(0.0));
+        }
+        let corners = (body.shape.corners)(&body.parameters);
+        let columns = corner_columns(body, &self.grading.angles);
+        let mut ends = corners.into_iter().zip(columns);
+        for &foot in body.shape.sides {
+            // Less the ring's radius, which would take the digits of a thin wall.
+            numbers.push(depth(foot).exp_m1());
+            numbers.extend(ends.next().into_iter().flat_map(|(angle, column)| [angle, 2.0 * column as f64]));
         }
         numbers
     }
@@ -339,7 +339,7 @@ fn sliced_sources(sliced: &Sliced, (starts, sources): (&[u32], &[u32])) -> (Vec<
 }
 
 /// `shared_numbers` of `assemble.wgsl`.
-fn shared_numbers(body: &Body, grading: &Grading) -> Vec<f64> {
+fn shared_numbers(body: &Body, grading: &Grading, ring_angles: &[f64]) -> Vec<f64> {
     let ring = ring_points(grading);
     let difference = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
     let step = |column: usize| match ring.get(column + 1) {
@@ -364,7 +364,9 @@ fn shared_numbers(body: &Body, grading: &Grading) -> Vec<f64> {
         .chain(ring.iter().copied())
         .chain((0..ring.len()).map(step))
         .chain((0..ring.len()).map(sagitta))
+        .chain(ring_angles.iter().map(|&angle| [angle, 0.0]))
         .chain(derivatives.map(|(by_xi, by_eta)| [by_xi, by_eta]))
+        .chain(body.shape.sides.iter().flat_map(|&foot| [polar(1.0, foot), [foot, 0.0]]))
         .flatten()
         .collect()
 }
@@ -373,22 +375,23 @@ fn shared_numbers(body: &Body, grading: &Grading) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Four numbers make a concentric body, so that a million of them are soon told; a block has four of each line.
+    /// Two numbers make a concentric body, eight a block, however fine its mesh: millions of them are soon told.
     #[test]
     fn few_numbers_make_a_body() {
         use crate::mechanics::body::{annulus, block};
         use crate::mechanics::grading::GradingClass;
-        let of = |shape, parameters| {
+        let of = |shape, parameters, level| {
             let (idealization, poissons_ratio) = (Idealization::PlaneStrain, 0.3);
             let body = Body { shape, parameters, support: 0, poissons_ratio, idealization };
-            let class = GradingClass::of(&body, ElementKind::Quad8, 1);
+            let class = GradingClass::of(&body, ElementKind::Quad8, level);
             let layout = MeshLayout::new(&body, &class.grading(shape.end_angle)).unwrap();
             assert_eq!(layout.body_numbers(&body).len(), layout.body_number_count());
-            (layout.body_number_count(), layout.parameters.column_count as usize)
+            layout.body_number_count()
         };
-        assert_eq!(of(&annulus::SHAPE, [3.0, 0.0, 0.0]).0, 4);
-        let (count, lines) = of(&block::SHAPE, [3.0, 3.0, 3.0]);
-        assert_eq!(count, 1 + 4 * lines);
+        for level in [1, 5] {
+            assert_eq!(of(&annulus::SHAPE, [3.0, 0.0, 0.0], level), 2);
+            assert_eq!(of(&block::SHAPE, [3.0, 4.0, 2.0], level), 8);
+        }
     }
 
     /// Rows of one to five values, more than two slices of them: multiplied by way of the slices as row by row, and back.

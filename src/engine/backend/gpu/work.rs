@@ -38,8 +38,8 @@ pub struct Sizes {
     /// Of the grid of half elements: points along the ring, and layers of elements.
     pub grid_columns: u64,
     pub layers: u64,
-    /// Whether lines half-way between others are bowed.
-    pub is_bowed: bool,
+    /// Straight sides of the far boundary; where there are any, lines half-way between others are bowed.
+    pub sides: u64,
     /// Numbers that make a body.
     pub body_numbers: u64,
 }
@@ -67,6 +67,10 @@ const EXPONENTIAL: u64 = 40;
 const LOGARITHM: u64 = EXPONENTIAL + 12;
 const TANGENT: u64 = 108;
 
+/// Of the search of a line's growth: its bisection, and how often it adds up layers where they grow by one to two.
+const HALVINGS: u64 = 40;
+const EVALUATIONS: u64 = 2 + HALVINGS;
+
 impl Sizes {
     pub fn of(layout: &MeshLayout) -> Sizes {
         let (systems, parameters) = (&layout.systems, &layout.parameters);
@@ -79,7 +83,7 @@ impl Sizes {
             sources: layout.sources.len() as u64,
             grid_columns: u64::from(parameters.column_count),
             layers: u64::from(parameters.row_count / 2),
-            is_bowed: parameters.is_bowed != 0,
+            sides: u64::from(parameters.side_count),
             body_numbers: layout.body_number_count() as u64,
         }
     }
@@ -106,21 +110,24 @@ impl Sizes {
         self.systems() * (3 * precision.wide_bytes() + size_of::<SystemState>() as u64)
     }
 
-    /// `assemble`: of each line its span and layers, of each point of an element the gradients, of each source a sum
+    /// `assemble`: of each line its span, growth and layers, of each point of an element the gradients, of each source a sum
     /// over the points.
     pub fn assemble(&self, bodies: u64, precision: Precision) -> Work {
         let wide = precision.wide_bytes();
         // Thickness and its sum, twice; the share of the far boundary; the reach of two grid points.
         let layer = 4 + (7 + EXPONENTIAL) + 6;
-        let line = 6 + 2 + EXPONENTIAL + self.layers * layer;
-        let bows = if self.is_bowed { (self.grid_columns / 2) * (2 * self.layers + 1) * 8 } else { 0 };
+        // Angle, length along the side, depth, and the span's two parts; or the ring's point, scaled.
+        let span = if self.sides > 0 { 7 + (TANGENT + 2) + (LOGARITHM + 5) + 17 } else { 2 };
+        let growth = EVALUATIONS * 2 * self.layers + 1 + 2 * HALVINGS;
+        let line = span + growth + (5 + EXPONENTIAL) + self.layers * layer;
+        let bows = if self.sides > 0 { (self.grid_columns / 2) * (2 * self.layers + 1) * 8 } else { 0 };
         // Steps along the ring: 16 to the eight nodes from the first.
         let point = NODES * (2 + 8) + 16 + 3 + 1 + NODES * 8;
         let operations = self.grid_columns * line
             + bows
             + POINTS * self.elements * point
             + self.sources * (POINTS * 8 + 1);
-        let shared_numbers = 2 * (2 + 3 * self.grid_columns + POINTS * NODES) * wide
+        let shared_numbers = 2 * (2 + 4 * self.grid_columns + POINTS * NODES + 2 * self.sides) * wide
             + 4 * (NODES * self.elements + self.places + 1 + self.sources);
         let geometry = 2 * (self.grid() + POINTS * (NODES + 1) * self.elements);
         let own = (self.body_numbers + geometry + self.places) * wide
@@ -270,8 +277,8 @@ mod tests {
         sources: 20,
         grid_columns: 3,
         layers: 1,
-        is_bowed: false,
-        body_numbers: 4,
+        sides: 0,
+        body_numbers: 2,
     };
 
     fn states(iterations: &[u32]) -> Vec<SystemState> {
@@ -316,14 +323,17 @@ mod tests {
 
     #[test]
     fn the_assembly_of_one_element_is_counted_by_hand() {
-        // Three lines of one layer each, four points of one element, 20 sources summed over four points.
-        let operations = 3 * (48 + 57) + 4 * (80 + 16 + 4 + 64) + 20 * 33;
-        // Twice 2 + 9 + 32 shared numbers; grid, starts and sources; nine grid points and 36 pairs, 64 places, 4 numbers.
-        let bytes = 2 * 43 * 8 + 4 * (8 + 65 + 20) + (2 * (9 + 36) + 64 + 4) * 8 + 4 * 8;
+        // Three lines of one layer each: 42 sums of it, a doubling and 40 means for its growth, radii of the boundary and
+        // the layer, the span. Four points of one element, 20 sources summed over four points.
+        let operations = 3 * (42 * 2 + 1 + 80 + 45 + 57 + 2) + 4 * (80 + 16 + 4 + 64) + 20 * 33;
+        // Twice 2 + 12 + 32 shared numbers; grid, starts and sources; nine grid points and 36 pairs, 64 places, 2 numbers.
+        let bytes = 2 * 46 * 8 + 4 * (8 + 65 + 20) + (2 * (9 + 36) + 64 + 2) * 8 + 4 * 8;
         assert_eq!(SIZES.assemble(1, Precision::F64), Work { operations, bytes });
-        // Of one mid-side line three points.
-        let bowed = Sizes { is_bowed: true, ..SIZES }.assemble(1, Precision::F64);
-        assert_eq!(bowed.operations - operations, 3 * 8);
+        // Twice two numbers of each side, and six numbers more of the body; of one mid-side line three points. A line's
+        // angle 3 + 4; length along the side; |far|^2 - 1; cosine and sine 3 + 3, the two parts 4 + 1, and 6 to add them.
+        let block = Sizes { sides: 3, body_numbers: 8, ..SIZES }.assemble(1, Precision::F64);
+        assert_eq!(block.operations - operations, 3 * (7 + 110 + 57 + 17 - 2) + 3 * 8);
+        assert_eq!(block.bytes - bytes, (2 * 6 + 6) * 8);
     }
 
     #[test]
