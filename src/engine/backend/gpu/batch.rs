@@ -130,8 +130,7 @@ impl BodyCounts {
 
     /// The most loop trips of one invocation in the kernels that are not split into steps. In `assemble`: its values,
     /// each of at most four elements, those of four points (most are of fewer, which leaves room for the search of each
-    /// line's growth); in `refine`: its rows, once with their entries; in
-    /// `condense`: its rows, each over all unknowns.
+    /// line's growth); in `refine`: its rows, once with their entries; in `condense`: its rows, each over all unknowns.
     pub fn whole_trips(&self, invocations: u64) -> u64 {
         let assemble = self.matrix_values.div_ceil(invocations) * (1 + 4 * (1 + 4));
         // As many loops over the rows as a step has, and four over the systems of a block.
