@@ -26,6 +26,8 @@ struct AssembleParameters {
     side_count: u32,
     // Else in plane stress.
     is_plane_strain: u32,
+    // Thickness of the layer at the far boundary, over what its growth makes it.
+    last_layer: f32,
 }
 
 @group(0) @binding(0) var<uniform> parameters: AssembleParameters;
@@ -35,7 +37,7 @@ struct AssembleParameters {
 // Shared by the topology: (first layer, thickest layer), (sign, pull of the centre), then for each column the ring's
 // point, its step to the next point, how far it lies off the chord of its neighbours, and (angle from the load line, 0);
 // then the derivatives of the shape functions by (xi, eta), [point][node]; then for each straight side the direction of
-// its foot, and (angle of the foot, 0).
+// its foot, and (angle of the foot, 1 where the holding changes at the corner at its end).
 @group(0) @binding(2) var<storage, read> shared_numbers: array<wide2>;
 // [element][node]: grid index.
 @group(0) @binding(3) var<storage, read> element_grid: array<u32>;
@@ -58,8 +60,10 @@ const POINT_SIZE = 9u;
 var<workgroup> sound_points: atomic<u32>;
 var<workgroup> sound_total: u32;
 
-// How far off its radius a line's end may lie, over the thinnest wall; the twin is `mesh::LEEWAY`.
+// Twins of the same names: src/mechanics/mesh.rs.
 const LEEWAY = wide(0.3);
+const CROWDING = wide(0.5);
+const THICK_WALL = wide(0.3);
 
 struct Line {
     depth: wide,
@@ -93,8 +97,28 @@ fn beyond_ring(depth: wide, part: wide) -> wide {
     return exp_minus_one(shared_numbers[1].x * depth * part) - shared_numbers[1].y * square * square * square;
 }
 
-// The line of a column in a body with straight sides. Between two corners the boundary's angles follow the ring's in
-// proportion; those of mid-side lines are so the means of their neighbours'.
+fn holding_changes(side: u32) -> bool {
+    return shared_numbers[2u + 4u * parameters.column_count + POINTS * NODES + 2u * side + 1u].y > wide(0.0);
+}
+
+// How far along a side the line of a column ends: in proportion to the ring's angles, but closer to a corner where the
+// holding changes.
+fn drawn_share(column: u32, side: u32, begin: wide, end: wide, numbers: u32) -> wide {
+    let share = (ring_angle(column) - begin) / (end - begin);
+    let begins = side > 0u && holding_changes(max(side, 1u) - 1u);
+    let ends = holding_changes(side);
+    if begins == ends {
+        return share;
+    }
+    let crowding = CROWDING * min(thinnest_wall(numbers) / THICK_WALL, wide(1.0));
+    if begins {
+        return share * (wide(1.0) - crowding + crowding * share);
+    }
+    let left = wide(1.0) - share;
+    return wide(1.0) - left * (wide(1.0) - crowding + crowding * left);
+}
+
+// The line of a column in a body with straight sides.
 fn line_to_side(column: u32, numbers: u32) -> Line {
     var side = 0u;
     // Angles of the ring and of the boundary, where the side begins and where it ends.
@@ -115,8 +139,10 @@ fn line_to_side(column: u32, numbers: u32) -> Line {
     let foot = 2u + 4u * parameters.column_count + POINTS * NODES + 2u * side;
     let outward = shared_numbers[foot];
     let sideways = wide2(-outward.y, outward.x);
-    let share = (ring_angle(column) - begin.x) / (end.x - begin.x);
-    let turned = begin.y - shared_numbers[foot + 1u].x + share * (end.y - begin.y);
+    // A mid-side line ends half-way between its neighbours.
+    let before = drawn_share(column - column % 2u, side, begin.x, end.x, numbers);
+    let after = drawn_share(column + column % 2u, side, begin.x, end.x, numbers);
+    let turned = begin.y - shared_numbers[foot + 1u].x + wide(0.5) * (before + after) * (end.y - begin.y);
     let beyond = bodies[numbers + 1u + 3u * side];
     let along = (wide(1.0) + beyond) * tangent(turned);
     // |far|^2 - 1, and far - ring outward and sideways, so that a thin wall keeps its digits: 1 - cos = sin^2/(1 + cos).
@@ -137,11 +163,16 @@ fn thinnest_wall(numbers: u32) -> wide {
     return least;
 }
 
+// Of what its growth makes it.
+fn part_of_layer(layer: u32) -> wide {
+    return select(wide(1.0), wide(parameters.last_layer), layer + 1u == parameters.row_count / 2u);
+}
+
 fn depth_at_growth(growth: wide) -> wide {
     var depth = wide(0.0);
     var thickness = shared_numbers[0].x;
     for (var layer = 0u; layer < parameters.row_count / 2u; layer++) {
-        depth += thickness;
+        depth += thickness * part_of_layer(layer);
         thickness = min(thickness * growth, shared_numbers[0].y);
     }
     return depth;
@@ -199,7 +230,7 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32) {
     var thickness = shared_numbers[0].x;
     geometry[grid + column] = before;
     for (var layer = 0u; layer < parameters.row_count / 2u; layer++) {
-        reached += thickness;
+        reached += thickness * part_of_layer(layer);
         thickness = min(thickness * growth, shared_numbers[0].y);
         let own = reach_at(line, far, column, beyond_ring(line.depth, reached / total) / far);
         let row = grid + 2u * layer * parameters.column_count + column;

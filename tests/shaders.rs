@@ -118,7 +118,8 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         value_count,
         system_count,
         side_count,
-        is_plane_strain
+        is_plane_strain,
+        last_layer
     );
     let systems: Layout = layout_here!(
         SystemParameters,

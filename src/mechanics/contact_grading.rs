@@ -4,7 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::mechanics::element::ElementKind;
-use crate::mechanics::mesh::{Grading, layer_thicknesses};
+use crate::mechanics::mesh::{Grading, Layers, layer_thicknesses};
 
 /// A mesh as finely divided at every contact angle from `least_angle` up: ring spacing h = max(least_angle/q, phi/q),
 /// with a node at pi/2, layers from the same least spacing growing at the same rate down to `depth`. The ring ends at
@@ -38,5 +38,5 @@ pub fn contact_grading(element: ElementKind, least_angle: f64, q: f64, end: f64,
         go_on
     });
     let layer_count = enough.count().max(2);
-    Grading { element, angles, first_layer: first, thickest_layer, layer_count }
+    Grading { element, angles, layers: Layers { first, thickest: thickest_layer, count: layer_count, last: 1.0 } }
 }

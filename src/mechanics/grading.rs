@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use crate::mechanics::body::Body;
 use crate::mechanics::element::ElementKind;
-use crate::mechanics::mesh::{Grading, layer_thicknesses};
+use crate::mechanics::mesh::{Grading, Layers};
 
 /// One step on the ladder of resolutions.
 #[derive(Clone, Copy, Debug)]
@@ -57,14 +57,20 @@ pub struct GradingClass {
     /// The least depth is at least 2^(-depth_class/2), or 1 for class 0.
     pub depth_class: u32,
     pub layer_count: usize,
+    /// Whether the far boundary has corners, where the stress may be singular.
+    pub cornered: bool,
 }
+
+/// Thickness of the layer at a boundary with corners, over what its growth makes it.
+const LAST_LAYER: f64 = 0.5;
 
 impl GradingClass {
     /// The class of `body` at `level` (below `LEVEL_COUNT`, or `REFERENCE_LEVEL`).
     pub fn of(body: &Body, element: ElementKind, level: usize) -> GradingClass {
         let (least, greatest) = (body.shape.depth_range)(&body.parameters);
         let depth_class = (-CLASSES_PER_OCTAVE * least.log2()).ceil().max(0.0) as u32;
-        let mut class = GradingClass { level, element, depth_class, layer_count: 2 };
+        let cornered = !body.shape.sides.is_empty();
+        let mut class = GradingClass { level, element, depth_class, layer_count: 2, cornered };
         while class.depth_at_growth(LEVELS[level].growth) < greatest && class.layer_count < MOST_LAYERS {
             class.layer_count += 1;
         }
@@ -87,12 +93,21 @@ impl GradingClass {
 
     /// Depth of all layers, each `growth` times as thick as the one before.
     pub fn depth_at_growth(&self, growth: f64) -> f64 {
-        layer_thicknesses(self.first_layer(), self.thickest_layer(), growth).take(self.layer_count).sum()
+        self.layers().depth(growth)
     }
 
-    /// The class of the same layers, as many as reach a depth when they grow so.
+    pub fn layers(&self) -> Layers {
+        Layers {
+            first: self.first_layer(),
+            thickest: self.thickest_layer(),
+            count: self.layer_count,
+            last: if self.cornered { LAST_LAYER } else { 1.0 },
+        }
+    }
+
+    /// The class of a body without corners of the same layers, as many as reach a depth when they grow so.
     pub fn cut_at(&self, depth: f64, growth: f64) -> GradingClass {
-        let mut cut = GradingClass { layer_count: 2, ..*self };
+        let mut cut = GradingClass { layer_count: 2, cornered: false, ..*self };
         while cut.layer_count < self.layer_count && cut.depth_at_growth(growth) < depth {
             cut.layer_count += 1;
         }
@@ -124,13 +139,7 @@ impl GradingClass {
         angles.iter_mut().for_each(|angle| *angle *= 1.0 + stretch * *angle / last);
         let count = angles.len();
         angles[count - 1] = end_angle;
-        Grading {
-            element: self.element,
-            angles,
-            first_layer: self.first_layer(),
-            thickest_layer: self.thickest_layer(),
-            layer_count: self.layer_count,
-        }
+        Grading { element: self.element, angles, layers: self.layers() }
     }
 }
 
@@ -196,9 +205,10 @@ mod tests {
     #[test]
     fn layers_keep_their_proportions() {
         all(|body, level, class| {
-            let Grading { first_layer, thickest_layer, .. } = class.grading(body.shape.end_angle);
-            assert_eq!(first_layer, class.first_layer());
-            assert_eq!(thickest_layer, first_layer.max(level.growth.ln()));
+            let Layers { first, thickest, last, .. } = class.grading(body.shape.end_angle).layers;
+            assert_eq!(first, class.first_layer());
+            assert_eq!(thickest, first.max(level.growth.ln()));
+            assert_eq!(last, if body.shape.name == "block" { 0.5 } else { 1.0 });
         });
     }
 

@@ -46,11 +46,70 @@ pub struct Grading {
     pub element: ElementKind,
     /// Angles of the ring's corner nodes, rad, ascending from 0 to the shape's end angle.
     pub angles: Vec<f64>,
+    pub layers: Layers,
+}
+
+/// How the way from the ring to the far boundary is divided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layers {
     /// Thickness of the layer at the ring, in the shape's measure of depth.
-    pub first_layer: f64,
+    pub first: f64,
     /// No layer is thicker than this.
-    pub thickest_layer: f64,
-    pub layer_count: usize,
+    pub thickest: f64,
+    pub count: usize,
+    /// Thickness of the layer at the far boundary, over what its growth makes it.
+    pub last: f64,
+}
+
+impl Layers {
+    /// Thicknesses of layers that grow by a factor, but for the last.
+    fn thicknesses(self, growth: f64) -> impl Iterator<Item = f64> {
+        let grown = layer_thicknesses(self.first, self.thickest, growth).take(self.count);
+        grown.enumerate().map(move |(layer, grown)| {
+            if layer + 1 == self.count { self.last * grown } else { grown }
+        })
+    }
+
+    /// Depth of all layers that grow by a factor.
+    pub fn depth(self, growth: f64) -> f64 {
+        self.thicknesses(growth).sum()
+    }
+
+    /// The one factor by which layers grow to be `depth` in all.
+    pub fn growth(self, depth: f64) -> f64 {
+        let (mut low, mut high) = (0.0, 1.0);
+        while self.depth(high) < depth && high < 1e9 {
+            (low, high) = (high, 2.0 * high);
+        }
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if self.depth(middle) < depth {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
+    }
+
+    /// Depths below the ring of the layers' ends on a line.
+    fn ends(self, line: &Line) -> Vec<f64> {
+        let mut reached = 0.0;
+        let mut depths = vec![0.0];
+        for thickness in self.thicknesses(line.growth) {
+            reached += thickness;
+            depths.push(reached);
+        }
+        // The growth factor is only as good as the bisection; the far boundary is where it is.
+        let scale = line.depth / reached;
+        depths.iter_mut().for_each(|end| *end *= scale);
+        depths
+    }
+}
+
+/// Thicknesses of layers that grow by `growth` from `first` up to `thickest`.
+pub fn layer_thicknesses(first: f64, thickest: f64, growth: f64) -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(first), move |thickness| Some((thickness * growth).min(thickest)))
 }
 
 impl RingTopology {
@@ -58,7 +117,7 @@ impl RingTopology {
     pub fn new(body: &Body, grading: &Grading) -> RingTopology {
         let quadratic = grading.element == ElementKind::Quad8;
         let step = if quadratic { 1 } else { 2 };
-        let (rows, columns) = (2 * grading.layer_count, 2 * (grading.angles.len() - 1));
+        let (rows, columns) = (2 * grading.layers.count, 2 * (grading.angles.len() - 1));
         let index = |row: usize, column: usize| row * (columns + 1) + column;
         let mut numbers = vec![u32::MAX; (rows + 1) * (columns + 1)];
         let mut grid = Vec::new();
@@ -118,7 +177,7 @@ impl RingTopology {
         RingTopology {
             element: grading.element,
             ring_angles: half_steps(&grading.angles, step),
-            layer_count: grading.layer_count,
+            layer_count: grading.layers.count,
             node_count: grid.len(),
             connectivity,
             grid,
@@ -157,7 +216,7 @@ fn lines(body: &Body, grading: &Grading) -> Vec<Line> {
         let own_depth = (body.shape.depth)(&body.parameters, target);
         if own_depth != depth {
             depth = own_depth;
-            growth = layer_growth(grading, depth);
+            growth = grading.layers.growth(depth);
             far_radius = radius(body, depth);
         }
         Line { depth, growth, far: polar(far_radius, target) }
@@ -194,7 +253,7 @@ fn deepest(body: &Body) -> f64 {
 /// beyond. The collapsed centre of a solid disc is a row of coincident nodes, which are supported.
 pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> Vec<[f64; 2]> {
     let columns = 2 * (grading.angles.len() - 1);
-    let wall = (body.shape.depth_range)(&body.parameters).0.exp_m1();
+    let wall = thinnest_wall(body);
     let mut courses: Vec<Course> = Vec::with_capacity(columns + 1);
     // Of each column at the ends of its layers.
     let mut points: Vec<Vec<[f64; 2]>> = Vec::with_capacity(columns + 1);
@@ -203,7 +262,7 @@ pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> V
         let far_radius = radius(body, line.depth);
         let course = Course::new(on_ring, line.far, far_radius, wall);
         let share = |depth: f64| (radius(body, depth) - 1.0) / (far_radius - 1.0);
-        let shares: Vec<f64> = layer_depths(grading, line).into_iter().map(share).collect();
+        let shares: Vec<f64> = grading.layers.ends(line).into_iter().map(share).collect();
         points.push(shares.iter().map(|share| course.point(*share)).collect());
         bows.push(shares.iter().map(|share| course.bow(*share)).collect());
         courses.push(course);
@@ -290,46 +349,6 @@ fn half_steps(values: &[f64], step: usize) -> Vec<f64> {
     (0..2 * values.len() - 1).step_by(step).map(at).collect()
 }
 
-/// The one factor by which layers grow, from the first on and up to the thickest allowed, to be `depth` in all.
-pub fn layer_growth(grading: &Grading, depth: f64) -> f64 {
-    let Grading { first_layer, thickest_layer, layer_count, .. } = *grading;
-    let total =
-        |growth: f64| layer_thicknesses(first_layer, thickest_layer, growth).take(layer_count).sum::<f64>();
-    let (mut low, mut high) = (0.0, 1.0);
-    while total(high) < depth && high < 1e9 {
-        (low, high) = (high, 2.0 * high);
-    }
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if total(middle) < depth {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
-}
-
-/// Depths below the ring of the layers' ends.
-fn layer_depths(grading: &Grading, line: &Line) -> Vec<f64> {
-    let Grading { first_layer, thickest_layer, layer_count, .. } = *grading;
-    let mut reached = 0.0;
-    let mut depths = vec![0.0];
-    for thickness in layer_thicknesses(first_layer, thickest_layer, line.growth).take(layer_count) {
-        reached += thickness;
-        depths.push(reached);
-    }
-    // The growth factor is only as good as the bisection; the far boundary is where it is.
-    let scale = line.depth / reached;
-    depths.iter_mut().for_each(|end| *end *= scale);
-    depths
-}
-
-/// Thicknesses of layers that grow by `growth` from `first` up to `thickest`.
-pub fn layer_thicknesses(first: f64, thickest: f64, growth: f64) -> impl Iterator<Item = f64> {
-    std::iter::successors(Some(first), move |thickness| Some((thickness * growth).min(thickest)))
-}
-
 /// The ring's corner column nearest to each corner of the far boundary, strictly between the ends and ascending.
 pub fn corner_columns(body: &Body, angles: &[f64]) -> Vec<usize> {
     let corners = (body.shape.corners)(&body.parameters);
@@ -360,8 +379,25 @@ fn far_boundary_held(body: &Body, corners: &[usize], column: usize) -> bool {
     held(side_before) || held(side_after)
 }
 
+/// Whether the far boundary is held on one side of a corner and free on the other: the stress is singular there.
+pub fn holding_changes(body: &Body, corner: usize) -> bool {
+    let held = |side: usize| (body.shape.boundary_held)(body.support, side);
+    held(corner) != held(corner + 1)
+}
+
+/// How much closer than evenly lines end to each other at corners where the holding changes.
+const CROWDING: f64 = 0.5;
+
+/// From this wall on, over the ring's radius: lines of thin ones, which turn on a short way, would cross.
+const THICK_WALL: f64 = 0.3;
+
+/// The distance from the ring to the nearest place of the far boundary of a plate, over the ring's radius.
+fn thinnest_wall(body: &Body) -> f64 {
+    (body.shape.depth_range)(&body.parameters).0.exp_m1()
+}
+
 /// Angle at which the line of each ring column meets the far boundary: the ring's own angle, drawn so that the
-/// boundary's corners fall on corner columns.
+/// boundary's corners fall on corner columns, and closer to those where the holding changes.
 fn boundary_angles(body: &Body, angles: &[f64]) -> Vec<f64> {
     let corners = (body.shape.corners)(&body.parameters);
     let columns = corner_columns(body, angles);
@@ -374,11 +410,19 @@ fn boundary_angles(body: &Body, angles: &[f64]) -> Vec<f64> {
     }
     from.push(end);
     to.push(end);
+    let crowding = CROWDING * (thinnest_wall(body) / THICK_WALL).min(1.0);
+    let crowded = |share: f64| share * (1.0 - crowding + crowding * share);
     let targets: Vec<f64> = angles
         .iter()
         .map(|&angle| {
             let piece = (1..from.len() - 1).filter(|&i| angle > from[i]).count();
             let share = (angle - from[piece]) / (from[piece + 1] - from[piece]);
+            let at = |corner: usize| corner < corners.len() && holding_changes(body, corner);
+            let share = match (piece > 0 && at(piece - 1), at(piece)) {
+                (true, false) => crowded(share),
+                (false, true) => 1.0 - crowded(1.0 - share),
+                _ => share,
+            };
             to[piece] + share * (to[piece + 1] - to[piece])
         })
         .collect();

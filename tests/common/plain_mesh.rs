@@ -9,7 +9,7 @@ use jointsweep::mechanics::compliance::arc::ContactArc;
 use jointsweep::mechanics::element::quadrature::gauss_legendre;
 use jointsweep::mechanics::element::stiffness::{Elasticity, ElementRule, element_stiffness};
 use jointsweep::mechanics::element::{ElementKind, MAX_NODES, side_functions};
-use jointsweep::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates, layer_thicknesses};
+use jointsweep::mechanics::mesh::{Grading, Layers, RingTopology, SUPPORTED, coordinates, layer_thicknesses};
 use jointsweep::mechanics::solve::band::{BandStructure, TILE, Tile};
 use jointsweep::study::design::JointDesign;
 
@@ -208,7 +208,8 @@ impl FineBody {
         angles.extend(graded(end - edge).into_iter().skip(1).map(|distance| edge + distance));
         (angles[0], *angles.last_mut().unwrap()) = (0.0, end);
         let element = ElementKind::Quad8;
-        let grading = Grading { element, angles, first_layer, thickest_layer: 2.0 * WIDEST, layer_count };
+        let layers = Layers { first: first_layer, thickest: 2.0 * WIDEST, count: layer_count, last: 1.0 };
+        let grading = Grading { element, angles, layers };
         let topology = RingTopology::new(body, &grading);
         let structure = BandStructure::new(&topology);
         let mut tiles = structure.empty::<f64>();

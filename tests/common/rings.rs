@@ -10,7 +10,7 @@ use jointsweep::mechanics::contact::ring_joint::RingBody;
 use jointsweep::mechanics::element::stiffness::Elasticity;
 use jointsweep::mechanics::element::{ElementKind, side_functions};
 use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
+use jointsweep::mechanics::mesh::{Grading, Layers, RingTopology, SUPPORTED, coordinates};
 use jointsweep::mechanics::solve::cholesky::CholeskyAnalysis;
 
 pub fn shape(name: &str) -> &'static Shape {
@@ -101,7 +101,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// `count` equal ring elements and layers that grow like the radius, for a concentric body of far radius `ratio`.
 pub fn concentric_grading(element: ElementKind, ratio: f64, count: usize, layer_count: usize) -> Grading {
-    let first_layer = ratio.ln().abs() / layer_count as f64;
+    let first = ratio.ln().abs() / layer_count as f64;
     let angles = (0..=count).map(|i| PI * i as f64 / count as f64).collect();
-    Grading { element, angles, first_layer, thickest_layer: first_layer, layer_count }
+    Grading { element, angles, layers: Layers { first, thickest: first, count: layer_count, last: 1.0 } }
 }

@@ -45,7 +45,7 @@ fn matrices_are_those_of_the_twin() {
                 println!("{name} {precision:?}: {worst:.1e}");
                 // Some thirty operations a value, and coordinates of an element that are good to ten roundings; and the
                 // twin subtracts coordinates of about 1 in elements as thin as the first layer.
-                let allowed = 40.0 * rounding + 2.0 * f64::EPSILON / bodies.grading.first_layer;
+                let allowed = 40.0 * rounding + 2.0 * f64::EPSILON / bodies.grading.layers.first;
                 assert!(worst < allowed, "{name} {precision:?}: {worst:e}");
             }
             // Control: what is compared differs from body to body by far more.

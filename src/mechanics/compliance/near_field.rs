@@ -25,7 +25,7 @@ use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::material::Idealization;
-use crate::mechanics::mesh::{Grading, layer_growth};
+use crate::mechanics::mesh::Grading;
 use crate::mechanics::real::LANES;
 
 /// |ln r| of a reference's fixed circle, at most: deeper bodies bring a far field of their own.
@@ -139,7 +139,7 @@ impl NearFieldClass {
     pub fn around(body: &Body, grading: GradingClass) -> ([NearFieldClass; 2], f64) {
         let Body { shape, parameters, poissons_ratio, idealization, .. } = body;
         let depth = (shape.depth)(parameters, 0.0);
-        let steps = layer_growth(&grading.grading(shape.end_angle), depth) / GROWTH_STEP;
+        let steps = grading.layers().growth(depth) / GROWTH_STEP;
         // A reference needs layers.
         let below = steps.floor().max(1.0);
         let class = |growth: f64| NearFieldClass {

@@ -11,7 +11,9 @@ use crate::mechanics::body::{Body, Side};
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::element::stiffness::ElementRule;
 use crate::mechanics::material::Idealization;
-use crate::mechanics::mesh::{Grading, RingTopology, centre_pull, corner_columns, polar, ring_points};
+use crate::mechanics::mesh::{
+    Grading, RingTopology, centre_pull, corner_columns, holding_changes, polar, ring_points,
+};
 use crate::mechanics::solve::refine::RefineSettings;
 
 /// What `assemble` is told.
@@ -25,6 +27,7 @@ pub struct AssembleParameters {
     pub system_count: u32,
     pub side_count: u32,
     pub is_plane_strain: u32,
+    pub last_layer: f32,
 }
 
 /// What `pcg`, `refine` and `condense` are told.
@@ -255,6 +258,7 @@ impl MeshLayout {
             system_count: systems.system_count() as u32,
             side_count: body.shape.sides.len() as u32,
             is_plane_strain: is_plane_strain(body.idealization),
+            last_layer: grading.layers.last as f32,
         };
         Ok(MeshLayout {
             grading: grading.clone(),
@@ -359,14 +363,18 @@ fn shared_numbers(body: &Body, grading: &Grading, ring_angles: &[f64]) -> Vec<f6
     };
     let rule = ElementRule::new(grading.element);
     let derivatives = rule.points.iter().flat_map(|point| point.by_xi.into_iter().zip(point.by_eta));
-    [[grading.first_layer, grading.thickest_layer], [sign, centre_pull(body)]]
+    let side = |(number, &foot): (usize, &f64)| {
+        let changes = number + 1 < body.shape.sides.len() && holding_changes(body, number);
+        [polar(1.0, foot), [foot, f64::from(u8::from(changes))]]
+    };
+    [[grading.layers.first, grading.layers.thickest], [sign, centre_pull(body)]]
         .into_iter()
         .chain(ring.iter().copied())
         .chain((0..ring.len()).map(step))
         .chain((0..ring.len()).map(sagitta))
         .chain(ring_angles.iter().map(|&angle| [angle, 0.0]))
         .chain(derivatives.map(|(by_xi, by_eta)| [by_xi, by_eta]))
-        .chain(body.shape.sides.iter().flat_map(|&foot| [polar(1.0, foot), [foot, 0.0]]))
+        .chain(body.shape.sides.iter().enumerate().flat_map(side))
         .flatten()
         .collect()
 }
