@@ -89,7 +89,7 @@ fn finite_elements_meet_the_accuracy_against_series() {
         let errors = compare(&found, &exact);
         report(&format!("fe at {:.1} % against series", 100.0 * accuracy), &errors);
         assert!(quantile(&errors.force, 1.0) <= accuracy);
-        assert!(quantile(&errors.stiffness, 1.0) <= accuracy.max(3e-3));
+        assert!(quantile(&errors.stiffness, 1.0) <= accuracy.max(4e-3));
         assert!(quantile(&errors.half_angle, 1.0) <= half_angle);
         assert!(bounded(&errors) >= 0.95);
         assert!(mean(&errors.estimate) < 12.0 * mean(&errors.force));

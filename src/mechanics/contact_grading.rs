@@ -38,5 +38,9 @@ pub fn contact_grading(element: ElementKind, least_angle: f64, q: f64, end: f64,
         go_on
     });
     let layer_count = enough.count().max(2);
-    Grading { element, angles, layers: Layers { first, thickest: thickest_layer, count: layer_count, last: 1.0 } }
+    Grading {
+        element,
+        angles,
+        layers: Layers { first, thickest: thickest_layer, count: layer_count, last: 1.0 },
+    }
 }

@@ -65,9 +65,11 @@ impl Layers {
     /// Thicknesses of layers that grow by a factor, but for the last.
     fn thicknesses(self, growth: f64) -> impl Iterator<Item = f64> {
         let grown = layer_thicknesses(self.first, self.thickest, growth).take(self.count);
-        grown.enumerate().map(move |(layer, grown)| {
-            if layer + 1 == self.count { self.last * grown } else { grown }
-        })
+        grown.enumerate().map(
+            move |(layer, grown)| {
+                if layer + 1 == self.count { self.last * grown } else { grown }
+            },
+        )
     }
 
     /// Depth of all layers that grow by a factor.
