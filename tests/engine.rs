@@ -220,8 +220,8 @@ fn thin_bodies_get_more_trial_pressures() {
 #[test]
 fn finer_meshes_are_taken_where_they_are_needed() {
     let slender = part(&block::SHAPE, [1.5, 4.0, 2.0]);
-    let narrow = case(joint(half(), slender), &[1e-3, 0.5].map(Load::Indentation));
-    let wide = case(joint(half(), slender), &[Load::Indentation(0.5)]);
+    let narrow = case(joint(half(), slender), &[1e-3, 0.2].map(Load::Indentation));
+    let wide = case(joint(half(), slender), &[Load::Indentation(0.2)]);
     let error = |steps: &[StepOutcome]| steps[0].response.unwrap().force_error;
     let second = alone(&narrow, MethodChoice::Auto, 2e-3);
     assert!(first_level(6.5e-4) == first_level(2e-3) && error(&second) > 6.5e-4);

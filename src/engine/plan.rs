@@ -49,7 +49,7 @@ pub fn known_level(bodies: &[Body], accuracy: f64) -> Option<usize> {
 /// bodies: a multiple of the change, and a floor for changes that are small by chance. Measured against `series` and
 /// against the finest level (tests/oracle.rs), so that at least 95 % of the errors are below the estimate.
 pub fn mesh_error(level: usize, change: f64) -> f64 {
-    const ERROR_PER_CHANGE: [f64; LEVEL_COUNT] = [f64::INFINITY, 3.5, 2.0, 2.0, 2.0, 2.0];
+    const ERROR_PER_CHANGE: [f64; LEVEL_COUNT] = [f64::INFINITY, 3.5, 2.0, 2.0, 1.2, 1.2];
     const FLOOR: [f64; LEVEL_COUNT] = [f64::INFINITY, 5e-4, 8e-5, 5e-5, 2e-5, 1e-5];
     ERROR_PER_CHANGE[level] * change + FLOOR[level]
 }
