@@ -157,8 +157,8 @@ fn what_is_planned_is_what_is_solved() {
                 .zip(&responses)
                 .filter(|(states, response)| {
                     let both = forces(&states[0]).zip(response.map(|response| response.force));
-                    // Levels differ by 1e-4 and more.
-                    both.is_none_or(|(alone, planned)| (alone / planned - 1.0).abs() < 2e-5)
+                    // Fewer trial pressures change less, another level most forces more.
+                    both.is_none_or(|(alone, planned)| (alone / planned - 1.0).abs() < 1e-4)
                 })
                 .count();
         }

@@ -95,13 +95,15 @@ impl Trust {
     }
 }
 
-/// From this accuracy on fewer trial pressures do: they leave 1e-5 of the force, 0.4 % of the peak pressure and 0.2 deg of
-/// the half angle at worst, hundredths of that in the median.
-const FEWER_TERMS: f64 = 1e-2;
-
-/// Trial pressures for a body this deep (|ln r|): the layer between contact and far boundary must be resolved too.
+/// Trial pressures for a body this deep (|ln r|): the layer between contact and far boundary must be resolved too. Of 600 random
+/// concentric joints each of five ranges of depth, 6 leave 1e-4 of the force, 0.1 % of its stiffness, 0.7 % of the peak pressure
+/// and 2 deg in the worst, in the median 2e-8, 1e-5, 1e-4 and 0.01 deg; 10 a hundredth of that.
 fn terms(least_depth: f64, accuracy: f64) -> usize {
-    let [deep, middling, thin] = if accuracy >= FEWER_TERMS { [6, 10, 16] } else { [10, 16, 24] };
+    let [deep, middling, thin] = match accuracy {
+        rough if rough >= 1e-2 => [6, 6, 10],
+        common if common >= 1e-4 => [10, 10, 16],
+        _ => [10, 16, 24],
+    };
     match least_depth {
         depth if depth > 0.35 => deep,
         depth if depth > 0.15 => middling,

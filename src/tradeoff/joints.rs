@@ -1,9 +1,9 @@
 //! Designs as contact sees them: their distinct bodies, their loads over their sizes, and contact angles in advance.
 
 use std::collections::HashMap;
-use std::f64::consts::PI;
 use std::hash::Hash;
 
+use crate::engine::plan::space_of;
 use crate::engine::request::SpaceKey;
 use crate::mechanics::body::{Body, BodyKey};
 use crate::mechanics::laws::{HertzContact, Pair};
@@ -42,7 +42,7 @@ impl<K: Copy + Eq + Hash> Joints<K> {
 /// How many trial pressures a joint is solved with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Terms {
-    /// As many as its thinner body asks for, as a sweep does.
+    /// As many as its thinner body asks for where the accuracy is no reason for fewer.
     ByDepth,
     Fixed(usize),
 }
@@ -51,19 +51,11 @@ impl Terms {
     /// The pressure space of a joint.
     pub fn space(self, joint: &JointDesign) -> SpaceKey {
         let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
-        let terms = match self {
-            Terms::Fixed(terms) => terms,
-            Terms::ByDepth => {
-                let depth = |body: &Body| (body.shape.depth_range)(&body.parameters).0;
-                // The steps of `engine::plan`.
-                match depth(&pin).min(depth(&plate)) {
-                    depth if depth > 0.35 => 10,
-                    depth if depth > 0.15 => 16,
-                    _ => 24,
-                }
-            }
-        };
-        SpaceKey { half_ring: pin.shape.end_angle < PI, terms }
+        let by_depth = space_of(&pin, &plate, 0.0);
+        match self {
+            Terms::ByDepth => by_depth,
+            Terms::Fixed(terms) => SpaceKey { terms, ..by_depth },
+        }
     }
 }
 
@@ -98,6 +90,8 @@ pub fn least_contact_angle(cases: &[DesignCase]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
     use crate::mechanics::body::{annulus, cored_disc};
     use crate::mechanics::material::{Idealization, Material};

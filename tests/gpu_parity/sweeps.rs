@@ -146,7 +146,7 @@ fn what_the_device_cannot_hold_the_processor_solves() {
     let expected = CpuBackend::new(options).solve(&cases);
     let mut small = device().clone();
     // Room for the slots of one design, none for the iterates of a body.
-    small.facts.limits.binding_bytes = 40_000;
+    small.facts.limits.binding_bytes = 16_000;
     let found = on_device(&small, Precision::F32, options, &cases);
     assert_eq!(compare(&found, &expected, BackendKind::Cpu).0, 0.0);
     // Room for one design at a time.
