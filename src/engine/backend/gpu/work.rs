@@ -115,15 +115,20 @@ impl Sizes {
     pub fn assemble(&self, bodies: u64, precision: Precision) -> Work {
         let wide = precision.wide_bytes();
         // Thickness and its sum, twice; the share of the far boundary; the reach of two grid points.
-        let layer = 4 + (7 + EXPONENTIAL) + 6;
-        // Angle, length along the side, depth, and the span's two parts; or the ring's point, scaled.
-        let span = if self.sides > 0 { 7 + (TANGENT + 2) + (LOGARITHM + 5) + 17 } else { 2 };
-        let growth = EVALUATIONS * 2 * self.layers + 1 + 2 * HALVINGS;
-        let line = span + growth + (5 + EXPONENTIAL) + self.layers * layer;
-        let bows = if self.sides > 0 { (self.grid_columns / 2) * (2 * self.layers + 1) * 8 } else { 0 };
+        let layer = 6 + (9 + EXPONENTIAL) + 6;
+        // The shares that two lines are drawn to, angle, length along the side, depth, the span's two parts, and how far
+        // aside it ends; or the ring's point, scaled.
+        let span = if self.sides > 0 { 22 + 6 + (TANGENT + 2) + (LOGARITHM + 5) + 17 + 5 } else { 2 };
+        // How far a layer keeps to the radius, and its place; between the lines of corner nodes its bow.
+        let (mid_sides, corners) = (self.grid_columns / 2, self.grid_columns.div_ceil(2));
+        let courses = if self.sides > 0 { self.layers * (14 * corners + 8 * mid_sides) } else { 0 };
+        let growth = EVALUATIONS * 3 * self.layers + 1 + 2 * HALVINGS;
+        let line = span + growth + (7 + EXPONENTIAL) + self.layers * layer;
+        let bows = if self.sides > 0 { mid_sides * (2 * self.layers + 1) * 8 } else { 0 };
         // Steps along the ring: 16 to the eight nodes from the first.
         let point = NODES * (2 + 8) + 16 + 3 + 1 + NODES * 8;
         let operations = self.grid_columns * line
+            + courses
             + bows
             + POINTS * self.elements * point
             + self.sources * (POINTS * 8 + 1);
@@ -191,9 +196,10 @@ impl Sizes {
         let (nodes, entries, lanes) = (NODE_COUNT as u64, packed_count(terms as usize) as u64, LANES as u64);
         let arc = 2 * self.ring_columns * self.ring_columns * terms
             + 2 * self.ring_columns * entries
-            + 2 * lanes * entries;
-        let shared = (nodes * (self.ring_columns * terms + lanes * entries) + 1 + 2 * lanes) * wide;
-        let own = (self.ring_columns * self.systems() + 1 + slot_size(terms as usize) as u64) * wide
+            + 5 * lanes * entries;
+        // Near fields of two growths at least.
+        let shared = (nodes * (self.ring_columns * terms + 2 * lanes * entries) + 2 * lanes) * wide;
+        let own = (self.ring_columns * self.systems() + 3 + slot_size(terms as usize) as u64) * wide
             + self.system_bytes(precision);
         Work { operations: bodies * nodes * arc, bytes: shared + bodies * own }
     }
@@ -315,24 +321,26 @@ mod tests {
         assert_eq!(of(SIZES.refine(1, Precision::F64)), refined);
         // Nine entries of two products of length 5, a sum and a half; x and residuals in, three rows of four out.
         assert_eq!(of(SIZES.condense(1, Precision::F32)), (9 * 22, 4 * (2 * 5 + 3) * 4));
-        // Two terms, three entries, 32 arcs, 8 nodes in Poisson's ratio: C F 2 x 9 x 2, F^T C F 2 x 3 x 3, 2 x 8 x 3.
+        // Two terms, three entries, 32 arcs, 8 nodes in Poisson's ratio: C F 2 x 9 x 2, F^T C F 2 x 3 x 3, 5 x 8 x 3.
         let slot = 3 + 32 * 3;
-        let bytes = (32 * (3 * 2 + 8 * 3) + 17) * 4 + (3 * 4 + 1 + slot) * 4 + 4 * (3 * 4 + 8);
-        assert_eq!(of(SIZES.gram(2, 1, Precision::F32)), (32 * (36 + 18 + 48), bytes));
+        let bytes = (32 * (3 * 2 + 2 * 8 * 3) + 16) * 4 + (3 * 4 + 3 + slot) * 4 + 4 * (3 * 4 + 8);
+        assert_eq!(of(SIZES.gram(2, 1, Precision::F32)), (32 * (36 + 18 + 120), bytes));
     }
 
     #[test]
     fn the_assembly_of_one_element_is_counted_by_hand() {
         // Three lines of one layer each: 42 sums of it, a doubling and 40 means for its growth, radii of the boundary and
         // the layer, the span. Four points of one element, 20 sources summed over four points.
-        let operations = 3 * (42 * 2 + 1 + 80 + 45 + 57 + 2) + 4 * (80 + 16 + 4 + 64) + 20 * 33;
+        let operations = 3 * (42 * 3 + 1 + 80 + 47 + 61 + 2) + 4 * (80 + 16 + 4 + 64) + 20 * 33;
         // Twice 2 + 12 + 32 shared numbers; grid, starts and sources; nine grid points and 36 pairs, 64 places, 2 numbers.
         let bytes = 2 * 46 * 8 + 4 * (8 + 65 + 20) + (2 * (9 + 36) + 64 + 2) * 8 + 4 * 8;
         assert_eq!(SIZES.assemble(1, Precision::F64), Work { operations, bytes });
         // Twice two numbers of each side, and six numbers more of the body; of one mid-side line three points. A line's
-        // angle 3 + 4; length along the side; |far|^2 - 1; cosine and sine 3 + 3, the two parts 4 + 1, and 6 to add them.
+        // shares 2 x 11 and angle 6; length along the side; |far|^2 - 1; cosine and sine 3 + 3, the two parts 4 + 1, and 6
+        // to add them; how far aside 3 + 2. Of two lines a point that keeps to its radius, of one its bow.
         let block = Sizes { sides: 3, body_numbers: 8, ..SIZES }.assemble(1, Precision::F64);
-        assert_eq!(block.operations - operations, 3 * (7 + 110 + 57 + 17 - 2) + 3 * 8);
+        let span = 22 + 6 + 110 + 57 + 17 + 5;
+        assert_eq!(block.operations - operations, 3 * (span - 2) + 2 * 14 + 8 + 3 * 8);
         assert_eq!(block.bytes - bytes, (2 * 6 + 6) * 8);
     }
 
