@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use crate::engine::known_errors::{KNOWN_LEVELS, known_error, worst_known_error};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
 use crate::mechanics::body::Body;
+use crate::mechanics::compliance::arc::TERM_CHOICES;
 use crate::mechanics::compliance::near_field::PoissonRange;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::study::config::MethodChoice;
@@ -29,6 +30,15 @@ pub enum Estimate {
     Known,
     /// From the change since the next coarser mesh.
     Change(Trust),
+}
+
+/// What the answer to a design still wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Want {
+    Nothing,
+    /// The meshes are good enough, but the pressure is not.
+    MoreTerms,
+    FinerMesh,
 }
 
 /// The mesh level to begin with for an accuracy (relative, of the force): the coarsest whose typical error, measured
@@ -132,7 +142,23 @@ impl JointPlan {
         }
     }
 
-    /// The next rung of the ladder, `None` at its end.
+    /// What a design is solved with next, `None` where it wants nothing or there is no more.
+    pub fn next(&self, want: Want, accuracy: f64) -> Option<JointPlan> {
+        match want {
+            Want::Nothing => None,
+            Want::MoreTerms => self.with_more_terms().or_else(|| self.finer(accuracy)),
+            Want::FinerMesh => self.finer(accuracy),
+        }
+    }
+
+    fn with_more_terms(&self) -> Option<JointPlan> {
+        let terms = TERM_CHOICES.into_iter().find(|terms| *terms > self.pin.space.terms)?;
+        let with =
+            |request: BodyRequest| BodyRequest { space: SpaceKey { terms, ..request.space }, ..request };
+        Some(JointPlan { pin: with(self.pin), plate: with(self.plate), ..*self })
+    }
+
+    /// The next rung of the ladder of meshes, `None` at its end.
     pub fn finer(&self, accuracy: f64) -> Option<JointPlan> {
         let level = match self.estimate {
             Estimate::Exact => return None,

@@ -2,7 +2,7 @@
 //! reader must know said. The same for every backend.
 
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
-use crate::engine::plan::{Estimate, JointPlan};
+use crate::engine::plan::{Estimate, JointPlan, Want};
 use crate::mechanics::contact::arc_state::ArcState;
 use crate::mechanics::contact::loading::{DimensionlessLoad, NoState};
 use crate::mechanics::laws;
@@ -92,10 +92,6 @@ impl Solving {
         }
     }
 
-    fn is_exact(&self) -> bool {
-        self.method() == Method::Series
-    }
-
     /// The estimated relative error of the force: what is left of exact compliances, and what meshes leave.
     fn force_error(&self, state: &LoadState) -> f64 {
         let of_bodies = match &self.way {
@@ -105,23 +101,22 @@ impl Solving {
         SERIES_ERROR + state.truncation + of_bodies
     }
 
-    /// The outcome of a design from the states of its `loads_in_contact`, in their order, and whether there is nothing
-    /// to gain from a finer mesh.
+    /// The outcome of a design from the states of its `loads_in_contact`, in their order, and what it wants.
     pub fn respond(
         &self,
         case: &DesignCase,
         states: impl IntoIterator<Item = Result<LoadState, NoState>>,
-    ) -> (DesignOutcome, bool) {
+    ) -> (DesignOutcome, Want) {
         let joint = &case.joint;
         let clearance = joint.radial_clearance / joint.hole_radius;
         let mut states = states.into_iter();
-        let mut settled = true;
+        let mut want = Want::Nothing;
         let step = |load: &Load| {
             let Some(load_over) = dimensionless(joint, *load) else { return unloaded(self.method()) };
             let state = match states.next().unwrap_or(Err(NoState::BrokenCompliance)) {
                 // A mesh far too coarse for its body may answer with a pull.
                 Ok(state) if !is_a_push(&state) => {
-                    settled = false;
+                    want = Want::FinerMesh;
                     return StepOutcome { response: None, status: NOT_A_PUSH.into() };
                 }
                 Ok(state) => state,
@@ -137,7 +132,11 @@ impl Solving {
                 };
             let error = self.force_error(&state);
             let accurate = error <= self.accuracy;
-            settled &= accurate && state.pressure_is_positive;
+            want = want.max(match (accurate, state.pressure_is_positive) {
+                (true, true) => Want::Nothing,
+                (false, _) if error - state.truncation > self.accuracy => Want::FinerMesh,
+                _ => Want::MoreTerms,
+            });
             StepOutcome {
                 response: Some(response(joint, *load, &state, offset, error, self.method())),
                 status: status(
@@ -148,7 +147,7 @@ impl Solving {
             }
         };
         let steps = case.steps.iter().map(step).collect();
-        (DesignOutcome { case: case.clone(), backend: self.backend, steps }, settled || self.is_exact())
+        (DesignOutcome { case: case.clone(), backend: self.backend, steps }, want)
     }
 
     /// The outcome of a design without any state.

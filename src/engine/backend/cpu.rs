@@ -8,7 +8,7 @@ use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::plan::InterpolationPlan;
 use crate::engine::interpolation::rung::Interpolation;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
-use crate::engine::plan::{Estimate, JointPlan};
+use crate::engine::plan::{JointPlan, Want};
 use crate::engine::respond::{
     LoadState, NOT_CONCENTRIC, Solving, Way, all_failed, closed_form, loads_in_contact,
 };
@@ -43,7 +43,7 @@ impl CpuBackend {
     }
 
     /// Outcomes of `cases`, in their order. Designs whose error estimate is above the accuracy asked are solved again
-    /// on finer meshes until it is met or the meshes end.
+    /// with more trial pressures or on finer meshes, as they want, until it is met or there is no more.
     pub fn solve(&mut self, cases: &[DesignCase]) -> Vec<DesignOutcome> {
         if self.options.method == MethodChoice::ClosedForm {
             return cases.par_iter().map(|case| closed_form(case.clone())).collect();
@@ -62,25 +62,25 @@ impl CpuBackend {
                 plans.iter().filter_map(|(_, plan)| plan.as_ref()).flat_map(JointPlan::requests).collect();
             self.library.solve(&requests);
             let library = &self.library;
-            let solved: Vec<(DesignOutcome, bool, Duration)> = plans
+            let solved: Vec<(DesignOutcome, Want, Duration)> = plans
                 .par_iter()
                 .with_min_len(16)
                 .map(|(index, plan)| {
                     let started = Instant::now();
                     let case = &cases[*index];
-                    let (outcome, settled) = match plan {
+                    let (outcome, want) = match plan {
                         Some(plan) => solve_design(library, plan, case, accuracy),
-                        None => (all_failed(case, BackendKind::Cpu, NOT_CONCENTRIC), true),
+                        None => (all_failed(case, BackendKind::Cpu, NOT_CONCENTRIC), Want::Nothing),
                     };
-                    (outcome, settled, started.elapsed())
+                    (outcome, want, started.elapsed())
                 })
                 .collect();
             let mut unsettled = Vec::new();
-            for ((index, plan), (outcome, settled, time)) in plans.into_iter().zip(solved) {
+            for ((index, plan), (outcome, want, time)) in plans.into_iter().zip(solved) {
                 self.contact_time += time;
                 outcomes[index] = Some(outcome);
-                let finer = plan.filter(|_| !settled).and_then(|plan| plan.finer(accuracy));
-                unsettled.extend(finer.map(|plan| (index, Some(plan))));
+                let next = plan.and_then(|plan| plan.next(want, accuracy));
+                unsettled.extend(next.map(|plan| (index, Some(plan))));
             }
             plans = unsettled;
         }
@@ -101,13 +101,13 @@ impl CpuBackend {
     }
 }
 
-/// One design on one rung, and whether there is nothing to gain from the next.
+/// One design on one rung, and what it wants of the next.
 fn solve_design(
     library: &BodyLibrary,
     plan: &JointPlan,
     case: &DesignCase,
     accuracy: f64,
-) -> (DesignOutcome, bool) {
+) -> (DesignOutcome, Want) {
     let joint = &case.joint;
     let space = library.space(plan.pin.space);
     let (pin, plate) = (library.compliance(&plan.pin.key()), library.compliance(&plan.plate.key()));
@@ -126,7 +126,7 @@ fn solve_design(
         .collect();
     let curve = match JointCurve::new(joined) {
         Ok(curve) => curve,
-        Err(reason) => return (solving.all_failed(case, reason), plan.estimate == Estimate::Exact),
+        Err(reason) => return (solving.all_failed(case, reason), Want::FinerMesh),
     };
     let clearance = joint.radial_clearance / joint.hole_radius;
     let loads: Vec<DimensionlessLoad> = loads_in_contact(case).collect();

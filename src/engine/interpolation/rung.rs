@@ -9,6 +9,7 @@ use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::family::{FamilyKey, FittedFamily, coordinate_count, coordinates};
 use crate::engine::interpolation::plan::{InterpolationPlan, pair};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
+use crate::engine::plan::Want;
 use crate::engine::request::SpaceKey;
 use crate::engine::respond::{LoadState, Solving, Way, loads_in_contact};
 use crate::mechanics::compliance::body_fit::{FitScratch, add_modes};
@@ -162,7 +163,7 @@ impl Interpolation {
                 pressure_is_positive: state.pressure_is_positive,
             })
         });
-        let (outcome, settled) = solving.respond(case, states);
-        settled.then_some(outcome)
+        let (outcome, want) = solving.respond(case, states);
+        (want == Want::Nothing).then_some(outcome)
     }
 }

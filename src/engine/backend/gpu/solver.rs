@@ -20,7 +20,7 @@ use crate::engine::backend::cpu::CpuBackend;
 use crate::engine::backend::{Backend, add_stages};
 use crate::engine::near_fields::NearFieldLibrary;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
-use crate::engine::plan::{Estimate, JointPlan};
+use crate::engine::plan::{Estimate, JointPlan, Want};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey, TopologyKey};
 use crate::engine::respond::{LoadState, Solving, Way};
 use crate::mechanics::body::Body;
@@ -113,13 +113,12 @@ impl<'a> GpuBackend<'a> {
         })
     }
 
-    /// The joints of one space: their outcomes and whether there is nothing to gain from a finer mesh; `None` for those
-    /// that the processor must solve.
+    /// The joints of one space: their outcomes and what they want; `None` for those that the processor must solve.
     fn solve_joints(
         &mut self,
         space: SpaceKey,
         joints: &[(&DesignCase, JointPlan)],
-    ) -> Result<Vec<Option<(DesignOutcome, bool)>>, GpuError> {
+    ) -> Result<Vec<Option<(DesignOutcome, Want)>>, GpuError> {
         let started = Instant::now();
         let (bodies, design_slots) = distinct(joints);
         self.prepare(space, &bodies)?;
@@ -262,11 +261,10 @@ impl Backend for GpuBackend<'_> {
                     for ((index, plan), solved) in piece.iter().zip(self.solve_joints(space, &joints)?) {
                         match solved {
                             None => for_cpu.push(*index),
-                            Some((outcome, settled)) => {
+                            Some((outcome, want)) => {
                                 outcomes[*index] = Some(outcome);
-                                if !settled {
-                                    open.extend(plan.finer(self.options.accuracy).map(|plan| (*index, plan)));
-                                }
+                                let next = plan.next(want, self.options.accuracy);
+                                open.extend(next.map(|plan| (*index, plan)));
                             }
                         }
                     }
