@@ -12,16 +12,18 @@ use jointsweep::engine::backend::gpu::context::GpuError;
 use jointsweep::engine::backend::{Backend, Solver};
 use jointsweep::engine::cost;
 use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
-use jointsweep::engine::plan::{Estimate, JointPlan, Trust, first_level, mesh_error};
-use jointsweep::engine::request::mesh_size;
+use jointsweep::engine::plan::{Estimate, JointPlan, Trust, Want, first_level, mesh_error};
+use jointsweep::engine::request::{Fidelity, mesh_size};
 use jointsweep::engine::sweep::{self, Statistics, SweepOptions};
-use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
+use jointsweep::mechanics::body::{Body, Shape, annulus, block, cored_disc, half_disc};
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::{GradingClass, LEVEL_COUNT};
 use jointsweep::mechanics::material::{Idealization, Material};
 use jointsweep::mechanics::mesh::RingTopology;
 use jointsweep::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::tradeoff::families::series;
+use jointsweep::tradeoff::joints::Terms;
 use random::Random;
 
 const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
@@ -430,4 +432,41 @@ fn an_accelerator_that_gives_up_loses_no_design() {
     assert!(solver.stages().iter().any(|(name, time)| *name == "contact" && time.as_secs() == 1000));
     assert!(solver.stages().contains(&("its own", Duration::from_secs(1))));
     assert_eq!((solver.worst_residual(), solver.solves()), (Some(1e-5), 7));
+}
+
+/// Where meshes are good enough but trial pressures are not, more of these are taken on the same meshes; without more of them
+/// finer meshes, and of exact bodies nothing.
+#[test]
+fn what_trial_pressures_leave_is_answered_with_more() {
+    let plan =
+        |pin, plate, accuracy| JointPlan::cheapest(&joint(pin, plate), MethodChoice::Auto, accuracy).unwrap();
+    let rough = plan(half(), ring(2.0), 0.01);
+    let next = rough.next(Want::MoreTerms, 0.01).unwrap();
+    assert_eq!((rough.pin.space.terms, next.pin.space.terms, next.plate.space.terms), (6, 10, 10));
+    assert_eq!((next.level, next.estimate), (rough.level, rough.estimate));
+    assert_eq!(rough.next(Want::Nothing, 0.01).map(|plan| plan.level), None);
+    let all = std::iter::successors(Some(rough), |plan| plan.next(Want::MoreTerms, 0.01));
+    assert_eq!(all.map(|plan| plan.pin.space.terms).take(5).collect::<Vec<_>>(), [6, 10, 16, 24, 24]);
+    let exact = plan(disc(), ring(2.0), 0.01);
+    let all = std::iter::successors(Some(exact), |plan| plan.next(Want::MoreTerms, 0.01));
+    assert_eq!(all.map(|plan| plan.pin.space.terms).collect::<Vec<_>>(), [6, 10, 16, 24]);
+    assert!(exact.next(Want::FinerMesh, 0.01).is_none());
+
+    // What is known of the coarsest mesh leaves no room for what six leave of wide contacts.
+    let loads: Vec<Load> = (0..24).map(|i| Load::Indentation(1e-4 * 1.4_f64.powi(i))).collect();
+    let plate = part(&block::SHAPE, [3.0, 3.0, 3.0]);
+    let wide = case(JointDesign { radial_clearance: 1e-3, ..joint(disc(), plate) }, &loads);
+    let steps = alone(&wide, MethodChoice::Auto, 0.01);
+    assert!(steps.iter().all(|step| step.status == "ok"));
+    let mesh = |body: &Body| {
+        if body.shape.concentric { Fidelity::Series } else { Fidelity::Mesh { level: 0 } }
+    };
+    let differences = [6, 10].map(|terms| {
+        let states = series::solve_bodies(Terms::Fixed(terms), mesh, std::slice::from_ref(&wide)).states;
+        let pairs = steps.iter().zip(&states[0]);
+        pairs.fold(0.0_f64, |worst, (step, state)| {
+            worst.max((step.response.unwrap().force / state.unwrap().force - 1.0).abs())
+        })
+    });
+    assert!(differences[0] > 1e-9 && differences[1] < 1e-12, "{differences:?}");
 }
