@@ -70,9 +70,10 @@ pub enum Trust {
     /// Near and far field are those of the class's reference, but for its ratio: the finer mesh is far better.
     Concentric,
     Full,
-    /// A body is nearly incompressible in plane strain: both meshes may be about to lock, the finer one a little less.
-    NearlyIncompressible,
-    /// And its wall is thin: no mesh here is fine enough for what is squeezed along it.
+    /// Both meshes may be wrong alike: a body is nearly incompressible in plane strain, so that they lock, or is a block more
+    /// lopsided than any that was measured.
+    Wary,
+    /// It is nearly incompressible and its wall is thin: no mesh here is fine enough for what is squeezed along it.
     SqueezedFilm,
 }
 
@@ -86,7 +87,12 @@ impl Trust {
         match request.fidelity {
             Fidelity::Mesh { .. } if range == PoissonRange::Incompressible => {
                 let is_film = (shape.depth_range)(parameters).0 < FILM;
-                if is_film { Trust::SqueezedFilm } else { Trust::NearlyIncompressible }
+                if is_film { Trust::SqueezedFilm } else { Trust::Wary }
+            }
+            Fidelity::Mesh { .. }
+                if !shape.sides.is_empty() && known_level(&[request.body], 1.0).is_none() =>
+            {
+                Trust::Wary
             }
             _ if shape.concentric => Trust::Concentric,
             _ => Trust::Full,
@@ -99,7 +105,7 @@ impl Trust {
         match self {
             Trust::Concentric => 0.4 * error + 0.6 * mesh_error(level, 0.0),
             Trust::Full => error,
-            Trust::NearlyIncompressible => 3.0 * error + 20.0 * mesh_error(level, 0.0),
+            Trust::Wary => 3.0 * error + 20.0 * mesh_error(level, 0.0),
             Trust::SqueezedFilm => 0.1 + error,
         }
     }
