@@ -9,7 +9,8 @@ use jointsweep::mechanics::compliance::series::ConcentricBody;
 use jointsweep::mechanics::contact::arc_state::ArcState;
 use jointsweep::mechanics::contact::loading::{DimensionlessLoad, JointCurve};
 use jointsweep::mechanics::contact::pressure::JointCompliance;
-use jointsweep::mechanics::contact::smooth_curve::{CURVE_TERMS, CurveNodes, SmoothCurve};
+use jointsweep::mechanics::contact::smooth_curve::nodes::CurveNodes;
+use jointsweep::mechanics::contact::smooth_curve::{CURVE_TERMS, SmoothCurve};
 use jointsweep::mechanics::material::Idealization;
 
 const RADIAL_CLEARANCE: f64 = 1e-3;

@@ -9,7 +9,9 @@ use crate::engine::unit_costs::{SERIES_SECONDS, TOPOLOGY_SECONDS, body_seconds};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Shape};
 use crate::mechanics::compliance::body_fit::{BodyFit, Polynomials};
 use crate::mechanics::compliance::near_field::PoissonRange;
-use crate::mechanics::contact::smooth_curve::{CURVE_NODES, CURVE_TERMS, CurveNodes, relative_changes};
+use crate::mechanics::contact::smooth_curve::at_nodes::relative_changes;
+use crate::mechanics::contact::smooth_curve::nodes::CurveNodes;
+use crate::mechanics::contact::smooth_curve::{CURVE_NODES, CURVE_TERMS};
 use crate::mechanics::material::Idealization;
 
 /// Shape ratios and Poisson's ratio.

@@ -14,8 +14,9 @@ use crate::engine::request::SpaceKey;
 use crate::engine::respond::{LoadState, Solving, Way, loads_in_contact};
 use crate::mechanics::compliance::body_fit::{FitScratch, add_modes};
 use crate::mechanics::contact::loading::NoState;
+use crate::mechanics::contact::smooth_curve::nodes::CurveNodes;
 use crate::mechanics::contact::smooth_curve::{
-    CURVE_NODES, CURVE_TERMS, CurveNodes, CurveState, ENTRY_COUNT, SmoothCurve,
+    CURVE_NODES, CURVE_TERMS, CurveState, ENTRY_COUNT, SmoothCurve,
 };
 use crate::study::design::DesignCase;
 

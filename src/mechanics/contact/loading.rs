@@ -62,7 +62,8 @@ impl<'a> JointCurve<'a> {
     /// The states under loads (> 0), for a radial clearance over the hole's radius, >= 0. `LANES` searches go abreast;
     /// where one ends the next load takes its lane.
     pub fn states(&self, clearance: f64, loads: &[DimensionlessLoad]) -> Vec<Result<ArcState, NoState>> {
-        let mut searches: Vec<Search> = loads.iter().map(|load| self.begin(clearance, *load)).collect();
+        let targets: Vec<Target> = loads.iter().map(|load| Target::new(clearance, *load)).collect();
+        let mut searches: Vec<Search> = targets.iter().map(|target| self.begin(*target)).collect();
         loop {
             let open = searches.iter().enumerate().filter(|(_, search)| search.found.is_none());
             let lanes: Vec<usize> = open.map(|(index, _)| index).take(LANES).collect();
@@ -76,7 +77,7 @@ impl<'a> JointCurve<'a> {
             for (state, index) in self.joint.at(&half_angles).into_iter().zip(lanes) {
                 match state {
                     Some(state) => {
-                        let excess = excess(&state, clearance, loads[index]);
+                        let excess = targets[index].excess_of(&state);
                         searches[index].feed(state, excess);
                     }
                     None => searches[index].found = Some(Err(NoState::BrokenCompliance)),
@@ -87,12 +88,12 @@ impl<'a> JointCurve<'a> {
     }
 
     /// The bracket of a load among the samples, and a first guess between them.
-    fn begin(&self, clearance: f64, load: DimensionlessLoad) -> Search {
-        let Some(above) = self.samples.iter().position(|state| excess(state, clearance, load) >= 0.0) else {
+    fn begin(&self, target: Target) -> Search {
+        let Some(above) = self.samples.iter().position(|state| target.excess_of(state) >= 0.0) else {
             return Search::ended(NoState::ContactTooWide);
         };
         let Some(below) = above.checked_sub(1) else { return Search::ended(NoState::BrokenCompliance) };
-        let point = |state: &ArcState| (state.arc.half_angle.ln(), excess(state, clearance, load));
+        let point = |state: &ArcState| (state.arc.half_angle.ln(), target.excess_of(state));
         // Inverse interpolation through the neighbours as well, where it stays inside the bracket.
         let first = below.saturating_sub(1);
         let last = (above + 1).min(self.samples.len() - 1);
@@ -104,28 +105,65 @@ impl<'a> JointCurve<'a> {
     }
 }
 
-/// How much the state's load exceeds the one asked: the logarithm of their ratio, a power law of eps for small angles.
-/// A force grows without bound towards a neat fit, where dR/e ends; so there it is the difference of dR/e and what it
-/// should be, which goes on beyond. The root is searched of this, negative below and positive above.
-fn excess(state: &ArcState, clearance: f64, load: DimensionlessLoad) -> f64 {
-    match load {
-        DimensionlessLoad::Indentation(delta) => (state.indentation * ((clearance + delta) / delta)).ln(),
-        // A neat fit has one half angle, whatever the load.
-        DimensionlessLoad::Force(_) if clearance == 0.0 => state.indentation.ln(),
-        DimensionlessLoad::Force(force) => {
-            let wanted = state.force * (clearance / force);
-            let clearance = state.clearance();
-            if clearance > 0.5 { (wanted / clearance).ln() } else { wanted - clearance }
+/// A load as what is searched for.
+#[derive(Clone, Copy)]
+pub(super) enum Target {
+    /// delta/e.
+    Indentation(f64),
+    /// F over the clearance.
+    Force(f64),
+}
+
+impl Target {
+    pub(super) fn new(clearance: f64, load: DimensionlessLoad) -> Target {
+        match load {
+            DimensionlessLoad::Indentation(delta) => Target::Indentation(delta / (clearance + delta)),
+            // A neat fit has one half angle, whatever the load.
+            DimensionlessLoad::Force(_) if clearance == 0.0 => Target::Indentation(1.0),
+            DimensionlessLoad::Force(force) => Target::Force(force / clearance),
         }
+    }
+
+    /// `excess` >= 0, without a logarithm.
+    #[inline(always)]
+    pub(super) fn is_reached(self, indentation: f64, force: f64) -> bool {
+        match self {
+            Target::Indentation(target) => indentation >= target,
+            Target::Force(target) => force >= target * (1.0 - indentation),
+        }
+    }
+
+    /// How much a state's load, delta/e and F/e, exceeds the one asked: the logarithm of their ratio, a power law of eps for
+    /// small angles. A force grows without bound towards a neat fit, where dR/e ends; so there it is the difference of
+    /// dR/e and what it should be, which goes on beyond. The root is searched of this, negative below and positive above.
+    #[inline(always)]
+    pub(super) fn excess(self, indentation: f64, force: f64) -> f64 {
+        match self {
+            Target::Indentation(target) => (indentation / target).ln(),
+            Target::Force(target) => {
+                let (wanted, clearance) = (force / target, 1.0 - indentation);
+                if clearance > 0.5 { (wanted / clearance).ln() } else { wanted - clearance }
+            }
+        }
+    }
+
+    fn excess_of(self, state: &ArcState) -> f64 {
+        self.excess(state.indentation, state.force)
     }
 }
 
 /// The position at which the polynomial through (position, value), taken as position of value, has the value zero.
-fn inverse_interpolation(points: &[(f64, f64)]) -> f64 {
+#[inline(always)]
+pub(super) fn inverse_interpolation(points: &[(f64, f64)]) -> f64 {
     let mut sum = 0.0;
     for (i, (position, value)) in points.iter().enumerate() {
-        let others = points.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, (_, other))| other);
-        sum += position * others.map(|other| other / (other - value)).product::<f64>();
+        let mut product = *position;
+        for (j, (_, other)) in points.iter().enumerate() {
+            if j != i {
+                product *= other / (other - value);
+            }
+        }
+        sum += product;
     }
     sum
 }
