@@ -4,65 +4,70 @@
 
 use crate::workdir::{Rows, Workdir};
 
-/// Meshes on both sides, two loads a design, one of them without contact.
-const SWEEP: &str = r#"
+/// A drawn sweep of cored pins in blocks, in steel and softer.
+fn config(varied: &Varied) -> String {
+    let Varied { idealization, half_width_ratio, poissons_ratio, indentation, count, solve } = varied;
+    format!(
+        r#"
 [joint]
-idealization = "plane-strain"
-hole_radius = { from = "5 mm", to = "50 mm", spacing = "log" }
-radial_clearance = { from = "0.01 mm", to = "0.2 mm", spacing = "log" }
+idealization = "{idealization}"
+hole_radius = {{ from = "5 mm", to = "50 mm", spacing = "log" }}
+radial_clearance = {{ from = "0.01 mm", to = "0.2 mm", spacing = "log" }}
 thickness = "5 mm"
 [joint.pin]
 model = "rigid-core"
-core_radius_ratio = { from = 0.1, to = 0.4 }
+core_radius_ratio = {{ from = 0.1, to = 0.4 }}
 youngs_modulus = "210 GPa"
 poissons_ratio = 0.3
 [joint.plate]
 model = "block"
-half_width_ratio = { from = 2.0, to = 4.0 }
+half_width_ratio = {half_width_ratio}
 depth_ratio = 3.0
 height_ratio = 2.0
 support = "outer"
-youngs_modulus = { from = "10 GPa", to = "210 GPa" }
-poissons_ratio = { from = 0.1, to = 0.45 }
+youngs_modulus = {{ from = "10 GPa", to = "210 GPa" }}
+poissons_ratio = {poissons_ratio}
 [load]
-indentation = ["0 mm", "0.002 mm", "0.02 mm"]
+indentation = {indentation}
 [sampling]
 method = "latin-hypercube"
-count = 6
+count = {count}
 [solve]
 accuracy = "1 %"
-method = "fe"
-"#;
+{solve}
+"#
+    )
+}
+
+struct Varied {
+    idealization: &'static str,
+    half_width_ratio: &'static str,
+    poissons_ratio: &'static str,
+    indentation: &'static str,
+    count: usize,
+    solve: &'static str,
+}
+
+/// Meshes on both sides, two loads a design, one of them without contact.
+const SWEEP: Varied = Varied {
+    idealization: "plane-strain",
+    half_width_ratio: "{ from = 2.0, to = 4.0 }",
+    poissons_ratio: "{ from = 0.1, to = 0.45 }",
+    indentation: r#"["0 mm", "0.002 mm", "0.02 mm"]"#,
+    count: 6,
+    solve: r#"method = "fe""#,
+};
 
 /// Pins that are all different in plates of a few kinds (software takes long for each), about as many as make it worth
 /// the while to interpolate them.
-const LARGE: &str = r#"
-[joint]
-idealization = "plane-stress"
-hole_radius = { from = "5 mm", to = "50 mm", spacing = "log" }
-radial_clearance = { from = "0.01 mm", to = "0.2 mm", spacing = "log" }
-thickness = "5 mm"
-[joint.pin]
-model = "rigid-core"
-core_radius_ratio = { from = 0.1, to = 0.4 }
-youngs_modulus = "210 GPa"
-poissons_ratio = 0.3
-[joint.plate]
-model = "block"
-half_width_ratio = [2.0, 2.2, 2.4, 2.6, 2.8, 3.0]
-depth_ratio = 3.0
-height_ratio = 2.0
-support = "outer"
-youngs_modulus = { from = "10 GPa", to = "210 GPa" }
-poissons_ratio = 0.3
-[load]
-indentation = "0.02 mm"
-[sampling]
-method = "latin-hypercube"
-count = 2500
-[solve]
-accuracy = "1 %"
-"#;
+const LARGE: Varied = Varied {
+    idealization: "plane-stress",
+    half_width_ratio: "[2.0, 2.2, 2.4, 2.6, 2.8, 3.0]",
+    poissons_ratio: "0.3",
+    indentation: r#""0.02 mm""#,
+    count: 2500,
+    solve: "",
+};
 
 /// Any adapter: every name holds the empty one.
 const ANY: [&str; 2] = ["--adapter", ""];
@@ -71,7 +76,7 @@ const ANY: [&str; 2] = ["--adapter", ""];
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn a_config_gives_the_same_table_on_both_backends() {
     let work = Workdir::new("backends");
-    work.write("sweep.toml", SWEEP);
+    work.write("sweep.toml", &config(&SWEEP));
     work.run(&["run", "sweep.toml", "--out", "cpu", "--backend", "cpu"]).expect(0);
     for (precision, allowed) in [("f32", 1e-4), ("f64", 2e-9), ("mixed", 1e-7)] {
         let arguments = ["run", "sweep.toml", "--out", precision, "--precision", precision];
@@ -117,8 +122,8 @@ fn a_config_gives_the_same_table_on_both_backends() {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn a_sweep_that_only_the_processor_interpolates_agrees_to_the_accuracy_asked() {
     let work = Workdir::new("interpolated");
-    work.write("auto.toml", LARGE);
-    work.write("off.toml", &format!("{LARGE}interpolation = \"off\"\n"));
+    work.write("auto.toml", &config(&LARGE));
+    work.write("off.toml", &config(&Varied { solve: r#"interpolation = "off""#, ..LARGE }));
     for name in ["auto", "off"] {
         let config = format!("{name}.toml");
         work.run(&["run", &config, "--out", name, "--backend", "cpu"]).expect(0);
@@ -158,7 +163,7 @@ fn worst_force(found: &Rows, expected: &Rows) -> f64 {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn an_adapter_that_is_not_there_is_an_error_that_names_those_that_are() {
     let work = Workdir::new("adapters");
-    work.write("sweep.toml", SWEEP);
+    work.write("sweep.toml", &config(&SWEEP));
     let refused = work.run(&["run", "sweep.toml", "--adapter", "no such thing"]).expect(1);
     let start = "error: no adapter is called `no such thing`; there are: ";
     let line = refused.stderr.lines().find(|line| line.starts_with(start)).expect(&refused.stderr);
