@@ -26,8 +26,8 @@ struct AssembleParameters {
     side_count: u32,
     // Else in plane stress.
     is_plane_strain: u32,
-    // Thickness of the layer at the far boundary, over what its growth makes it.
-    last_layer: f32,
+    // At the far boundary, each thinner than the one before.
+    shrinking_layers: u32,
 }
 
 @group(0) @binding(0) var<uniform> parameters: AssembleParameters;
@@ -45,7 +45,8 @@ struct AssembleParameters {
 @group(0) @binding(4) var<storage, read> source_starts: array<u32>;
 // [source]: (element * 16 + i) * 16 + j of the element entry that is added.
 @group(0) @binding(5) var<storage, read> sources: array<u32>;
-// [body][reach of each grid point, then of each point of each element 8 gradients and (|J|, 0)]
+// [body][reach of each grid point, step to each from the one before on its line, then of each point of each element 8 gradients
+// and (|J|, 0)]
 @group(0) @binding(6) var<storage, read_write> geometry: array<wide2>;
 // [body][value]
 @group(0) @binding(7) var<storage, read_write> values: array<wide>;
@@ -62,6 +63,7 @@ var<workgroup> sound_total: u32;
 
 // Twins of the same names: src/mechanics/mesh.rs.
 const LEEWAY = wide(0.3);
+const SHRINK = wide(0.4);
 const CROWDING = wide(0.5);
 const THICK_WALL = wide(0.3);
 
@@ -165,7 +167,12 @@ fn thinnest_wall(numbers: u32) -> wide {
 
 // Of what its growth makes it.
 fn part_of_layer(layer: u32) -> wide {
-    return select(wide(1.0), wide(parameters.last_layer), layer + 1u == parameters.row_count / 2u);
+    let ahead = parameters.row_count / 2u - 1u - layer;
+    var part = wide(1.0);
+    for (var shrunk = ahead; shrunk < parameters.shrinking_layers; shrunk++) {
+        part *= SHRINK;
+    }
+    return part;
 }
 
 fn depth_at_growth(growth: wide) -> wide {
@@ -197,23 +204,21 @@ fn layer_growth(depth: wide) -> wide {
     return high;
 }
 
-// Of a corner node: `mesh::Course::point`. In a body with straight sides a mid-side line has (1 less its bow, 0) instead,
-// for `bow`.
-fn reach_at(line: Line, far: wide, column: u32, share: wide) -> wide2 {
-    if line.haste == wide(0.0) {
-        return share * line.span;
-    }
-    let way = min(share * line.haste, wide(1.0));
-    let left = wide(1.0) - way;
-    let radial_part = left * left * (wide(1.0) + wide(2.0) * way);
-    if column % 2u == 1u {
-        return wide2(share * (wide(1.0) - radial_part * (wide(1.0) + far)), wide(0.0));
-    }
-    return share * (line.span + radial_part * (far * shared_numbers[2u + column] - line.span));
+fn sixth_power(value: wide) -> wide {
+    let square = value * value;
+    return square * square * square;
 }
 
-// Reaches of all grid points of a line.
-fn reach_of_line(column: u32, numbers: u32, grid: u32) {
+// `mesh::Course::radial_part`.
+fn radial_part(line: Line, share: wide) -> wide {
+    let way = min(share * line.haste, wide(1.0));
+    let left = wide(1.0) - way;
+    return left * left * (wide(1.0) + wide(2.0) * way);
+}
+
+// Reaches of all grid points of a line, and steps to them from the points before: `mesh::Course::point`. In a body with straight
+// sides a mid-side line has (1 less its bow, 0) instead of its reaches, for `bow`.
+fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
     var line: Line;
     if parameters.side_count > 0u {
         line = line_to_side(column, numbers);
@@ -221,49 +226,90 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32) {
         let depth = bodies[numbers + 1u];
         line = Line(depth, beyond_ring(depth, wide(1.0)) * shared_numbers[2u + column], wide(0.0));
     }
+    let is_straight = line.haste == wide(0.0);
     let growth = layer_growth(line.depth);
     // The growth factor is only as good as the bisection; the far boundary is where it is.
     let total = depth_at_growth(growth);
     let far = beyond_ring(line.depth, wide(1.0));
-    var reached = wide(0.0);
-    var before = wide2(wide(0.0), wide(0.0));
+    let aside = far * shared_numbers[2u + column] - line.span;
     var thickness = shared_numbers[0].x;
-    geometry[grid + column] = before;
+    // Of the way: by depth, and by distance; and the distance from the ring's centre.
+    var reached = wide(0.0);
+    var share = wide(0.0);
+    var distance = wide(1.0);
+    var part = wide(1.0);
+    var reach = wide2(wide(0.0), wide(0.0));
+    geometry[grid + column] = reach;
     for (var layer = 0u; layer < parameters.row_count / 2u; layer++) {
-        reached += thickness * part_of_layer(layer);
+        // From one point to the next, so that thin layers far from the ring keep their digits.
+        let deeper = thickness * part_of_layer(layer) / total;
         thickness = min(thickness * growth, shared_numbers[0].y);
-        let own = reach_at(line, far, column, beyond_ring(line.depth, reached / total) / far);
-        let row = grid + 2u * layer * parameters.column_count + column;
-        geometry[row + parameters.column_count] = wide(0.5) * (before + own);
-        geometry[row + 2u * parameters.column_count] = own;
-        before = own;
+        let farther = distance * exp_minus_one(shared_numbers[1].x * line.depth * deeper);
+        let pulled = shared_numbers[1].y * (sixth_power(reached + deeper) - sixth_power(reached));
+        let more = (farther - pulled) / far;
+        reached += deeper;
+        distance += farther;
+        var step = more * line.span;
+        let row = 2u * layer * parameters.column_count + column;
+        if !is_straight {
+            let part_before = part;
+            part = radial_part(line, share + more);
+            step += (more * part + share * (part - part_before)) * aside;
+        }
+        share += more;
+        let own = reach + step;
+        if !is_straight && column % 2u == 1u {
+            let before = geometry[grid + row].x;
+            let less = share * (wide(1.0) - part * (wide(1.0) + far));
+            geometry[grid + row + parameters.column_count] = wide2(wide(0.5) * (before + less), wide(0.0));
+            geometry[grid + row + 2u * parameters.column_count] = wide2(less, wide(0.0));
+        } else {
+            geometry[grid + row + parameters.column_count] = reach + wide(0.5) * step;
+            geometry[grid + row + 2u * parameters.column_count] = own;
+        }
+        geometry[steps + row + parameters.column_count] = wide(0.5) * step;
+        geometry[steps + row + 2u * parameters.column_count] = wide(0.5) * step;
+        reach = own;
     }
 }
 
 // Half-way between the lines of corner nodes, but for the bow.
-fn bow(column: u32, grid: u32) {
+fn bow(column: u32, grid: u32, steps: u32) {
     let sagitta = shared_numbers[2u + 2u * parameters.column_count + column];
+    var less_before = wide(0.0);
     for (var row = 0u; row < parameters.row_count; row++) {
-        let place = grid + row * parameters.column_count + column;
+        let at = row * parameters.column_count + column;
+        let place = grid + at;
         let less = geometry[place].x;
         geometry[place] = wide(0.5) * (geometry[place - 1u] + geometry[place + 1u]) - less * sagitta;
+        if row > 0u {
+            let neighbours = geometry[steps + at - 1u] + geometry[steps + at + 1u];
+            geometry[steps + at] = wide(0.5) * neighbours - (less - less_before) * sagitta;
+        }
+        less_before = less;
     }
 }
 
 // Gradients of the shape functions by x and y, and |J|, at one point of one element; whether |J| > 0.
-fn gradients(item: u32, grid: u32, points: u32) -> bool {
+fn gradients(item: u32, grid: u32, steps: u32, points: u32) -> bool {
     let element = item / POINTS;
     let rule = 2u + 4u * parameters.column_count + (item % POINTS) * NODES;
-    let origin = element_grid[element * NODES];
-    let first_column = origin % parameters.column_count;
+    let corners = vec2<u32>(element_grid[element * NODES], element_grid[element * NODES + 1u]);
+    // Where the element begins: nearest to the ring, and to the load line.
+    let first_row = min(corners.x, corners.y) / parameters.column_count;
+    let first_column = corners.x % parameters.column_count;
+    let row_place = grid + first_row * parameters.column_count;
     var by_xi = wide2(wide(0.0), wide(0.0));
     var by_eta = wide2(wide(0.0), wide(0.0));
     for (var node = 0u; node < NODES; node++) {
         let at = element_grid[element * NODES + node];
-        var place = geometry[grid + at] - geometry[grid + origin];
-        // The first node lies on the first of the element's lines.
-        for (var column = first_column; column < at % parameters.column_count; column++) {
+        let own_column = at % parameters.column_count;
+        var place = geometry[row_place + own_column] - geometry[row_place + first_column];
+        for (var column = first_column; column < own_column; column++) {
             place += shared_numbers[2u + parameters.column_count + column];
+        }
+        for (var row = first_row + 1u; row <= at / parameters.column_count; row++) {
+            place += geometry[steps + row * parameters.column_count + own_column];
         }
         let derivative = shared_numbers[rule + node];
         by_xi += derivative.x * place;
@@ -316,27 +362,28 @@ fn assemble(
     let grid_size = parameters.row_count * parameters.column_count;
     let point_count = POINTS * parameters.element_count;
     let numbers = body * body_size();
-    let grid = body * (grid_size + point_count * POINT_SIZE);
-    let points = grid + grid_size;
+    let grid = body * (2u * grid_size + point_count * POINT_SIZE);
+    let steps = grid + grid_size;
+    let points = steps + grid_size;
 
     // The memory of a workgroup begins with anything.
     if invocation == 0u {
         atomicStore(&sound_points, 0u);
     }
     for (var column = invocation; column < parameters.column_count; column += INVOCATIONS) {
-        reach_of_line(column, numbers, grid);
+        reach_of_line(column, numbers, grid, steps);
     }
     storageBarrier();
     workgroupBarrier();
     if parameters.side_count > 0u {
         for (var column = 2u * invocation + 1u; column < parameters.column_count; column += 2u * INVOCATIONS) {
-            bow(column, grid);
+            bow(column, grid, steps);
         }
     }
     storageBarrier();
     workgroupBarrier();
     for (var item = invocation; item < point_count; item += INVOCATIONS) {
-        if gradients(item, grid, points) {
+        if gradients(item, grid, steps, points) {
             atomicAdd(&sound_points, 1u);
         }
     }

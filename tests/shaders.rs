@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 
 use jointsweep::engine::backend::gpu::batch::{KernelFacts, OnChip};
-use jointsweep::engine::backend::gpu::contact::{ContactParameters, NO_SLOT, RESPONSE_SIZE};
+use jointsweep::engine::backend::gpu::contact::{ContactParameters, NO_SLOT, NOTHING, RESPONSE_SIZE};
 use jointsweep::engine::backend::gpu::kernels::{
     ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE, ROOFLINE, Sums, Variant,
 };

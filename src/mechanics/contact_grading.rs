@@ -41,6 +41,6 @@ pub fn contact_grading(element: ElementKind, least_angle: f64, q: f64, end: f64,
     Grading {
         element,
         angles,
-        layers: Layers { first, thickest: thickest_layer, count: layer_count, last: 1.0 },
+        layers: Layers { first, thickest: thickest_layer, count: layer_count, shrinking: 0 },
     }
 }

@@ -5,11 +5,9 @@
 //! body's own depth, not the contact angle, and one mesh serves every load. Depths are rounded to classes, so that
 //! bodies of one class share their topology and the near-field correction.
 
-use std::f64::consts::PI;
-
 use crate::mechanics::body::Body;
 use crate::mechanics::element::ElementKind;
-use crate::mechanics::mesh::{Grading, Layers};
+use crate::mechanics::mesh::{Grading, Layers, SHRINK, holding_changes};
 
 /// One step on the ladder of resolutions.
 #[derive(Clone, Copy, Debug)]
@@ -22,16 +20,18 @@ struct Level {
     widest: f64,
     /// The most by which a layer may exceed the one before, and its outer radius its inner one.
     growth: f64,
+    /// Layers that shrink towards a far boundary with corners where the holding changes.
+    shrinking: usize,
 }
 
 const LEVELS: [Level; LEVEL_COUNT + 1] = [
-    Level { first: 0.40, spread: 1.5, widest: 45.0, growth: 2.2 },
-    Level { first: 0.30, spread: 2.0, widest: 36.0, growth: 2.0 },
-    Level { first: 0.20, spread: 2.5, widest: 24.0, growth: 1.55 },
-    Level { first: 0.13, spread: 3.5, widest: 16.0, growth: 1.45 },
-    Level { first: 0.085, spread: 5.0, widest: 11.0, growth: 1.3 },
-    Level { first: 0.055, spread: 7.0, widest: 7.5, growth: 1.2 },
-    Level { first: 0.036, spread: 10.0, widest: 5.0, growth: 1.13 },
+    Level { first: 0.40, spread: 1.5, widest: 45.0, growth: 2.2, shrinking: 2 },
+    Level { first: 0.30, spread: 2.0, widest: 36.0, growth: 2.0, shrinking: 2 },
+    Level { first: 0.20, spread: 2.7, widest: 26.0, growth: 1.7, shrinking: 3 },
+    Level { first: 0.13, spread: 2.8, widest: 22.0, growth: 1.45, shrinking: 4 },
+    Level { first: 0.085, spread: 3.8, widest: 13.0, growth: 1.3, shrinking: 4 },
+    Level { first: 0.055, spread: 7.0, widest: 7.5, growth: 1.2, shrinking: 4 },
+    Level { first: 0.036, spread: 10.0, widest: 5.0, growth: 1.13, shrinking: 5 },
 ];
 
 /// Levels a sweep may climb, coarsest first.
@@ -57,20 +57,31 @@ pub struct GradingClass {
     /// The least depth is at least 2^(-depth_class/2), or 1 for class 0.
     pub depth_class: u32,
     pub layer_count: usize,
-    /// Whether the far boundary has corners, where the stress may be singular.
-    pub cornered: bool,
+    /// Layers that shrink towards the far boundary.
+    pub shrinking: usize,
+    /// Whether the ring ends where a held face begins: a corner that contact may come near.
+    pub ends_held: bool,
 }
 
-/// Thickness of the layer at a boundary with corners, over what its growth makes it.
-const LAST_LAYER: f64 = 0.5;
+/// How a ring that ends held is divided towards its end: its widest spacing and its first layer over those of a whole ring, and
+/// so many more elements at the end that shrink.
+const WIDEST_ENDS_HELD: f64 = 0.8;
+const FIRST_ENDS_HELD: f64 = 0.6;
+const SHRINKING_AT_HELD_END: usize = 3;
 
 impl GradingClass {
     /// The class of `body` at `level` (below `LEVEL_COUNT`, or `REFERENCE_LEVEL`).
     pub fn of(body: &Body, element: ElementKind, level: usize) -> GradingClass {
         let (least, greatest) = (body.shape.depth_range)(&body.parameters);
         let depth_class = (-CLASSES_PER_OCTAVE * least.log2()).ceil().max(0.0) as u32;
-        let cornered = !body.shape.sides.is_empty();
-        let mut class = GradingClass { level, element, depth_class, layer_count: 2, cornered };
+        let corners = body.shape.sides.len().saturating_sub(1);
+        let shrinking = match (0..corners).any(|corner| holding_changes(body, corner)) {
+            true => LEVELS[level].shrinking,
+            // Stresses are high in any corner.
+            false => corners.min(1),
+        };
+        let ends_held = body.shape.end_face_held;
+        let mut class = GradingClass { level, element, depth_class, layer_count: 2, shrinking, ends_held };
         while class.depth_at_growth(LEVELS[level].growth) < greatest && class.layer_count < MOST_LAYERS {
             class.layer_count += 1;
         }
@@ -84,7 +95,8 @@ impl GradingClass {
 
     /// Thickness of the first layer in the shape's measure of depth.
     pub fn first_layer(&self) -> f64 {
-        LEVELS[self.level].first * self.class_depth()
+        let part = if self.ends_held { FIRST_ENDS_HELD } else { 1.0 };
+        part * LEVELS[self.level].first * self.class_depth()
     }
 
     fn thickest_layer(&self) -> f64 {
@@ -101,13 +113,13 @@ impl GradingClass {
             first: self.first_layer(),
             thickest: self.thickest_layer(),
             count: self.layer_count,
-            last: if self.cornered { LAST_LAYER } else { 1.0 },
+            shrinking: self.shrinking,
         }
     }
 
-    /// The class of a body without corners of the same layers, as many as reach a depth when they grow so.
+    /// The class of a body with a round boundary of the same layers, as many as reach a depth when they grow so.
     pub fn cut_at(&self, depth: f64, growth: f64) -> GradingClass {
-        let mut cut = GradingClass { layer_count: 2, cornered: false, ..*self };
+        let mut cut = GradingClass { layer_count: 2, shrinking: 0, ..*self };
         while cut.layer_count < self.layer_count && cut.depth_at_growth(growth) < depth {
             cut.layer_count += 1;
         }
@@ -120,8 +132,7 @@ impl GradingClass {
         // A thin body answers locally, so its ring is divided evenly finer; by no more than three, where it is nearly
         // a Winkler bed, whose answer needs no resolution.
         let thinness = (self.class_depth() / THICK).clamp(1.0 / 3.0, 1.0);
-        // The end of a half ring is a corner between a free and a held side, which contact may come near.
-        let evenness = if end_angle < PI { thinness.min(0.4) } else { thinness };
+        let evenness = if self.ends_held { thinness.min(WIDEST_ENDS_HELD) } else { thinness };
         let widest = evenness * widest.to_radians();
         let mut angles = vec![0.0];
         let mut reached = 0.0;
@@ -139,12 +150,19 @@ impl GradingClass {
         angles.iter_mut().for_each(|angle| *angle *= 1.0 + stretch * *angle / last);
         let count = angles.len();
         angles[count - 1] = end_angle;
+        if self.ends_held {
+            let last = end_angle - angles[count - 2];
+            let shrunk = (1..=SHRINKING_AT_HELD_END).map(|i| end_angle - last * SHRINK.powi(i as i32));
+            angles.splice(count - 1..count - 1, shrunk);
+        }
         Grading { element: self.element, angles, layers: self.layers() }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
     use crate::mechanics::body::{annulus, block, cored_disc, half_disc};
     use crate::mechanics::material::Idealization;
@@ -177,7 +195,9 @@ mod tests {
     #[test]
     fn the_first_layer_fits_the_thinnest_place() {
         all(|body, level, class| {
-            let least = (body.shape.depth_range)(&body.parameters).0.min(1.0);
+            // Where the ring ends held, a little thinner.
+            let part = if body.shape.end_face_held { 0.6 } else { 1.0 };
+            let least = part * (body.shape.depth_range)(&body.parameters).0.min(1.0);
             let share = class.first_layer() / (level.first * least);
             assert!(share <= 1.0 + 1e-12 && share > 0.5_f64.sqrt() - 1e-12, "{body:?}: {share}");
         });
@@ -205,10 +225,10 @@ mod tests {
     #[test]
     fn layers_keep_their_proportions() {
         all(|body, level, class| {
-            let Layers { first, thickest, last, .. } = class.grading(body.shape.end_angle).layers;
+            let Layers { first, thickest, shrinking, .. } = class.grading(body.shape.end_angle).layers;
             assert_eq!(first, class.first_layer());
             assert_eq!(thickest, first.max(level.growth.ln()));
-            assert_eq!(last, if body.shape.name == "block" { 0.5 } else { 1.0 });
+            assert_eq!(shrinking, if body.shape.name == "block" { level.shrinking } else { 0 });
         });
     }
 
@@ -221,12 +241,20 @@ mod tests {
             let angles = class.grading(end).angles;
             assert_eq!((angles[0], angles[angles.len() - 1]), (0.0, end));
             let depth = 2.0_f64.powf(-0.5 * f64::from(class.depth_class));
-            let evenness = (depth / 0.7).clamp(1.0 / 3.0, if end < PI { 0.4 } else { 1.0 });
+            let evenness = (depth / 0.7).clamp(1.0 / 3.0, if end < PI { 0.8 } else { 1.0 });
             let widest = evenness * level.widest.to_radians();
-            for pair in angles.windows(2) {
+            // What shrinks towards a held end was one element.
+            let shrinking = if end < PI { 3 } else { 0 };
+            let count = angles.len() - 1 - shrinking;
+            let ruled: Vec<f64> = angles[..count].iter().copied().chain([end]).collect();
+            for pair in ruled.windows(2) {
                 let rule = (pair[0] / level.spread).max(class.first_layer()).min(widest);
                 let share = (pair[1] - pair[0]) / rule;
-                assert!((0.75..1.3).contains(&share), "{body:?} {class:?}: {share} at {}", pair[0]);
+                assert!((0.7..1.4).contains(&share), "{body:?} {class:?}: {share} at {}", pair[0]);
+            }
+            let last = end - ruled[count - 1];
+            for (shrunk, angle) in (1..).zip(&angles[count..angles.len() - 1]) {
+                assert!((end - angle - last * 0.4_f64.powi(shrunk)).abs() < 1e-12, "{body:?} {class:?}");
             }
             // The load line is where narrow contacts are.
             assert!((angles[1] / class.first_layer().min(widest) - 1.0).abs() < 0.05, "{body:?} {class:?}");

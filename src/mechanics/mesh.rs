@@ -57,19 +57,24 @@ pub struct Layers {
     /// No layer is thicker than this.
     pub thickest: f64,
     pub count: usize,
-    /// Thickness of the layer at the far boundary, over what its growth makes it.
-    pub last: f64,
+    /// So many at the far boundary shrink towards it, where its corners make the stress singular.
+    pub shrinking: usize,
 }
 
+/// What a layer that shrinks has of what its growth makes it, over the same of the one before.
+pub const SHRINK: f64 = 0.4;
+
 impl Layers {
-    /// Thicknesses of layers that grow by a factor, but for the last.
+    /// Thicknesses of layers that grow by a factor, but for those that shrink.
     fn thicknesses(self, growth: f64) -> impl Iterator<Item = f64> {
         let grown = layer_thicknesses(self.first, self.thickest, growth).take(self.count);
-        grown.enumerate().map(
-            move |(layer, grown)| {
-                if layer + 1 == self.count { self.last * grown } else { grown }
-            },
-        )
+        grown.enumerate().map(move |(layer, grown)| self.part(layer) * grown)
+    }
+
+    /// Of what its growth makes it.
+    fn part(self, layer: usize) -> f64 {
+        let ahead = self.count - 1 - layer;
+        SHRINK.powi(self.shrinking.saturating_sub(ahead) as i32)
     }
 
     /// Depth of all layers that grow by a factor.

@@ -208,7 +208,7 @@ impl FineBody {
         angles.extend(graded(end - edge).into_iter().skip(1).map(|distance| edge + distance));
         (angles[0], *angles.last_mut().unwrap()) = (0.0, end);
         let element = ElementKind::Quad8;
-        let layers = Layers { first: first_layer, thickest: 2.0 * WIDEST, count: layer_count, last: 1.0 };
+        let layers = Layers { first: first_layer, thickest: 2.0 * WIDEST, count: layer_count, shrinking: 0 };
         let grading = Grading { element, angles, layers };
         let topology = RingTopology::new(body, &grading);
         let structure = BandStructure::new(&topology);

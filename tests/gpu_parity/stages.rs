@@ -44,8 +44,10 @@ fn matrices_are_those_of_the_twin() {
                 let worst = difference(found, expected);
                 println!("{name} {precision:?}: {worst:.1e}");
                 // Some thirty operations a value, and coordinates of an element that are good to ten roundings; and the
-                // twin subtracts coordinates of about 1 in elements as thin as the first layer.
-                let allowed = 40.0 * rounding + 2.0 * f64::EPSILON / bodies.grading.layers.first;
+                // twin subtracts coordinates of about 1 in elements as thin as the thinnest layer.
+                let Layers { first, shrinking, .. } = bodies.grading.layers;
+                let thinnest = first * SHRINK.powi(shrinking as i32);
+                let allowed = 40.0 * rounding + 2.0 * f64::EPSILON / thinnest;
                 assert!(worst < allowed, "{name} {precision:?}: {worst:e}");
             }
             // Control: what is compared differs from body to body by far more.
@@ -179,6 +181,8 @@ fn the_whole_chain_gives_the_compliance_of_cholesky() {
     for (name, bodies) in families().into_iter().chain(fine) {
         for (precision, rounding) in precisions() {
             let promised = match precision {
+                // Its stiffness is far larger than what its ring feels of it.
+                Precision::F32 if name == "block on its base" => 1e-3,
                 Precision::F32 => 2e-4,
                 Precision::Mixed => 1e-8,
                 Precision::F64 => 1e-10,

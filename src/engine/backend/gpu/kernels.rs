@@ -68,7 +68,7 @@ impl Precision {
     ///
     /// Measured on every shape and support at grading levels 1 and 3, plane strain, nu = 0.1 to 0.4999: the error of
     /// the compliance is the square of the true residual, times 0.1 to 10. In f32 rounding leaves 1e-6 to 5e-6 (block
-    /// on its base: 2e-4), which a residual of 1e-3 does not add to. In mixed precision the iteration stalls at 2e-5
+    /// on its base: 5e-4, of which contact feels 1e-4), which a residual of 1e-3 does not add to. In mixed precision the iteration stalls at 2e-5
     /// (block on its base: 2e-3; nu = 0.4999: 0.1 to 1), and going there in one sweep takes fewer steps than two rounds
     /// to 1e-3, because conjugate gradients gain speed as they go. A second round is enough up to nu = 0.499, a third beyond, where the block on its
     /// base takes 16,000 steps and a concentric body 2,000.

@@ -27,7 +27,7 @@ pub struct AssembleParameters {
     pub system_count: u32,
     pub side_count: u32,
     pub is_plane_strain: u32,
-    pub last_layer: f32,
+    pub shrinking_layers: u32,
 }
 
 /// What `pcg`, `refine` and `condense` are told.
@@ -258,7 +258,7 @@ impl MeshLayout {
             system_count: systems.system_count() as u32,
             side_count: body.shape.sides.len() as u32,
             is_plane_strain: is_plane_strain(body.idealization),
-            last_layer: grading.layers.last as f32,
+            shrinking_layers: grading.layers.shrinking as u32,
         };
         Ok(MeshLayout {
             grading: grading.clone(),
@@ -289,10 +289,10 @@ impl MeshLayout {
         (self.parameters.row_count * self.parameters.column_count) as usize
     }
 
-    /// Pairs of numbers of one body's mesh on the device: the reach of each grid point, then for each of the four
-    /// points of each element eight gradients and |J|.
+    /// Pairs of numbers of one body's mesh on the device: of each grid point its reach and the step to it, then for each of the
+    /// four points of each element eight gradients and |J|.
     pub fn geometry_count(&self) -> usize {
-        self.grid_count() + 4 * 9 * self.parameters.element_count as usize
+        2 * self.grid_count() + 4 * 9 * self.parameters.element_count as usize
     }
 
     /// How many numbers one body has.

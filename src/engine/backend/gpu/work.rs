@@ -114,19 +114,20 @@ impl Sizes {
     /// over the points.
     pub fn assemble(&self, bodies: u64, precision: Precision) -> Work {
         let wide = precision.wide_bytes();
-        // Thickness and its sum, twice; the share of the far boundary; the reach of two grid points.
-        let layer = 6 + (9 + EXPONENTIAL) + 6;
+        // Thickness and its sum, twice; the step's share of the far boundary; the reach of two grid points.
+        let layer = 6 + (14 + EXPONENTIAL) + 10;
         // The shares that two lines are drawn to, angle, length along the side, depth, the span's two parts, and how far
         // aside it ends; or the ring's point, scaled.
         let span = if self.sides > 0 { 22 + 6 + (TANGENT + 2) + (LOGARITHM + 5) + 17 + 5 } else { 2 };
         // How far a layer keeps to the radius, and its place; between the lines of corner nodes its bow.
         let (mid_sides, corners) = (self.grid_columns / 2, self.grid_columns.div_ceil(2));
-        let courses = if self.sides > 0 { self.layers * (14 * corners + 8 * mid_sides) } else { 0 };
+        let courses = if self.sides > 0 { self.layers * (16 * corners + 18 * mid_sides) } else { 0 };
         let growth = EVALUATIONS * 3 * self.layers + 1 + 2 * HALVINGS;
         let line = span + growth + (7 + EXPONENTIAL) + self.layers * layer;
-        let bows = if self.sides > 0 { mid_sides * (2 * self.layers + 1) * 8 } else { 0 };
-        // Steps along the ring: 16 to the eight nodes from the first.
-        let point = NODES * (2 + 8) + 16 + 3 + 1 + NODES * 8;
+        let bows =
+            if self.sides > 0 { mid_sides * ((2 * self.layers + 1) * 8 + 2 * self.layers * 9) } else { 0 };
+        // Steps to the eight nodes: 16 along the ring, 16 away from it.
+        let point = NODES * (2 + 8) + 32 + 3 + 1 + NODES * 8;
         let operations = self.grid_columns * line
             + courses
             + bows
@@ -134,7 +135,7 @@ impl Sizes {
             + self.sources * (POINTS * 8 + 1);
         let shared_numbers = 2 * (2 + 4 * self.grid_columns + POINTS * NODES + 2 * self.sides) * wide
             + 4 * (NODES * self.elements + self.places + 1 + self.sources);
-        let geometry = 2 * (self.grid() + POINTS * (NODES + 1) * self.elements);
+        let geometry = 2 * (2 * self.grid() + POINTS * (NODES + 1) * self.elements);
         let own = (self.body_numbers + geometry + self.places) * wide
             + self.systems() * size_of::<SystemState>() as u64;
         Work { operations: bodies * operations, bytes: shared_numbers + bodies * own }
@@ -331,16 +332,16 @@ mod tests {
     fn the_assembly_of_one_element_is_counted_by_hand() {
         // Three lines of one layer each: 42 sums of it, a doubling and 40 means for its growth, radii of the boundary and
         // the layer, the span. Four points of one element, 20 sources summed over four points.
-        let operations = 3 * (42 * 3 + 1 + 80 + 47 + 61 + 2) + 4 * (80 + 16 + 4 + 64) + 20 * 33;
-        // Twice 2 + 12 + 32 shared numbers; grid, starts and sources; nine grid points and 36 pairs, 64 places, 2 numbers.
-        let bytes = 2 * 46 * 8 + 4 * (8 + 65 + 20) + (2 * (9 + 36) + 64 + 2) * 8 + 4 * 8;
+        let operations = 3 * (42 * 3 + 1 + 80 + 47 + 70 + 2) + 4 * (80 + 32 + 4 + 64) + 20 * 33;
+        // Twice 2 + 12 + 32 shared numbers; grid, starts and sources; nine grid points twice and 36 pairs, 64 places, 2 numbers.
+        let bytes = 2 * 46 * 8 + 4 * (8 + 65 + 20) + (2 * (2 * 9 + 36) + 64 + 2) * 8 + 4 * 8;
         assert_eq!(SIZES.assemble(1, Precision::F64), Work { operations, bytes });
         // Twice two numbers of each side, and six numbers more of the body; of one mid-side line three points. A line's
         // shares 2 x 11 and angle 6; length along the side; |far|^2 - 1; cosine and sine 3 + 3, the two parts 4 + 1, and 6
-        // to add them; how far aside 3 + 2. Of two lines a point that keeps to its radius, of one its bow.
+        // to add them; how far aside 3 + 2. Of two lines a point that keeps to its radius, of one its bow, and its steps.
         let block = Sizes { sides: 3, body_numbers: 8, ..SIZES }.assemble(1, Precision::F64);
         let span = 22 + 6 + 110 + 57 + 17 + 5;
-        assert_eq!(block.operations - operations, 3 * (span - 2) + 2 * 14 + 8 + 3 * 8);
+        assert_eq!(block.operations - operations, 3 * (span - 2) + 2 * 16 + 18 + 3 * 8 + 2 * 9);
         assert_eq!(block.bytes - bytes, (2 * 6 + 6) * 8);
     }
 
