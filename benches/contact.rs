@@ -85,7 +85,7 @@ fn ten_changes(bencher: Bencher, terms: usize) {
     let curve = JointCurve::new(joint.compliance()).unwrap();
     let states: Vec<ArcState> =
         curve.states(RADIAL_CLEARANCE, &loads()).into_iter().map(Result::unwrap).collect();
-    bencher.bench_local(|| curve.joint().relative_changes(&states, black_box(&joint.pin.values)));
+    bencher.bench_local(|| curve.joint().relative_changes(&states, black_box(&joint.pin)));
 }
 
 #[divan::bench(args = TERM_CHOICES)]

@@ -28,8 +28,7 @@ fn condensation(study: &Study) -> Operations {
     let mut of_topology = HashMap::new();
     let mut sum = Operations { elements: 0, factorise: 0, arcs: 0 };
     for case in study.cases().unwrap() {
-        let plan =
-            JointPlan::cheapest(&case.unwrap().joint, study.solve.method, study.solve.accuracy).unwrap();
+        let plan = JointPlan::cheapest(&case.unwrap(), study.solve.method, study.solve.accuracy).unwrap();
         for request in plan.requests() {
             let Fidelity::Mesh { level } = request.fidelity else { continue };
             let space = spaces

@@ -1,6 +1,6 @@
 //! Measures what a mesh level is worth: of random bodies of every shape the error of the work of the contact pressure on
 //! each level, against `series` where there is one and the finest mesh elsewhere, the other body of the joint being
-//! rigid. Prints a CSV; `src/engine/mesh_errors.rs` has what was read from it.
+//! rigid. Prints a CSV; `src/engine/known_errors.rs` has what was read from it.
 //!
 //! ```text
 //! cargo run --release --example mesh_errors -- 400 > mesh_errors.csv           # of each shape; block alone takes minutes
@@ -9,6 +9,8 @@
 
 #[path = "../tests/common/random.rs"]
 mod random;
+
+use std::f64::consts::PI;
 
 use jointsweep::engine::bodies::BodyLibrary;
 use jointsweep::engine::plan::space_of;
@@ -49,7 +51,7 @@ const RIGID: f64 = 1e12;
 
 /// Contact half angles under loads of eight decades, deg, with the error of each level but the finest.
 fn errors(library: &BodyLibrary, body: &Body) -> Option<Vec<(f64, [f64; LEVELS])>> {
-    let space = space_of(body, body, 1e-6);
+    let space = space_of(body, body, 1e-6, PI);
     let key = |fidelity| BodyRequest { body: *body, fidelity, space }.key();
     let finest = Fidelity::Mesh { level: LEVEL_COUNT - 1 };
     let exact = library.compliance(&key(if body.shape.concentric { Fidelity::Series } else { finest }));
@@ -63,8 +65,7 @@ fn errors(library: &BodyLibrary, body: &Body) -> Option<Vec<(f64, [f64; LEVELS])
         states.iter().map(|state| (state.arc.half_angle.to_degrees(), [0.0; LEVELS])).collect();
     for level in 0..LEVELS {
         let mesh = library.compliance(&key(Fidelity::Mesh { level }));
-        let change: Vec<f64> = mesh.values.iter().zip(&exact.values).map(|(a, b)| a - b).collect();
-        let changes = curve.joint().relative_changes(&states, &change);
+        let changes = curve.joint().relative_changes(&states, &mesh.minus(exact));
         rows.iter_mut().zip(changes).for_each(|(row, change)| row.1[level] = change);
     }
     Some(rows)
@@ -99,7 +100,7 @@ fn main() {
                     fidelities.iter().map(|&fidelity| BodyRequest {
                         body: *body,
                         fidelity,
-                        space: space_of(body, body, 1e-6),
+                        space: space_of(body, body, 1e-6, PI),
                     })
                 })
                 .collect();

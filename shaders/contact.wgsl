@@ -25,7 +25,7 @@ struct ContactParameters {
 @group(0) @binding(1) var<storage, read> space: array<wide>;
 // [slot][1 for a sound body and 0 for any other, amplitude, greatest |b - K x|/|b|, then [node in eps][entry]]
 @group(0) @binding(2) var<storage, read> slots: array<wide>;
-// [design][pin, plate, the same on the next coarser mesh], NONE where a body is exact.
+// [design][pin, plate, what either is compared with: the same on the next coarser mesh, NOTHING, or NONE of an exact body].
 @group(0) @binding(3) var<storage, read> design_slots: array<vec4<u32>>;
 // [design][1/E of the pin, of the plate], then of each step the logarithm of e over what the load prescribes.
 @group(0) @binding(4) var<storage, read> numbers: array<wide>;
@@ -40,6 +40,7 @@ const ENTRIES = TERMS * (TERMS + 1u) / 2u;
 const SAMPLES = NODES + 1u;
 const RESPONSE_SIZE = 12u;
 const NONE = 0xffffffffu;
+const NOTHING = 0xfffffffeu;
 const SMALLEST = wide(1e-18);
 const FAR_BELOW = wide(-1e30);
 const PI = wide(3.14159265358979323846264338327950288);
@@ -211,7 +212,7 @@ fn readings_of(state: State, b: wide, ln_b: wide) -> wide4 {
 
 fn are_sound(of_design: vec4<u32>) -> bool {
     for (var i = 0u; i < 4u; i++) {
-        if of_design[i] != NONE && slots[of_design[i] * parameters.slot_size] != wide(1.0) {
+        if of_design[i] < NOTHING && slots[of_design[i] * parameters.slot_size] != wide(1.0) {
             return false;
         }
     }
@@ -220,6 +221,17 @@ fn are_sound(of_design: vec4<u32>) -> bool {
 
 fn joint_amplitude(pin: u32, plate: u32, share: wide2) -> wide {
     return share.x * slots[pin + 1u] + share.y * slots[plate + 1u];
+}
+
+// How the work of a body changes by what it is compared with.
+fn compared(slot: u32, with_slot: u32, ln_b: wide) -> wide {
+    if with_slot == NONE {
+        return wide(0.0);
+    }
+    if with_slot == NOTHING {
+        return abs(work(slot, ln_b));
+    }
+    return abs(work_of_change(slot, with_slot));
 }
 
 @compute @workgroup_size(INVOCATIONS)
@@ -303,8 +315,28 @@ fn excess_of(readings: wide4, step: u32) -> wide {
     return exponential(min(wanted, wide(80.0))) - readings.z;
 }
 
-// The quadratic form of the change of a body's compliance with the pressure, of the weights' half angle.
-fn work_of_change(fine: u32, coarse: u32) -> wide {
+// The quadratic form of a body's compliance, at the weights' half angle, with the pressure.
+fn work(slot: u32, ln_b: wide) -> wide {
+    let fine = slot * parameters.slot_size;
+    var work = -HALF_PI * slots[fine + 1u] * ln_b * pressure[0] * pressure[0];
+    for (var row = 0u; row < parameters.term_count; row++) {
+        for (var column = 0u; column <= row; column++) {
+            let entry = row * (row + 1u) / 2u + column;
+            var sum = wide(0.0);
+            for (var node = 0u; node < NODES; node++) {
+                sum += weights[node] * slots[fine + SLOT_HEADER + node * ENTRIES + entry];
+            }
+            let times = select(wide(2.0), wide(1.0), row == column);
+            work += times * pressure[row] * pressure[column] * sum;
+        }
+    }
+    return work;
+}
+
+// The same of its change since a coarser mesh.
+fn work_of_change(slot: u32, coarser_slot: u32) -> wide {
+    let fine = slot * parameters.slot_size;
+    let coarse = coarser_slot * parameters.slot_size;
     var work = wide(0.0);
     for (var row = 0u; row < parameters.term_count; row++) {
         for (var column = 0u; column <= row; column++) {
@@ -358,7 +390,7 @@ fn truncation() -> wide {
 fn worst_residual(of_design: vec4<u32>) -> wide {
     var worst = wide(0.0);
     for (var i = 0u; i < 4u; i++) {
-        if of_design[i] != NONE {
+        if of_design[i] < NOTHING {
             worst = max(worst, slots[of_design[i] * parameters.slot_size + 2u]);
         }
     }
@@ -423,11 +455,12 @@ fn find(
     var state: State;
     var half_angle = wide(0.0);
     var edge = wide(0.0);
+    var ln_b = wide(0.0);
     var is_found = false;
     for (var evaluation = 0u; evaluation < parameters.evaluation_limit; evaluation++) {
         half_angle = min(origin * exponential(next), space[0]);
         edge = tangent(wide(0.5) * half_angle);
-        let ln_b = logarithm(edge);
+        ln_b = logarithm(edge);
         weigh(half_angle);
         interpolate(pin, plate, share);
         state = evaluate(edge, ln_b, amplitude);
@@ -462,13 +495,7 @@ fn find(
         finish(step, UNFINISHED);
         return;
     }
-    var change = wide(0.0);
-    if of_design.z != NONE {
-        change += share.x * abs(work_of_change(pin, of_design.z * parameters.slot_size));
-    }
-    if of_design.w != NONE {
-        change += share.y * abs(work_of_change(plate, of_design.w * parameters.slot_size));
-    }
+    let change = share.x * compared(of_design.x, of_design.z, ln_b) + share.y * compared(of_design.y, of_design.w, ln_b);
     var peak = wide(0.0);
     for (var k = 0u; k < parameters.term_count; k++) {
         peak += select(pressure[k], -pressure[k], k % 2u == 1u);

@@ -11,6 +11,8 @@ use jointsweep::engine::backend::cpu::CpuBackend;
 use jointsweep::engine::backend::gpu::context::GpuError;
 use jointsweep::engine::backend::{Backend, Solver};
 use jointsweep::engine::cost;
+use jointsweep::engine::foresight::Foresight;
+use jointsweep::engine::known_errors::KNOWN_LEVELS;
 use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
 use jointsweep::engine::plan::{Estimate, JointPlan, Trust, Want, first_level, mesh_error};
 use jointsweep::engine::request::{Fidelity, mesh_size};
@@ -169,37 +171,47 @@ fn the_accuracy_decides_where_to_begin() {
     }
 }
 
-/// Where a level is known to be good enough it is taken alone; where it turns out not to be, and where nothing is known, two
-/// meshes tell.
+/// Where a level is known to be good enough it is taken alone, and so are finer ones as long as they are known; where nothing is
+/// known two meshes tell.
 #[test]
 fn what_is_known_of_a_mesh_saves_the_second() {
+    let loads = [Load::Indentation(0.05)];
     let cheapest = |joint: &JointDesign, accuracy| {
-        let plan = JointPlan::cheapest(joint, MethodChoice::Auto, accuracy).unwrap();
+        let plan = JointPlan::cheapest(&case(*joint, &loads), MethodChoice::Auto, accuracy).unwrap();
         (plan, plan.requests().count())
     };
-    let (plan, requests) = cheapest(&joint(half(), ring(2.0)), 0.01);
+    let half_disc = joint(half(), ring(2.0));
+    let (plan, requests) = cheapest(&half_disc, 0.01);
     assert_eq!((plan.estimate, plan.level, requests), (Estimate::Known, 0, 2));
-    let finer = plan.finer(0.01).unwrap();
-    assert_eq!(
-        (finer.estimate, finer.level, finer.requests().count()),
-        (Estimate::Change(Trust::Full), 1, 3)
-    );
-    assert_eq!(finer.finer(0.01).map(|plan| plan.level), Some(2));
-    let (plan, requests) = cheapest(&joint(half(), ring(2.0)), 1e-3);
+    let ladder: Vec<_> = std::iter::successors(Some(plan), JointPlan::finer)
+        .map(|plan| (plan.level, plan.estimate == Estimate::Known, plan.requests().count()))
+        .collect();
+    let known = (0..KNOWN_LEVELS).map(|level| (level, true, 2));
+    assert_eq!(ladder, known.chain([(LEVEL_COUNT - 1, false, 3)]).collect::<Vec<_>>());
+    // No mesh is known to be as good; two tell.
+    let (plan, requests) = cheapest(&half_disc, 1e-9);
     assert_eq!((plan.estimate, requests), (Estimate::Change(Trust::Full), 3));
-    assert!(plan.level == first_level(1e-3));
+    assert!(plan.level == first_level(1e-9));
     // Both bodies exact.
     let (plan, requests) = cheapest(&joint(disc(), ring(2.0)), 1e-9);
     assert_eq!((plan.estimate, requests), (Estimate::Exact, 2));
-    assert!(plan.finer(1e-9).is_none());
+    assert!(plan.finer().is_none());
+    // A body that takes a thousandth of the work may be a hundred times worse.
+    let mut soft_plate = half_disc;
+    soft_plate.plate.material.youngs_modulus *= 1e-3;
+    let levels = [half_disc, soft_plate].map(|joint| cheapest(&joint, 1e-4).0.level);
+    assert_eq!(levels, [4, 0]);
+    // So may the stiffer body of a joint that touches hardly at all.
+    let narrow = JointPlan::cheapest(&case(half_disc, &[Load::Indentation(1e-4)]), MethodChoice::Auto, 7e-4);
+    assert_eq!((narrow.unwrap().level, cheapest(&half_disc, 7e-4).0.level), (0, 1));
     // A nearly incompressible body is not known.
-    let mut soft = joint(half(), ring(2.0));
+    let mut soft = half_disc;
     soft.idealization = Idealization::PlaneStrain;
-    soft.pin.material.poissons_ratio = 0.49;
+    soft.pin.material.poissons_ratio = 0.495;
     assert_eq!(cheapest(&soft, 0.1).0.estimate, Estimate::Change(Trust::Wary));
 }
 
-/// The thinner of the two bodies decides, and both answer to the same pressures.
+/// The thinner of the two bodies decides, and whether the contact may be wide; both answer to the same pressures.
 #[test]
 fn thin_bodies_get_more_trial_pressures() {
     let core = |ratio| part(&cored_disc::SHAPE, [ratio, 0.0, 0.0]);
@@ -212,32 +224,46 @@ fn thin_bodies_get_more_trial_pressures() {
         (core(0.8), ring(1.1), 24),
     ] {
         let fewer = |choices: [usize; 3]| choices[(terms - 10) / 6];
-        for (accuracy, terms) in [(1e-5, terms), (1e-3, fewer([10, 10, 16])), (0.01, fewer([6, 6, 10]))] {
-            let plan = JointPlan::new(&joint(pin, plate), MethodChoice::Fe, accuracy, 1).unwrap();
-            assert_eq!((plan.pin.space, plan.pin.space.terms), (plan.plate.space, terms));
+        // The radial clearance is 0.05 mm.
+        let [narrow, wide] = [0.05, 2.0].map(|load| case(joint(pin, plate), &[Load::Indentation(load)]));
+        for (accuracy, of_narrow, of_wide) in [
+            (1e-5, terms, terms),
+            (1e-3, fewer([6, 6, 16]), fewer([10, 10, 16])),
+            (0.01, fewer([6, 6, 10]), fewer([6, 6, 10])),
+        ] {
+            for (case, terms) in [(&narrow, of_narrow), (&wide, of_wide)] {
+                let plan = JointPlan::new(case, MethodChoice::Fe, accuracy, 1).unwrap();
+                assert_eq!((plan.pin.space, plan.pin.space.terms), (plan.plate.space, terms));
+            }
         }
     }
 }
 
-/// A narrow contact in a slender block is estimated at 0.067 % on the second mesh, where 0.065 % begins, too.
+/// A plate that takes more of the work than its modulus lets foresee: where that decides, its design climbs, alone, and comes to
+/// what it would have come to from the level above.
 #[test]
 fn finer_meshes_are_taken_where_they_are_needed() {
-    let slender = part(&block::SHAPE, [1.5, 4.0, 2.0]);
-    let narrow = case(joint(half(), slender), &[1e-3, 0.2].map(Load::Indentation));
-    let wide = case(joint(half(), slender), &[Load::Indentation(0.2)]);
-    let error = |steps: &[StepOutcome]| steps[0].response.unwrap().force_error;
-    let second = alone(&narrow, MethodChoice::Auto, 2e-3);
-    assert!(first_level(6.5e-4) == first_level(2e-3) && error(&second) > 6.5e-4);
-    // In company that is content with the second mesh.
-    let options = SolveOptions { accuracy: 6.5e-4, method: MethodChoice::Auto };
-    let outcomes = CpuBackend::new(options).solve(&[wide.clone(), narrow.clone(), wide.clone()]);
+    let slender = joint(disc(), part(&block::SHAPE, [1.5, 4.0, 2.0]));
+    let mut stiff = slender;
+    stiff.plate.material.youngs_modulus *= 100.0;
+    let [slender, stiff] = [slender, stiff].map(|joint| case(joint, &[1e-3, 0.2].map(Load::Indentation)));
+    let worst = |steps: &[StepOutcome]| {
+        steps.iter().fold(0.0, |worst: f64, step| worst.max(step.response.unwrap().force_error))
+    };
+    let plan = |case: &DesignCase, accuracy| JointPlan::cheapest(case, MethodChoice::Auto, accuracy).unwrap();
+    let foreseen = plan(&slender, 0.01).foreseen_error(&Foresight::of(&slender)).unwrap();
+    let found = worst(&alone(&slender, MethodChoice::Auto, 0.01));
+    assert!(found > 1.05 * foreseen, "{found} {foreseen}");
+    let accuracy = 0.5 * (found + foreseen);
+    assert_eq!([accuracy, 0.99 * foreseen].map(|accuracy| plan(&slender, accuracy).level), [0, 1]);
+    // In company that is content with the first mesh.
+    let options = SolveOptions { accuracy, method: MethodChoice::Auto };
+    let outcomes = CpuBackend::new(options).solve(&[stiff.clone(), slender.clone(), stiff.clone()]);
     let climbed = &outcomes[1].steps;
-    assert!(climbed.iter().all(|step| step.status == "ok" && step.response.unwrap().force_error <= 6.5e-4));
-    // Both steps come from the third mesh, though the last is good on the second.
-    assert_eq!(first_level(5e-4), first_level(6.5e-4) + 1);
-    assert_eq!(*climbed, alone(&narrow, MethodChoice::Auto, 5e-4));
+    assert!(climbed.iter().all(|step| step.status == "ok") && worst(climbed) <= accuracy);
+    assert_eq!(*climbed, alone(&slender, MethodChoice::Auto, 0.99 * foreseen));
     for index in [0, 2] {
-        assert_eq!(outcomes[index].steps, alone(&wide, MethodChoice::Auto, 2e-3));
+        assert_eq!(outcomes[index].steps, alone(&stiff, MethodChoice::Auto, 0.01));
     }
 }
 
@@ -438,35 +464,38 @@ fn an_accelerator_that_gives_up_loses_no_design() {
 /// finer meshes, and of exact bodies nothing.
 #[test]
 fn what_trial_pressures_leave_is_answered_with_more() {
-    let plan =
-        |pin, plate, accuracy| JointPlan::cheapest(&joint(pin, plate), MethodChoice::Auto, accuracy).unwrap();
+    let plan = |pin, plate, accuracy| {
+        JointPlan::cheapest(
+            &case(joint(pin, plate), &[Load::Indentation(0.05)]),
+            MethodChoice::Auto,
+            accuracy,
+        )
+        .unwrap()
+    };
     let rough = plan(half(), ring(2.0), 0.01);
-    let next = rough.next(Want::MoreTerms, 0.01).unwrap();
+    let next = rough.next(Want::MoreTerms).unwrap();
     assert_eq!((rough.pin.space.terms, next.pin.space.terms, next.plate.space.terms), (6, 10, 10));
     assert_eq!((next.level, next.estimate), (rough.level, rough.estimate));
-    assert_eq!(rough.next(Want::Nothing, 0.01).map(|plan| plan.level), None);
-    let all = std::iter::successors(Some(rough), |plan| plan.next(Want::MoreTerms, 0.01));
+    assert_eq!(rough.next(Want::Nothing).map(|plan| plan.level), None);
+    let all = std::iter::successors(Some(rough), |plan| plan.next(Want::MoreTerms));
     assert_eq!(all.map(|plan| plan.pin.space.terms).take(5).collect::<Vec<_>>(), [6, 10, 16, 24, 24]);
     let exact = plan(disc(), ring(2.0), 0.01);
-    let all = std::iter::successors(Some(exact), |plan| plan.next(Want::MoreTerms, 0.01));
+    let all = std::iter::successors(Some(exact), |plan| plan.next(Want::MoreTerms));
     assert_eq!(all.map(|plan| plan.pin.space.terms).collect::<Vec<_>>(), [6, 10, 16, 24]);
-    assert!(exact.next(Want::FinerMesh, 0.01).is_none());
+    assert!(exact.next(Want::FinerMesh).is_none());
 
-    // What is known of the coarsest mesh leaves no room for what six leave of wide contacts.
-    let loads: Vec<Load> = (0..24).map(|i| Load::Indentation(1e-4 * 1.4_f64.powi(i))).collect();
+    // A wide contact, where what is known of the coarsest mesh leaves a little less room than six trial pressures ask for.
     let plate = part(&block::SHAPE, [3.0, 3.0, 3.0]);
-    let wide = case(JointDesign { radial_clearance: 1e-3, ..joint(disc(), plate) }, &loads);
-    let steps = alone(&wide, MethodChoice::Auto, 0.01);
-    assert!(steps.iter().all(|step| step.status == "ok"));
-    let mesh = |body: &Body| {
-        if body.shape.concentric { Fidelity::Series } else { Fidelity::Mesh { level: 0 } }
-    };
-    let differences = [6, 10].map(|terms| {
+    let wide =
+        case(JointDesign { radial_clearance: 1e-3, ..joint(disc(), plate) }, &[Load::Indentation(0.2)]);
+    let mesh =
+        |body: &Body| if body.shape.concentric { Fidelity::Series } else { Fidelity::Mesh { level: 0 } };
+    let [six, ten] = [6, 10].map(|terms| {
         let states = series::solve_bodies(Terms::Fixed(terms), mesh, std::slice::from_ref(&wide)).states;
-        let pairs = steps.iter().zip(&states[0]);
-        pairs.fold(0.0_f64, |worst, (step, state)| {
-            worst.max((step.response.unwrap().force / state.unwrap().force - 1.0).abs())
-        })
+        states[0][0].unwrap().force
     });
-    assert!(differences[0] > 1e-9 && differences[1] < 1e-12, "{differences:?}");
+    let all = alone(&wide, MethodChoice::Auto, 0.01)[0].response.unwrap();
+    let fewer = alone(&wide, MethodChoice::Auto, (1.0 - 1e-6) * all.force_error)[0].response.unwrap();
+    let differences = [all.force / six - 1.0, fewer.force / ten - 1.0, six / ten - 1.0].map(f64::abs);
+    assert!(differences[0] < 1e-12 && differences[1] < 1e-12 && differences[2] > 1e-9, "{differences:?}");
 }

@@ -5,6 +5,8 @@ mod draws;
 #[path = "common/random.rs"]
 mod random;
 
+use std::f64::consts::PI;
+
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
 use jointsweep::engine::bodies::BodyLibrary;
 use jointsweep::engine::known_errors::{KNOWN_LEVELS, known_error, worst_known_error};
@@ -24,7 +26,7 @@ const RIGID: f64 = 1e12;
 
 /// Of each level that is known, at each load: the error of the work, and what is said of it.
 fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
-    let space = space_of(body, body, 1e-6);
+    let space = space_of(body, body, 1e-6, PI);
     let request = |fidelity| BodyRequest { body: *body, fidelity, space };
     let finest = Fidelity::Mesh { level: LEVEL_COUNT - 1 };
     let judge = request(if body.shape.concentric { Fidelity::Series } else { finest });
@@ -40,8 +42,7 @@ fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
     let states: Vec<_> = curve.states(1.0, &loads).into_iter().flatten().collect();
     let of_level = |(level, request): (usize, &BodyRequest)| {
         let mesh = library.compliance(&request.key());
-        let change: Vec<f64> = mesh.values.iter().zip(&exact.values).map(|(a, b)| a - b).collect();
-        let changes = curve.joint().relative_changes(&states, &change);
+        let changes = curve.joint().relative_changes(&states, &mesh.minus(exact));
         let known = states.iter().map(move |state| known_error(body, level, state.arc.half_angle).unwrap());
         changes
             .into_iter()

@@ -119,7 +119,7 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         system_count,
         side_count,
         is_plane_strain,
-        last_layer
+        shrinking_layers
     );
     let systems: Layout = layout_here!(
         SystemParameters,
@@ -293,7 +293,7 @@ fn numbers_of_the_trial_pressures_are_the_same_on_both_sides() {
     ] {
         assert!(source.contains(&format!("const {name} = {number}u;")), "{name}");
     }
-    assert!(source.contains(&format!("const NONE = {NO_SLOT:#x}u;")));
+    assert!(source.contains(&format!("const NONE = {NO_SLOT:#x}u;\nconst NOTHING = {NOTHING:#x}u;")));
     assert!(source.contains(&format!("const SLICE = {SLICE}u;")));
     let slot = trial::SLOT_HEADER + NODE_COUNT * 16 * 17 / 2;
     assert_eq!(trial::slot_size(16), slot);

@@ -62,8 +62,9 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
         Estimate { designs: study.design_count(), rows: study.step_count(), ..Estimate::default() };
     let interpolation = InterpolationPlan::of_study(study);
     for case in study.cases()? {
-        let joint = case?.joint;
-        if interpolation.as_ref().is_some_and(|plan| plan.covers(&joint)) {
+        let case = case?;
+        let joint = &case.joint;
+        if interpolation.as_ref().is_some_and(|plan| plan.covers(joint)) {
             estimate.interpolated += 1;
             for part in [&joint.pin, &joint.plate] {
                 bodies.insert(hasher.hash_one(joint.body(part).key()));
@@ -71,8 +72,8 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
             continue;
         }
         let first =
-            JointPlan::cheapest(&joint, method, accuracy).filter(|_| method != MethodChoice::ClosedForm);
-        let next = first.and_then(|plan| plan.finer(accuracy));
+            JointPlan::cheapest(&case, method, accuracy).filter(|_| method != MethodChoice::ClosedForm);
+        let next = first.and_then(|plan| plan.finer());
         for (plan, is_first) in [(first, true), (next, false)] {
             for request in plan.iter().flat_map(JointPlan::requests) {
                 bodies.insert(hasher.hash_one(request.body.key()));

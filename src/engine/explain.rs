@@ -3,8 +3,9 @@
 
 use std::collections::BTreeMap;
 
+use crate::engine::foresight::Foresight;
 use crate::engine::interpolation::plan::InterpolationPlan;
-use crate::engine::known_errors::{KNOWN_LEVELS, worst_known_error};
+use crate::engine::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::plan::{Estimate, JointPlan, first_level, mesh_error};
 use crate::engine::request::{BodyRequest, Fidelity, mesh_size};
 use crate::engine::unit_costs::{
@@ -114,7 +115,7 @@ impl<'a> Explainer<'a> {
 
     fn explain_bodies(&self, case: &DesignCase, mut ruled_out: Vec<(String, String)>) -> Explanation {
         let (method, accuracy) = (self.study.solve.method, self.study.solve.accuracy);
-        let Some(plan) = JointPlan::cheapest(&case.joint, method, accuracy) else {
+        let Some(plan) = JointPlan::cheapest(case, method, accuracy) else {
             return Explanation {
                 chosen: "refused".into(),
                 why: "`method = \"series\"` needs a rigid-core pin in an annulus".into(),
@@ -124,6 +125,7 @@ impl<'a> Explainer<'a> {
                 seconds: 0.0,
             };
         };
+        let foresight = Foresight::of(case);
         for request in plan.meshed() {
             let name = request.body.shape.name;
             let why = match method {
@@ -137,7 +139,9 @@ impl<'a> Explainer<'a> {
         let levels = if plan.estimate == Estimate::Known { plan.level } else { KNOWN_LEVELS };
         let is_meshed = plan.estimate != Estimate::Exact;
         for level in (0..levels).filter(|_| is_meshed) {
-            ruled_out.push((format!("mesh level {level} alone"), not_known_enough(&plan, level, accuracy)));
+            let alone = JointPlan { level, ..plan };
+            ruled_out
+                .push((format!("mesh level {level} alone"), not_known_enough(&alone, &foresight, accuracy)));
         }
         let (chosen, why, error) = match plan.estimate {
             Estimate::Exact => (
@@ -146,10 +150,16 @@ impl<'a> Explainer<'a> {
                 1e-5_f64.min(accuracy),
             ),
             Estimate::Known => {
-                let errors = plan.meshed().filter_map(|request| worst_known_error(&request.body, plan.level));
-                let worst = errors.fold(0.0, f64::max);
-                let why = format!("known to be within {} on such bodies, whatever the load", percent(worst));
-                (format!("mesh level {}", plan.level), why, worst)
+                let known = worst_known(&plan, plan.level, foresight.half_angle).unwrap_or(f64::INFINITY);
+                let foreseen = plan.foreseen_error(&foresight).unwrap_or(f64::INFINITY);
+                let why = format!(
+                    "such meshes are known to be within {} at half angles up to {:.0} deg, and by the moduli {} of the force's \
+                     error is foreseen; where it turns out worse, finer ones follow",
+                    percent(known),
+                    foresight.half_angle.to_degrees(),
+                    percent(foreseen)
+                );
+                (format!("mesh level {}", plan.level), why, accuracy)
             }
             Estimate::Change(_) => {
                 let (level, first) = (plan.level, first_level(accuracy));
@@ -174,15 +184,16 @@ impl<'a> Explainer<'a> {
     }
 }
 
-fn not_known_enough(plan: &JointPlan, level: usize, accuracy: f64) -> String {
-    let errors: Vec<Option<f64>> =
-        plan.meshed().map(|request| worst_known_error(&request.body, level)).collect();
-    match errors.iter().copied().collect::<Option<Vec<f64>>>() {
+/// Of the bodies on meshes the worst at a half angle, rad.
+fn worst_known(plan: &JointPlan, level: usize, half_angle: f64) -> Option<f64> {
+    let known = |request: BodyRequest| known_error(&request.body, level, half_angle);
+    plan.meshed().map(known).try_fold(0.0, |worst: f64, error| Some(worst.max(error?)))
+}
+
+fn not_known_enough(plan: &JointPlan, foresight: &Foresight, accuracy: f64) -> String {
+    match plan.foreseen_error(foresight) {
         None => "its error on such bodies was not measured beforehand".into(),
-        Some(errors) => {
-            let worst = errors.into_iter().fold(0.0, f64::max);
-            format!("may be off by {}, {} is asked", percent(worst), percent(accuracy))
-        }
+        Some(error) => format!("may be off by {}, {} is asked", percent(error), percent(accuracy)),
     }
 }
 

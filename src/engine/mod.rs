@@ -4,6 +4,7 @@ pub mod request;
 pub mod near_fields;
 pub mod bodies;
 pub mod known_errors;
+pub mod foresight;
 pub mod plan;
 pub mod respond;
 pub mod unit_costs;

@@ -2,14 +2,15 @@
 
 use std::f64::consts::PI;
 
-use crate::engine::known_errors::{KNOWN_LEVELS, known_error, worst_known_error};
+use crate::engine::foresight::Foresight;
+use crate::engine::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::arc::TERM_CHOICES;
 use crate::mechanics::compliance::near_field::PoissonRange;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::study::config::MethodChoice;
-use crate::study::design::JointDesign;
+use crate::study::design::DesignCase;
 
 /// What a design is solved with, at one rung of the ladder of resolutions.
 #[derive(Clone, Copy, Debug)]
@@ -48,13 +49,6 @@ pub fn first_level(accuracy: f64) -> usize {
     1 + REACHED.iter().position(|reached| accuracy > *reached).unwrap_or(LEVEL_COUNT - 2)
 }
 
-/// The coarsest mesh level that is known to be good enough for all of some bodies.
-pub fn known_level(bodies: &[Body], accuracy: f64) -> Option<usize> {
-    let is_enough =
-        |level: usize, body| worst_known_error(body, level).is_some_and(|error| error <= accuracy);
-    (0..KNOWN_LEVELS).find(|level| bodies.iter().all(|body| is_enough(*level, body)))
-}
-
 /// Estimated error of the force on a mesh level from its relative change since the next coarser level, summed over the
 /// bodies: a multiple of the change, and a floor for changes that are small by chance. Measured against `series` and
 /// against the finest level (tests/oracle.rs), so that at least 95 % of the errors are below the estimate.
@@ -90,7 +84,7 @@ impl Trust {
                 if is_film { Trust::SqueezedFilm } else { Trust::Wary }
             }
             Fidelity::Mesh { .. }
-                if !shape.sides.is_empty() && known_level(&[request.body], 1.0).is_none() =>
+                if !shape.sides.is_empty() && known_error(&request.body, 0, 0.0).is_none() =>
             {
                 Trust::Wary
             }
@@ -111,12 +105,15 @@ impl Trust {
     }
 }
 
-/// Trial pressures for a body this deep (|ln r|): the layer between contact and far boundary must be resolved too. Of 600 random
-/// concentric joints each of five ranges of depth, 6 leave 1e-4 of the force, 0.1 % of its stiffness, 0.7 % of the peak pressure
-/// and 2 deg in the worst, in the median 2e-8, 1e-5, 1e-4 and 0.01 deg; 10 a hundredth of that.
-fn terms(least_depth: f64, accuracy: f64) -> usize {
+/// From this contact half angle on, rad, few trial pressures leave something of the half angle and the peak pressure.
+const WIDE: f64 = 1.4;
+
+/// Trial pressures for a body this deep (|ln r|): the layer between contact and far boundary must be resolved too. What few of
+/// them leave of contacts up to a half angle is measured in `tests/series.rs`.
+fn terms(least_depth: f64, accuracy: f64, half_angle: f64) -> usize {
     let [deep, middling, thin] = match accuracy {
         rough if rough >= 1e-2 => [6, 6, 10],
+        common if common >= 1e-4 && half_angle < WIDE => [6, 6, 16],
         common if common >= 1e-4 => [10, 10, 16],
         _ => [10, 16, 24],
     };
@@ -127,33 +124,60 @@ fn terms(least_depth: f64, accuracy: f64) -> usize {
     }
 }
 
-/// The pressure space of a joint for an accuracy of the force.
-pub fn space_of(pin: &Body, plate: &Body, accuracy: f64) -> SpaceKey {
+/// The pressure space of a joint for an accuracy of the force and contacts up to a half angle, rad.
+pub fn space_of(pin: &Body, plate: &Body, accuracy: f64, half_angle: f64) -> SpaceKey {
     let depth = |body: &Body| (body.shape.depth_range)(&body.parameters).0;
-    SpaceKey { half_ring: pin.shape.end_angle < PI, terms: terms(depth(pin).min(depth(plate)), accuracy) }
+    let terms = terms(depth(pin).min(depth(plate)), accuracy, half_angle);
+    SpaceKey { half_ring: pin.shape.end_angle < PI, terms }
+}
+
+/// What the compliance of a body is compared with, to tell how good an answer is: how the work of the pressure changes says it.
+#[derive(Clone, Copy, Debug)]
+pub enum Compared {
+    /// It is exact.
+    Not,
+    /// Its mesh is known to be good to a share of the work that goes into the body: that work is the change.
+    WithNothing,
+    /// With the same body on the next coarser mesh.
+    With(BodyRequest),
+}
+
+impl Compared {
+    fn coarser(self) -> Option<BodyRequest> {
+        if let Compared::With(request) = self { Some(request) } else { None }
+    }
 }
 
 impl JointPlan {
-    /// The cheapest that meets an accuracy (relative, of the force) as far as is known beforehand; `None` where `series`
-    /// is asked for bodies it has no modes of.
-    pub fn cheapest(joint: &JointDesign, method: MethodChoice, accuracy: f64) -> Option<JointPlan> {
-        let plan = JointPlan::new(joint, method, accuracy, first_level(accuracy))?;
-        let bodies: Vec<Body> = plan.meshed().map(|request| request.body).collect();
-        match known_level(&bodies, accuracy).filter(|_| !bodies.is_empty()) {
-            None => Some(plan),
-            Some(level) => {
-                let estimate = Estimate::Known;
-                Some(JointPlan { estimate, ..JointPlan::new(joint, method, accuracy, level)? })
-            }
+    /// The cheapest that will meet an accuracy (relative, of the force) as far as is foreseen; `None` where `series` is
+    /// asked for bodies it has no modes of.
+    pub fn cheapest(case: &DesignCase, method: MethodChoice, accuracy: f64) -> Option<JointPlan> {
+        let plan = JointPlan::new(case, method, accuracy, first_level(accuracy))?;
+        if plan.estimate == Estimate::Exact {
+            return Some(plan);
         }
+        let foresight = Foresight::of(case);
+        let is_enough =
+            |plan: &JointPlan| plan.foreseen_error(&foresight).is_some_and(|error| error <= accuracy);
+        let known =
+            (0..KNOWN_LEVELS).map(|level| JointPlan { estimate: Estimate::Known, ..plan.on_level(level) });
+        Some(known.into_iter().find(is_enough).unwrap_or(plan))
+    }
+
+    /// What is known of the meshes, each body by its share of the work; `None` where nothing is known.
+    pub fn foreseen_error(&self, foresight: &Foresight) -> Option<f64> {
+        let bodies = [self.pin, self.plate].into_iter().zip(foresight.shares);
+        let meshed = bodies.filter(|(request, _)| request.fidelity != Fidelity::Series);
+        let known = |request: BodyRequest| known_error(&request.body, self.level, foresight.half_angle);
+        meshed.map(|(request, share)| Some(share * known(request)?)).sum()
     }
 
     /// What a design is solved with next, `None` where it wants nothing or there is no more.
-    pub fn next(&self, want: Want, accuracy: f64) -> Option<JointPlan> {
+    pub fn next(&self, want: Want) -> Option<JointPlan> {
         match want {
             Want::Nothing => None,
-            Want::MoreTerms => self.with_more_terms().or_else(|| self.finer(accuracy)),
-            Want::FinerMesh => self.finer(accuracy),
+            Want::MoreTerms => self.with_more_terms().or_else(|| self.finer()),
+            Want::FinerMesh => self.finer(),
         }
     }
 
@@ -164,31 +188,39 @@ impl JointPlan {
         Some(JointPlan { pin: with(self.pin), plate: with(self.plate), ..*self })
     }
 
-    /// The next rung of the ladder of meshes, `None` at its end.
-    pub fn finer(&self, accuracy: f64) -> Option<JointPlan> {
-        let level = match self.estimate {
+    /// The next rung of the ladder of meshes, `None` at its end. Where nothing is known of it, it is told by the one before.
+    pub fn finer(&self) -> Option<JointPlan> {
+        let level = self.level + 1;
+        let is_known = |request: BodyRequest| known_error(&request.body, level, 0.0).is_some();
+        let finer = match self.estimate {
             Estimate::Exact => return None,
-            Estimate::Known => first_level(accuracy).max(self.level + 1),
-            Estimate::Change(_) => self.level + 1,
+            Estimate::Known if self.meshed().all(is_known) => {
+                JointPlan { estimate: Estimate::Known, ..self.on_level(level) }
+            }
+            _ => self.on_level(level),
         };
+        (level < LEVEL_COUNT).then_some(finer)
+    }
+
+    fn on_level(&self, level: usize) -> JointPlan {
         let on_level = |request: BodyRequest| match request.fidelity {
             Fidelity::Series => request,
             Fidelity::Mesh { .. } => BodyRequest { fidelity: Fidelity::Mesh { level }, ..request },
         };
-        let plan = JointPlan::of(on_level(self.pin), on_level(self.plate), level);
-        (level < LEVEL_COUNT).then_some(plan)
+        JointPlan::of(on_level(self.pin), on_level(self.plate), level)
     }
 
     /// For a design at a mesh level, the error told by the next coarser one (so from 1 on); `None` where `series` is asked
     /// for bodies it has no modes of.
-    pub fn new(joint: &JointDesign, method: MethodChoice, accuracy: f64, level: usize) -> Option<JointPlan> {
+    pub fn new(case: &DesignCase, method: MethodChoice, accuracy: f64, level: usize) -> Option<JointPlan> {
+        let joint = &case.joint;
         let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
         if method == MethodChoice::Series && !(pin.shape.concentric && plate.shape.concentric) {
             return None;
         }
         // Who asks for `series` wants it exact.
         let wanted = if method == MethodChoice::Series { 0.0 } else { accuracy };
-        let space = space_of(&pin, &plate, wanted);
+        let space = space_of(&pin, &plate, wanted, Foresight::of(case).half_angle);
         let request = |body: Body| {
             let exact = method != MethodChoice::Fe && body.shape.concentric;
             let fidelity = if exact { Fidelity::Series } else { Fidelity::Mesh { level } };
@@ -215,28 +247,31 @@ impl JointPlan {
     pub fn requests(&self) -> impl Iterator<Item = BodyRequest> {
         [self.pin, self.plate]
             .into_iter()
-            .flat_map(|request| [Some(request), self.coarser(&request)])
+            .flat_map(|request| [Some(request), self.compared(&request).coarser()])
             .flatten()
     }
 
-    /// The same body on the next coarser mesh, whose difference says how good the mesh is; `None` where that is known.
-    pub fn coarser(&self, request: &BodyRequest) -> Option<BodyRequest> {
+    /// What the mesh of a body is compared with.
+    pub fn compared(&self, request: &BodyRequest) -> Compared {
         match (request.fidelity, self.estimate) {
             (Fidelity::Mesh { level }, Estimate::Change(_)) => {
-                Some(BodyRequest { fidelity: Fidelity::Mesh { level: level - 1 }, ..*request })
+                Compared::With(BodyRequest { fidelity: Fidelity::Mesh { level: level - 1 }, ..*request })
             }
-            _ => None,
+            (Fidelity::Mesh { .. }, _) => Compared::WithNothing,
+            (Fidelity::Series, _) => Compared::Not,
         }
     }
 
-    /// The error of the force, relative, that the meshes leave: `change` is that of the work since the next coarser ones.
+    /// The error of the force, relative, that the meshes leave: `change` is that of the work since what they are
+    /// `compared` with.
     pub fn mesh_error(&self, half_angle: f64, change: f64) -> f64 {
         match self.estimate {
             Estimate::Exact => 0.0,
-            Estimate::Known => self
-                .meshed()
-                .map(|request| known_error(&request.body, self.level, half_angle).unwrap_or(f64::INFINITY))
-                .fold(0.0, f64::max),
+            Estimate::Known => {
+                let known = |request: BodyRequest| known_error(&request.body, self.level, half_angle);
+                let worst = self.meshed().map(|request| known(request).unwrap_or(f64::INFINITY));
+                change * worst.fold(0.0, f64::max)
+            }
             Estimate::Change(trust) => trust.error(self.level, change),
         }
     }

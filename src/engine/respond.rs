@@ -26,8 +26,8 @@ pub struct LoadState {
     pub peak_pressure: f64,
     /// `ArcState::truncation`.
     pub truncation: f64,
-    /// Relative change of the work since the next coarser mesh, summed over the bodies that are on meshes; of
-    /// interpolated bodies the bound of their error.
+    /// Relative change of the work by what the meshes of the bodies are compared with (`JointPlan::compared`), summed over
+    /// them; of interpolated bodies the bound of their error.
     pub change: f64,
     pub pressure_is_positive: bool,
 }

@@ -1,6 +1,7 @@
 //! Designs as contact sees them: their distinct bodies, their loads over their sizes, and contact angles in advance.
 
 use std::collections::HashMap;
+use std::f64::consts::PI;
 use std::hash::Hash;
 
 use crate::engine::plan::space_of;
@@ -51,7 +52,7 @@ impl Terms {
     /// The pressure space of a joint.
     pub fn space(self, joint: &JointDesign) -> SpaceKey {
         let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
-        let by_depth = space_of(&pin, &plate, 0.0);
+        let by_depth = space_of(&pin, &plate, 0.0, PI);
         match self {
             Terms::ByDepth => by_depth,
             Terms::Fixed(terms) => SpaceKey { terms, ..by_depth },

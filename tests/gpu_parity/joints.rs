@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use jointsweep::engine::backend::gpu::contact::{DeviceJoint, LoadResponse, NO_SLOT, answers};
+use jointsweep::engine::backend::gpu::contact::{DeviceJoint, LoadResponse, NO_SLOT, NOTHING, answers};
 use jointsweep::engine::backend::gpu::slots::{GramShared, Slots};
 use jointsweep::engine::backend::gpu::trial::TrialKernels;
 use jointsweep::engine::bodies::BodyLibrary;
@@ -173,17 +173,13 @@ fn twin(
     let curve = JointCurve::new(joined).unwrap();
     let states = curve.states(joint.clearance, &joint.loads);
     let change = |state| {
-        let of_body = |fine: &PressureCompliance, coarse: u32, modulus: f64| {
-            if coarse == NO_SLOT {
-                return 0.0;
-            }
-            let values: Vec<f64> = fine
-                .values
-                .iter()
-                .zip(&compliance(coarse).values)
-                .map(|(fine, coarse)| fine - coarse)
-                .collect();
-            (curve.joint().relative_changes(&[state], &values)[0] / modulus).abs()
+        let of_body = |fine: &PressureCompliance, other: u32, modulus: f64| {
+            let change = match other {
+                NO_SLOT => return 0.0,
+                NOTHING => fine.clone(),
+                coarse => fine.minus(compliance(coarse)),
+            };
+            (curve.joint().relative_changes(&[state], &change)[0] / modulus).abs()
         };
         of_body(bodies[0], coarser_pin, joint.moduli[0]) + of_body(bodies[1], coarser_plate, joint.moduli[1])
     };
@@ -208,7 +204,9 @@ fn joints() -> Vec<DeviceJoint> {
             }
         });
         let loads = loads.collect();
-        let coarser = [[NO_SLOT, NO_SLOT], [2, 3], [NO_SLOT, 3], [2, NO_SLOT]][index % 4];
+        let coarser =
+            [[NO_SLOT, NO_SLOT], [2, 3], [NO_SLOT, 3], [2, NO_SLOT], [NOTHING, NO_SLOT], [NO_SLOT, NOTHING]]
+                [index % 6];
         let plate = if index % 5 == 4 { 4 } else { 1 };
         joints.push(DeviceJoint { slots: [0, plate, coarser[0], coarser[1]], moduli, clearance, loads });
     }

@@ -1,5 +1,6 @@
 //! A batch of designs on the processor: bodies first, each distinct one once, then the contact of every design.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -8,10 +9,11 @@ use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::plan::InterpolationPlan;
 use crate::engine::interpolation::rung::Interpolation;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
-use crate::engine::plan::{JointPlan, Want};
+use crate::engine::plan::{Compared, JointPlan, Want};
 use crate::engine::respond::{
     LoadState, NOT_CONCENTRIC, Solving, Way, all_failed, closed_form, loads_in_contact,
 };
+use crate::mechanics::compliance::PressureCompliance;
 use crate::mechanics::contact::arc_state::ArcState;
 use crate::mechanics::contact::loading::{DimensionlessLoad, JointCurve, NoState};
 use crate::mechanics::contact::pressure::JointCompliance;
@@ -55,7 +57,7 @@ impl CpuBackend {
         let SolveOptions { method, accuracy } = self.options;
         let mut plans: Vec<(usize, Option<JointPlan>)> = (0..cases.len())
             .filter(|index| outcomes[*index].is_none())
-            .map(|index| (index, JointPlan::cheapest(&cases[index].joint, method, accuracy)))
+            .map(|index| (index, JointPlan::cheapest(&cases[index], method, accuracy)))
             .collect();
         while !plans.is_empty() {
             let requests: Vec<_> =
@@ -79,7 +81,7 @@ impl CpuBackend {
             for ((index, plan), (outcome, want, time)) in plans.into_iter().zip(solved) {
                 self.contact_time += time;
                 outcomes[index] = Some(outcome);
-                let next = plan.and_then(|plan| plan.next(want, accuracy));
+                let next = plan.and_then(|plan| plan.next(want));
                 unsettled.extend(next.map(|plan| (index, Some(plan))));
             }
             plans = unsettled;
@@ -115,15 +117,19 @@ fn solve_design(
     let joined = JointCompliance::new(space, (pin, moduli[0]), (plate, moduli[1]));
     let solving =
         Solving { backend: BackendKind::Cpu, way: Way::Planned(*plan), limit: space.limit, accuracy };
-    // Change from the next coarser mesh, for each body that has one, and the body's modulus.
-    let changes: Vec<(Vec<f64>, f64)> = [(plan.pin, pin, moduli[0]), (plan.plate, plate, moduli[1])]
-        .into_iter()
-        .filter_map(|(request, fine, modulus)| {
-            let coarse = library.compliance(&plan.coarser(&request)?.key());
-            let change = fine.values.iter().zip(&coarse.values).map(|(fine, coarse)| fine - coarse);
-            Some((change.collect(), modulus))
-        })
-        .collect();
+    // Change from what each body on a mesh is compared with, and the body's modulus.
+    let changes: Vec<(Arc<PressureCompliance>, f64)> =
+        [(plan.pin, pin, moduli[0]), (plan.plate, plate, moduli[1])]
+            .into_iter()
+            .filter_map(|(request, fine, modulus)| {
+                let change = match plan.compared(&request) {
+                    Compared::Not => return None,
+                    Compared::WithNothing => Arc::clone(fine),
+                    Compared::With(coarser) => Arc::new(fine.minus(library.compliance(&coarser.key()))),
+                };
+                Some((change, modulus))
+            })
+            .collect();
     let curve = match JointCurve::new(joined) {
         Ok(curve) => curve,
         Err(reason) => return (solving.all_failed(case, reason), Want::FinerMesh),
@@ -134,16 +140,16 @@ fn solve_design(
     solving.respond(case, load_states(&curve, &states, &changes))
 }
 
-/// What the table needs of each state, with the relative change of its work since the coarser meshes.
+/// What the table needs of each state, with the relative change of its work by what its meshes are compared with.
 fn load_states(
     curve: &JointCurve,
     states: &[Result<ArcState, NoState>],
-    changes: &[(Vec<f64>, f64)],
+    changes: &[(Arc<PressureCompliance>, f64)],
 ) -> Vec<Result<LoadState, NoState>> {
     let sound: Vec<ArcState> = states.iter().filter_map(|state| state.as_ref().ok().copied()).collect();
     let mut relative = vec![0.0; sound.len()];
-    for (values, modulus) in changes {
-        for (sum, change) in relative.iter_mut().zip(curve.joint().relative_changes(&sound, values)) {
+    for (change, modulus) in changes {
+        for (sum, change) in relative.iter_mut().zip(curve.joint().relative_changes(&sound, change)) {
             *sum += (change / modulus).abs();
         }
     }

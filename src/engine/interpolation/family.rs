@@ -139,10 +139,6 @@ const FAIR: f64 = 0.9;
 /// Share of the budget from which on a better fit costs much.
 const FAIR_BUDGET: f64 = 0.1;
 
-/// Of what `mesh_error` says of one body, as the bound of a family, which is that of its worst bodies: measured in
-/// tests/interpolation.rs.
-const FAMILY_SHARE: f64 = 0.75;
-
 /// Meshes whose own error is above this share of the accuracy are not worth a fit.
 const MESH_SHARE: f64 = 0.7;
 
@@ -412,8 +408,7 @@ impl HeldOut {
         } else {
             (self.expected.par_iter().zip(&coarse).zip(&self.amplitudes))
                 .map(|((fine, coarse), amplitude)| {
-                    changes(nodes, *amplitude, fine, coarse)
-                        .map(|change| FAMILY_SHARE * mesh_error(level, change))
+                    changes(nodes, *amplitude, fine, coarse).map(|change| mesh_error(level, change))
                 })
                 .collect()
         };

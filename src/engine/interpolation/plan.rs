@@ -8,7 +8,8 @@ use std::collections::{HashMap, HashSet};
 use crate::engine::interpolation::family::{
     Family, FamilyKey, MOST_COORDINATES, Point, coordinate_count, coordinates,
 };
-use crate::engine::plan::{first_level, known_level};
+use crate::engine::known_errors::known_level;
+use crate::engine::plan::first_level;
 use crate::engine::unit_costs::{SERIES_SECONDS, body_seconds};
 use crate::mechanics::body::{Body, BodyKey};
 use crate::study::config::{MethodChoice, SolveOptions, Study};
@@ -144,7 +145,7 @@ impl InterpolationPlan {
                 let Some(family) = families.get(key) else { continue };
                 let seconds = if family.exact {
                     SERIES_SECONDS
-                } else if let Some(level) = known_level(&[members.example], solve.accuracy) {
+                } else if let Some(level) = known_level(&members.example, solve.accuracy) {
                     body_seconds(&members.example, level)
                 } else {
                     body_seconds(&members.example, level) + body_seconds(&members.example, level - 1)

@@ -30,3 +30,14 @@ pub struct PressureCompliance {
     /// `[node][packed lower triangle]`.
     pub values: Vec<f64>,
 }
+
+impl PressureCompliance {
+    /// The difference from another of the same space.
+    pub fn minus(&self, other: &PressureCompliance) -> PressureCompliance {
+        PressureCompliance {
+            terms: self.terms,
+            amplitude: self.amplitude - other.amplitude,
+            values: self.values.iter().zip(&other.values).map(|(own, other)| own - other).collect(),
+        }
+    }
+}

@@ -51,7 +51,7 @@ pub enum PoissonRange {
 /// From this Poisson's ratio on, plane strain is nearly incompressible: the error of a mesh, with poles just beyond 1/2, is a smooth
 /// function of ln(1 - 2 nu) there. Below, it is one of a root of 1 - 2 nu, far enough from the poles and near enough to
 /// what is a polynomial of Poisson's ratio.
-const NEARLY_INCOMPRESSIBLE: f64 = 0.47;
+pub const NEARLY_INCOMPRESSIBLE: f64 = 0.47;
 
 /// Of 1 - 2 nu: below it nothing changes any more.
 const LEAST_COMPRESSIBILITY: f64 = 1e-5;

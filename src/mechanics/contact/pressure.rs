@@ -72,15 +72,15 @@ impl<'a> JointCompliance<'a> {
         Arch::new().dispatch(Evaluate { joint: self, arcs, nodes: None })
     }
 
-    /// For each state, the share by which a change of the joint's compliance (`values` as in `PressureCompliance`, times
-    /// one unit of the moduli) changes the work of the pressure: since that is stationary in the pressure, to first
-    /// order the relative change of the energy at a given indentation, and of the force where it changes evenly with the
-    /// load.
-    pub fn relative_changes(&self, states: &[ArcState], values: &[f64]) -> Vec<f64> {
+    /// For each state, the share by which a change of the joint's compliance (times one unit of the moduli) changes the work of
+    /// the pressure: since that is stationary in the pressure, to first order the relative change of the energy at a given
+    /// indentation, and of the force where it changes evenly with the load. Of a whole body it is the share of the work that
+    /// goes into it.
+    pub fn relative_changes(&self, states: &[ArcState], change: &PressureCompliance) -> Vec<f64> {
         states
             .chunks(LANES)
             .flat_map(|states| {
-                Arch::new().dispatch(Change { joint: self, states, values }).into_iter().take(states.len())
+                Arch::new().dispatch(Change { joint: self, states, change }).into_iter().take(states.len())
             })
             .collect()
     }
@@ -245,7 +245,7 @@ fn solve_in_place<T: Real, const TERMS: usize>(
 struct Change<'a> {
     joint: &'a JointCompliance<'a>,
     states: &'a [ArcState],
-    values: &'a [f64],
+    change: &'a PressureCompliance,
 }
 
 impl WithSimd for Change<'_> {
@@ -272,11 +272,15 @@ impl Change<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool, const TERMS: usize>(self) -> [f64; LANES] {
-        let Change { joint, states, values } = self;
+        let Change { joint, states, change } = self;
         let state = |lane: usize| &states[lane.min(states.len() - 1)];
         let half_angles = std::array::from_fn(|lane| state(lane).arc.half_angle);
         let weights = joint.space.interpolation(half_angles);
-        let matrix = interpolate::<FUSED, TERMS>(&weights, values);
+        let mut matrix = interpolate::<FUSED, TERMS>(&weights, &change.values);
+        if change.amplitude != 0.0 {
+            let log = |lane: usize| -FRAC_PI_2 * change.amplitude * state(lane).arc.b.ln();
+            matrix[0][0] += Lanes(std::array::from_fn(log));
+        }
         let pressure: [Lanes<FUSED>; TERMS] =
             std::array::from_fn(|k| Lanes(std::array::from_fn(|lane| state(lane).pressure[k])));
         let mut work = Lanes::<FUSED>::zero();

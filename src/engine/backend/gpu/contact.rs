@@ -15,8 +15,11 @@ use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::contact::loading::{DimensionlessLoad, NoState};
 use crate::study::design::DesignCase;
 
-/// No slot: the body has no coarser mesh.
+/// No slot: the body is exact.
 pub const NO_SLOT: u32 = u32::MAX;
+
+/// No slot: the body is compared with nothing, its change is all the work that goes into it.
+pub const NOTHING: u32 = u32::MAX - 1;
 
 /// Numbers that `find` says of each load.
 pub const RESPONSE_SIZE: usize = 12;
@@ -35,7 +38,8 @@ pub struct ContactParameters {
 /// A joint as the device meets it.
 #[derive(Clone, Debug)]
 pub struct DeviceJoint {
-    /// Slots of the pin, the plate, and both on the next coarser mesh, or `NO_SLOT`.
+    /// Slots of the pin, the plate, and what either is compared with: the same on the next coarser mesh, `NOTHING`, or
+    /// `NO_SLOT`.
     pub slots: [u32; 4],
     /// Young's moduli of the pin and the plate.
     pub moduli: [f64; 2],

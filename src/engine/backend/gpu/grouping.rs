@@ -6,8 +6,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::contact::NO_SLOT;
-use crate::engine::plan::JointPlan;
+use super::contact::{NO_SLOT, NOTHING};
+use crate::engine::plan::{Compared, JointPlan};
 use crate::engine::request::{BodyRequest, Fidelity, RequestKey, TopologyKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::near_field::PoissonRange;
@@ -80,7 +80,7 @@ fn group_key(request: &BodyRequest) -> Option<GroupKey> {
     (request.fidelity != Fidelity::Series).then(|| (TopologyKey::of(request), range))
 }
 
-/// The distinct bodies of joints, and the slots of each joint: pin, plate, and both on coarser meshes.
+/// The distinct bodies of joints, and the slots of each joint: pin, plate, and what either is compared with.
 pub(super) fn distinct(joints: &[(&DesignCase, JointPlan)]) -> (DistinctBodies, Vec<[u32; 4]>) {
     let mut known: HashMap<RequestKey, usize> = HashMap::new();
     let mut requests = Vec::new();
@@ -90,15 +90,22 @@ pub(super) fn distinct(joints: &[(&DesignCase, JointPlan)]) -> (DistinctBodies, 
             requests.len() - 1
         })
     };
-    let places: Vec<[Option<usize>; 4]> = joints
+    // Of what a body is compared with where it is a body, else the sentinel.
+    let mut other = |compared: Compared| match compared {
+        Compared::Not => Err(NO_SLOT),
+        Compared::WithNothing => Err(NOTHING),
+        Compared::With(request) => Ok(place(request)),
+    };
+    let places: Vec<[Result<usize, u32>; 4]> = joints
         .iter()
         .map(|(_, plan)| {
-            let coarser = [&plan.pin, &plan.plate].map(|request| plan.coarser(request));
-            [Some(plan.pin), Some(plan.plate), coarser[0], coarser[1]].map(|request| request.map(&mut place))
+            let JointPlan { pin, plate, .. } = plan;
+            [Compared::With(*pin), Compared::With(*plate), plan.compared(pin), plan.compared(plate)]
+                .map(&mut other)
         })
         .collect();
     let (bodies, slots) = DistinctBodies::ordered(requests);
-    let slot = |place: Option<usize>| place.map_or(NO_SLOT, |place| slots[place]);
+    let slot = |place: Result<usize, u32>| place.map_or_else(|sentinel| sentinel, |place| slots[place]);
     (bodies, places.into_iter().map(|places| places.map(slot)).collect())
 }
 

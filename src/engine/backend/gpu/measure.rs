@@ -126,7 +126,7 @@ fn commonest_space<'a>(
 ) -> Option<(SpaceKey, Vec<(&'a DesignCase, JointPlan)>)> {
     let mut by_space: HashMap<SpaceKey, Vec<(&DesignCase, JointPlan)>> = HashMap::new();
     for case in cases.iter().filter(|case| loads_in_contact(case).next().is_some()) {
-        let plan = JointPlan::new(&case.joint, MethodChoice::Fe, SWEEP_ACCURACY, level)?;
+        let plan = JointPlan::new(case, MethodChoice::Fe, SWEEP_ACCURACY, level)?;
         by_space.entry(plan.pin.space).or_default().push((case, plan));
     }
     let (space, mut joints) =

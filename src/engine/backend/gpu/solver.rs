@@ -229,7 +229,7 @@ impl<'a> GpuBackend<'a> {
         if method == MethodChoice::ClosedForm || answer_numbers(case) > self.buffer_numbers() {
             return None;
         }
-        let plan = JointPlan::cheapest(&case.joint, method, accuracy)?;
+        let plan = JointPlan::cheapest(case, method, accuracy)?;
         (plan.estimate != Estimate::Exact).then_some(plan)
     }
 }
@@ -263,7 +263,7 @@ impl Backend for GpuBackend<'_> {
                             None => for_cpu.push(*index),
                             Some((outcome, want)) => {
                                 outcomes[*index] = Some(outcome);
-                                let next = plan.next(want, self.options.accuracy);
+                                let next = plan.next(want);
                                 open.extend(next.map(|plan| (*index, plan)));
                             }
                         }
