@@ -7,6 +7,7 @@
 
 use crate::mechanics::body::{Body, Shape, annulus, block, cored_disc, half_disc};
 use crate::mechanics::compliance::near_field::NEARLY_INCOMPRESSIBLE;
+use crate::mechanics::grading::STIFF;
 use crate::mechanics::material::Idealization;
 
 /// Levels that are known of any shape, coarsest first.
@@ -35,6 +36,14 @@ const HALF_DISC: Table = [
 ];
 
 const STIFF_HALF_DISC: Table = [
+    [1.3e-3, 1.4e-3, 3.0e-4, 4.5e-3],
+    [6.2e-4, 8.0e-4, 9.2e-4, 1.4e-3],
+    [3.3e-4, 5.2e-4, 5.9e-4, 6.6e-4],
+    [1.5e-4, 2.9e-4, 5.8e-4, 2.8e-4],
+    [5.5e-5, 1.1e-4, 2.3e-4, 1.6e-4],
+];
+
+const VERY_STIFF_HALF_DISC: Table = [
     [1.3e-3, 1.4e-3, 2.3e-3, 1.8e-2],
     [7.4e-4, 9.3e-4, 1.1e-3, 4.7e-3],
     [4.4e-4, 7.3e-4, 1.4e-3, 1.8e-3],
@@ -42,7 +51,7 @@ const STIFF_HALF_DISC: Table = [
     [9.0e-5, 1.8e-4, 5.3e-4, 2.5e-4],
 ];
 
-const VERY_STIFF_HALF_DISC: Table = [
+const NEARLY_INCOMPRESSIBLE_HALF_DISC: Table = [
     [1.2e-3, 1.5e-3, 7.9e-3, 3.5e-2],
     [1.1e-3, 9.3e-4, 1.1e-3, 9.9e-3],
     [4.5e-4, 7.3e-4, 1.6e-3, 4.4e-3],
@@ -66,20 +75,36 @@ const BLOCK_ON_BASE: Table = [
     [6.0e-5, 1.0e-4, 1.2e-4, 1.0e-4],
 ];
 
-const STIFF_BLOCK: Table = [
-    [1.8e-2, 1.8e-2, 1.8e-2, 1.8e-2],
-    [8.7e-3, 1.1e-2, 1.0e-2, 1.0e-2],
-    [3.1e-3, 5.1e-3, 3.7e-3, 3.7e-3],
-    [1.1e-3, 1.8e-3, 1.5e-3, 1.5e-3],
-    [4.3e-4, 7.2e-4, 6.4e-4, 6.4e-4],
+const STIFF_BLOCK_HELD_AROUND: Table = [
+    [1.0e-2, 3.3e-3, 6.3e-3, 7.6e-3],
+    [3.4e-3, 2.3e-3, 2.7e-3, 1.6e-3],
+    [6.0e-4, 1.0e-3, 1.4e-3, 1.3e-3],
+    [2.0e-4, 4.4e-4, 1.2e-3, 4.6e-4],
+    [4.3e-5, 9.8e-5, 3.8e-4, 2.0e-4],
 ];
 
-const VERY_STIFF_BLOCK: Table = [
+const STIFF_BLOCK_ON_BASE: Table = [
+    [1.3e-2, 1.2e-2, 1.2e-2, 1.2e-2],
+    [6.1e-3, 8.0e-3, 8.0e-3, 8.0e-3],
+    [1.7e-3, 1.0e-3, 1.0e-3, 1.0e-3],
+    [4.8e-4, 4.5e-4, 4.9e-4, 4.9e-4],
+    [1.2e-4, 2.1e-4, 2.2e-4, 2.2e-4],
+];
+
+const VERY_STIFF_BLOCK_ON_BASE: Table = [
+    [2.0e-2, 1.9e-2, 2.0e-2, 2.0e-2],
+    [9.5e-3, 1.3e-2, 1.3e-2, 1.3e-2],
+    [3.0e-3, 2.1e-3, 2.1e-3, 2.1e-3],
+    [7.5e-4, 1.0e-3, 1.0e-3, 1.0e-3],
+    [3.1e-4, 4.6e-4, 4.7e-4, 4.7e-4],
+];
+
+const NEARLY_INCOMPRESSIBLE_BLOCK_ON_BASE: Table = [
     [2.6e-2, 2.6e-2, 2.6e-2, 2.6e-2],
-    [1.4e-2, 1.5e-2, 1.6e-2, 1.6e-2],
-    [5.0e-3, 7.9e-3, 8.5e-3, 8.5e-3],
-    [1.8e-3, 3.0e-3, 3.1e-3, 3.1e-3],
-    [1.0e-3, 1.6e-3, 1.6e-3, 1.6e-3],
+    [1.4e-2, 1.7e-2, 1.8e-2, 1.8e-2],
+    [3.5e-3, 4.1e-3, 4.2e-3, 4.2e-3],
+    [1.4e-3, 1.9e-3, 2.1e-3, 2.1e-3],
+    [5.8e-4, 8.5e-4, 8.8e-4, 8.8e-4],
 ];
 
 /// |ln r| of the shallowest and the deepest place that were drawn.
@@ -92,17 +117,18 @@ enum Stiffness {
     Ordinary,
     Stiff,
     VeryStiff,
+    NearlyIncompressible,
 }
 
 impl Stiffness {
     /// `None` where it is so little stiff, or so much, that meshes behave otherwise.
     fn of(body: &Body) -> Option<Stiffness> {
         match (body.idealization, body.poissons_ratio) {
-            (Idealization::PlaneStress, ratio) if ratio > -0.75 => Some(Stiffness::Ordinary),
-            (Idealization::PlaneStress, _) => None,
-            (Idealization::PlaneStrain, ratio) if ratio < 0.42 => Some(Stiffness::Ordinary),
-            (Idealization::PlaneStrain, ratio) if ratio < 0.48 => Some(Stiffness::Stiff),
-            (Idealization::PlaneStrain, ratio) => (ratio < 0.49).then_some(Stiffness::VeryStiff),
+            (Idealization::PlaneStress, ratio) => (ratio > -0.75).then_some(Stiffness::Ordinary),
+            (Idealization::PlaneStrain, ratio) if ratio <= STIFF => Some(Stiffness::Ordinary),
+            (Idealization::PlaneStrain, ratio) if ratio < 0.45 => Some(Stiffness::Stiff),
+            (Idealization::PlaneStrain, ratio) if ratio < 0.48 => Some(Stiffness::VeryStiff),
+            (Idealization::PlaneStrain, ratio) => (ratio < 0.49).then_some(Stiffness::NearlyIncompressible),
         }
     }
 }
@@ -132,14 +158,17 @@ fn table(body: &Body) -> Option<&'static Table> {
             Stiffness::Ordinary => &HALF_DISC,
             Stiffness::Stiff => &STIFF_HALF_DISC,
             Stiffness::VeryStiff => &VERY_STIFF_HALF_DISC,
+            Stiffness::NearlyIncompressible => &NEARLY_INCOMPRESSIBLE_HALF_DISC,
         };
         (table, DEPTHS)
     } else if is(&block::SHAPE) {
         let table = match (stiffness, body.support) {
             (Stiffness::Ordinary, 0) => &BLOCK_ON_BASE,
             (Stiffness::Ordinary, _) => &BLOCK_HELD_AROUND,
-            (Stiffness::Stiff, _) => &STIFF_BLOCK,
-            (Stiffness::VeryStiff, _) => &VERY_STIFF_BLOCK,
+            (Stiffness::Stiff, 0) => &STIFF_BLOCK_ON_BASE,
+            (Stiffness::VeryStiff, 0) => &VERY_STIFF_BLOCK_ON_BASE,
+            (Stiffness::NearlyIncompressible, 0) => &NEARLY_INCOMPRESSIBLE_BLOCK_ON_BASE,
+            (_, _) => &STIFF_BLOCK_HELD_AROUND,
         };
         (table, DEPTHS_OF_BLOCKS)
     } else if is(&annulus::SHAPE) || is(&cored_disc::SHAPE) {

@@ -7,6 +7,7 @@
 
 use crate::mechanics::body::Body;
 use crate::mechanics::element::ElementKind;
+use crate::mechanics::material::Idealization;
 use crate::mechanics::mesh::{Grading, Layers, SHRINK, holding_changes};
 
 /// One step on the ladder of resolutions.
@@ -69,6 +70,18 @@ const WIDEST_ENDS_HELD: f64 = 0.8;
 const FIRST_ENDS_HELD: f64 = 0.6;
 const SHRINKING_AT_HELD_END: usize = 3;
 
+/// Stiff bodies have stronger singularities, and so many more layers that shrink from this level on; before it there are as
+/// many as f32 bears.
+const MORE_WHERE_STIFF: usize = 2;
+const STIFF_LEVEL: usize = 2;
+
+/// In plane strain from here on, beside the shear modulus.
+pub const STIFF: f64 = 0.42;
+
+fn is_stiff(body: &Body) -> bool {
+    body.idealization == Idealization::PlaneStrain && body.poissons_ratio > STIFF
+}
+
 impl GradingClass {
     /// The class of `body` at `level` (below `LEVEL_COUNT`, or `REFERENCE_LEVEL`).
     pub fn of(body: &Body, element: ElementKind, level: usize) -> GradingClass {
@@ -76,6 +89,7 @@ impl GradingClass {
         let depth_class = (-CLASSES_PER_OCTAVE * least.log2()).ceil().max(0.0) as u32;
         let corners = body.shape.sides.len().saturating_sub(1);
         let shrinking = match (0..corners).any(|corner| holding_changes(body, corner)) {
+            true if is_stiff(body) && level >= STIFF_LEVEL => LEVELS[level].shrinking + MORE_WHERE_STIFF,
             true => LEVELS[level].shrinking,
             // Stresses are high in any corner.
             false => corners.min(1),
@@ -165,7 +179,6 @@ mod tests {
 
     use super::*;
     use crate::mechanics::body::{annulus, block, cored_disc, half_disc};
-    use crate::mechanics::material::Idealization;
 
     fn body(shape: &'static crate::mechanics::body::Shape, parameters: [f64; 3]) -> Body {
         Body { shape, parameters, support: 0, poissons_ratio: 0.3, idealization: Idealization::PlaneStress }
