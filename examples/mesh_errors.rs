@@ -5,6 +5,7 @@
 //! ```text
 //! cargo run --release --example mesh_errors -- 400 > mesh_errors.csv           # of each shape; block alone takes minutes
 //! cargo run --release --example mesh_errors -- 1000 rigid-core annulus > concentric.csv
+//! cargo run --release --example mesh_errors -- 400 stiff block > stiff_block.csv      # in plane strain, nu from 0.42 to 0.49
 //! ```
 
 #[path = "../tests/common/random.rs"]
@@ -24,13 +25,17 @@ use jointsweep::mechanics::material::Idealization;
 use random::Random;
 
 /// A body anywhere in the range that the program is meant for.
-fn draw(random: &mut Random, shape: &'static Shape) -> Body {
+fn draw(random: &mut Random, shape: &'static Shape, is_stiff: bool) -> Body {
     let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
     let poissons_ratio = match (random.unit() * 8.0) as u32 {
         0 => 0.5 - random.log(1e-4, 0.1),
         1 => -0.9 + random.log(1e-4, 0.3),
         2 => random.linear(-0.9, 0.0),
         _ => random.linear(0.0, 0.49),
+    };
+    let (idealization, poissons_ratio) = match is_stiff {
+        true => (Idealization::PlaneStrain, random.linear(0.42, 0.49)),
+        false => (idealization, poissons_ratio),
     };
     let mut parameters = [0.0; 3];
     for (parameter, value) in shape.parameters.iter().zip(&mut parameters) {
@@ -82,12 +87,13 @@ fn main() {
          half_angle_deg,level_0,level_1,level_2,level_3,level_4"
     );
     let mut library = BodyLibrary::default();
-    let wanted: Vec<String> = std::env::args().skip(2).collect();
+    let (stiff, wanted): (Vec<String>, Vec<String>) =
+        std::env::args().skip(2).partition(|word| word == "stiff");
     for shape in SHAPES {
         if !wanted.is_empty() && !wanted.iter().any(|name| name == shape.name) {
             continue;
         }
-        let bodies: Vec<Body> = (0..count).map(|_| draw(&mut random, shape)).collect();
+        let bodies: Vec<Body> = (0..count).map(|_| draw(&mut random, shape, !stiff.is_empty())).collect();
         for bodies in bodies.chunks(64) {
             // The finest takes longest and judges the shapes without `series` alone.
             let levels = if shape.concentric { LEVEL_COUNT - 1 } else { LEVEL_COUNT };
