@@ -153,8 +153,8 @@ impl<'a> Explainer<'a> {
                 let known = worst_known(&plan, plan.level, foresight.half_angle).unwrap_or(f64::INFINITY);
                 let foreseen = plan.foreseen_error(&foresight).unwrap_or(f64::INFINITY);
                 let why = format!(
-                    "such meshes are known to be within {} at half angles up to {:.0} deg, of the work that the moduli let expect \
-                     {} of the force; where it turns out worse, finer ones follow",
+                    "such meshes are known to be within {} at half angles up to {:.0} deg; by the moduli an error of {} is \
+                     foreseen, and where it turns out worse, finer ones follow",
                     percent(known),
                     foresight.half_angle.to_degrees(),
                     percent(foreseen)
