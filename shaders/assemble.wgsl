@@ -226,7 +226,7 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
         let depth = bodies[numbers + 1u];
         line = Line(depth, beyond_ring(depth, wide(1.0)) * shared_numbers[2u + column], wide(0.0));
     }
-    let is_straight = line.haste == wide(0.0);
+    let is_radial = line.haste == wide(0.0);
     let growth = layer_growth(line.depth);
     // The growth factor is only as good as the bisection; the far boundary is where it is.
     let total = depth_at_growth(growth);
@@ -251,14 +251,14 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
         distance += farther;
         var step = more * line.span;
         let row = 2u * layer * parameters.column_count + column;
-        if !is_straight {
+        if !is_radial {
             let part_before = part;
             part = radial_part(line, share + more);
             step += (more * part + share * (part - part_before)) * aside;
         }
         share += more;
         let own = reach + step;
-        if !is_straight && column % 2u == 1u {
+        if !is_radial && column % 2u == 1u {
             let before = geometry[grid + row].x;
             let less = share * (wide(1.0) - part * (wide(1.0) + far));
             geometry[grid + row + parameters.column_count] = wide2(wide(0.5) * (before + less), wide(0.0));

@@ -133,7 +133,7 @@ fn contacts_are_hardly_wider_than_foreseen() {
         println!(
             "half angle over what was foreseen: median {median:.2}, 99 of 100 {high:.2}, worst {worst:.2}"
         );
-        assert!(excess.len() > 600 && median > 0.5 && high < 1.6, "{median} {high}");
+        assert!(excess.len() > 600 && median > 0.7 && high < 1.15, "{median} {high}");
     }
 }
 

@@ -150,7 +150,7 @@ impl<'a> Explainer<'a> {
                 1e-5_f64.min(accuracy),
             ),
             Estimate::Known => {
-                let known = worst_known(&plan, plan.level, foresight.half_angle).unwrap_or(f64::INFINITY);
+                let known = worst_known(&plan, foresight.half_angle).unwrap_or(f64::INFINITY);
                 let foreseen = plan.foreseen_error(&foresight).unwrap_or(f64::INFINITY);
                 let why = format!(
                     "such meshes are known to be within {} at half angles up to {:.0} deg; by the moduli an error of {} is \
@@ -185,8 +185,8 @@ impl<'a> Explainer<'a> {
 }
 
 /// Of the bodies on meshes the worst at a half angle, rad.
-fn worst_known(plan: &JointPlan, level: usize, half_angle: f64) -> Option<f64> {
-    let known = |request: BodyRequest| known_error(&request.body, level, half_angle);
+fn worst_known(plan: &JointPlan, half_angle: f64) -> Option<f64> {
+    let known = |request: BodyRequest| known_error(&request.body, plan.level, half_angle);
     plan.meshed().map(known).try_fold(0.0, |worst: f64, error| Some(worst.max(error?)))
 }
 

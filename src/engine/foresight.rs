@@ -26,7 +26,8 @@ impl Foresight {
     }
 }
 
-fn half_angle(joint: &JointDesign, load: Load) -> f64 {
+/// Of the contact under one load, rad.
+pub fn half_angle(joint: &JointDesign, load: Load) -> f64 {
     let clearance = joint.radial_clearance;
     match load {
         // A neat fit opens at once.

@@ -1,7 +1,7 @@
 //! What a mesh level is worth, measured: where that is enough, one mesh does, and no second one must tell how good it is.
 //!
-//! `examples/mesh_errors.rs` solved 650 to 1,500 bodies of each shape on every level, of stiff ones 400 half discs and 260
-//! to 450 blocks of each support, and compared the work of the contact pressure with `series`, or with the finest mesh, under
+//! `examples/mesh_errors.rs` solved 650 to 1,500 bodies of each shape on every level, of stiff ones 400 half discs and 200
+//! to 260 blocks of each support, and compared the work of the contact pressure with `series`, or with the finest mesh, under
 //! loads of eight decades, the partner being rigid. The numbers are above what 99 of 100 had, most by a quarter. The error
 //! of a joint's force is that of its bodies, each by its share of the work.
 

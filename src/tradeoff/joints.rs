@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::hash::Hash;
 
+use crate::engine::foresight::half_angle;
 use crate::engine::plan::space_of;
 use crate::engine::request::SpaceKey;
 use crate::mechanics::body::{Body, BodyKey};
@@ -75,9 +76,7 @@ pub fn pair(joint: &JointDesign) -> Option<Pair> {
 /// under a force. Never below 0.5 deg, where meshes would have no end, nor above 10 deg.
 pub fn least_contact_angle(cases: &[DesignCase]) -> f64 {
     let angle = |joint: &JointDesign, load: Load| match load {
-        Load::Indentation(delta) if delta > 0.0 => {
-            Some(0.5 * (joint.radial_clearance / (joint.radial_clearance + delta)).acos())
-        }
+        Load::Indentation(delta) if delta > 0.0 => Some(0.5 * half_angle(joint, load)),
         Load::Force(force) if force > 0.0 => {
             let contact = HertzContact::from_force(&pair(joint)?, force / joint.thickness).ok()?;
             Some(contact.contact_half_width() / joint.hole_radius)

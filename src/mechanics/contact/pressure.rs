@@ -173,7 +173,7 @@ impl Evaluate<'_> {
             std::array::from_fn(|k| Lanes::from_f64(ContactArc::resultant(k)));
         let load_versine: [Lanes<FUSED>; TERMS] = ContactArc::versines(Lanes(arcs.map(|arc| arc.b)));
         let (mut one, mut versine) = (load_one, load_versine);
-        solve_in_place(&mut matrix, &mut one, &mut versine);
+        solve_in_place::<_, TERMS, 0>(&mut matrix, &mut one, &mut versine);
         let (mut sum_one, mut sum_versine) = (zero, zero);
         for k in 0..TERMS {
             sum_one += one[k];
@@ -207,37 +207,37 @@ impl Evaluate<'_> {
     }
 }
 
-/// Solves for two right-hand sides by Cholesky, A = L L^T in the lower triangle.
+/// Solves for two right-hand sides by Cholesky, A = L L^T in the lower triangle, of rows and columns from `FIRST` on.
 #[inline(always)]
-fn solve_in_place<T: Real, const TERMS: usize>(
+pub(super) fn solve_in_place<T: Real, const TERMS: usize, const FIRST: usize>(
     matrix: &mut [[T; TERMS]; TERMS],
     one: &mut [T; TERMS],
-    versine: &mut [T; TERMS],
+    other: &mut [T; TERMS],
 ) {
     let mut inverse = [T::zero(); TERMS];
-    for row in 0..TERMS {
-        for column in 0..=row {
+    for row in FIRST..TERMS {
+        for column in FIRST..=row {
             let mut value = matrix[row][column];
-            for k in 0..column {
+            for k in FIRST..column {
                 value = value.minus_product(matrix[row][k], matrix[column][k]);
             }
             matrix[row][column] = if column < row { value * inverse[column] } else { value };
         }
         inverse[row] = T::from_f64(1.0) / matrix[row][row].sqrt();
-        for k in 0..row {
+        for k in FIRST..row {
             one[row] = one[row].minus_product(matrix[row][k], one[k]);
-            versine[row] = versine[row].minus_product(matrix[row][k], versine[k]);
+            other[row] = other[row].minus_product(matrix[row][k], other[k]);
         }
         one[row] = one[row] * inverse[row];
-        versine[row] = versine[row] * inverse[row];
+        other[row] = other[row] * inverse[row];
     }
-    for row in (0..TERMS).rev() {
+    for row in (FIRST..TERMS).rev() {
         for k in row + 1..TERMS {
             one[row] = one[row].minus_product(matrix[k][row], one[k]);
-            versine[row] = versine[row].minus_product(matrix[k][row], versine[k]);
+            other[row] = other[row].minus_product(matrix[k][row], other[k]);
         }
         one[row] = one[row] * inverse[row];
-        versine[row] = versine[row] * inverse[row];
+        other[row] = other[row] * inverse[row];
     }
 }
 

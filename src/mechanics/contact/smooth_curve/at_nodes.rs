@@ -7,6 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::nodes::CurveNodes;
 use super::{CHUNKS, CURVE_NODES, CURVE_TERMS, ENTRY_COUNT};
 use crate::mechanics::compliance::arc::packed;
+use crate::mechanics::contact::pressure::solve_in_place;
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Tension that truncation may leave at the edge, over the peak pressure.
@@ -77,7 +78,7 @@ impl AtNodes<'_> {
         let coupling: [Lanes<FUSED>; CURVE_TERMS] = std::array::from_fn(|row| load(row, 0));
         let versine: [Lanes<FUSED>; CURVE_TERMS] = std::array::from_fn(|k| Lanes(nodes.versines[chunk][k]));
         let (mut y, mut w) = (coupling, versine);
-        solve_in_place(&mut matrix, &mut y, &mut w);
+        solve_in_place::<_, CURVE_TERMS, 1>(&mut matrix, &mut y, &mut w);
         let (mut log_free, mut against, mut work) = (coupling[0], versine[0], zero);
         let (mut edge, mut edge_w, mut peak, mut peak_w) = (one, zero, one, zero);
         for k in 1..CURVE_TERMS {
@@ -166,40 +167,6 @@ fn least_pressure<const FUSED: bool>(
         least = least.least(sum - allowed);
     }
     least
-}
-
-/// Solves for two right-hand sides by Cholesky, rows from 1 on.
-#[inline(always)]
-fn solve_in_place<T: Real>(
-    matrix: &mut [[T; CURVE_TERMS]; CURVE_TERMS],
-    one: &mut [T; CURVE_TERMS],
-    other: &mut [T; CURVE_TERMS],
-) {
-    let mut inverse = [T::zero(); CURVE_TERMS];
-    for row in 1..CURVE_TERMS {
-        for column in 1..=row {
-            let mut value = matrix[row][column];
-            for k in 1..column {
-                value = value.minus_product(matrix[row][k], matrix[column][k]);
-            }
-            matrix[row][column] = if column < row { value * inverse[column] } else { value };
-        }
-        inverse[row] = T::from_f64(1.0) / matrix[row][row].sqrt();
-        for k in 1..row {
-            one[row] = one[row].minus_product(matrix[row][k], one[k]);
-            other[row] = other[row].minus_product(matrix[row][k], other[k]);
-        }
-        one[row] = one[row] * inverse[row];
-        other[row] = other[row] * inverse[row];
-    }
-    for row in (1..CURVE_TERMS).rev() {
-        for k in row + 1..CURVE_TERMS {
-            one[row] = one[row].minus_product(matrix[k][row], one[k]);
-            other[row] = other[row].minus_product(matrix[k][row], other[k]);
-        }
-        one[row] = one[row] * inverse[row];
-        other[row] = other[row] * inverse[row];
-    }
 }
 
 /// For each node, the share by which a change of a joint's compliance changes the work of the pressure, as
