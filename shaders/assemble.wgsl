@@ -1,5 +1,5 @@
-// Twin: src/mechanics/assembly.rs (stiffness_values), src/mechanics/mesh.rs (coordinates, lines, boundary_angles,
-// layer_growth), element/stiffness.rs (Q8).
+// Twin: src/mechanics/assembly.rs (stiffness_values), src/mechanics/mesh.rs (coordinates, lines, boundary_angles),
+// src/mechanics/layers.rs (growth), element/stiffness.rs (Q8).
 //
 // From a few numbers of each body to the values of its stiffness.
 //
@@ -61,7 +61,7 @@ const POINT_SIZE = 9u;
 var<workgroup> sound_points: atomic<u32>;
 var<workgroup> sound_total: u32;
 
-// Twins of the same names: src/mechanics/mesh.rs.
+// Twins of the same names: src/mechanics/mesh.rs, layers.rs.
 const LEEWAY = wide(0.3);
 const SHRINK = wide(0.4);
 const CROWDING = wide(0.5);
@@ -185,7 +185,8 @@ fn depth_at_growth(growth: wide) -> wide {
     return depth;
 }
 
-// The one factor by which layers grow, from the first on and up to the thickest allowed, to be `depth` in all.
+// The one factor by which layers grow, from the first on and up to the thickest allowed, to be `depth` in all: by bisection,
+// where the twin has Newton's steps in logarithms, which WGSL has of no f64.
 fn layer_growth(depth: wide) -> wide {
     var low = wide(0.0);
     var high = wide(1.0);
@@ -228,7 +229,7 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
     }
     let is_radial = line.haste == wide(0.0);
     let growth = layer_growth(line.depth);
-    // The growth factor is only as good as the bisection; the far boundary is where it is.
+    // The growth factor is only as good as its search; the far boundary is where it is.
     let total = depth_at_growth(growth);
     let far = beyond_ring(line.depth, wide(1.0));
     let aside = far * shared_numbers[2u + column] - line.span;

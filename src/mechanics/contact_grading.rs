@@ -4,7 +4,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::mechanics::element::ElementKind;
-use crate::mechanics::mesh::{Grading, Layers, layer_thicknesses};
+use crate::mechanics::layers::{Layers, layer_thicknesses};
+use crate::mechanics::mesh::Grading;
 
 /// A mesh as finely divided at every contact angle from `least_angle` up: ring spacing h = max(least_angle/q, phi/q),
 /// with a node at pi/2, layers from the same least spacing growing at the same rate down to `depth`. The ring ends at

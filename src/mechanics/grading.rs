@@ -7,8 +7,9 @@
 
 use crate::mechanics::body::Body;
 use crate::mechanics::element::ElementKind;
+use crate::mechanics::layers::{Layers, SHRINK};
 use crate::mechanics::material::Idealization;
-use crate::mechanics::mesh::{Grading, Layers, SHRINK, holding_changes};
+use crate::mechanics::mesh::{Grading, holding_changes};
 
 /// One step on the ladder of resolutions.
 #[derive(Clone, Copy, Debug)]

@@ -15,6 +15,7 @@
 
 use crate::mechanics::body::{Body, Side};
 use crate::mechanics::element::ElementKind;
+use crate::mechanics::layers::Layers;
 
 /// Index of a free unknown, or `SUPPORTED`.
 pub const SUPPORTED: u32 = u32::MAX;
@@ -47,76 +48,6 @@ pub struct Grading {
     /// Angles of the ring's corner nodes, rad, ascending from 0 to the shape's end angle.
     pub angles: Vec<f64>,
     pub layers: Layers,
-}
-
-/// How the way from the ring to the far boundary is divided.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Layers {
-    /// Thickness of the layer at the ring, in the shape's measure of depth.
-    pub first: f64,
-    /// No layer is thicker than this.
-    pub thickest: f64,
-    pub count: usize,
-    /// So many at the far boundary shrink towards it, where its corners make the stress singular.
-    pub shrinking: usize,
-}
-
-/// What a layer that shrinks has of what its growth makes it, over the same of the one before.
-pub const SHRINK: f64 = 0.4;
-
-impl Layers {
-    /// Thicknesses of layers that grow by a factor, but for those that shrink.
-    fn thicknesses(self, growth: f64) -> impl Iterator<Item = f64> {
-        let grown = layer_thicknesses(self.first, self.thickest, growth).take(self.count);
-        grown.enumerate().map(move |(layer, grown)| self.part(layer) * grown)
-    }
-
-    /// Of what its growth makes it.
-    fn part(self, layer: usize) -> f64 {
-        let ahead = self.count - 1 - layer;
-        SHRINK.powi(self.shrinking.saturating_sub(ahead) as i32)
-    }
-
-    /// Depth of all layers that grow by a factor.
-    pub fn depth(self, growth: f64) -> f64 {
-        self.thicknesses(growth).sum()
-    }
-
-    /// The one factor by which layers grow to be `depth` in all.
-    pub fn growth(self, depth: f64) -> f64 {
-        let (mut low, mut high) = (0.0, 1.0);
-        while self.depth(high) < depth && high < 1e9 {
-            (low, high) = (high, 2.0 * high);
-        }
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            if self.depth(middle) < depth {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        high
-    }
-
-    /// Depths below the ring of the layers' ends on a line.
-    fn ends(self, line: &Line) -> Vec<f64> {
-        let mut reached = 0.0;
-        let mut depths = vec![0.0];
-        for thickness in self.thicknesses(line.growth) {
-            reached += thickness;
-            depths.push(reached);
-        }
-        // The growth factor is only as good as the bisection; the far boundary is where it is.
-        let scale = line.depth / reached;
-        depths.iter_mut().for_each(|end| *end *= scale);
-        depths
-    }
-}
-
-/// Thicknesses of layers that grow by `growth` from `first` up to `thickest`.
-pub fn layer_thicknesses(first: f64, thickest: f64, growth: f64) -> impl Iterator<Item = f64> {
-    std::iter::successors(Some(first), move |thickness| Some((thickness * growth).min(thickest)))
 }
 
 impl RingTopology {
@@ -231,6 +162,20 @@ fn lines(body: &Body, grading: &Grading) -> Vec<Line> {
     boundary_angles(body, &grading.angles).into_iter().map(line).collect()
 }
 
+/// Depths below the ring of the layers' ends on a line.
+fn layer_ends(layers: Layers, line: &Line) -> Vec<f64> {
+    let mut reached = 0.0;
+    let mut depths = vec![0.0];
+    for thickness in layers.thicknesses(line.growth) {
+        reached += thickness;
+        depths.push(reached);
+    }
+    // The growth factor is only as good as its search; the far boundary is where it is.
+    let scale = line.depth / reached;
+    depths.iter_mut().for_each(|end| *end *= scale);
+    depths
+}
+
 /// Points of the ring, one a column in half elements.
 pub fn ring_points(grading: &Grading) -> Vec<[f64; 2]> {
     half_steps(&grading.angles, 1).into_iter().map(|angle| polar(1.0, angle)).collect()
@@ -269,7 +214,7 @@ pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> V
         let far_radius = radius(body, line.depth);
         let course = Course::new(on_ring, line.far, far_radius, wall);
         let share = |depth: f64| (radius(body, depth) - 1.0) / (far_radius - 1.0);
-        let shares: Vec<f64> = grading.layers.ends(line).into_iter().map(share).collect();
+        let shares: Vec<f64> = layer_ends(grading.layers, line).into_iter().map(share).collect();
         points.push(shares.iter().map(|share| course.point(*share)).collect());
         bows.push(shares.iter().map(|share| course.bow(*share)).collect());
         courses.push(course);

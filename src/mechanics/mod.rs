@@ -2,6 +2,7 @@ pub mod real;
 pub mod material;
 pub mod body;
 pub mod element;
+pub mod layers;
 pub mod mesh;
 pub mod grading;
 pub mod contact_grading;

@@ -9,7 +9,8 @@ use jointsweep::mechanics::compliance::arc::ContactArc;
 use jointsweep::mechanics::element::quadrature::gauss_legendre;
 use jointsweep::mechanics::element::stiffness::{Elasticity, ElementRule, element_stiffness};
 use jointsweep::mechanics::element::{ElementKind, MAX_NODES, side_functions};
-use jointsweep::mechanics::mesh::{Grading, Layers, RingTopology, SUPPORTED, coordinates, layer_thicknesses};
+use jointsweep::mechanics::layers::{Layers, layer_thicknesses};
+use jointsweep::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
 use jointsweep::mechanics::solve::band::{BandStructure, TILE, Tile};
 use jointsweep::study::design::JointDesign;
 

@@ -9,8 +9,9 @@ use jointsweep::mechanics::compliance::condense::by_cholesky;
 use jointsweep::mechanics::contact::ring_joint::RingBody;
 use jointsweep::mechanics::element::stiffness::Elasticity;
 use jointsweep::mechanics::element::{ElementKind, side_functions};
+use jointsweep::mechanics::layers::Layers;
 use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::{Grading, Layers, RingTopology, SUPPORTED, coordinates};
+use jointsweep::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
 use jointsweep::mechanics::solve::cholesky::CholeskyAnalysis;
 
 pub fn shape(name: &str) -> &'static Shape {

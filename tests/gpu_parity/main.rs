@@ -28,8 +28,9 @@ use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::compliance::condense::variational_compliance;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::GradingClass;
+use jointsweep::mechanics::layers::{Layers, SHRINK};
 use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::{Grading, Layers, SHRINK, corner_columns, ring_points};
+use jointsweep::mechanics::mesh::{Grading, corner_columns, ring_points};
 use jointsweep::mechanics::solve::pcg::{PcgOutcome, PcgReport, PcgSettings, pcg};
 use jointsweep::mechanics::solve::refine::{RefineSettings, refined};
 
