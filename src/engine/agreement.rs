@@ -38,7 +38,12 @@ pub fn worst_difference(
                 (None, None) => continue,
                 _ => {
                     let (found, expected) = (own.status.clone(), other.status.clone());
-                    return Err(Disagreement::Answer { design, step, found, expected });
+                    return Err(Disagreement::Answer {
+                        design,
+                        step,
+                        found: found.into(),
+                        expected: expected.into(),
+                    });
                 }
             };
             let difference =

@@ -1,5 +1,7 @@
 //! What one load step of one design came to. mm, N, MPa.
 
+use std::borrow::Cow;
+
 use crate::study::design::DesignCase;
 
 /// How a number was found, cheapest first.
@@ -66,7 +68,7 @@ pub struct Response {
 pub struct StepOutcome {
     pub response: Option<Response>,
     /// "ok", or what a reader must know, or why the step failed; short, without commas.
-    pub status: String,
+    pub status: Cow<'static, str>,
 }
 
 /// A design with an outcome for each of its steps, in order.

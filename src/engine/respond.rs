@@ -1,6 +1,8 @@
 //! From the states of a joint under its loads to the rows of the table: sizes put back, the error estimated, and what a
 //! reader must know said. The same for every backend.
 
+use std::borrow::Cow;
+
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
 use crate::engine::plan::{Estimate, JointPlan, Want};
 use crate::mechanics::contact::arc_state::ArcState;
@@ -121,7 +123,7 @@ impl Solving {
                 }
                 Ok(state) => state,
                 Err(reason) => {
-                    return StepOutcome { response: None, status: failure(reason, self.limit) };
+                    return StepOutcome { response: None, status: failure(reason, self.limit).into() };
                 }
             };
             let offset = joint.hole_radius
@@ -157,7 +159,11 @@ impl Solving {
 }
 
 pub fn all_failed(case: &DesignCase, backend: BackendKind, status: &str) -> DesignOutcome {
-    let steps = case.steps.iter().map(|_| StepOutcome { response: None, status: status.into() }).collect();
+    let steps = case
+        .steps
+        .iter()
+        .map(|_| StepOutcome { response: None, status: status.to_string().into() })
+        .collect();
     DesignOutcome { case: case.clone(), backend, steps }
 }
 
@@ -226,7 +232,7 @@ fn response(
 }
 
 /// What a reader of a row must know.
-fn status(large_displacement: bool, positive: bool, accurate: bool) -> String {
+fn status(large_displacement: bool, positive: bool, accurate: bool) -> Cow<'static, str> {
     let mut remarks = Vec::new();
     if large_displacement {
         remarks.push("large displacement");
@@ -237,7 +243,7 @@ fn status(large_displacement: bool, positive: bool, accurate: bool) -> String {
     if !accurate {
         remarks.push("accuracy not met");
     }
-    if remarks.is_empty() { "ok".into() } else { remarks.join("; ") }
+    if remarks.is_empty() { "ok".into() } else { remarks.join("; ").into() }
 }
 
 /// Johnson's law. It knows nothing of the plate's extent, so it is right to a factor of two at best.
@@ -274,8 +280,10 @@ pub fn closed_form(case: DesignCase) -> DesignOutcome {
         .steps
         .iter()
         .map(|load| {
-            step(load)
-                .unwrap_or_else(|error| StepOutcome { response: None, status: format!("failed: {error}") })
+            step(load).unwrap_or_else(|error| StepOutcome {
+                response: None,
+                status: format!("failed: {error}").into(),
+            })
         })
         .collect();
     DesignOutcome { case, backend: BackendKind::Cpu, steps }

@@ -195,10 +195,10 @@ fn receive_all(
             statistics.steps += outcome.steps.len() as u64;
             statistics.designs_on_cpu += u64::from(outcome.backend == BackendKind::Cpu);
             for step in &outcome.steps {
-                match statistics.statuses.get_mut(&step.status) {
+                match statistics.statuses.get_mut(step.status.as_ref()) {
                     Some(count) => *count += 1,
                     None => {
-                        statistics.statuses.insert(step.status.clone(), 1);
+                        statistics.statuses.insert(step.status.to_string(), 1);
                     }
                 }
             }

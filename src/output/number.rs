@@ -1,6 +1,5 @@
 //! Decimal text of numbers: the same on every machine, no digits without meaning, never NaN or infinity.
 
-use std::fmt::Arguments;
 use std::io::Write;
 use std::ops::Range;
 
@@ -16,7 +15,7 @@ const PLAIN: Range<i32> = -5..16;
 /// Appends the shortest decimals that read back as exactly `value`.
 pub fn push_exact(out: &mut Vec<u8>, value: f64) {
     assert!(value.is_finite(), "{value} has no place in a table");
-    push_scientific(out, format_args!("{value:e}"));
+    push_decimal(out, ryu::Buffer::new().format_finite(value).as_bytes());
 }
 
 /// Appends `value` rounded to nine significant digits, without trailing zeros.
@@ -31,7 +30,7 @@ pub fn push_rounded(out: &mut Vec<u8>, value: f64) {
             }
             push_digits(out, value < 0.0, &digits, exponent);
         }
-        None => push_scientific(out, format_args!("{value:.8e}")),
+        None => push_decimal(out, format!("{value:.8e}").as_bytes()),
     }
 }
 
@@ -58,31 +57,32 @@ fn shifted(value: f64, power: i32) -> f64 {
     if power < 0 { value / factor } else { value * factor }
 }
 
-/// Appends a number that is formatted as `-1.25e-7`.
-fn push_scientific(out: &mut Vec<u8>, formatted: Arguments) {
-    // A sign, 17 digits, a point and `e-308` fit.
-    let mut buffer = [0; 32];
-    let mut rest = buffer.as_mut_slice();
-    rest.write_fmt(formatted).expect("a number fits the buffer");
-    let unused = rest.len();
-    let text = &buffer[..32 - unused];
-
+/// Appends a number that is written in any way of `-12.5`, `0.00125` and `1.25e-7`.
+fn push_decimal(out: &mut Vec<u8>, text: &[u8]) {
     let (mut digits, mut digit_count) = ([0; 20], 0);
-    let (mut exponent, mut negative_exponent, mut in_exponent) = (0, false, false);
+    // Of the first digit that is not zero, and what follows an `e`.
+    let (mut place, mut exponent) = (0, 0);
+    let (mut after_point, mut in_exponent, mut negative_exponent) = (false, false, false);
     for &byte in text {
         match byte {
             b'e' => in_exponent = true,
             b'-' => negative_exponent = in_exponent,
-            b'.' => {}
+            b'.' => after_point = true,
             _ if in_exponent => exponent = 10 * exponent + i32::from(byte - b'0'),
+            b'0' if digit_count == 0 => place -= i32::from(after_point),
             _ => {
+                let is_first = digit_count == 0;
+                place += match after_point {
+                    true => -i32::from(is_first),
+                    false => i32::from(!is_first),
+                };
                 digits[digit_count] = byte;
                 digit_count += 1;
             }
         }
     }
     let exponent = if negative_exponent { -exponent } else { exponent };
-    push_digits(out, text[0] == b'-', &digits[..digit_count], exponent);
+    push_digits(out, text[0] == b'-', &digits[..digit_count], place + exponent);
 }
 
 /// Appends the number d.ddd x 10^exponent, less its trailing zeros.

@@ -114,7 +114,7 @@ fn refuse_non_finite(step: &mut StepOutcome) {
     let results = RESULTS.iter().map(|(name, value)| (*name, value(response)));
     let culprit = load.into_iter().chain(results).find(|(_, value)| value.is_some_and(|v| !v.is_finite()));
     if let Some((name, _)) = culprit {
-        *step = StepOutcome { response: None, status: format!("{name} is not a finite number") };
+        *step = StepOutcome { response: None, status: format!("{name} is not a finite number").into() };
     }
 }
 
@@ -170,7 +170,7 @@ mod tests {
         String::from_utf8(text).unwrap()
     }
 
-    fn step(response: Option<Response>, status: &str) -> StepOutcome {
+    fn step(response: Option<Response>, status: &'static str) -> StepOutcome {
         StepOutcome { response, status: status.into() }
     }
 
