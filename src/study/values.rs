@@ -47,8 +47,8 @@ pub struct Range {
     to: f64,
     /// `None` when a sampler decides.
     count: Option<u64>,
-    /// For logarithmic spacing: (to/from)^(1/2), ^(1/4), ^(1/8) ...
-    roots: Option<Box<[f64; ROOTS]>>,
+    /// For logarithmic spacing: 1 and (to/from)^(1/2), 1 and (to/from)^(1/4) ...
+    roots: Option<Box<[[f64; 2]; ROOTS]>>,
 }
 
 /// The bits of a fraction.
@@ -159,7 +159,7 @@ impl Range {
             Box::new(std::array::from_fn(|_| {
                 let current = root;
                 root = root.sqrt();
-                current
+                [1.0, current]
             }))
         });
         Range { from, to, count, roots }
@@ -183,16 +183,13 @@ impl Range {
         let Some(roots) = &self.roots else {
             return self.from * (1.0 - fraction) + self.to * fraction;
         };
-        let mut value = self.from;
-        let mut rest = fraction;
-        for root in roots.iter() {
-            rest *= 2.0;
-            if rest >= 1.0 {
-                rest -= 1.0;
-                value *= root;
-            }
-        }
-        value
+        // By the bits of the fraction, and without a branch: no processor can tell which way one would go. A fraction that
+        // was rounded up to 1 is the one before.
+        const WHOLE: u64 = 1 << ROOTS;
+        let bits = ((fraction * WHOLE as f64) as u64).min(WHOLE - 1);
+        let bit = |place: usize| (bits >> (ROOTS - 1 - place) & 1) as usize;
+        let factors = roots.iter().enumerate().map(|(place, factors)| factors[bit(place)]);
+        factors.fold(self.from, |value, factor| value * factor)
     }
 }
 
@@ -241,6 +238,8 @@ mod tests {
             let value = range.at(Pick::Fraction(fraction));
             assert!((value / expected - 1.0).abs() < 1e-14, "{fraction}: {value} against {expected}");
         }
+        // What was rounded up to the end is there.
+        assert!((range.at(Pick::Fraction(1.0)) / 700.0 - 1.0).abs() < 1e-14);
     }
 
     #[test]
