@@ -121,8 +121,11 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
         Lanes(self.0.map(f64::sqrt))
     }
     #[inline(always)]
-    fn least(self, other: Self) -> Self {
-        Lanes(std::array::from_fn(|lane| self.0[lane].least(other.0[lane])))
+    fn least(mut self, other: Self) -> Self {
+        for lane in 0..LANES {
+            self.0[lane] = self.0[lane].least(other.0[lane]);
+        }
+        self
     }
     #[inline(always)]
     fn is_positive(self) -> bool {

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::nodes::CurveNodes;
+use super::nodes::{CurveNodes, TURNS};
 use super::{CHUNKS, CURVE_NODES, CURVE_TERMS, ENTRY_COUNT};
 use crate::mechanics::compliance::arc::packed;
 use crate::mechanics::contact::pressure::solve_in_place;
@@ -97,8 +97,13 @@ impl AtNodes<'_> {
         }
         let at = chunk * LANES;
         let b2 = Lanes::<FUSED>(std::array::from_fn(|lane| nodes.arcs[at + lane].b.powi(2)));
-        let log = Lanes::<FUSED>(std::array::from_fn(|lane| FRAC_PI_2 * amplitude * nodes.ln_b[at + lane]));
-        let singular = log_free - log;
+        let logarithm = |ln: &[f64; CURVE_NODES]| {
+            Lanes::<FUSED>(std::array::from_fn(|lane| FRAC_PI_2 * amplitude * ln[at + lane]))
+        };
+        let singular = log_free - logarithm(&nodes.ln_b);
+        // b is z^2 times what is smooth.
+        let ln_z = logarithm(&nodes.ln_z);
+        let smooth = singular + ln_z + ln_z;
         let first = edge_w / edge;
         let scaled_indentation = singular * first + against;
         let indentation = scaled_indentation * b2 / half_pi;
@@ -120,7 +125,7 @@ impl AtNodes<'_> {
         for lane in 0..LANES {
             let node = at + lane;
             found.functions[node] = [
-                log_free.0[lane],
+                smooth.0[lane],
                 edge.0[lane],
                 edge_w.0[lane],
                 against.0[lane],
@@ -142,31 +147,37 @@ impl AtNodes<'_> {
     }
 }
 
+/// Places that a pressure is looked at side by side, so that no sum waits for the one before.
+const ABREAST: usize = 4;
+
 /// The least pressure between the zeros of the highest trial pressure, above the tension allowed.
 #[inline(always)]
 fn least_pressure<const FUSED: bool>(
     pressure: &[Lanes<FUSED>; CURVE_TERMS],
-    turns: &[f64; 2 * CURVE_TERMS - 1],
+    turns: &[f64; TURNS],
 ) -> Lanes<FUSED> {
     let mut peak = Lanes::<FUSED>::zero();
     for (k, value) in pressure.iter().enumerate() {
         if k % 2 == 0 { peak += *value } else { peak -= *value }
     }
-    let allowed = peak * Lanes::from_f64(-TENSION);
-    let mut least = peak - allowed;
-    for turn in turns {
-        // Clenshaw's sum of c_k cos(k x).
-        let turn = Lanes::<FUSED>::from_f64(*turn);
-        let (mut current, mut previous) = (Lanes::<FUSED>::zero(), Lanes::<FUSED>::zero());
-        for k in (1..CURVE_TERMS).rev() {
-            let next = (pressure[k] - previous).minus_product(-turn, current);
-            (current, previous) = (next, current);
+    let mut least = peak;
+    for turns in turns.chunks_exact(ABREAST) {
+        // Clenshaw's sums of c_k cos(k x).
+        let mut current = [Lanes::<FUSED>::zero(); ABREAST];
+        let mut previous = current;
+        for value in pressure[1..].iter().rev() {
+            for place in 0..ABREAST {
+                let turn = Lanes::from_f64(-turns[place]);
+                let next = (*value - previous[place]).minus_product(turn, current[place]);
+                (current[place], previous[place]) = (next, current[place]);
+            }
         }
-        let half = Lanes::<FUSED>::from_f64(0.5) * turn;
-        let sum = (pressure[0] - previous).minus_product(-half, current);
-        least = least.least(sum - allowed);
+        for place in 0..ABREAST {
+            let half = Lanes::from_f64(-0.5 * turns[place]);
+            least = least.least((pressure[0] - previous[place]).minus_product(half, current[place]));
+        }
     }
-    least
+    least - peak * Lanes::from_f64(-TENSION)
 }
 
 /// For each node, the share by which a change of a joint's compliance changes the work of the pressure, as

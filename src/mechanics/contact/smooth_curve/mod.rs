@@ -14,7 +14,7 @@
 //!   F/e = 2 [W (pi/2 - V) + Q],  dF/d delta = 2 [(pi/2 - V)^2/S + Q],  U/e^2 = S W^2 + Q,
 //! ```
 //!
-//! and S without its logarithm, D, N/b^2, V/b^2 and Q/b^4 are smooth down to the angle zero. They are found at a few
+//! and S without its logarithm (of z, whose square is b but for a smooth factor), D, N/b^2, V/b^2 and Q/b^4 are smooth down to the angle zero. They are found at a few
 //! nodes, and between them as polynomials: a load costs no system of equations.
 
 use pulp::Arch;
@@ -53,7 +53,7 @@ pub struct CurveState {
     pub peak_pressure: f64,
     /// As `ArcState::truncation`, of the nodes on both sides the greater.
     pub truncation: f64,
-    /// What the highest polynomial has of the functions: of that order is what leaving out further ones costs.
+    /// What the highest polynomials have of the functions.
     pub curvature: f64,
     /// At the nodes on both sides.
     pub pressure_is_positive: bool,
@@ -61,11 +61,22 @@ pub struct CurveState {
     pub node: usize,
 }
 
+/// What leaving out further polynomials costs, over what the highest have: of 24,000 states of 400 joints of discs in rings
+/// it was at most 0.46, where it was above 1e-5.
+const CURVE_SHARE: f64 = 0.5;
+
+impl CurveState {
+    /// Bound of the relative error of force and energy that the polynomials between nodes leave.
+    pub fn curve_error(&self) -> f64 {
+        CURVE_SHARE * self.curvature
+    }
+}
+
 /// The curve of a joint.
 pub struct SmoothCurve<'a> {
     nodes: &'a CurveNodes,
     amplitude: f64,
-    /// Chebyshev coefficients of S, D, N/b^2, V/b^2, Q/b^4 and the two parts of the peak pressure: `[degree][function]`.
+    /// Chebyshev coefficients in z of S + pi c ln z, D, N/b^2, V/b^2, Q/b^4 and the two parts of the peak pressure: `[degree][function]`.
     coefficients: [[f64; LANES]; CURVE_NODES],
     curvature: f64,
     indentation: [f64; CURVE_NODES],
@@ -198,7 +209,7 @@ mod tests {
                     ]
                     .map(|(found, expected)| (found / expected - 1.0).abs());
                     // What is said of the curve holds for the force and the energy.
-                    assert!(errors[0].max(errors[2]) <= found.curvature + 1e-8, "{found:?} {errors:?}");
+                    assert!(errors[0].max(errors[2]) <= found.curve_error() + 1e-6, "{found:?} {errors:?}");
                     worst.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(error));
                 }
             }

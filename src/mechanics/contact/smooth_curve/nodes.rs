@@ -3,7 +3,10 @@
 use super::{CHUNKS, CURVE_NODES, CURVE_TERMS};
 use crate::mechanics::compliance::arc::ContactArc;
 use crate::mechanics::compliance::pressure_space::PressureSpace;
-use crate::mechanics::real::LANES;
+use crate::mechanics::real::{LANES, Lanes, Real};
+
+/// Where a pressure is looked at.
+pub(super) const TURNS: usize = 2 * CURVE_TERMS;
 
 /// The arcs of curves up to a limit: Chebyshev nodes in z, tan(eps/4) = tan(limit/4) z^2, which needs no logarithm and no
 /// angle to go from z to b.
@@ -18,8 +21,8 @@ pub struct CurveNodes {
     pub(super) versines: [[[f64; LANES]; CURVE_TERMS]; CHUNKS],
     pub(super) ln_b: [f64; CURVE_NODES],
     pub(super) ln_z: [f64; CURVE_NODES],
-    /// 2 cos(pi i/(2 terms)), i = 1, 2, ..., between the zeros of the highest trial pressure.
-    pub(super) turns: [f64; 2 * CURVE_TERMS - 1],
+    /// 2 cos(pi i/(2 terms)), i = 1, 2, ..., between the zeros of the highest trial pressure, the last where they all peak.
+    pub(super) turns: [f64; TURNS],
 }
 
 impl CurveNodes {
@@ -64,8 +67,9 @@ impl CurveNodes {
         resampled
     }
 
-    pub(super) fn b(&self, z: f64) -> f64 {
-        let quarter = self.steepest * z * z;
-        2.0 * quarter / (1.0 - quarter * quarter)
+    #[inline(always)]
+    pub(super) fn b<const FUSED: bool>(&self, z: Lanes<FUSED>) -> Lanes<FUSED> {
+        let quarter = Lanes::from_f64(self.steepest) * z * z;
+        (quarter + quarter) / Lanes::from_f64(1.0).minus_product(quarter, quarter)
     }
 }
