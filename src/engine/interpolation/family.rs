@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::engine::bodies::BodyLibrary;
+use crate::engine::known_errors::{known_error, known_level};
 use crate::engine::plan::{first_level, mesh_error};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
 use crate::engine::unit_costs::{SERIES_SECONDS, TOPOLOGY_SECONDS, body_seconds};
@@ -128,7 +129,7 @@ const BOUNDED: f64 = 0.98;
 const SAFETY: f64 = 1.25;
 
 /// Modes end where what is left is below this share of the accuracy.
-const MODE_SHARE: f64 = 0.06;
+const MODE_SHARE: f64 = 0.1;
 
 /// A fit whose bound is below this share of the accuracy is good enough.
 const GOOD: f64 = 0.6;
@@ -141,6 +142,9 @@ const FAIR_BUDGET: f64 = 0.1;
 
 /// Meshes whose own error is above this share of the accuracy are not worth a fit.
 const MESH_SHARE: f64 = 0.7;
+
+/// Of meshes whose error is known: a fit must also take the steps where, from shape to shape, they get a layer more.
+const KNOWN_SHARE: f64 = 0.25;
 
 /// And shapes for each product of the ratios alone, where every shape comes with several of Poisson's ratios.
 const OVERSAMPLING_SHAPES: f64 = 1.2;
@@ -273,11 +277,11 @@ impl Family {
         library: &mut BodyLibrary,
         nodes: &CurveNodes,
     ) -> Option<FittedFamily> {
-        let first = self.first_level(accuracy);
+        let Meshes { first, known } = self.meshes(accuracy);
         let levels = if self.exact { first..=first } else { first..=FINEST };
         let mut expense = Expense::default();
-        let mut held_out = HeldOut::new(self);
-        if !self.exact {
+        let mut held_out = HeldOut::new(self, known);
+        if !known {
             held_out.solve(self, first - 1, library, nodes, &mut expense);
         }
         let mut best: Option<(f64, FittedFamily)> = None;
@@ -329,9 +333,19 @@ impl Family {
         if self.exact { Fidelity::Series } else { Fidelity::Mesh { level } }
     }
 
-    /// The first mesh of the samples: one finer than a design would begin with.
-    fn first_level(&self, accuracy: f64) -> usize {
-        (first_level(accuracy) + 1).min(FINEST)
+    /// The meshes of the samples: the first that are known to do all over the box, else one finer than a design would begin with.
+    fn meshes(&self, accuracy: f64) -> Meshes {
+        if self.exact {
+            return Meshes { first: 0, known: true };
+        }
+        let levels = self
+            .held_out_points()
+            .into_iter()
+            .map(|point| known_level(&body_at(&self.example, &point), KNOWN_SHARE * accuracy));
+        match levels.max_by_key(|level| level.unwrap_or(usize::MAX)).flatten() {
+            Some(first) => Meshes { first, known: true },
+            None => Meshes { first: (first_level(accuracy) + 1).min(FINEST), known: false },
+        }
     }
 
     /// Estimated time of one sample.
@@ -345,14 +359,21 @@ impl Family {
 
     /// Estimated time of the first fit, s.
     pub fn least_seconds(&self, accuracy: f64) -> f64 {
-        let level = self.first_level(accuracy);
+        let Meshes { first: level, known } = self.meshes(accuracy);
         let free = self.free();
         let samples = self.sample_count(DEGREES[free][0]) + 3_usize.pow(free as u32);
         let held_out = (HELD_OUT + 3_usize.pow(free as u32)) as f64;
-        let coarse = if self.exact { 0.0 } else { held_out * self.sample_seconds(level - 1) };
+        let coarse = if known { 0.0 } else { held_out * self.sample_seconds(level - 1) };
         let topologies = if self.exact { 0.0 } else { TOPOLOGIES[free] * TOPOLOGY_SECONDS };
         (samples as f64 + held_out) * self.sample_seconds(level) + coarse + topologies
     }
+}
+
+/// On which meshes samples are solved.
+struct Meshes {
+    first: usize,
+    /// Whether their error is: no coarser mesh must tell it.
+    known: bool,
 }
 
 /// What a fit has taken so far.
@@ -378,20 +399,22 @@ struct HeldOut {
     expected: Vec<Vec<f64>>,
     /// The error of that mesh.
     of_mesh: Vec<[f64; CURVE_NODES]>,
+    /// Whether it is known, without a coarser one.
+    known: bool,
 }
 
 impl HeldOut {
-    fn new(family: &Family) -> HeldOut {
+    fn new(family: &Family, known: bool) -> HeldOut {
         let points = family.held_out_points();
         let amplitude = |point: &Vec<f64>| {
             let body = body_at(&family.example, point);
             2.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio)
         };
         let amplitudes = points.iter().map(amplitude).collect();
-        HeldOut { points, amplitudes, expected: Vec::new(), of_mesh: Vec::new() }
+        HeldOut { points, amplitudes, expected: Vec::new(), of_mesh: Vec::new(), known }
     }
 
-    /// Goes on to a mesh; the change since the one before tells its error.
+    /// Goes on to a mesh; where its error is not known the change since the one before tells it.
     fn solve(
         &mut self,
         family: &Family,
@@ -405,6 +428,12 @@ impl HeldOut {
         expense.add(family, self.points.len(), level);
         self.of_mesh = if family.exact {
             vec![[0.0; CURVE_NODES]; self.points.len()]
+        } else if self.known {
+            let known = |point: &Vec<f64>| {
+                let body = body_at(&family.example, point);
+                nodes.arcs.map(|arc| known_error(&body, level, arc.half_angle).unwrap_or(f64::INFINITY))
+            };
+            self.points.iter().map(known).collect()
         } else {
             (self.expected.par_iter().zip(&coarse).zip(&self.amplitudes))
                 .map(|((fine, coarse), amplitude)| {

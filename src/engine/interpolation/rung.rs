@@ -20,9 +20,6 @@ use crate::mechanics::contact::smooth_curve::{
 };
 use crate::study::design::DesignCase;
 
-/// Of a curve between its nodes, relative to what its highest polynomials have; measured in `smooth_curve`.
-const CURVE_SHARE: f64 = 1.0;
-
 /// The rung: fits of a plan, made when the first designs come.
 pub struct Interpolation {
     plan: InterpolationPlan,
@@ -139,7 +136,7 @@ impl Interpolation {
         let bound = |state: &CurveState| {
             let next = (state.node + 1).min(CURVE_NODES - 1);
             let worst = families.iter().flat_map(|family| [family.bound[state.node], family.bound[next]]);
-            CURVE_SHARE * state.curvature + worst.fold(0.0, f64::max)
+            state.curve_error() + worst.fold(0.0, f64::max)
         };
         let solving = Solving {
             backend: BackendKind::Cpu,
