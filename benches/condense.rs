@@ -10,6 +10,7 @@ use divan::{Bencher, black_box};
 use jointsweep::mechanics::body::{Body, MAX_PARAMETERS, annulus};
 use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
 use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
+use jointsweep::mechanics::compliance::ring_loads::RingLoads;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::{GradingClass, LEVEL_COUNT};
 use jointsweep::mechanics::material::Idealization;
@@ -34,7 +35,12 @@ fn bodies() -> [Body; LANES] {
 fn plan(level: usize) -> CondensationPlan {
     let body = &bodies()[0];
     let class = GradingClass::of(body, ElementKind::Quad8, level);
-    CondensationPlan::new(body, class.grading(body.shape.end_angle), &PressureSpace::new(10, 2.4))
+    CondensationPlan::new(
+        body,
+        class.grading(body.shape.end_angle),
+        &PressureSpace::new(10, 2.4),
+        &RingLoads::default(),
+    )
 }
 
 fn main() {

@@ -13,6 +13,7 @@ use jointsweep::mechanics::compliance::NODE_COUNT;
 use jointsweep::mechanics::compliance::arc::packed_count;
 use jointsweep::mechanics::compliance::lane_condensation::{CondensationPlan, Operations};
 use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
+use jointsweep::mechanics::compliance::ring_loads::RingLoads;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::GradingClass;
 use jointsweep::mechanics::real::LANES;
@@ -37,7 +38,7 @@ fn condensation(study: &Study) -> Operations {
             let operations = *of_topology.entry(hash(TopologyKey::of(&request))).or_insert_with(|| {
                 let class = GradingClass::of(&request.body, ElementKind::Quad8, level);
                 let grading = class.grading(request.body.shape.end_angle);
-                CondensationPlan::new(&request.body, grading, space).operations()
+                CondensationPlan::new(&request.body, grading, space, &RingLoads::default()).operations()
             });
             sum.elements += operations.elements;
             sum.factorise += operations.factorise;

@@ -11,7 +11,7 @@ use jointsweep::mechanics::compliance::arc::{packed, packed_count};
 use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
 use jointsweep::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
 use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
-use jointsweep::mechanics::compliance::ring_loads::ring_loads;
+use jointsweep::mechanics::compliance::ring_loads::{RingLoads, ring_loads};
 use jointsweep::mechanics::compliance::series::ConcentricBody;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::GradingClass;
@@ -65,7 +65,12 @@ fn the_lanes_give_what_the_general_path_gives() {
         ] {
             let body = body(name, ratios, Idealization::PlaneStrain, 0.4);
             let class = GradingClass::of(&body, element, 1);
-            let plan = CondensationPlan::new(&body, class.grading(body.shape.end_angle), &space);
+            let plan = CondensationPlan::new(
+                &body,
+                class.grading(body.shape.end_angle),
+                &space,
+                &RingLoads::default(),
+            );
             let fast = plan.condense(&[body]).remove(0);
             let slow = general(&body, &class, &space);
             assert_eq!(fast.values.len(), slow.len());
@@ -87,7 +92,8 @@ fn company_does_not_matter() {
         .collect();
     let class = GradingClass::of(&bodies[0], ElementKind::Quad8, 1);
     assert!(bodies.iter().all(|body| GradingClass::of(body, ElementKind::Quad8, 1) == class));
-    let plan = CondensationPlan::new(&bodies[0], class.grading(std::f64::consts::PI), &space);
+    let plan =
+        CondensationPlan::new(&bodies[0], class.grading(std::f64::consts::PI), &space, &RingLoads::default());
     let together = plan.condense(&bodies);
     for (body, compliance) in bodies.iter().zip(&together) {
         assert_eq!(plan.condense(&[*body])[0].values, compliance.values);
@@ -103,7 +109,7 @@ fn a_mesh_turned_inside_out_is_told() {
     for level in 0..3 {
         let class = GradingClass::of(&block(2.0), ElementKind::Quad8, level);
         let grading = class.grading(std::f64::consts::PI);
-        let plan = CondensationPlan::new(&block(2.0), grading.clone(), &space);
+        let plan = CondensationPlan::new(&block(2.0), grading.clone(), &space, &RingLoads::default());
         let widths: Vec<f64> = (0..60).map(|i| 1.001 + 0.01 * i as f64).collect();
         let bodies: Vec<Body> = widths.iter().map(|width| block(*width)).collect();
         let sound: Vec<bool> = bodies
@@ -140,13 +146,14 @@ fn the_near_field_removes_the_error_of_the_ring() {
         let highest = concentric.highest_mode();
         let exact = concentric.compliance(&space, &space.moments(highest), highest);
         let class = GradingClass::of(&body, ElementKind::Quad8, 1);
-        let plan = CondensationPlan::new(&body, class.grading(body.shape.end_angle), &space);
+        let plan =
+            CondensationPlan::new(&body, class.grading(body.shape.end_angle), &space, &RingLoads::default());
         let mut corrected = plan.condense(&[body]).remove(0);
         let plain = corrected.values.clone();
         let (around, between) = NearFieldClass::around(&body, class);
         let near_fields = around.map(|near_field| {
             let highest = near_field.highest_mode();
-            NearField::new(&near_field, &space, &space.moments(highest), highest)
+            NearField::new(&near_field, &space, &space.moments(highest), highest, &RingLoads::default())
         });
         NearField::correct(near_fields.each_ref(), between, body.poissons_ratio, &mut corrected);
         let mut worst = [0.0_f64; 2];
@@ -184,9 +191,14 @@ fn the_near_field_makes_its_own_reference_exact() {
         let class = NearFieldClass { side, half_ring: false, grading, idealization, range, growth };
         let highest = class.highest_mode();
         let moments = space.moments(highest);
-        let near_field = NearField::new(&class, &space, &moments, highest);
+        let near_field = NearField::new(&class, &space, &moments, highest, &RingLoads::default());
         let ratio = class.reference().fixed_radius;
-        let plan = CondensationPlan::new(&of(ratio, 0.0), grading.grading(std::f64::consts::PI), &space);
+        let plan = CondensationPlan::new(
+            &of(ratio, 0.0),
+            grading.grading(std::f64::consts::PI),
+            &space,
+            &RingLoads::default(),
+        );
         let (low, high): (f64, f64) = match range {
             PoissonRange::Conformal => (1e-3_f64.ln(), 0.25_f64.ln()),
             PoissonRange::Auxetic => (-0.75, 0.0),

@@ -71,7 +71,7 @@ impl BodyLibrary {
             .par_iter()
             .map(|request| {
                 let started = Instant::now();
-                let Space { space, moments, highest } = self.shared.space(request.space);
+                let Space { space, moments, highest, .. } = self.shared.space(request.space);
                 let compliance = concentric(&request.body).compliance(space, moments, *highest);
                 (request.key(), compliance, started.elapsed())
             })
@@ -116,9 +116,9 @@ impl BodyLibrary {
             .par_iter()
             .filter(|(key, _)| !self.plans.contains_key(*key))
             .map(|(key, group)| {
-                let plan =
-                    CondensationPlan::new(&group[0].body, key.grading(&group[0].body), self.space(key.space));
-                (key.clone(), plan)
+                let Space { space, rings, .. } = self.shared.space(key.space);
+                let grading = key.grading(&group[0].body);
+                (key.clone(), CondensationPlan::new(&group[0].body, grading, space, rings))
             })
             .collect();
         self.plans.extend(new_plans);

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use crate::engine::request::{BodyRequest, ELEMENT, Fidelity, SpaceKey, concentric};
 use crate::mechanics::compliance::near_field::{NearField, NearFieldClass};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
+use crate::mechanics::compliance::ring_loads::RingLoads;
 use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::grading::GradingClass;
 
@@ -19,6 +20,7 @@ pub struct Space {
     pub space: PressureSpace,
     pub moments: Vec<[f64; NODE_COUNT]>,
     pub highest: usize,
+    pub rings: RingLoads,
 }
 
 #[derive(Default)]
@@ -72,8 +74,8 @@ impl NearFieldLibrary {
         let made: Vec<(NearFieldKey, NearField)> = near_fields
             .into_par_iter()
             .map(|key| {
-                let Space { space, moments, highest } = &self.spaces[&key.1];
-                (key, NearField::new(&key.0, space, moments, *highest))
+                let Space { space, moments, highest, rings } = &self.spaces[&key.1];
+                (key, NearField::new(&key.0, space, moments, *highest, rings))
             })
             .collect();
         self.near_fields.extend(made);
@@ -88,12 +90,12 @@ impl NearFieldLibrary {
         let made: Vec<(SpaceKey, Space)> = stale
             .into_par_iter()
             .map(|(key, highest, old)| {
-                let space = match old {
-                    Some(old) => old.space,
-                    None => PressureSpace::new(key.terms, key.limit()),
+                let (space, rings) = match old {
+                    Some(old) => (old.space, old.rings),
+                    None => (PressureSpace::new(key.terms, key.limit()), RingLoads::default()),
                 };
                 let moments = space.moments(highest);
-                (key, Space { space, moments, highest })
+                (key, Space { space, moments, highest, rings })
             })
             .collect();
         self.spaces.extend(made);

@@ -10,7 +10,7 @@ use crate::mechanics::compliance::PressureCompliance;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::near_field::{NearField, NearFieldClass};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
-use crate::mechanics::compliance::ring_loads::{ArcLoads, galerkin_compliance, ring_loads};
+use crate::mechanics::compliance::ring_loads::{ArcLoads, RingLoads, galerkin_compliance, ring_loads};
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::grading::GradingClass;
 use crate::study::design::DesignCase;
@@ -47,6 +47,7 @@ enum Shared {
 /// A space with the near fields of its classes.
 struct Space {
     space: PressureSpace,
+    rings: RingLoads,
     near_fields: HashMap<NearFieldClass, NearField>,
 }
 
@@ -60,11 +61,14 @@ impl MeshedPath {
             .iter()
             .map(|group| {
                 let body = &joints.bodies[group.members[0]].0;
-                let space = &spaces[&group.key].space;
+                let Space { space, rings, .. } = &spaces[&group.key];
                 match &self.condenser {
-                    Condenser::Lanes => {
-                        Shared::Lanes(Box::new(CondensationPlan::new(body, group.grading.clone(), space)))
-                    }
+                    Condenser::Lanes => Shared::Lanes(Box::new(CondensationPlan::new(
+                        body,
+                        group.grading.clone(),
+                        space,
+                        rings,
+                    ))),
                     Condenser::Ring(solver) => {
                         RingMesh::new(body, &group.grading, solver).map_or(Shared::Nothing, |mesh| {
                             let angles = &mesh.topology.ring_angles;
@@ -137,11 +141,12 @@ impl MeshedPath {
             let space = PressureSpace::new(key.terms, key.limit());
             let highest = classes.iter().map(NearFieldClass::highest_mode).max().unwrap_or(0);
             let moments = space.moments(highest);
+            let rings = RingLoads::default();
             let near_fields = classes
                 .into_iter()
-                .map(|class| (class, NearField::new(&class, &space, &moments, highest)))
+                .map(|class| (class, NearField::new(&class, &space, &moments, highest, &rings)))
                 .collect();
-            (key, Space { space, near_fields })
+            (key, Space { space, rings, near_fields })
         });
         made.collect()
     }

@@ -7,7 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::arc::{MAX_TERMS, TERM_CHOICES, packed_count};
 use super::pressure_space::PressureSpace;
-use super::ring_loads::{ArcLoads, ring_loads};
+use super::ring_loads::{ArcLoads, RingLoads};
 use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::Body;
 use crate::mechanics::element::MAX_NODES;
@@ -53,14 +53,13 @@ impl Operations {
 }
 
 impl CondensationPlan {
-    /// For bodies like `body` (same shape family, supports and class), divided by `grading`.
-    pub fn new(body: &Body, grading: Grading, space: &PressureSpace) -> CondensationPlan {
+    /// For bodies like `body` (same shape family, supports and class), divided by `grading`; `rings` are those of `space`.
+    pub fn new(body: &Body, grading: Grading, space: &PressureSpace, rings: &RingLoads) -> CondensationPlan {
         let topology = RingTopology::new(body, &grading);
         let structure = BandStructure::new(&topology);
-        let loads = ring_loads(space, grading.element, &topology.ring_angles)
-            .iter()
-            .map(|loads| place(&topology, &structure, loads, space.terms))
-            .collect();
+        let loads = rings.with(space, grading.element, &topology.ring_angles, |arcs| {
+            arcs.iter().map(|loads| place(&topology, &structure, loads, space.terms)).collect()
+        });
         let rule = ElementRule::new(grading.element);
         CondensationPlan { grading, topology, structure, rule, terms: space.terms, loads }
     }

@@ -20,6 +20,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::lane_condensation::CondensationPlan;
 use super::pressure_space::PressureSpace;
+use super::ring_loads::RingLoads;
 use super::series::ConcentricBody;
 use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
@@ -183,12 +184,13 @@ pub struct NearField {
 }
 
 impl NearField {
-    /// `moments` are `space.moments(highest)` with `highest` at least the class's `highest_mode()`.
+    /// `moments` are `space.moments(highest)` with `highest` at least the class's `highest_mode()`, `rings` those of `space`.
     pub fn new(
         class: &NearFieldClass,
         space: &PressureSpace,
         moments: &[[f64; NODE_COUNT]],
         highest: usize,
+        rings: &RingLoads,
     ) -> NearField {
         let NearFieldClass { side, half_ring, idealization, range, .. } = *class;
         let reference = class.reference();
@@ -202,7 +204,7 @@ impl NearField {
             idealization,
         });
         let end_angle = if half_ring { FRAC_PI_2 } else { PI };
-        let plan = CondensationPlan::new(&bodies[0], whole_ring(&class.layers(), end_angle), space);
+        let plan = CondensationPlan::new(&bodies[0], whole_ring(&class.layers(), end_angle), space, rings);
         let mut condensed = plan.condense(&bodies).into_iter();
         let values = bodies.map(|body| {
             let exact = ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference };

@@ -1,7 +1,9 @@
 //! Nodal loads of the trial pressures on a ring: f = integral of N n p_k d(phi), with the true normal n(phi), so that
 //! a rigid translation does exactly the work of the pressure's resultant.
 
+use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::arc::{ContactArc, cosines, packed_count};
 use super::pressure_space::PressureSpace;
@@ -14,6 +16,30 @@ use crate::mechanics::mesh::{RingTopology, SUPPORTED};
 pub struct ArcLoads {
     pub node_count: usize,
     pub values: Vec<f64>,
+}
+
+/// Loads at every node of one pressure space on the rings met so far: bodies of many topologies have a ring in common.
+#[derive(Default)]
+pub struct RingLoads {
+    made: Mutex<HashMap<(ElementKind, Vec<u64>), Made>>,
+}
+
+/// Made by who comes first; others wait for it.
+type Made = Arc<OnceLock<Vec<ArcLoads>>>;
+
+impl RingLoads {
+    /// As `ring_loads`, always of the same `space`; `read` has them.
+    pub fn with<T>(
+        &self,
+        space: &PressureSpace,
+        element: ElementKind,
+        ring_angles: &[f64],
+        read: impl FnOnce(&[ArcLoads]) -> T,
+    ) -> T {
+        let ring = (element, ring_angles.iter().map(|angle| angle.to_bits()).collect());
+        let made = self.made.lock().unwrap_or_else(PoisonError::into_inner).entry(ring).or_default().clone();
+        read(made.get_or_init(|| ring_loads(space, element, ring_angles)))
+    }
 }
 
 /// At every node of `space`, on a ring with nodes at `ring_angles` (mid-side nodes included).
