@@ -13,7 +13,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::mechanics::real::{LANES, Lanes, Real};
+use crate::mechanics::real::LANES;
 
 /// Products of Chebyshev polynomials over a box.
 #[derive(Clone, Debug)]
@@ -147,94 +147,103 @@ impl BodyFit {
         sound.then_some(BodyFit { polynomials, mode_count, coefficients, modes })
     }
 
-    /// The amplitudes of the modes at a point of the box, times `scale`.
+    /// Appends the amplitudes of the modes at a point of the box, times `scale`; what is beyond `mode_count` is zero.
     pub fn amplitudes(&self, point: &[f64], scale: f64, scratch: &mut FitScratch, amplitudes: &mut Vec<f64>) {
         let FitScratch { work, products } = scratch;
         self.polynomials.values(point, work, products);
-        amplitudes.clear();
         let stride = self.mode_count.next_multiple_of(LANES);
-        amplitudes.resize(stride, 0.0);
-        Arch::new().dispatch(Weighted {
-            rows: &self.coefficients,
-            stride,
-            weights: products,
-            sums: amplitudes,
-        });
+        let from = amplitudes.len();
+        amplitudes.resize(from + stride, 0.0);
+        let amplitudes = &mut amplitudes[from..];
+        add_weighted(&self.coefficients, stride, products.as_chunks::<1>().0, amplitudes);
         amplitudes.iter_mut().for_each(|amplitude| *amplitude *= scale);
+    }
+
+    /// Adds the compliances of up to `BODIES` bodies, given by their amplitudes, to `values`, as samples are, one behind
+    /// the other.
+    pub fn add_modes(&self, amplitudes: &[&[f64]], values: &mut [f64]) {
+        let stride = self.modes.len() / self.mode_count;
+        if amplitudes.len() == BODIES {
+            let weights: Vec<[f64; BODIES]> =
+                (0..self.mode_count).map(|mode| std::array::from_fn(|body| amplitudes[body][mode])).collect();
+            add_weighted(&self.modes, stride, &weights, values);
+        } else {
+            for (amplitudes, values) in amplitudes.iter().zip(values.chunks_exact_mut(stride)) {
+                add_weighted(&self.modes, stride, amplitudes.as_chunks::<1>().0, values);
+            }
+        }
     }
 
     /// The compliance at a point of the box, as the samples are.
     pub fn at(&self, point: &[f64]) -> Vec<f64> {
         let mut amplitudes = Vec::new();
         self.amplitudes(point, 1.0, &mut FitScratch::default(), &mut amplitudes);
-        let length = self.modes.len() / self.mode_count;
-        let mut values = vec![0.0; length];
-        add_modes([(self, &amplitudes)], &mut values);
+        let mut values = vec![0.0; self.modes.len() / self.mode_count];
+        self.add_modes(&[&amplitudes], &mut values);
         values
     }
 }
 
-/// Adds the modes of fits, each with its amplitudes, as far as `values` go.
-pub fn add_modes<const COUNT: usize>(fits: [(&BodyFit, &Vec<f64>); COUNT], values: &mut [f64]) {
-    for (fit, amplitudes) in fits {
-        let stride = fit.modes.len() / fit.mode_count;
-        Arch::new().dispatch(Weighted { rows: &fit.modes, stride, weights: amplitudes, sums: values });
-    }
+/// Bodies whose modes are added together: each is read once for all.
+pub const BODIES: usize = 4;
+
+/// Adds to each of `SETS` sums, one behind the other and as long as rows are apart, the rows times its own weights of them.
+fn add_weighted<const SETS: usize>(rows: &[f64], stride: usize, weights: &[[f64; SETS]], sums: &mut [f64]) {
+    Arch::new().dispatch(Weighted { rows, stride, weights, sums });
 }
 
-/// Adds the first `sums.len()` numbers of each row, `stride` apart, times the row's weight.
-struct Weighted<'a> {
+struct Weighted<'a, const SETS: usize> {
     rows: &'a [f64],
     stride: usize,
-    weights: &'a [f64],
+    weights: &'a [[f64; SETS]],
     sums: &'a mut [f64],
 }
 
 /// Registers that are summed side by side, so that additions do not wait for each other.
 const ABREAST: usize = 4;
 
-impl WithSimd for Weighted<'_> {
+impl<const SETS: usize> WithSimd for Weighted<'_, SETS> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let mut from = 0;
+        while from + ABREAST * S::F64_LANES <= self.stride {
+            self.block::<S, ABREAST>(simd, from);
+            from += ABREAST * S::F64_LANES;
+        }
+        while from + S::F64_LANES <= self.stride {
+            self.block::<S, 1>(simd, from);
+            from += S::F64_LANES;
+        }
+        for (set, sums) in self.sums.chunks_exact_mut(self.stride).enumerate() {
+            for (row, weights) in self.rows.chunks_exact(self.stride).zip(self.weights) {
+                let rest = sums[from..].iter_mut().zip(&row[from..]);
+                rest.for_each(|(sum, value)| *sum += weights[set] * value);
+            }
+        }
     }
 }
 
-impl Weighted<'_> {
+impl<const SETS: usize> Weighted<'_, SETS> {
     #[inline(always)]
-    fn run<const FUSED: bool>(mut self) {
-        let mut from = 0;
-        while from + ABREAST * LANES <= self.sums.len() {
-            self.block::<FUSED, ABREAST>(from);
-            from += ABREAST * LANES;
-        }
-        while from + LANES <= self.sums.len() {
-            self.block::<FUSED, 1>(from);
-            from += LANES;
-        }
-        let rest = &mut self.sums[from..];
-        for (row, weight) in self.rows.chunks_exact(self.stride).zip(self.weights) {
-            rest.iter_mut().zip(&row[from..]).for_each(|(sum, value)| *sum += weight * value);
-        }
-    }
-
-    #[inline(always)]
-    fn block<const FUSED: bool, const COUNT: usize>(&mut self, from: usize) {
-        let mut registers = [Lanes::<FUSED>::zero(); COUNT];
-        for (row, weight) in self.rows.chunks_exact(self.stride).zip(self.weights) {
-            let weight = Lanes::<FUSED>::from_f64(-*weight);
-            let row = &row[from..from + COUNT * LANES];
-            for (register, values) in registers.iter_mut().zip(row.chunks_exact(LANES)) {
-                let mut lanes = Lanes::<FUSED>::zero();
-                lanes.0.copy_from_slice(values);
-                *register = register.minus_product(weight, lanes);
+    fn block<S: Simd, const COUNT: usize>(&mut self, simd: S, from: usize) {
+        let length = COUNT * S::F64_LANES;
+        let mut registers = [[simd.splat_f64s(0.0); COUNT]; SETS];
+        for (row, weights) in self.rows.chunks_exact(self.stride).zip(self.weights) {
+            let (values, _) = S::as_simd_f64s(&row[from..from + length]);
+            for set in 0..SETS {
+                let weight = simd.splat_f64s(weights[set]);
+                for place in 0..COUNT {
+                    registers[set][place] = simd.mul_add_e_f64s(weight, values[place], registers[set][place]);
+                }
             }
         }
-        let sums = &mut self.sums[from..from + COUNT * LANES];
-        for (register, sums) in registers.iter().zip(sums.chunks_exact_mut(LANES)) {
-            sums.iter_mut().zip(&register.0).for_each(|(sum, value)| *sum += value);
+        for (sums, registers) in self.sums.chunks_exact_mut(self.stride).zip(&registers) {
+            let (sums, _) = S::as_mut_simd_f64s(&mut sums[from..from + length]);
+            for (sum, register) in sums.iter_mut().zip(registers) {
+                *sum = simd.add_f64s(*sum, *register);
+            }
         }
     }
 }
