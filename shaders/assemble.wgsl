@@ -64,6 +64,9 @@ var<workgroup> sound_total: u32;
 // Twins of the same names: src/mechanics/mesh.rs, layers.rs.
 const LEEWAY = wide(0.3);
 const SHRINK = wide(0.4);
+const TOLERANCE = wide(1e-12);
+const STEEPEST = wide(1e9);
+const MOST_STEPS = 100u;
 const CROWDING = wide(0.5);
 const THICK_WALL = wide(0.3);
 
@@ -165,44 +168,56 @@ fn thinnest_wall(numbers: u32) -> wide {
     return least;
 }
 
-// Of what its growth makes it.
-fn part_of_layer(layer: u32) -> wide {
-    let ahead = parameters.row_count / 2u - 1u - layer;
-    var part = wide(1.0);
-    for (var shrunk = ahead; shrunk < parameters.shrinking_layers; shrunk++) {
-        part *= SHRINK;
-    }
-    return part;
-}
-
-fn depth_at_growth(growth: wide) -> wide {
+// Depth of all layers that grow by a factor, and d ln depth/d ln growth: only layers below the thickest grow with it.
+fn depth_and_power(growth: wide) -> wide2 {
+    let layers = parameters.row_count / 2u;
     var depth = wide(0.0);
-    var thickness = shared_numbers[0].x;
-    for (var layer = 0u; layer < parameters.row_count / 2u; layer++) {
-        depth += thickness * part_of_layer(layer);
-        thickness = min(thickness * growth, shared_numbers[0].y);
+    var moment = wide(0.0);
+    var grown = shared_numbers[0].x;
+    var part = wide(1.0);
+    for (var layer = 0u; layer < layers; layer++) {
+        if layers - layer <= parameters.shrinking_layers {
+            part *= SHRINK;
+        }
+        depth += part * grown;
+        if grown < shared_numbers[0].y {
+            moment += wide(layer) * part * grown;
+        }
+        grown = min(grown * growth, shared_numbers[0].y);
     }
-    return depth;
+    return wide2(depth, moment / depth);
 }
 
-// The one factor by which layers grow, from the first on and up to the thickest allowed, to be `depth` in all: by bisection,
-// where the twin has Newton's steps in logarithms, which WGSL has of no f64.
+// The one factor by which layers grow, from the first on and up to the thickest allowed, to be `depth` in all.
 fn layer_growth(depth: wide) -> wide {
     var low = wide(0.0);
-    var high = wide(1.0);
-    while depth_at_growth(high) < depth && high < wide(1e9) {
-        low = high;
-        high *= wide(2.0);
-    }
-    for (var halving = 0u; halving < 40u; halving++) {
-        let middle = wide(0.5) * (low + high);
-        if depth_at_growth(middle) < depth {
-            low = middle;
+    var high = STEEPEST;
+    var growth = wide(1.0);
+    for (var steps = 0u; steps < MOST_STEPS; steps++) {
+        let at = depth_and_power(growth);
+        if at.x < depth {
+            low = growth;
         } else {
-            high = middle;
+            high = growth;
+        }
+        let ratio = depth / at.x;
+        let over = (at.y + wide(1.0)) * ratio + at.y - wide(1.0);
+        let under = (at.y - wide(1.0)) * ratio + at.y + wide(1.0);
+        var next = wide(-1.0);
+        if under > wide(0.0) {
+            next = growth * over / under;
+        }
+        if next < low || next > high {
+            next = select(wide(2.0) * growth, wide(0.5) * (low + high), high < STEEPEST);
+        }
+        let step = abs(next - growth);
+        growth = next;
+        // At an end of the bracket once more: no number is better.
+        if step <= TOLERANCE * growth || next == low || next == high {
+            break;
         }
     }
-    return high;
+    return growth;
 }
 
 fn sixth_power(value: wide) -> wide {
@@ -230,10 +245,11 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
     let is_radial = line.haste == wide(0.0);
     let growth = layer_growth(line.depth);
     // The growth factor is only as good as its search; the far boundary is where it is.
-    let total = depth_at_growth(growth);
+    let total = depth_and_power(growth).x;
     let far = beyond_ring(line.depth, wide(1.0));
     let aside = far * shared_numbers[2u + column] - line.span;
     var thickness = shared_numbers[0].x;
+    var shrunk = wide(1.0);
     // Of the way: by depth, and by distance; and the distance from the ring's centre.
     var reached = wide(0.0);
     var share = wide(0.0);
@@ -243,7 +259,10 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
     geometry[grid + column] = reach;
     for (var layer = 0u; layer < parameters.row_count / 2u; layer++) {
         // From one point to the next, so that thin layers far from the ring keep their digits.
-        let deeper = thickness * part_of_layer(layer) / total;
+        if parameters.row_count / 2u - layer <= parameters.shrinking_layers {
+            shrunk *= SHRINK;
+        }
+        let deeper = thickness * shrunk / total;
         thickness = min(thickness * growth, shared_numbers[0].y);
         let farther = distance * exp_minus_one(shared_numbers[1].x * line.depth * deeper);
         let pulled = shared_numbers[1].y * (sixth_power(reached + deeper) - sixth_power(reached));

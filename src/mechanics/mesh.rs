@@ -149,12 +149,12 @@ struct Line {
 
 /// The lines of `body`, one a column in half elements.
 fn lines(body: &Body, grading: &Grading) -> Vec<Line> {
-    let (mut depth, mut growth, mut far_radius) = (f64::NAN, f64::NAN, f64::NAN);
+    let (mut depth, mut growth, mut far_radius) = (f64::NAN, 1.0, f64::NAN);
     let line = |target: f64| {
         let own_depth = (body.shape.depth)(&body.parameters, target);
         if own_depth != depth {
             depth = own_depth;
-            growth = grading.layers.growth(depth);
+            growth = grading.layers.growth(depth, growth);
             far_radius = radius(body, depth);
         }
         Line { depth, growth, far: polar(far_radius, target) }

@@ -140,7 +140,7 @@ impl NearFieldClass {
     pub fn around(body: &Body, grading: GradingClass) -> ([NearFieldClass; 2], f64) {
         let Body { shape, parameters, poissons_ratio, idealization, .. } = body;
         let depth = (shape.depth)(parameters, 0.0);
-        let steps = grading.layers().growth(depth) / GROWTH_STEP;
+        let steps = grading.layers().growth(depth, 1.0) / GROWTH_STEP;
         // A reference needs layers.
         let below = steps.floor().max(1.0);
         let class = |growth: f64| NearFieldClass {

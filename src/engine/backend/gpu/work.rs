@@ -67,9 +67,9 @@ const EXPONENTIAL: u64 = 40;
 const LOGARITHM: u64 = EXPONENTIAL + 12;
 const TANGENT: u64 = 108;
 
-/// Of the search of a line's growth: its bisection, and how often it adds up layers where they grow by one to two.
-const HALVINGS: u64 = 40;
-const EVALUATIONS: u64 = 2 + HALVINGS;
+/// Steps of the search of a line's growth where layers grow by one to two, about; each adds up the layers, and so does what
+/// follows the search.
+const SEARCH_STEPS: u64 = 7;
 
 impl Sizes {
     pub fn of(layout: &MeshLayout) -> Sizes {
@@ -122,7 +122,7 @@ impl Sizes {
         // How far a layer keeps to the radius, and its place; between the lines of corner nodes its bow.
         let (mid_sides, corners) = (self.grid_columns / 2, self.grid_columns.div_ceil(2));
         let courses = if self.sides > 0 { self.layers * (16 * corners + 18 * mid_sides) } else { 0 };
-        let growth = EVALUATIONS * 3 * self.layers + 1 + 2 * HALVINGS;
+        let growth = (SEARCH_STEPS + 1) * (7 * self.layers + 1) + 15 * SEARCH_STEPS;
         let line = span + growth + (7 + EXPONENTIAL) + self.layers * layer;
         let bows =
             if self.sides > 0 { mid_sides * ((2 * self.layers + 1) * 8 + 2 * self.layers * 9) } else { 0 };
