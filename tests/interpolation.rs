@@ -179,6 +179,23 @@ fn other_shapes_meet_the_accuracy_against_finer_meshes() {
     }
 }
 
+/// Where it is known what a mesh is worth, no coarser one is solved to tell it: blocks that are farther away than any that was
+/// measured take the bodies held out twice more.
+#[test]
+fn what_is_known_of_meshes_spares_coarser_ones() {
+    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Auto };
+    let solved = |farthest: f64| {
+        let mut cases = draw(16, 300, disc_in_block);
+        cases[0].joint.plate.parameters = [farthest; 3];
+        let mut backend = interpolating(options, &cases);
+        backend.solve(&cases[..1]);
+        let interpolation = backend.interpolation.unwrap();
+        interpolation.solved_bodies() / interpolation.fits().count() as u64
+    };
+    let (known, unknown) = (solved(6.0), solved(20.0));
+    assert!(known + 50 < unknown, "{known} and {unknown} bodies a family");
+}
+
 /// Whole or in pieces, forwards or backwards, on one thread or on several: each design has one answer.
 #[test]
 fn batches_order_and_threads_change_nothing() {

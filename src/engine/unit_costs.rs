@@ -18,8 +18,8 @@ pub const SERIES_SECONDS: f64 = 10e-6;
 pub const DESIGN_SECONDS: f64 = 15e-6;
 pub const ROW_SECONDS: f64 = 3e-6;
 /// Of designs and rows whose bodies are interpolated, the table included: from hypercube and hypercube-block.
-pub const INTERPOLATED_DESIGN_SECONDS: f64 = 5e-6;
-pub const INTERPOLATED_ROW_SECONDS: f64 = 1e-6;
+pub const INTERPOLATED_DESIGN_SECONDS: f64 = 4e-6;
+pub const INTERPOLATED_ROW_SECONDS: f64 = 0.7e-6;
 
 /// Of one lane batch: a start, the elements and arcs, and the band's factor, as wide as a layer of the mesh.
 pub fn batch_seconds(MeshSize { unknowns, layers }: MeshSize) -> f64 {
