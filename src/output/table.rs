@@ -26,11 +26,13 @@ pub struct Table {
     inputs: Vec<Column>,
     /// The text of a design's inputs, the same in each of its rows; kept only to spare the allocation.
     input_text: Vec<u8>,
+    /// The values of the loads of the design before, with their text: most sweeps load all designs alike.
+    loads: Vec<(f64, Vec<u8>)>,
 }
 
 impl Default for Table {
     fn default() -> Table {
-        Table { inputs: columns::joint_columns(), input_text: Vec::new() }
+        Table { inputs: columns::joint_columns(), input_text: Vec::new(), loads: Vec::new() }
     }
 }
 
@@ -57,26 +59,35 @@ impl Table {
         assert_eq!(outcome.case.steps.len(), outcome.steps.len(), "an outcome for every step");
         self.input_text.clear();
         push_inputs(&mut self.input_text, &self.inputs, &outcome.case);
-        for (load, step) in outcome.case.steps.iter().zip(&mut outcome.steps) {
+        // NaN is no load, and equals none.
+        self.loads.resize(outcome.steps.len(), (f64::NAN, Vec::new()));
+        for ((load, text), step) in outcome.case.steps.iter().zip(&mut self.loads).zip(&mut outcome.steps) {
+            let (Load::Indentation(value) | Load::Force(value)) = *load;
+            if value != text.0 {
+                text.0 = value;
+                text.1.clear();
+                push_exact(&mut text.1, value);
+            }
             refuse_non_finite(step);
             out.extend_from_slice(&self.input_text);
-            push_step(out, load, step, outcome.backend);
+            push_step(out, (load, &text.1), step, outcome.backend);
         }
     }
 }
 
-fn push_step(out: &mut Vec<u8>, load: &Load, step: &StepOutcome, backend: BackendKind) {
+/// `load` with its text.
+fn push_step(out: &mut Vec<u8>, load: (&Load, &[u8]), step: &StepOutcome, backend: BackendKind) {
     let response = step.response.as_ref();
-    match *load {
-        Load::Indentation(indentation) => {
-            push_exact(out, indentation);
+    match load {
+        (Load::Indentation(_), text) => {
+            out.extend_from_slice(text);
             out.push(b',');
             push_result(out, response.map(|response| response.force));
         }
-        Load::Force(force) => {
+        (Load::Force(_), text) => {
             push_result(out, response.map(|response| response.indentation));
             out.push(b',');
-            push_exact(out, force);
+            out.extend_from_slice(text);
         }
     }
     for (_, value) in RESULTS {

@@ -98,12 +98,10 @@ impl<'a> SmoothCurve<'a> {
         if !functions.iter().flatten().all(|value| value.is_finite()) {
             return None;
         }
-        let mut coefficients = [[0.0; LANES]; CURVE_NODES];
-        for (of_degree, row) in coefficients.iter_mut().zip(&nodes.transform) {
-            for (functions, weight) in functions.iter().zip(row) {
-                of_degree.iter_mut().zip(functions).for_each(|(sum, value)| *sum += weight * value);
-            }
-        }
+        let coefficients = Arch::new().dispatch(
+            #[inline(always)]
+            || nodes.transformed(&functions),
+        );
         let share = |function: usize| {
             let most = coefficients.iter().map(|of_degree| of_degree[function].abs()).fold(0.0, f64::max);
             let last =

@@ -16,7 +16,7 @@ pub struct CurveNodes {
     /// Descending, like the half angles.
     pub arcs: [ContactArc; CURVE_NODES],
     /// Of the whole Chebyshev transform: `[degree][node]`.
-    pub(super) transform: [[f64; CURVE_NODES]; CURVE_NODES],
+    transform: [[f64; CURVE_NODES]; CURVE_NODES],
     /// Versines over b^2: `[chunk][k]`.
     pub(super) versines: [[[f64; LANES]; CURVE_TERMS]; CHUNKS],
     pub(super) ln_b: [f64; CURVE_NODES],
@@ -65,6 +65,20 @@ impl CurveNodes {
             }
         }
         resampled
+    }
+
+    /// From values at the nodes, `[node][function]`, to Chebyshev coefficients, `[degree][function]`.
+    #[inline(always)]
+    pub(super) fn transformed(&self, values: &[[f64; LANES]; CURVE_NODES]) -> [[f64; LANES]; CURVE_NODES] {
+        let mut coefficients = [[0.0; LANES]; CURVE_NODES];
+        for (of_degree, row) in coefficients.iter_mut().zip(&self.transform) {
+            for (values, weight) in values.iter().zip(row) {
+                for (sum, value) in of_degree.iter_mut().zip(values) {
+                    *sum += weight * value;
+                }
+            }
+        }
+        coefficients
     }
 
     #[inline(always)]
