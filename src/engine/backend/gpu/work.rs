@@ -330,9 +330,9 @@ mod tests {
 
     #[test]
     fn the_assembly_of_one_element_is_counted_by_hand() {
-        // Three lines of one layer each: 42 sums of it, a doubling and 40 means for its growth, radii of the boundary and
+        // Three lines of one layer each: 8 sums of it with their powers and 7 steps for its growth, radii of the boundary and
         // the layer, the span. Four points of one element, 20 sources summed over four points.
-        let operations = 3 * (42 * 3 + 1 + 80 + 47 + 70 + 2) + 4 * (80 + 32 + 4 + 64) + 20 * 33;
+        let operations = 3 * (8 * (7 + 1) + 7 * 15 + 47 + 70 + 2) + 4 * (80 + 32 + 4 + 64) + 20 * 33;
         // Twice 2 + 12 + 32 shared numbers; grid, starts and sources; nine grid points twice and 36 pairs, 64 places, 2 numbers.
         let bytes = 2 * 46 * 8 + 4 * (8 + 65 + 20) + (2 * (2 * 9 + 36) + 64 + 2) * 8 + 4 * 8;
         assert_eq!(SIZES.assemble(1, Precision::F64), Work { operations, bytes });
