@@ -6,5 +6,9 @@
 //! fitted, or whose error is not known to be small enough, goes on to the meshes.
 
 pub mod family;
+mod points;
+mod samples;
+mod held_out;
+pub mod fit;
 pub mod plan;
 pub mod rung;

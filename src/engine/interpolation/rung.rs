@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::interpolation::family::{FamilyKey, FittedFamily, coordinate_count, coordinates};
+use crate::engine::interpolation::family::{FamilyKey, coordinate_count, coordinates};
+use crate::engine::interpolation::fit::FittedFamily;
 use crate::engine::interpolation::plan::{InterpolationPlan, pair};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::Want;

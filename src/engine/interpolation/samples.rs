@@ -1,0 +1,116 @@
+//! Samples of a family: solved, and what they cost.
+
+use rayon::prelude::*;
+
+use crate::engine::bodies::BodyLibrary;
+use crate::engine::interpolation::family::{Family, MOST_COORDINATES, body_at};
+use crate::engine::interpolation::points::DEGREES;
+use crate::engine::known_errors::known_level;
+use crate::engine::plan::first_level;
+use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
+use crate::engine::unit_costs::{SERIES_SECONDS, TOPOLOGY_SECONDS, body_seconds};
+use crate::mechanics::contact::smooth_curve::CURVE_TERMS;
+use crate::mechanics::contact::smooth_curve::nodes::CurveNodes;
+
+/// Share of the lanes that samples of a box with so many coordinates fill, about.
+const LANES_FILLED: [f64; MOST_COORDINATES + 1] = [0.2, 0.8, 0.7, 0.6, 0.4];
+
+/// Topologies that a box with so many coordinates meets on two meshes, about.
+const TOPOLOGIES: [f64; MOST_COORDINATES + 1] = [2.0, 20.0, 30.0, 60.0, 120.0];
+
+/// Of meshes whose error is known: a fit must also take the steps where, from shape to shape, they get a layer more.
+const KNOWN_SHARE: f64 = 0.25;
+
+/// The finest mesh of a sample.
+pub(super) const FINEST: usize = 4;
+
+/// Bodies that a library is asked for at a time.
+const BATCH: usize = 1024;
+
+/// On which meshes samples are solved.
+pub(super) struct Meshes {
+    pub(super) first: usize,
+    /// Whether their error is: no coarser mesh must tell it.
+    pub(super) known: bool,
+}
+
+/// What a fit has taken so far.
+#[derive(Default)]
+pub(super) struct Expense {
+    pub(super) bodies: u64,
+    /// By `unit_costs`.
+    pub(super) seconds: f64,
+}
+
+impl Expense {
+    pub(super) fn add(&mut self, family: &Family, bodies: usize, level: usize) {
+        self.bodies += bodies as u64;
+        self.seconds += bodies as f64 * family.sample_seconds(level);
+    }
+}
+
+impl Family {
+    /// The compliances of bodies at points, at the nodes of curves, with their amplitudes.
+    pub(super) fn solve(
+        &self,
+        library: &mut BodyLibrary,
+        nodes: &CurveNodes,
+        points: &[Vec<f64>],
+        fidelity: Fidelity,
+    ) -> Vec<Vec<f64>> {
+        let space = SpaceKey { half_ring: self.key.half_ring, terms: CURVE_TERMS };
+        let mut solved = Vec::with_capacity(points.len());
+        for points in points.chunks(BATCH) {
+            let requests: Vec<BodyRequest> = points
+                .iter()
+                .map(|point| BodyRequest { body: body_at(&self.example, point), fidelity, space })
+                .collect();
+            library.solve(&requests);
+            let shared = &*library;
+            let resample = |request: &BodyRequest| {
+                nodes.resample(shared.space(space), &shared.compliance(&request.key()).values)
+            };
+            solved.par_extend(requests.par_iter().map(resample));
+        }
+        solved
+    }
+
+    pub(super) fn fidelity(&self, level: usize) -> Fidelity {
+        if self.exact { Fidelity::Series } else { Fidelity::Mesh { level } }
+    }
+
+    /// The meshes of the samples: the first that are known to do all over the box, else one finer than a design would begin with.
+    pub(super) fn meshes(&self, accuracy: f64) -> Meshes {
+        if self.exact {
+            return Meshes { first: 0, known: true };
+        }
+        let levels = self
+            .held_out_points()
+            .into_iter()
+            .map(|point| known_level(&body_at(&self.example, &point), KNOWN_SHARE * accuracy));
+        match levels.max_by_key(|level| level.unwrap_or(usize::MAX)).flatten() {
+            Some(first) => Meshes { first, known: true },
+            None => Meshes { first: (first_level(accuracy) + 1).min(FINEST), known: false },
+        }
+    }
+
+    /// Estimated time of one sample.
+    fn sample_seconds(&self, level: usize) -> f64 {
+        if self.exact {
+            SERIES_SECONDS
+        } else {
+            body_seconds(&self.example, level) / LANES_FILLED[self.free()]
+        }
+    }
+
+    /// Estimated time of the first fit, s.
+    pub fn least_seconds(&self, accuracy: f64) -> f64 {
+        let Meshes { first: level, known } = self.meshes(accuracy);
+        let free = self.free();
+        let samples = self.sample_total(DEGREES[free][0]);
+        let held_out = self.held_out_total() as f64;
+        let coarse = if known { 0.0 } else { held_out * self.sample_seconds(level - 1) };
+        let topologies = if self.exact { 0.0 } else { TOPOLOGIES[free] * TOPOLOGY_SECONDS };
+        (samples as f64 + held_out) * self.sample_seconds(level) + coarse + topologies
+    }
+}
