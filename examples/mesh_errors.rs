@@ -60,8 +60,12 @@ fn errors(library: &BodyLibrary, body: &Body) -> Option<Vec<(f64, [f64; LEVELS])
     let key = |fidelity| BodyRequest { body: *body, fidelity, space }.key();
     let finest = Fidelity::Mesh { level: LEVEL_COUNT - 1 };
     let exact = library.compliance(&key(if body.shape.concentric { Fidelity::Series } else { finest }));
-    let partner =
-        PressureCompliance { terms: exact.terms, amplitude: 0.0, values: vec![0.0; exact.values.len()] };
+    let partner = PressureCompliance {
+        terms: exact.terms,
+        amplitude: 0.0,
+        bed: 0.0,
+        values: vec![0.0; exact.values.len()],
+    };
     let joint = JointCompliance::new(library.space(space), (exact, 1.0), (&partner, RIGID));
     let curve = JointCurve::new(joint).ok()?;
     let loads = [1e-6, 1e-4, 1e-2, 0.1, 0.5, 2.0, 10.0, 1e2].map(DimensionlessLoad::Indentation);

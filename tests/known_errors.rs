@@ -35,7 +35,7 @@ fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
     library.solve(&[&meshes[..], &[judge]].concat());
     let exact = library.compliance(&judge.key());
     let nothing = vec![0.0; exact.values.len()];
-    let rigid = PressureCompliance { terms: exact.terms, amplitude: 0.0, values: nothing };
+    let rigid = PressureCompliance { terms: exact.terms, amplitude: 0.0, bed: 0.0, values: nothing };
     let joint = JointCompliance::new(library.space(space), (exact, 1.0), (&rigid, RIGID));
     let curve = JointCurve::new(joint).unwrap();
     let loads = [1e-5, 1e-3, 0.03, 0.2, 1.0, 5.0, 50.0].map(DimensionlessLoad::Indentation);

@@ -4,11 +4,12 @@ use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, RandomState};
 
 use crate::engine::interpolation::plan::InterpolationPlan;
-use crate::engine::plan::JointPlan;
-use crate::engine::request::{Fidelity, MeshSize, TopologyKey, mesh_size};
+use crate::engine::near_fields::{NearFieldKey, near_field_keys};
+use crate::engine::plan::{Estimate as HowKnown, JointPlan, Trust};
+use crate::engine::request::{BodyRequest, Fidelity, MeshSize, SpaceKey, TopologyKey, concentric, mesh_size};
 use crate::engine::unit_costs::{
-    DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, REFERENCE_TERMS, ROW_SECONDS,
-    SERIES_SECONDS, SPACE_SECONDS, TOPOLOGY_SECONDS, batch_seconds,
+    DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, ROW_SECONDS, START_SECONDS,
+    TOPOLOGY_SECONDS, batch_seconds, request_seconds, series_seconds, space_seconds,
 };
 use crate::error::Error;
 use crate::mechanics::real::LANES;
@@ -22,42 +23,116 @@ pub struct Estimate {
     pub distinct_bodies: u64,
     /// Designs whose bodies are interpolated.
     pub interpolated: u64,
+    /// Designs that are beyond what can be solved.
+    pub refused: u64,
     /// Unknowns of all meshes that the first attempt at each of the others needs.
     pub unknowns: u64,
     /// Core time, s; the threads share it.
     pub seconds: f64,
 }
 
-/// Share of the bodies that are solved again on the next finer mesh.
-const CLIMBERS: f64 = 0.1;
+/// Share of the designs that go on to the next finer mesh, from each to the next; more of those whose meshes are trusted little.
+fn climbers(plan: &JointPlan) -> f64 {
+    match plan.estimate {
+        HowKnown::Exact => 0.0,
+        HowKnown::Known | HowKnown::Change(Trust::Concentric | Trust::Full) => 0.1,
+        HowKnown::Change(Trust::Wary) => 0.3,
+        HowKnown::Change(Trust::SqueezedFilm) => 0.0,
+    }
+}
+
+/// Rungs of the ladder that fewer designs come to are left out.
+const FEW: f64 = 0.05;
 
 /// Bodies that fill the lanes of common batches.
 #[derive(Default)]
 struct Group {
     size: MeshSize,
-    half_ring: bool,
+    terms: usize,
     bodies: f64,
 }
 
 impl Group {
     fn seconds(&self) -> f64 {
-        // The near field's mesh is that of a whole ring.
-        let rings = if self.half_ring { 2 } else { 1 };
-        let near_field = MeshSize { unknowns: rings * self.size.unknowns, ..self.size };
         let batches = (self.bodies / LANES as f64).ceil();
-        TOPOLOGY_SECONDS + batch_seconds(near_field) + batches * batch_seconds(self.size)
+        likely(self.bodies) * (TOPOLOGY_SECONDS + batches * batch_seconds(self.size, self.terms))
+    }
+}
+
+/// How likely a thing is needed that so many bodies need on average.
+fn likely(bodies: f64) -> f64 {
+    bodies.min(1.0)
+}
+
+/// What the bodies of a sweep need, each thing once.
+#[derive(Default)]
+struct Needs {
+    hasher: RandomState,
+    // Hashes, not keys: 8 bytes a body keep a million designs small.
+    bodies: HashSet<u64>,
+    solved: HashSet<u64>,
+    groups: HashMap<u64, Group>,
+    /// With the size of the reference's mesh, and how many bodies need it.
+    near_fields: HashMap<NearFieldKey, (MeshSize, f64)>,
+    /// Highest mode by space.
+    spaces: HashMap<SpaceKey, usize>,
+    unknowns: u64,
+    seconds: f64,
+}
+
+impl Needs {
+    /// Adds a body as it is solved `times` a design, less than once where only some designs come to it.
+    fn add(&mut self, request: &BodyRequest, times: f64) {
+        self.bodies.insert(self.hasher.hash_one(request.body.key()));
+        if !self.solved.insert(self.hasher.hash_one(request.key())) {
+            return;
+        }
+        let Fidelity::Mesh { level } = request.fidelity else {
+            self.need_modes(request.space, concentric(&request.body).modes_needed());
+            self.seconds += times * request_seconds(request);
+            return;
+        };
+        let size = mesh_size(&request.body, level);
+        let group = self.groups.entry(self.hasher.hash_one(TopologyKey::of(request))).or_default();
+        (group.size, group.terms) = (size, request.space.terms);
+        group.bodies += times;
+        if times == 1.0 {
+            self.unknowns += size.unknowns;
+        }
+        for key in near_field_keys(request).0 {
+            // The reference has some of the body's layers; around half a ring it is that of the whole.
+            let rings = if key.0.half_ring { 2 } else { 1 };
+            let layers = key.0.layer_count() as u64;
+            let unknowns = rings * size.unknowns * layers / size.layers;
+            let (mesh, bodies) = self.near_fields.entry(key).or_default();
+            *mesh = MeshSize { unknowns, layers };
+            *bodies += times;
+            self.need_modes(request.space, key.0.highest_mode());
+        }
+    }
+
+    fn need_modes(&mut self, space: SpaceKey, modes: usize) {
+        let highest = self.spaces.entry(space).or_default();
+        *highest = modes.max(*highest);
+    }
+
+    fn total_seconds(&self) -> f64 {
+        let of_near_field = |(key, (size, bodies)): (&NearFieldKey, &(MeshSize, f64))| {
+            let terms = key.1.terms;
+            let exact = LANES as f64 * series_seconds(terms, key.0.highest_mode());
+            likely(*bodies) * (exact + batch_seconds(*size, terms))
+        };
+        self.seconds
+            + self.spaces.iter().map(|(space, highest)| space_seconds(space.terms, *highest)).sum::<f64>()
+            + self.groups.values().map(Group::seconds).sum::<f64>()
+            + self.near_fields.iter().map(of_near_field).sum::<f64>()
     }
 }
 
 /// Goes through the designs of a study without solving any.
 pub fn estimate(study: &Study) -> Result<Estimate, Error> {
-    let method = study.solve.method;
-    let accuracy = study.solve.accuracy;
-    let hasher = RandomState::new();
-    // Hashes, not keys: 8 bytes a body keep a million designs small.
-    let (mut bodies, mut solved) = (HashSet::new(), HashSet::new());
-    let mut spaces = HashSet::new();
-    let mut groups: HashMap<u64, Group> = HashMap::new();
+    let (method, accuracy) = (study.solve.method, study.solve.accuracy);
+    let mut needs = Needs::default();
     let mut estimate =
         Estimate { designs: study.design_count(), rows: study.step_count(), ..Estimate::default() };
     let interpolation = InterpolationPlan::of_study(study);
@@ -67,44 +142,31 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
         if interpolation.as_ref().is_some_and(|plan| plan.covers(joint)) {
             estimate.interpolated += 1;
             for part in [&joint.pin, &joint.plate] {
-                bodies.insert(hasher.hash_one(joint.body(part).key()));
+                needs.bodies.insert(needs.hasher.hash_one(joint.body(part).key()));
             }
             continue;
         }
-        let first =
-            JointPlan::cheapest(&case, method, accuracy).filter(|_| method != MethodChoice::ClosedForm);
-        let next = first.and_then(|plan| plan.finer());
-        for (plan, is_first) in [(first, true), (next, false)] {
-            for request in plan.iter().flat_map(JointPlan::requests) {
-                bodies.insert(hasher.hash_one(request.body.key()));
-                spaces.insert(request.space);
-                if !solved.insert(hasher.hash_one(request.key())) {
-                    continue;
-                }
-                let Fidelity::Mesh { level } = request.fidelity else {
-                    estimate.seconds += SERIES_SECONDS;
-                    continue;
-                };
-                let group = groups.entry(hasher.hash_one(TopologyKey::of(&request))).or_default();
-                group.half_ring = request.space.half_ring;
-                group.size = mesh_size(&request.body, level);
-                if is_first {
-                    group.bodies += 1.0;
-                    estimate.unknowns += group.size.unknowns;
-                } else {
-                    group.bodies += CLIMBERS;
-                }
-            }
+        if method == MethodChoice::ClosedForm {
+            continue;
+        }
+        let Ok(first) = JointPlan::cheapest(&case, method, accuracy) else {
+            estimate.refused += 1;
+            continue;
+        };
+        let mut rung = Some((first, 1.0));
+        while let Some((plan, share)) = rung.filter(|(_, share)| *share > FEW) {
+            plan.requests().for_each(|request| needs.add(&request, share));
+            rung = plan.finer().map(|finer| (finer, share * climbers(&plan)));
         }
     }
-    estimate.distinct_bodies = bodies.len() as u64;
-    let of_space = |terms: usize| SPACE_SECONDS * (terms as f64 / REFERENCE_TERMS).powi(2);
-    estimate.seconds += spaces.iter().map(|space| of_space(space.terms)).sum::<f64>()
-        + groups.values().map(Group::seconds).sum::<f64>()
-        + interpolation.map_or(0.0, |plan| plan.seconds());
+    estimate.distinct_bodies = needs.bodies.len() as u64;
+    estimate.unknowns = needs.unknowns;
+    estimate.seconds =
+        START_SECONDS + needs.total_seconds() + interpolation.map_or(0.0, |plan| plan.seconds());
     let steps = estimate.rows as f64 / (estimate.designs as f64).max(1.0);
-    let interpolated = estimate.interpolated as f64;
-    estimate.seconds += (estimate.designs as f64 - interpolated) * (DESIGN_SECONDS + steps * ROW_SECONDS)
+    let (interpolated, refused) = (estimate.interpolated as f64, estimate.refused as f64);
+    estimate.seconds += (estimate.designs as f64 - interpolated - refused)
+        * (DESIGN_SECONDS + steps * ROW_SECONDS)
         + interpolated * (INTERPOLATED_DESIGN_SECONDS + steps * INTERPOLATED_ROW_SECONDS);
     Ok(estimate)
 }

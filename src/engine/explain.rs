@@ -9,8 +9,7 @@ use crate::engine::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::plan::{Estimate, JointPlan, first_level, mesh_error};
 use crate::engine::request::{BodyRequest, Fidelity, mesh_size};
 use crate::engine::unit_costs::{
-    DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, ROW_SECONDS, SERIES_SECONDS,
-    body_seconds,
+    DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, ROW_SECONDS, request_seconds,
 };
 use crate::error::Error;
 use crate::study::config::{MethodChoice, Study};
@@ -115,15 +114,18 @@ impl<'a> Explainer<'a> {
 
     fn explain_bodies(&self, case: &DesignCase, mut ruled_out: Vec<(String, String)>) -> Explanation {
         let (method, accuracy) = (self.study.solve.method, self.study.solve.accuracy);
-        let Some(plan) = JointPlan::cheapest(case, method, accuracy) else {
-            return Explanation {
-                chosen: "refused".into(),
-                why: "`method = \"series\"` needs a rigid-core pin in an annulus".into(),
-                bodies: Vec::new(),
-                ruled_out,
-                error: f64::INFINITY,
-                seconds: 0.0,
-            };
+        let plan = match JointPlan::cheapest(case, method, accuracy) {
+            Ok(plan) => plan,
+            Err(refusal) => {
+                return Explanation {
+                    chosen: "refused".into(),
+                    why: refusal.to_string(),
+                    bodies: Vec::new(),
+                    ruled_out,
+                    error: f64::INFINITY,
+                    seconds: 0.0,
+                };
+            }
         };
         let foresight = Foresight::of(case);
         for request in plan.meshed() {
@@ -194,13 +196,6 @@ fn not_known_enough(plan: &JointPlan, foresight: &Foresight, accuracy: f64) -> S
     match plan.foreseen_error(foresight) {
         None => "its error on such bodies was not measured beforehand".into(),
         Some(error) => format!("may be off by {}, {} is asked", percent(error), percent(accuracy)),
-    }
-}
-
-fn request_seconds(request: &BodyRequest) -> f64 {
-    match request.fidelity {
-        Fidelity::Series => SERIES_SECONDS,
-        Fidelity::Mesh { level } => body_seconds(&request.body, level),
     }
 }
 

@@ -181,6 +181,6 @@ fn table(body: &Body) -> Option<&'static Table> {
     if may_be_film && body.idealization == Idealization::PlaneStrain {
         return None;
     }
-    let (least, greatest) = (body.shape.depth_range)(&body.parameters);
+    let (least, greatest) = body.depth_range();
     (least >= shallowest && greatest <= deepest).then_some(table)
 }

@@ -1,6 +1,7 @@
 pub mod outcome;
 pub mod agreement;
 pub mod request;
+pub mod refusal;
 pub mod near_fields;
 pub mod bodies;
 pub mod known_errors;

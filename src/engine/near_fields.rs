@@ -53,7 +53,7 @@ impl NearFieldLibrary {
         let mut needs: HashMap<SpaceKey, usize> = HashMap::new();
         for request in requests {
             let highest = match request.fidelity {
-                Fidelity::Series => concentric(&request.body).highest_mode(),
+                Fidelity::Series => concentric(&request.body).modes_needed(),
                 Fidelity::Mesh { .. } => {
                     let new = near_field_keys(request).0.into_iter();
                     let new = new.filter(|key| !self.near_fields.contains_key(key));

@@ -4,10 +4,12 @@ use std::f64::consts::PI;
 
 use crate::engine::foresight::Foresight;
 use crate::engine::known_errors::{KNOWN_LEVELS, known_error};
+use crate::engine::refusal::{Refusal, is_bounded};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::arc::TERM_CHOICES;
 use crate::mechanics::compliance::near_field::PoissonRange;
+use crate::mechanics::compliance::thin_wall::THIN;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::study::config::MethodChoice;
 use crate::study::design::DesignCase;
@@ -76,11 +78,11 @@ const FILM: f64 = 0.15;
 
 impl Trust {
     fn of(request: &BodyRequest) -> Trust {
-        let Body { shape, parameters, poissons_ratio, idealization, .. } = &request.body;
+        let Body { shape, poissons_ratio, idealization, .. } = &request.body;
         let range = PoissonRange::of(*poissons_ratio, *idealization);
         match request.fidelity {
             Fidelity::Mesh { .. } if range == PoissonRange::Incompressible => {
-                let is_film = (shape.depth_range)(parameters).0 < FILM;
+                let is_film = request.body.depth_range().0 < FILM;
                 if is_film { Trust::SqueezedFilm } else { Trust::Wary }
             }
             Fidelity::Mesh { .. }
@@ -126,8 +128,8 @@ fn terms(least_depth: f64, accuracy: f64, half_angle: f64) -> usize {
 
 /// The pressure space of a joint for an accuracy of the force and contacts up to a half angle, rad.
 pub fn space_of(pin: &Body, plate: &Body, accuracy: f64, half_angle: f64) -> SpaceKey {
-    let depth = |body: &Body| (body.shape.depth_range)(&body.parameters).0;
-    let terms = terms(depth(pin).min(depth(plate)), accuracy, half_angle);
+    let thinnest = pin.depth_range().0.min(plate.depth_range().0);
+    let terms = terms(thinnest, accuracy, half_angle);
     SpaceKey { half_ring: pin.shape.end_angle < PI, terms }
 }
 
@@ -149,19 +151,32 @@ impl Compared {
 }
 
 impl JointPlan {
-    /// The cheapest that will meet an accuracy (relative, of the force) as far as is foreseen; `None` where `series` is
-    /// asked for bodies it has no modes of.
-    pub fn cheapest(case: &DesignCase, method: MethodChoice, accuracy: f64) -> Option<JointPlan> {
-        let plan = JointPlan::new(case, method, accuracy, first_level(accuracy))?;
+    /// The cheapest that will meet an accuracy (relative, of the force) as far as is foreseen.
+    pub fn cheapest(case: &DesignCase, method: MethodChoice, accuracy: f64) -> Result<JointPlan, Refusal> {
+        let mut plan = JointPlan::new(case, method, accuracy, first_level(accuracy))?;
         if plan.estimate == Estimate::Exact {
-            return Some(plan);
+            return Ok(plan);
+        }
+        // The first level whose own estimate can be good enough.
+        let can_do = |plan: &JointPlan| match plan.estimate {
+            Estimate::Change(trust) => trust.error(plan.level, 0.0) <= accuracy,
+            _ => true,
+        };
+        plan = std::iter::successors(Some(plan), JointPlan::finer).find(can_do).unwrap_or(plan);
+        while !plan.is_bounded() && plan.level > 1 {
+            plan = plan.on_level(plan.level - 1);
         }
         let foresight = Foresight::of(case);
         let is_enough =
             |plan: &JointPlan| plan.foreseen_error(&foresight).is_some_and(|error| error <= accuracy);
         let known =
             (0..KNOWN_LEVELS).map(|level| JointPlan { estimate: Estimate::Known, ..plan.on_level(level) });
-        Some(known.into_iter().find(is_enough).unwrap_or(plan))
+        Ok(known.into_iter().filter(JointPlan::is_bounded).find(is_enough).unwrap_or(plan))
+    }
+
+    /// Whether no mesh takes too much memory or time.
+    fn is_bounded(&self) -> bool {
+        self.meshed().all(|request| is_bounded(&request))
     }
 
     /// What is known of the meshes, each body by its share of the work; `None` where nothing is known.
@@ -177,6 +192,8 @@ impl JointPlan {
         match want {
             Want::Nothing => None,
             Want::MoreTerms => self.with_more_terms().or_else(|| self.finer()),
+            // No mesh there is makes up for what is held back of it.
+            Want::FinerMesh if self.estimate == Estimate::Change(Trust::SqueezedFilm) => None,
             Want::FinerMesh => self.finer(),
         }
     }
@@ -191,6 +208,9 @@ impl JointPlan {
     /// The next rung of the ladder of meshes, `None` at its end. Where nothing is known of it, it is told by the one before.
     pub fn finer(&self) -> Option<JointPlan> {
         let level = self.level + 1;
+        if level == LEVEL_COUNT {
+            return None;
+        }
         let is_known = |request: BodyRequest| known_error(&request.body, level, 0.0).is_some();
         let finer = match self.estimate {
             Estimate::Exact => return None,
@@ -199,7 +219,7 @@ impl JointPlan {
             }
             _ => self.on_level(level),
         };
-        (level < LEVEL_COUNT).then_some(finer)
+        finer.is_bounded().then_some(finer)
     }
 
     fn on_level(&self, level: usize) -> JointPlan {
@@ -210,13 +230,17 @@ impl JointPlan {
         JointPlan::of(on_level(self.pin), on_level(self.plate), level)
     }
 
-    /// For a design at a mesh level, the error told by the next coarser one (so from 1 on); `None` where `series` is asked
-    /// for bodies it has no modes of.
-    pub fn new(case: &DesignCase, method: MethodChoice, accuracy: f64, level: usize) -> Option<JointPlan> {
+    /// For a design at a mesh level, the error told by the next coarser one (so from 1 on).
+    pub fn new(
+        case: &DesignCase,
+        method: MethodChoice,
+        accuracy: f64,
+        level: usize,
+    ) -> Result<JointPlan, Refusal> {
         let joint = &case.joint;
         let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
         if method == MethodChoice::Series && !(pin.shape.concentric && plate.shape.concentric) {
-            return None;
+            return Err(Refusal::NotConcentric);
         }
         // Who asks for `series` wants it exact.
         let wanted = if method == MethodChoice::Series { 0.0 } else { accuracy };
@@ -226,7 +250,11 @@ impl JointPlan {
             let fidelity = if exact { Fidelity::Series } else { Fidelity::Mesh { level } };
             BodyRequest { body, fidelity, space }
         };
-        Some(JointPlan::of(request(pin), request(plate), level))
+        let plan = JointPlan::of(request(pin), request(plate), level);
+        match plan.meshed().find_map(|request| Refusal::of_mesh(&request.body)) {
+            None => Ok(plan),
+            Some(refusal) => Err(refusal),
+        }
     }
 
     fn of(pin: BodyRequest, plate: BodyRequest, level: usize) -> JointPlan {
@@ -236,6 +264,11 @@ impl JointPlan {
             plan.estimate = Estimate::Change(trust);
         }
         plan
+    }
+
+    /// Whether a body's walls are so thin that they leave an error of their own.
+    pub fn has_thin_walls(&self) -> bool {
+        [self.pin, self.plate].iter().any(|request| request.body.depth_range().0 < THIN)
     }
 
     /// The bodies on meshes.

@@ -31,12 +31,14 @@ pub struct LoadState {
     /// Relative change of the work by what the meshes of the bodies are compared with (`JointPlan::compared`), summed over
     /// them; of interpolated bodies the bound of their error.
     pub change: f64,
+    /// What thin walls leave as a relative error of the force (`thin_wall_error`), each body by its share of the work.
+    pub thin_walls: f64,
     pub pressure_is_positive: bool,
 }
 
 impl LoadState {
-    /// `change` as the field.
-    pub fn new(state: &ArcState, change: f64) -> LoadState {
+    /// `change` and `thin_walls` as the fields.
+    pub fn new(state: &ArcState, change: f64, thin_walls: f64) -> LoadState {
         LoadState {
             half_angle: state.arc.half_angle,
             indentation: state.indentation,
@@ -46,6 +48,7 @@ impl LoadState {
             peak_pressure: state.peak_pressure(),
             truncation: state.truncation(),
             change,
+            thin_walls,
             pressure_is_positive: state.pressure_is_positive(),
         }
     }
@@ -77,8 +80,6 @@ const LARGE_DISPLACEMENT: f64 = 0.05;
 /// Error of an exact compliance: quadrature, interpolation between half angles and rounding.
 const SERIES_ERROR: f64 = 1e-8;
 
-pub const NOT_CONCENTRIC: &str = "failed: series needs a rigid-core pin in an annulus";
-
 pub const NOT_A_PUSH: &str = "failed: the bodies do not push each other, the mesh is too coarse for them";
 
 fn is_a_push(state: &LoadState) -> bool {
@@ -94,13 +95,12 @@ impl Solving {
         }
     }
 
-    /// The estimated relative error of the force: what is left of exact compliances, and what meshes leave.
-    fn force_error(&self, state: &LoadState) -> f64 {
-        let of_bodies = match &self.way {
+    /// The relative error of the force that finer meshes lessen.
+    fn mesh_error(&self, state: &LoadState) -> f64 {
+        match &self.way {
             Way::Interpolated => state.change,
             Way::Planned(plan) => plan.mesh_error(state.half_angle, state.change),
-        };
-        SERIES_ERROR + state.truncation + of_bodies
+        }
     }
 
     /// The outcome of a design from the states of its `loads_in_contact`, in their order, and what it wants.
@@ -132,11 +132,13 @@ impl Solving {
                     (_, DimensionlessLoad::Indentation(delta)) => clearance + delta,
                     (_, DimensionlessLoad::Force(force)) => force / state.force,
                 };
-            let error = self.force_error(&state);
+            let mesh_error = self.mesh_error(&state);
+            let error = SERIES_ERROR + state.truncation + mesh_error + state.thin_walls;
             let accurate = error <= self.accuracy;
-            want = want.max(match (accurate, state.pressure_is_positive) {
-                (true, true) => Want::Nothing,
-                (false, _) if error - state.truncation > self.accuracy => Want::FinerMesh,
+            // Of thin walls nothing more is known.
+            want = want.max(match state.pressure_is_positive {
+                _ if SERIES_ERROR + mesh_error > self.accuracy => Want::FinerMesh,
+                true if error - state.thin_walls <= self.accuracy => Want::Nothing,
                 _ => Want::MoreTerms,
             });
             StepOutcome {

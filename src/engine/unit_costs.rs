@@ -1,34 +1,55 @@
 //! What the parts of a sweep cost, for estimates of what a sweep will take and of what is the cheaper way.
+//!
+//! Core times in seconds on one core at 134 GFLOP/s (AMD EPYC of family 26, AVX-512). Those of meshes and of what they share
+//! are fitted to bodies of all shapes on every level with 6, 10 and 24 trial pressures, walls from 0.02 to 1e6 in |ln r|,
+//! within 40 %; those of a design and a row come from `cargo bench --bench contact` and `table`. `jointsweep bench` writes the
+//! forecast of a whole sweep beside its time: within a factor of 3 for every file in configs/ (results/sweep.csv).
 
-use crate::engine::request::{MeshSize, mesh_size};
+use crate::engine::request::{BodyRequest, Fidelity, MeshSize, concentric, mesh_size};
 use crate::mechanics::body::Body;
+use crate::mechanics::compliance::NODE_COUNT;
+use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::real::LANES;
 
-// Core times in seconds, measured on one core at 134 GFLOP/s (AMD EPYC of family 26, AVX-512): those of a lane batch
-// fitted to `cargo bench --bench condense` (within 35 % of it at every level), those of a design and a row from
-// `cargo bench --bench contact` and `table`, those of set-ups from the stages of quickstart, liu2007 and random.
-// Together they are within a factor of 2 of `jointsweep bench` on these, and on sweeps of blocks.
-
-/// Of the pressures of `REFERENCE_TERMS`; it grows with the square of the terms.
-pub const SPACE_SECONDS: f64 = 4e-3;
-pub const REFERENCE_TERMS: f64 = 10.0;
-/// Of what bodies of one topology share, besides the lane batch in which the near field is condensed.
-pub const TOPOLOGY_SECONDS: f64 = 0.8e-3;
-pub const SERIES_SECONDS: f64 = 10e-6;
+/// Of the process, before and after the sweep.
+pub const START_SECONDS: f64 = 3e-3;
+/// Of bodies that share a topology, besides their near fields.
+pub const TOPOLOGY_SECONDS: f64 = 0.3e-3;
 pub const DESIGN_SECONDS: f64 = 15e-6;
 pub const ROW_SECONDS: f64 = 3e-6;
 /// Of designs and rows whose bodies are interpolated, the table included: from hypercube and hypercube-block.
 pub const INTERPOLATED_DESIGN_SECONDS: f64 = 4e-6;
 pub const INTERPOLATED_ROW_SECONDS: f64 = 0.7e-6;
 
-/// Of one lane batch: a start, the elements and arcs, and the band's factor, as wide as a layer of the mesh.
-pub fn batch_seconds(MeshSize { unknowns, layers }: MeshSize) -> f64 {
-    let unknowns = unknowns as f64;
-    let width = unknowns / layers as f64;
-    10e-6 + unknowns * (0.4e-6 + 1e-10 * width * width)
+/// Of a pressure space with its moments up to a mode: each mode takes as many points as it has waves.
+pub fn space_seconds(terms: usize, highest_mode: usize) -> f64 {
+    let (terms, modes) = (terms as f64, highest_mode as f64);
+    2.5e-3 + 0.45e-3 * terms + 2.2e-8 * (1.0 + terms / 12.0) * modes * modes
 }
 
-/// Of one body on a mesh among many.
-pub fn body_seconds(body: &Body, level: usize) -> f64 {
-    batch_seconds(mesh_size(body, level)) / LANES as f64
+/// Of an exact body: its modes, and their products at every node.
+pub fn series_seconds(terms: usize, modes: usize) -> f64 {
+    let products = (packed_count(terms) * NODE_COUNT) as f64;
+    5e-6 + modes as f64 * (0.15e-6 + 0.12e-9 * products)
+}
+
+/// Of one lane batch: a start, the elements, the band's factor, which is as wide as a layer of the mesh, and the arcs on the ring.
+pub fn batch_seconds(MeshSize { unknowns, layers }: MeshSize, terms: usize) -> f64 {
+    let unknowns = unknowns as f64;
+    let width = unknowns / layers as f64;
+    let of_arcs = (terms as f64 / 24.0).powi(2);
+    10e-6 + unknowns * (0.35e-6 + 1.8e-10 * width * width) + 8e-6 * width * of_arcs
+}
+
+/// Of one body among many of its kind; what they share is left out.
+pub fn body_seconds(body: &Body, fidelity: Fidelity, terms: usize) -> f64 {
+    match fidelity {
+        Fidelity::Series => series_seconds(terms, concentric(body).modes_needed()),
+        Fidelity::Mesh { level } => batch_seconds(mesh_size(body, level), terms) / LANES as f64,
+    }
+}
+
+/// `body_seconds` of a request.
+pub fn request_seconds(request: &BodyRequest) -> f64 {
+    body_seconds(&request.body, request.fidelity, request.space.terms)
 }

@@ -86,7 +86,7 @@ fn is_stiff(body: &Body) -> bool {
 impl GradingClass {
     /// The class of `body` at `level` (below `LEVEL_COUNT`, or `REFERENCE_LEVEL`).
     pub fn of(body: &Body, element: ElementKind, level: usize) -> GradingClass {
-        let (least, greatest) = (body.shape.depth_range)(&body.parameters);
+        let (least, greatest) = body.depth_range();
         let depth_class = (-CLASSES_PER_OCTAVE * least.log2()).ceil().max(0.0) as u32;
         let corners = body.shape.sides.len().saturating_sub(1);
         let shrinking = match (0..corners).any(|corner| holding_changes(body, corner)) {

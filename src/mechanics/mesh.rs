@@ -196,7 +196,7 @@ pub fn centre_pull(body: &Body) -> f64 {
 }
 
 fn deepest(body: &Body) -> f64 {
-    (body.shape.depth_range)(&body.parameters).1
+    body.depth_range().1
 }
 
 /// Coordinates of all nodes of `body`, over the ring's radius, origin at the ring's centre, y against the load.
@@ -345,7 +345,7 @@ const THICK_WALL: f64 = 0.3;
 
 /// The distance from the ring to the nearest place of the far boundary of a plate, over the ring's radius.
 fn thinnest_wall(body: &Body) -> f64 {
-    (body.shape.depth_range)(&body.parameters).0.exp_m1()
+    body.depth_range().0.exp_m1()
 }
 
 /// Angle at which the line of each ring column meets the far boundary: the ring's own angle, drawn so that the

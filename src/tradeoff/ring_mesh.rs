@@ -32,7 +32,7 @@ impl Division {
                 GradingClass::of(body, element, level).grading(body.shape.end_angle)
             }
             Division::Contact { element, fineness, least_angle } => {
-                let depth = (body.shape.depth_range)(&body.parameters).1;
+                let depth = body.depth_range().1;
                 contact_grading(element, least_angle, fineness, body.shape.end_angle, depth)
             }
         }

@@ -183,7 +183,8 @@ fn twin(
         };
         of_body(bodies[0], coarser_pin, joint.moduli[0]) + of_body(bodies[1], coarser_plate, joint.moduli[1])
     };
-    let states = states.into_iter().map(|state| state.map(|state| LoadState::new(&state, change(state))));
+    let states =
+        states.into_iter().map(|state| state.map(|state| LoadState::new(&state, change(state), 0.0)));
     states.collect()
 }
 

@@ -10,10 +10,11 @@ use crate::engine::interpolation::plan::InterpolationPlan;
 use crate::engine::interpolation::rung::Interpolation;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::{Compared, JointPlan, Want};
-use crate::engine::respond::{
-    LoadState, NOT_CONCENTRIC, Solving, Way, all_failed, closed_form, loads_in_contact,
-};
+use crate::engine::refusal::Refusal;
+use crate::engine::respond::{LoadState, Solving, Way, all_failed, closed_form, loads_in_contact};
+use crate::mechanics::body::Body;
 use crate::mechanics::compliance::PressureCompliance;
+use crate::mechanics::compliance::thin_wall::{THIN, thin_wall_error};
 use crate::mechanics::contact::arc_state::ArcState;
 use crate::mechanics::contact::loading::{DimensionlessLoad, JointCurve, NoState};
 use crate::mechanics::contact::pressure::JointCompliance;
@@ -55,13 +56,16 @@ impl CpuBackend {
             outcomes = interpolation.solve(&mut self.library, cases);
         }
         let SolveOptions { method, accuracy } = self.options;
-        let mut plans: Vec<(usize, Option<JointPlan>)> = (0..cases.len())
+        let mut plans: Vec<(usize, Result<JointPlan, Refusal>)> = (0..cases.len())
             .filter(|index| outcomes[*index].is_none())
             .map(|index| (index, JointPlan::cheapest(&cases[index], method, accuracy)))
             .collect();
         while !plans.is_empty() {
-            let requests: Vec<_> =
-                plans.iter().filter_map(|(_, plan)| plan.as_ref()).flat_map(JointPlan::requests).collect();
+            let requests: Vec<_> = plans
+                .iter()
+                .filter_map(|(_, plan)| plan.as_ref().ok())
+                .flat_map(JointPlan::requests)
+                .collect();
             self.library.solve(&requests);
             let library = &self.library;
             let solved: Vec<(DesignOutcome, Want, Duration)> = plans
@@ -71,8 +75,11 @@ impl CpuBackend {
                     let started = Instant::now();
                     let case = &cases[*index];
                     let (outcome, want) = match plan {
-                        Some(plan) => solve_design(library, plan, case, accuracy),
-                        None => (all_failed(case, BackendKind::Cpu, NOT_CONCENTRIC), Want::Nothing),
+                        Ok(plan) => solve_design(library, plan, case, accuracy),
+                        Err(refusal) => {
+                            let status = format!("failed: {refusal}");
+                            (all_failed(case, BackendKind::Cpu, &status), Want::Nothing)
+                        }
                     };
                     (outcome, want, started.elapsed())
                 })
@@ -81,8 +88,8 @@ impl CpuBackend {
             for ((index, plan), (outcome, want, time)) in plans.into_iter().zip(solved) {
                 self.contact_time += time;
                 outcomes[index] = Some(outcome);
-                let next = plan.and_then(|plan| plan.next(want));
-                unsettled.extend(next.map(|plan| (index, Some(plan))));
+                let next = plan.ok().and_then(|plan| plan.next(want));
+                unsettled.extend(next.map(|plan| (index, Ok(plan))));
             }
             plans = unsettled;
         }
@@ -137,7 +144,19 @@ fn solve_design(
     let clearance = joint.radial_clearance / joint.hole_radius;
     let loads: Vec<DimensionlessLoad> = loads_in_contact(case).collect();
     let states = curve.states(clearance, &loads);
-    solving.respond(case, load_states(&curve, &states, &changes))
+    let thin: Vec<ThinBody> = [(plan.pin, pin, moduli[0]), (plan.plate, plate, moduli[1])]
+        .into_iter()
+        .filter(|(request, ..)| request.body.depth_range().0 < THIN)
+        .map(|(request, compliance, modulus)| ThinBody { body: request.body, compliance, modulus })
+        .collect();
+    solving.respond(case, load_states(&curve, &states, &changes, &thin))
+}
+
+/// A body whose thin walls leave an error of their own.
+struct ThinBody<'a> {
+    body: Body,
+    compliance: &'a PressureCompliance,
+    modulus: f64,
 }
 
 /// What the table needs of each state, with the relative change of its work by what its meshes are compared with.
@@ -145,6 +164,7 @@ fn load_states(
     curve: &JointCurve,
     states: &[Result<ArcState, NoState>],
     changes: &[(Arc<PressureCompliance>, f64)],
+    thin: &[ThinBody],
 ) -> Vec<Result<LoadState, NoState>> {
     let sound: Vec<ArcState> = states.iter().filter_map(|state| state.as_ref().ok().copied()).collect();
     let mut relative = vec![0.0; sound.len()];
@@ -153,12 +173,20 @@ fn load_states(
             *sum += (change / modulus).abs();
         }
     }
-    let mut relative = relative.into_iter();
+    let mut thin_walls = vec![0.0; sound.len()];
+    for ThinBody { body, compliance, modulus } in thin {
+        let shares = curve.joint().relative_changes(&sound, compliance);
+        for ((sum, share), state) in thin_walls.iter_mut().zip(shares).zip(&sound) {
+            *sum += share / modulus * thin_wall_error(body, state.arc.half_angle);
+        }
+    }
+    let mut errors = relative.into_iter().zip(thin_walls);
     states
         .iter()
         .map(|state| {
             let state = state.as_ref().map_err(|reason| *reason)?;
-            Ok(LoadState::new(state, relative.next().unwrap_or(f64::NAN)))
+            let (change, thin_walls) = errors.next().unwrap_or((f64::NAN, f64::NAN));
+            Ok(LoadState::new(state, change, thin_walls))
         })
         .collect()
 }

@@ -1,7 +1,8 @@
 //! Bodies whose compliance is one smooth function of a few coordinates.
 
-use crate::mechanics::body::{Body, MAX_PARAMETERS, Shape};
+use crate::mechanics::body::{Body, DEEPEST_MESHED, MAX_PARAMETERS, Shape};
 use crate::mechanics::compliance::near_field::PoissonRange;
+use crate::mechanics::compliance::thin_wall::THIN;
 use crate::mechanics::material::Idealization;
 
 /// Shape ratios and Poisson's ratio.
@@ -18,16 +19,15 @@ pub struct FamilyKey {
     pub half_ring: bool,
 }
 
-/// Bodies less deep than this have walls that ask for more trial pressures than a fit has.
-const THINNEST: f64 = 0.15;
-
 impl FamilyKey {
-    /// Of a body; `None` where the error of a mesh is not known well enough to fit many of them.
+    /// Of a body; `None` where the error of a mesh is not known well enough to fit many of them, where walls are so thin that
+    /// they ask for more trial pressures than a fit has, and where the far boundary is beyond what meshes carry.
     pub fn of(body: &Body, half_ring: bool) -> Option<FamilyKey> {
-        let Body { shape, parameters, support, poissons_ratio, idealization } = *body;
+        let Body { shape, support, poissons_ratio, idealization, .. } = *body;
         let range = PoissonRange::of(poissons_ratio, idealization);
         let trusted = !matches!(range, PoissonRange::Incompressible | PoissonRange::Conformal);
-        let thick = (shape.depth_range)(&parameters).0 > THINNEST;
+        let (least, greatest) = body.depth_range();
+        let thick = least > THIN && greatest < DEEPEST_MESHED;
         (trusted && thick).then_some(FamilyKey { shape: shape.name, support, idealization, range, half_ring })
     }
 }

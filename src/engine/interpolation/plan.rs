@@ -10,7 +10,8 @@ use crate::engine::interpolation::family::{
 };
 use crate::engine::known_errors::known_level;
 use crate::engine::plan::first_level;
-use crate::engine::unit_costs::{SERIES_SECONDS, body_seconds};
+use crate::engine::request::Fidelity;
+use crate::engine::unit_costs::body_seconds;
 use crate::mechanics::body::{Body, BodyKey};
 use crate::study::config::{MethodChoice, SolveOptions, Study};
 use crate::study::design::JointDesign;
@@ -26,6 +27,9 @@ const GAIN: f64 = 2.0;
 
 /// What contact costs less on the curve of interpolated bodies, s a design.
 const CONTACT_SECONDS: f64 = 15e-6;
+
+/// Trial pressures that most designs have without interpolation.
+const TERMS_WITHOUT: usize = 6;
 
 /// What is fitted for a study, and for which designs.
 #[derive(Clone, Debug)]
@@ -143,12 +147,14 @@ impl InterpolationPlan {
             let mut cost = 0.0;
             for (key, members) in [both.0, both.1].iter().zip(of_pair) {
                 let Some(family) = families.get(key) else { continue };
+                let of = |fidelity| body_seconds(&members.example, fidelity, TERMS_WITHOUT);
+                let on_mesh = |level| of(Fidelity::Mesh { level });
                 let seconds = if family.exact {
-                    SERIES_SECONDS
+                    of(Fidelity::Series)
                 } else if let Some(level) = known_level(&members.example, solve.accuracy) {
-                    body_seconds(&members.example, level)
+                    on_mesh(level)
                 } else {
-                    body_seconds(&members.example, level) + body_seconds(&members.example, level - 1)
+                    on_mesh(level) + on_mesh(level - 1)
                 };
                 saved += members.distinct_of(designs) * seconds;
                 cost += family.least_seconds(solve.accuracy);

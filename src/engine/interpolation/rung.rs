@@ -226,6 +226,7 @@ impl Interpolation {
                 peak_pressure: state.peak_pressure,
                 truncation: state.truncation,
                 change: bound(state),
+                thin_walls: 0.0,
                 pressure_is_positive: state.pressure_is_positive,
             })
         });

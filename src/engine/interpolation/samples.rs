@@ -8,7 +8,7 @@ use crate::engine::interpolation::points::DEGREES;
 use crate::engine::known_errors::known_level;
 use crate::engine::plan::first_level;
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
-use crate::engine::unit_costs::{SERIES_SECONDS, TOPOLOGY_SECONDS, body_seconds};
+use crate::engine::unit_costs::{TOPOLOGY_SECONDS, body_seconds};
 use crate::mechanics::contact::smooth_curve::CURVE_TERMS;
 use crate::mechanics::contact::smooth_curve::nodes::CurveNodes;
 
@@ -96,11 +96,8 @@ impl Family {
 
     /// Estimated time of one sample.
     fn sample_seconds(&self, level: usize) -> f64 {
-        if self.exact {
-            SERIES_SECONDS
-        } else {
-            body_seconds(&self.example, level) / LANES_FILLED[self.free()]
-        }
+        let filled = if self.exact { 1.0 } else { LANES_FILLED[self.free()] };
+        body_seconds(&self.example, self.fidelity(level), CURVE_TERMS) / filled
     }
 
     /// Estimated time of the first fit, s.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Shape, ShapeParameter, Side};
+use super::{Shape, ShapeParameter, Side, THINNEST_RING};
 
 pub static SHAPE: Shape = Shape {
     name: "annulus",
@@ -23,4 +23,6 @@ pub static SHAPE: Shape = Shape {
     sides: &[],
     boundary_held: |_, _| true,
     depth_range: |&[ratio, ..]| (ratio.ln(), ratio.ln()),
+    wall: "the wall of the annulus",
+    thinnest_meshed: THINNEST_RING,
 };

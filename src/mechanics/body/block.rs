@@ -19,6 +19,10 @@ const fn ratio(name: &'static str) -> ShapeParameter {
     ShapeParameter { name, default: None, above: 1.0, below: f64::INFINITY }
 }
 
+/// ln 1.05. A free side that is bent like a strip is the worst: at 1.035 a quarter of random blocks on their base were not
+/// solved to 1 % on any mesh, at 1.02 nearly all.
+const THINNEST_LIGAMENT: f64 = 0.0487;
+
 pub static SHAPE: Shape = Shape {
     name: "block",
     side: Side::Plate,
@@ -42,6 +46,8 @@ pub static SHAPE: Shape = Shape {
         let to_corner = half_width.hypot(depth.max(height));
         (half_width.min(depth).min(height).ln(), to_corner.ln())
     },
+    wall: "the thinnest ligament of the block",
+    thinnest_meshed: THINNEST_LIGAMENT,
 };
 
 #[cfg(test)]

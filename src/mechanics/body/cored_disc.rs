@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Shape, ShapeParameter, Side};
+use super::{Shape, ShapeParameter, Side, THINNEST_RING};
 
 pub static SHAPE: Shape = Shape {
     name: "rigid-core",
@@ -18,4 +18,6 @@ pub static SHAPE: Shape = Shape {
     sides: &[],
     boundary_held: |_, _| true,
     depth_range: |&[core, ..]| (-core.ln(), -core.ln()),
+    wall: "the pin around its core",
+    thinnest_meshed: THINNEST_RING,
 };

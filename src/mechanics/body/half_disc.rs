@@ -20,6 +20,8 @@ pub static SHAPE: Shape = Shape {
     sides: &[],
     boundary_held: |_, _| true,
     depth_range: |_| (CENTRE, CENTRE),
+    wall: "the half disc",
+    thinnest_meshed: 0.0,
 };
 
 /// The depth given to the centre: layers towards it end at about exp(-CENTRE).

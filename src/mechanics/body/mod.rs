@@ -62,7 +62,18 @@ pub struct Shape {
     pub boundary_held: fn(usize, usize) -> bool,
     /// The least and the greatest depth.
     pub depth_range: fn(&[f64; MAX_PARAMETERS]) -> (f64, f64),
+    /// What is as thin as the least depth, in the words of a status: "the wall of the annulus".
+    pub wall: &'static str,
+    /// The least depth that meshes carry, measured (docs/verification.md, "Thin bodies").
+    pub thinnest_meshed: f64,
 }
+
+/// The thinnest ring that modes and meshes carry, |ln r|: thinner ones would need more than a thousand modes, and their compliance
+/// is not interpolated well between half angles. `series` takes them for Winkler beds (`compliance::thin_wall`).
+pub const THINNEST_RING: f64 = 0.0198;
+
+/// The greatest depth that meshes carry: a far boundary a million radii away, or a core of a millionth.
+pub const DEEPEST_MESHED: f64 = 13.9;
 
 /// Every shape there is, pins first.
 pub static SHAPES: [&Shape; 4] = [&half_disc::SHAPE, &cored_disc::SHAPE, &annulus::SHAPE, &block::SHAPE];
@@ -90,6 +101,11 @@ pub struct Body {
 pub type BodyKey = (&'static str, [u64; MAX_PARAMETERS], usize, u64, Idealization);
 
 impl Body {
+    /// Depth |ln r| of the thinnest place between the ring and the far boundary, and of the deepest.
+    pub fn depth_range(&self) -> (f64, f64) {
+        (self.shape.depth_range)(&self.parameters)
+    }
+
     pub fn key(&self) -> BodyKey {
         let bits = self.parameters.map(f64::to_bits);
         (self.shape.name, bits, self.support, self.poissons_ratio.to_bits(), self.idealization)

@@ -140,6 +140,7 @@ impl Condense<'_> {
             .map(|body| PressureCompliance {
                 terms: self.plan.terms,
                 amplitude: 2.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio),
+                bed: 0.0,
                 values: Vec::with_capacity(NODE_COUNT * entries),
             })
             .collect();

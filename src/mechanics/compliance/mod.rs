@@ -4,6 +4,7 @@ pub mod condense;
 pub mod arc;
 pub mod kernels;
 pub mod pressure_space;
+pub mod thin_wall;
 pub mod series;
 pub mod ring_loads;
 pub mod lane_condensation;
@@ -27,6 +28,9 @@ pub struct PressureCompliance {
     pub terms: usize,
     /// c = 2/E': the part -pi/2 c ln b of entry (0, 0) is left out of `values`.
     pub amplitude: f64,
+    /// lambda of the part that yields like a Winkler bed (`thin_wall`), which is left out of `values`, too: its closed form
+    /// is not smooth enough to be interpolated between nodes.
+    pub bed: f64,
     /// `[node][packed lower triangle]`.
     pub values: Vec<f64>,
 }
@@ -37,6 +41,7 @@ impl PressureCompliance {
         PressureCompliance {
             terms: self.terms,
             amplitude: self.amplitude - other.amplitude,
+            bed: self.bed - other.bed,
             values: self.values.iter().zip(&other.values).map(|(own, other)| own - other).collect(),
         }
     }

@@ -163,6 +163,11 @@ impl NearFieldClass {
         self.grading.cut_at(DEEPEST_REFERENCE, self.growth())
     }
 
+    /// Layers of the reference's mesh.
+    pub fn layer_count(&self) -> usize {
+        self.layers().layer_count
+    }
+
     /// The concentric body that stands for the class, but for its Poisson's ratio.
     pub fn reference(&self) -> ConcentricBody {
         let depth = self.layers().depth_at_growth(self.growth());
@@ -208,7 +213,7 @@ impl NearField {
         let mut condensed = plan.condense(&bodies).into_iter();
         let values = bodies.map(|body| {
             let exact = ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference };
-            let exact = exact.compliance(space, moments, highest);
+            let exact = exact.modal_compliance(space, moments, highest);
             let Some(mesh) = condensed.next() else { unreachable!("one compliance a body") };
             exact.values.iter().zip(&mesh.values).map(|(exact, mesh)| exact - mesh).collect()
         });

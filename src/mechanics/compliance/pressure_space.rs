@@ -4,7 +4,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::arc::{ContactArc, cosines, packed_count};
+use pulp::{Arch, Simd, WithSimd};
+
+use super::arc::{ContactArc, MAX_TERMS, cosines, packed_count};
 use super::kernels::{cubic_kernel, kinked_rule, logarithmic_kernel, logarithmic_rule, quadratic_kernel};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -89,43 +91,76 @@ impl PressureSpace {
     /// Moments m_kn = integral of p_k cos(n phi) at every node for n = 0 ... `highest`: `[n][k][node]`.
     pub fn moments(&self, highest: usize) -> Vec<[f64; NODE_COUNT]> {
         let mut moments = vec![[0.0; NODE_COUNT]; (highest + 1) * self.terms];
-        let mut of_node = vec![0.0; (highest + 1) * self.terms];
         for (node, arc) in self.arcs.iter().enumerate() {
-            of_node.fill(0.0);
-            // Block by block, so that a moment does not depend on how many are asked for.
-            for (block, moments) in of_node.chunks_mut(MODE_BLOCK * self.terms).enumerate() {
-                self.add_moments(arc, block * MODE_BLOCK, moments);
+            for (block, moments) in moments.chunks_mut(MODE_BLOCK * self.terms).enumerate() {
+                let block = Moments { arc, terms: self.terms, first: block * MODE_BLOCK };
+                let of_block = Arch::new().dispatch(block);
+                for (mode, moments) in moments.chunks_exact_mut(self.terms).enumerate() {
+                    moments.iter_mut().zip(&of_block).for_each(|(moment, modes)| moment[node] = modes[mode]);
+                }
             }
-            moments.iter_mut().zip(&of_node).for_each(|(moment, value)| moment[node] = *value);
         }
         moments
     }
+}
 
-    /// Adds the moments from mode `first` on, `[n][k]`.
-    fn add_moments(&self, arc: &ContactArc, first: usize, moments: &mut [f64]) {
+/// Modes whose moments share a quadrature rule; they go through it side by side.
+const MODE_BLOCK: usize = 64;
+
+/// The moments of a block of modes of one arc, from `first` on. Blocks, so that a moment does not depend on how many are
+/// asked for.
+struct Moments<'a> {
+    arc: &'a ContactArc,
+    terms: usize,
+    first: usize,
+}
+
+impl WithSimd for Moments<'_> {
+    /// `[k][mode]`.
+    type Output = [[f64; MODE_BLOCK]; MAX_TERMS];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Moments { arc, terms, first } = self;
+        let mut moments = [[0.0; MODE_BLOCK]; MAX_TERMS];
+        let mut waves = [0.0; MODE_BLOCK];
         // The integrand is analytic and has period pi in tau, so the midpoint rule converges exponentially once it
         // resolves the fastest wave, which has n eps/2 periods.
         let fastest = (first + MODE_BLOCK) as f64;
-        let points = 24 + self.terms + (0.5 * fastest * arc.half_angle) as usize;
+        let points = 24 + terms + (0.5 * fastest * arc.half_angle) as usize;
         let weight = FRAC_PI_2 / points as f64;
         for i in 0..points {
             let tau = (i as f64 + 0.5) * weight;
             let trials = cosines((2.0 * tau).cos());
             let angle = arc.angle(tau);
+            // cos(n phi) of the first modes one by one, then of as many together, by
+            // cos((n + m) x) = 2 cos(m x) cos(n x) - cos((n - m) x).
             let turn = 2.0 * angle.cos();
-            let mut wave = (first as f64 * angle).cos();
-            let mut previous = ((first as f64 - 1.0) * angle).cos();
-            for row in moments.chunks_exact_mut(self.terms) {
-                let scale = weight * wave;
-                row.iter_mut().zip(&trials).for_each(|(moment, trial)| *moment += scale * trial);
-                (wave, previous) = (turn * wave - previous, wave);
+            waves[0] = (first as f64 * angle).cos();
+            waves[1] = ((first as f64 + 1.0) * angle).cos();
+            for mode in 2..2 * TOGETHER {
+                waves[mode] = turn * waves[mode - 1] - waves[mode - 2];
+            }
+            let turn = 2.0 * (TOGETHER as f64 * angle).cos();
+            for group in (2 * TOGETHER..MODE_BLOCK).step_by(TOGETHER) {
+                for mode in group..group + TOGETHER {
+                    waves[mode] = turn * waves[mode - TOGETHER] - waves[mode - 2 * TOGETHER];
+                }
+            }
+            for (moments, trial) in moments[..terms].iter_mut().zip(&trials) {
+                let trial = simd.splat_f64s(weight * trial);
+                let (sums, waves) = (S::as_mut_simd_f64s(moments).0, S::as_simd_f64s(&waves).0);
+                for (sum, wave) in sums.iter_mut().zip(waves) {
+                    *sum = simd.mul_add_e_f64s(trial, *wave, *sum);
+                }
             }
         }
+        moments
     }
 }
 
-/// Modes whose moments share a quadrature rule.
-const MODE_BLOCK: usize = 64;
+/// Modes whose waves follow from those as many before.
+const TOGETHER: usize = 8;
 
 #[cfg(test)]
 mod tests {

@@ -124,7 +124,7 @@ pub fn galerkin_compliance(
         }
         values.extend(matrix);
     }
-    PressureCompliance { terms, amplitude, values }
+    PressureCompliance { terms, amplitude, bed: 0.0, values }
 }
 
 #[cfg(test)]

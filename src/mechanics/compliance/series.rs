@@ -17,8 +17,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::arc::{packed, packed_count};
 use super::pressure_space::PressureSpace;
+use super::thin_wall::bed_compliance;
 use super::{NODE_COUNT, PressureCompliance};
-use crate::mechanics::body::Side;
+use crate::mechanics::body::{Side, THINNEST_RING};
 use crate::mechanics::material::Idealization;
 
 /// A body between the ring (radius 1) and a concentric circle of radius `fixed_radius` on which it is fixed: above 1
@@ -66,6 +67,10 @@ impl ConcentricBody {
         let (kappa, m) = (self.kolosov(), n as f64);
         let is_plate = self.side() == Side::Plate;
         let q = if is_plate { self.fixed_radius } else { 1.0 / self.fixed_radius }.powf(-m);
+        // Nothing is left, and powers of radii like 1e300 are no numbers.
+        if q < 1e-30 {
+            return 0.0;
+        }
         // Radial and hoop displacement of the fields r^(n+2), r^n and of r^(2-n), r^-n, their powers n taken out.
         let displacements = |r: f64| {
             let rising = [[(kappa - m - 1.0) * r, -m / r], [(kappa + m + 1.0) * r, m / r]];
@@ -112,6 +117,16 @@ impl ConcentricBody {
         sign * displacement / self.twice_shear_modulus()
     }
 
+    /// Whether the body is so thin that it is taken for a Winkler bed, which needs no modes.
+    fn is_bed(&self) -> bool {
+        self.fixed_radius.ln().abs() < THINNEST_RING
+    }
+
+    /// The highest mode that `compliance` needs.
+    pub fn modes_needed(&self) -> usize {
+        if self.is_bed() { 0 } else { self.highest_mode() }
+    }
+
     /// The highest mode that the fixed circle still reaches.
     pub fn highest_mode(&self) -> usize {
         let decay = 2.0 * self.fixed_radius.ln().abs();
@@ -136,7 +151,7 @@ impl ConcentricBody {
         }
         if n == 1 {
             // r^3 cos, the single-valued point force, 1/r, and the translation.
-            let (g, d) = (r * r / (large * large), small * small / (r * r));
+            let (g, d) = ((r / large).powi(2), (small / r).powi(2));
             let log = 2.0 * kappa * r.ln();
             return Fields {
                 radial: [(kappa - 2.0) * g, log - 1.0, d, 1.0],
@@ -172,9 +187,25 @@ impl ConcentricBody {
         }
     }
 
-    /// The exact Galerkin compliance at the nodes of `space`. `moments` are `space.moments(highest)` with `highest`
-    /// at least `highest_mode()`.
+    /// The compliance to the trial pressures of `space`, of a thin wall that of its bed. `moments` are `space.moments(highest)`
+    /// with `highest` at least `modes_needed()`.
     pub fn compliance(
+        &self,
+        space: &PressureSpace,
+        moments: &[[f64; NODE_COUNT]],
+        highest: usize,
+    ) -> PressureCompliance {
+        if self.is_bed() {
+            let bed = bed_compliance(self.fixed_radius, self.poissons_ratio, self.idealization);
+            let values = vec![0.0; NODE_COUNT * packed_count(space.terms)];
+            return PressureCompliance { terms: space.terms, amplitude: 0.0, bed, values };
+        }
+        self.modal_compliance(space, moments, highest)
+    }
+
+    /// The exact Galerkin compliance at the nodes of `space`. `moments` are `space.moments(highest)` with `highest` at least
+    /// `highest_mode()`.
+    pub fn modal_compliance(
         &self,
         space: &PressureSpace,
         moments: &[[f64; NODE_COUNT]],
@@ -202,7 +233,7 @@ impl ConcentricBody {
                 values[node * entries + entry] += sum;
             }
         }
-        PressureCompliance { terms, amplitude, values }
+        PressureCompliance { terms, amplitude, bed: 0.0, values }
     }
 }
 

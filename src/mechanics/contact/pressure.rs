@@ -21,6 +21,7 @@ use super::arc_state::ArcState;
 
 use crate::mechanics::compliance::arc::{ContactArc, MAX_TERMS, TERM_CHOICES, packed, packed_count};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
+use crate::mechanics::compliance::thin_wall::add_bed;
 use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -28,6 +29,8 @@ use crate::mechanics::real::{LANES, Lanes, Real};
 pub struct JointCompliance<'a> {
     space: &'a PressureSpace,
     amplitude: f64,
+    /// As of a `PressureCompliance`.
+    bed: f64,
     /// `[node][packed lower triangle]`.
     values: Vec<f64>,
 }
@@ -44,6 +47,7 @@ impl<'a> JointCompliance<'a> {
         JointCompliance {
             space,
             amplitude: of_both((&pin.amplitude, &plate.amplitude)),
+            bed: of_both((&pin.bed, &plate.bed)),
             values: pin.values.iter().zip(&plate.values).map(of_both).collect(),
         }
     }
@@ -169,6 +173,9 @@ impl Evaluate<'_> {
             }
         };
         matrix[0][0] -= Lanes(arcs.map(|arc| FRAC_PI_2 * joint.amplitude * arc.b.ln()));
+        if joint.bed != 0.0 {
+            add_bed(&mut matrix, Lanes::from_f64(joint.bed), Lanes(arcs.map(|arc| arc.b)));
+        }
         let load_one: [Lanes<FUSED>; TERMS] =
             std::array::from_fn(|k| Lanes::from_f64(ContactArc::resultant(k)));
         let load_versine: [Lanes<FUSED>; TERMS] = ContactArc::versines(Lanes(arcs.map(|arc| arc.b)));
@@ -280,6 +287,10 @@ impl Change<'_> {
         if change.amplitude != 0.0 {
             let log = |lane: usize| -FRAC_PI_2 * change.amplitude * state(lane).arc.b.ln();
             matrix[0][0] += Lanes(std::array::from_fn(log));
+        }
+        if change.bed != 0.0 {
+            let b = |lane: usize| state(lane).arc.b;
+            add_bed(&mut matrix, Lanes::from_f64(change.bed), Lanes(std::array::from_fn(b)));
         }
         let pressure: [Lanes<FUSED>; TERMS] =
             std::array::from_fn(|k| Lanes(std::array::from_fn(|lane| state(lane).pressure[k])));

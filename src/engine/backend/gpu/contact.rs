@@ -108,6 +108,7 @@ impl LoadResponse {
                     peak_pressure: unit * 0.5 * b * peak,
                     truncation: numbers[8],
                     change: numbers[9],
+                    thin_walls: 0.0,
                     pressure_is_positive: numbers[10] == 1.0,
                 };
                 LoadResponse::Found { state, residual: numbers[11] }

@@ -50,11 +50,6 @@ impl Precision {
         }
     }
 
-    /// The best a device has.
-    pub fn best(gpu: &GpuDevice) -> Precision {
-        if gpu.facts.features.f64 { Precision::Mixed } else { Precision::F32 }
-    }
-
     /// Whether a device has these numbers.
     pub fn check(self, gpu: &GpuDevice) -> Result<(), GpuError> {
         if self.wide_bytes() == 8 && !gpu.facts.features.f64 {

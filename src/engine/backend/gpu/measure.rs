@@ -63,7 +63,7 @@ impl Effort {
 }
 
 /// Of the sweep that is measured.
-const SWEEP_ACCURACY: f64 = 0.01;
+pub const SWEEP_ACCURACY: f64 = 0.01;
 
 /// How often a batch is cut anew by the time of the one before, at most.
 const CUTS: usize = 4;
@@ -126,7 +126,7 @@ fn commonest_space<'a>(
 ) -> Option<(SpaceKey, Vec<(&'a DesignCase, JointPlan)>)> {
     let mut by_space: HashMap<SpaceKey, Vec<(&DesignCase, JointPlan)>> = HashMap::new();
     for case in cases.iter().filter(|case| loads_in_contact(case).next().is_some()) {
-        let plan = JointPlan::new(case, MethodChoice::Fe, SWEEP_ACCURACY, level)?;
+        let plan = JointPlan::new(case, MethodChoice::Fe, SWEEP_ACCURACY, level).ok()?;
         by_space.entry(plan.pin.space).or_default().push((case, plan));
     }
     let (space, mut joints) =

@@ -120,7 +120,11 @@ impl<'a> Slots<'a> {
         let numbers = precision.decode(&gpu.read(&self.buffer)?);
         let slots = numbers.chunks_exact(slot_size(*terms)).map(|slot| {
             let values = slot[SLOT_HEADER..].to_vec();
-            (slot[0] == 1.0, slot[2], PressureCompliance { terms: *terms, amplitude: slot[1], values })
+            (
+                slot[0] == 1.0,
+                slot[2],
+                PressureCompliance { terms: *terms, amplitude: slot[1], bed: 0.0, values },
+            )
         });
         Ok(slots.collect())
     }

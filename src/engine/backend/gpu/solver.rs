@@ -222,15 +222,15 @@ impl<'a> GpuBackend<'a> {
         self.choice.device.facts.limits.bound_buffer() / self.choice.precision.wide_bytes()
     }
 
-    /// What `case` is solved with first; `None` where no mesh is needed, or none is allowed, or the answers of this design
-    /// alone are too many for a buffer.
+    /// What `case` is solved with first; `None` where no mesh is needed, or none is allowed, or walls are so thin that their
+    /// error must be told, or the answers of this design alone are too many for a buffer.
     fn plan(&self, case: &DesignCase) -> Option<JointPlan> {
         let SolveOptions { method, accuracy } = self.options;
         if method == MethodChoice::ClosedForm || answer_numbers(case) > self.buffer_numbers() {
             return None;
         }
-        let plan = JointPlan::cheapest(case, method, accuracy)?;
-        (plan.estimate != Estimate::Exact).then_some(plan)
+        let plan = JointPlan::cheapest(case, method, accuracy).ok()?;
+        (plan.estimate != Estimate::Exact && !plan.has_thin_walls()).then_some(plan)
     }
 }
 

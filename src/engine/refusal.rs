@@ -1,0 +1,91 @@
+//! Designs that are not solved, and why, in the words of the table's status. What is refused is known beforehand, so that
+//! one design takes neither minutes nor gigabytes.
+
+use std::fmt;
+
+use crate::engine::request::{BodyRequest, Fidelity, mesh_size};
+use crate::mechanics::body::{Body, DEEPEST_MESHED, Side};
+use crate::mechanics::real::LANES;
+
+/// Why a design is not solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refusal {
+    /// `series` was asked for bodies it has no modes of.
+    NotConcentric,
+    /// A place of a body on a mesh is thinner than meshes carry; `has_modes` where `series` needs no mesh.
+    ThinWall { name: &'static str, wall: f64, thinnest: f64, has_modes: bool },
+    /// The far boundary is farther from the ring than meshes carry, as a ratio of radii above 1.
+    Deep { name: &'static str, side: Side, ratio: f64 },
+}
+
+impl Refusal {
+    /// Of a body that is to be meshed.
+    pub fn of_mesh(body: &Body) -> Option<Refusal> {
+        let shape = body.shape;
+        let (least, greatest) = body.depth_range();
+        if least < shape.thinnest_meshed {
+            let thickness = |depth: f64| match shape.side {
+                Side::Plate => depth.exp_m1(),
+                Side::Pin => -(-depth).exp_m1(),
+            };
+            let (wall, thinnest) = (thickness(least), thickness(shape.thinnest_meshed));
+            return Some(Refusal::ThinWall { name: shape.wall, wall, thinnest, has_modes: shape.concentric });
+        }
+        (greatest > DEEPEST_MESHED).then(|| Refusal::Deep {
+            name: shape.name,
+            side: shape.side,
+            ratio: greatest.exp(),
+        })
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        match *self {
+            Refusal::NotConcentric => write!(out, "series needs a rigid-core pin in an annulus"),
+            Refusal::ThinWall { name, wall, thinnest, has_modes } => {
+                let (wall, thinnest) = (one_digit(100.0 * wall), one_digit(100.0 * thinnest));
+                let way_out = if has_modes { "; method auto needs no mesh for it" } else { "" };
+                write!(
+                    out,
+                    "{name} is {wall} % of the radius; the thinnest that meshes carry is {thinnest} %{way_out}"
+                )
+            }
+            Refusal::Deep { name, side, ratio } => {
+                let (ratio, most) = (one_digit(ratio), one_digit(DEEPEST_MESHED.exp()));
+                match side {
+                    Side::Plate => write!(
+                        out,
+                        "the {name} is {ratio} times as large as the hole; the largest that meshes carry is {most} times"
+                    ),
+                    Side::Pin => write!(
+                        out,
+                        "the core is 1/{ratio} of the pin; the smallest that meshes carry is 1/{most}"
+                    ),
+                }
+            }
+        }
+    }
+}
+
+/// With one digit, so that a sweep has few different statuses.
+fn one_digit(value: f64) -> String {
+    let rounded = format!("{value:.0e}");
+    let plain: f64 = rounded.parse().unwrap_or(value);
+    if (1e-4..1e7).contains(&plain) { format!("{plain}") } else { rounded }
+}
+
+/// Bytes of the band of one lane batch at most.
+const MOST_BAND_BYTES: u64 = 160 << 20;
+
+/// Whether the mesh of a body at its level stays within bounds of memory, and by that of time: some tenths of a second for
+/// a body alone, with what it shares with others.
+pub fn is_bounded(request: &BodyRequest) -> bool {
+    match request.fidelity {
+        Fidelity::Series => true,
+        Fidelity::Mesh { level } => {
+            let size = mesh_size(&request.body, level);
+            size.unknowns * (size.unknowns / size.layers) * 8 * LANES as u64 <= MOST_BAND_BYTES
+        }
+    }
+}
