@@ -1,17 +1,19 @@
 //! What can be asked on the command line, and what the exit code answers.
 
-use std::io::Write;
-use std::num::{NonZeroU64, NonZeroUsize};
+use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use jointsweep::Error;
 
 mod backend;
 mod bench;
 mod bench_gpu;
 mod devices;
 mod explain;
+mod interrupt;
 mod progress;
 mod report;
 mod run;
@@ -19,11 +21,17 @@ mod tradeoff;
 
 /// Parametric sweeps of pin joints with clearance: contact stiffness tables of a stated accuracy.
 #[derive(Parser)]
-#[command(version, after_help = EXIT_CODES)]
+#[command(version = VERSION, after_help = EXIT_CODES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
 }
+
+/// With the commit, where it is known.
+const VERSION: &str = match option_env!("JOINTSWEEP_VERSION") {
+    Some(version) => version,
+    None => env!("CARGO_PKG_VERSION"),
+};
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 an error, nothing computed is lost; 2 done, but some designs \
 failed and say why in their status; 130 interrupted, the rows so far are kept.";
@@ -54,11 +62,14 @@ struct RunArgs {
     #[command(flatten)]
     backend: BackendArgs,
     /// Threads that compute [default: all cores]
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
     /// Overwrite the result of another config
     #[arg(long)]
     force: bool,
+    /// Run a config again whose result is complete; the old one stays until the new one is
+    #[arg(long)]
+    again: bool,
     /// Only say what the sweep has to do and what it will cost
     #[arg(long)]
     dry_run: bool,
@@ -82,11 +93,11 @@ struct BenchArgs {
     #[arg(value_name = "CONFIG")]
     configs: Vec<PathBuf>,
     /// Runs of each that are measured, after one that is not
-    #[arg(long, value_name = "N", default_value = "5")]
-    runs: NonZeroUsize,
+    #[arg(long, value_name = "N", default_value = "5", value_parser = count::<usize>)]
+    runs: usize,
     /// Threads that compute [default: all cores]
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
     /// Folder of the figures
     #[arg(long, value_name = "DIR", default_value = "out/bench")]
     out: PathBuf,
@@ -101,14 +112,14 @@ struct BenchGpuArgs {
     #[arg(long, value_enum)]
     precision: Option<Precision>,
     /// Designs of the largest sweep
-    #[arg(long, value_name = "N", default_value = "1000000")]
-    most: NonZeroU64,
+    #[arg(long, value_name = "N", default_value = "1000000", value_parser = count::<u64>)]
+    most: u64,
     /// Folder of the figures [default: results/<adapter's name>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Threads of the processor [default: all cores]
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
 }
 
 #[derive(Args)]
@@ -116,8 +127,8 @@ struct TradeoffArgs {
     /// The sweep whose designs are taken, a TOML file
     config: PathBuf,
     /// Designs, evenly spaced over the sweep
-    #[arg(long, value_name = "N", default_value = "100")]
-    designs: NonZeroU64,
+    #[arg(long, value_name = "N", default_value = "100", value_parser = count::<u64>)]
+    designs: u64,
     /// Folder of the result [default: out/<config's name>/tradeoff]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -125,8 +136,8 @@ struct TradeoffArgs {
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
     /// Runs of each choice; fewer of those that take seconds
-    #[arg(long, value_name = "N", default_value = "5")]
-    runs: NonZeroUsize,
+    #[arg(long, value_name = "N", default_value = "5", value_parser = count::<usize>)]
+    runs: usize,
     /// Overwrite the result of another config
     #[arg(long)]
     force: bool,
@@ -143,14 +154,15 @@ struct BackendArgs {
     /// The GPU whose name or driver holds this, software too; `jointsweep devices` lists them
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// The numbers a GPU computes in [default: mixed where it has f64, else f32]
+    /// The numbers a GPU computes in [default: mixed below 0.1 % of accuracy or where f64 is at least a quarter as fast as
+    /// f32, else f32]
     #[arg(long, value_enum)]
     precision: Option<Precision>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Backend {
-    /// A GPU for large sweeps on meshes where there is one, else the processor
+    /// The processor, until it is measured that a GPU is faster for sweeps
     Auto,
     Cpu,
     /// A GPU, and the processor where there is none or it is lost
@@ -176,9 +188,9 @@ pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            let _ = error.print();
             // Not clap's own 2, which says here that some designs failed.
-            return ExitCode::from(u8::from(error.use_stderr()));
+            let is_told = error.print().and_then(|()| std::io::stdout().flush()).is_ok();
+            return ExitCode::from(u8::from(error.use_stderr() || !is_told));
         }
     };
     let ending = match cli.command {
@@ -202,6 +214,36 @@ pub fn main() -> ExitCode {
 
 /// 128 + SIGINT, as shells have it.
 const INTERRUPTED: u8 = 130;
+
+/// Prints what was asked for. Who reads it may stop reading; a device that takes nothing is an error.
+fn print(text: &str) -> Result<(), Error> {
+    let mut out = std::io::stdout();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(source) if source.kind() != ErrorKind::BrokenPipe => Err(Error::Output { source }),
+        _ => Ok(()),
+    }
+}
+
+/// Threads that compute: as asked, or one a processor.
+fn threads(asked: Option<usize>) -> usize {
+    asked.or(std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1)
+}
+
+/// More threads than any machine of today has processors.
+const MOST_THREADS: usize = 1024;
+
+fn thread_count(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if (1..=MOST_THREADS).contains(&count) => Ok(count),
+        _ => Err(format!("a whole number from 1 to {MOST_THREADS} is needed")),
+    }
+}
+
+/// A count of things to do, at least one.
+fn count<T: FromStr + PartialOrd + From<u8>>(text: &str) -> Result<T, String> {
+    let number = text.parse().ok().filter(|number| *number >= T::from(1));
+    number.ok_or("a whole number from 1 on is needed".into())
+}
 
 /// Prints a line for the user. A closed stderr is no reason to lose a result, as it would be with `eprintln!`.
 fn say(line: &str) {

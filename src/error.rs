@@ -7,6 +7,9 @@ pub enum Error {
     #[error("cannot {action} {path}: {source}", path = path.display())]
     Io { action: &'static str, path: PathBuf, source: std::io::Error },
 
+    #[error("cannot write to standard output: {source}")]
+    Output { source: std::io::Error },
+
     #[error("cannot start {threads} threads: {problem}")]
     Threads { threads: usize, problem: String },
 
@@ -19,11 +22,22 @@ pub enum Error {
     #[error("{} holds {occupant}: name another folder with --out, or overwrite it with --force", dir.display())]
     FolderTaken { dir: PathBuf, occupant: String },
 
+    /// `holder` in the words of the run that has it; empty where they cannot be read.
+    #[error(
+        "{} is in use by another run{}: wait for it, or name another folder with --out",
+        dir.display(),
+        in_brackets(holder)
+    )]
+    FolderInUse { dir: PathBuf, holder: String },
+
     #[error("{} is the list of designs and would be overwritten: name another folder with --out", path.display())]
     DesignsInTheWay { path: PathBuf },
 
     #[error("none of {looked_for} is here: name the configs to measure")]
     NothingToMeasure { looked_for: String },
+
+    #[error("none of the designs can be compared: {reason}")]
+    NothingToCompare { reason: String },
 
     #[error("{}: the run to measure failed: {problem}", config.display())]
     MeasuredRun { config: PathBuf, problem: String },
@@ -49,12 +63,27 @@ pub enum Error {
     Plot { problem: String },
 }
 
+fn in_brackets(text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!(" ({text})") }
+}
+
 /// `file:line: key: `, without the parts that are not known.
 fn place(file: &std::path::Path, line: Option<u64>, key: &str) -> String {
     let line = line.map_or(String::new(), |line| format!("{line}:"));
     let key = if key.is_empty() { String::new() } else { format!("{key}: ") };
     format!("{}:{line} {key}", file.display())
 }
+
+/// What is echoed of a text that a person has written: its beginning, and that it goes on.
+pub fn shortened(text: &str) -> String {
+    match text.char_indices().nth(LONGEST_ECHO) {
+        None => text.to_string(),
+        Some((end, _)) => format!("{}...", &text[..end]),
+    }
+}
+
+/// Characters.
+const LONGEST_ECHO: usize = 80;
 
 /// "did you mean `x`? Allowed: `x`, `y`", or only what is allowed when nothing is near `word`.
 pub fn suggest(word: &str, allowed: &[&str]) -> String {
@@ -72,6 +101,10 @@ pub fn quoted(words: &[&str]) -> String {
 
 /// The word a person most likely meant: at least 60 % alike whatever the case, or one part of the other.
 fn nearest<'a>(word: &str, allowed: &[&'a str]) -> Option<&'a str> {
+    // No slip of the pen is as long as this, and likeness takes time.
+    if word.len() > LONGEST_ECHO {
+        return None;
+    }
     let word = word.to_lowercase();
     let likeness = |candidate: &str| {
         let candidate = candidate.to_lowercase();

@@ -3,34 +3,32 @@
 use jointsweep::Error;
 use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::engine::backend::gpu::kernels::Precision;
-use jointsweep::study::config::{MethodChoice, Study};
+use jointsweep::engine::backend::gpu::roofline::preferred_precision;
+use jointsweep::study::config::Study;
 
 use super::{Backend, BackendArgs, say};
 
-/// Designs from which on `auto` starts a GPU: the processor should do fewer in about the time that a device takes to
-/// start and its kernels to compile. An estimate: it was not measured on a GPU.
-pub const WORTH_A_GPU: u64 = 10_000;
+/// Refuses what contradicts itself.
+pub fn check(args: &BackendArgs) -> Result<(), Error> {
+    let for_gpu = [("--adapter", args.adapter.is_some()), ("--precision", args.precision.is_some())];
+    match for_gpu.into_iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) if args.backend == Backend::Cpu => Err(Error::ForGpuOnly { option }),
+        _ => Ok(()),
+    }
+}
 
 /// The device and the numbers it computes in; `None` for the processor. A device that was asked for and cannot be had
 /// is told in a line; one whose name no adapter has is an error.
 pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Precision)>, Error> {
-    let on_meshes = matches!(study.solve.method, MethodChoice::Auto | MethodChoice::Fe);
     let choice = match (args.backend, &args.adapter) {
-        (Backend::Cpu, Some(_)) => return Err(Error::ForGpuOnly { option: "--adapter" }),
-        (Backend::Cpu, None) if args.precision.is_some() => {
-            return Err(Error::ForGpuOnly { option: "--precision" });
-        }
-        (Backend::Cpu, None) => return Ok(None),
         (_, Some(name)) => AdapterChoice::Named(name),
-        (Backend::Auto, None) if !on_meshes || study.design_count() < WORTH_A_GPU => return Ok(None),
-        (_, None) => AdapterChoice::Best,
+        (Backend::Gpu, None) => AdapterChoice::Best,
+        // `auto` as well: no GPU was measured to be faster, and only the processor interpolates between bodies.
+        (Backend::Cpu | Backend::Auto, None) => return Ok(None),
     };
-    let asked = args.backend == Backend::Gpu || args.adapter.is_some();
-    match open(choice, args) {
+    match open(choice, args, study.solve.accuracy) {
         Ok(opened) => Ok(Some(opened)),
         Err(error @ GpuError::NoSuchAdapter { .. }) => Err(Error::Adapter { problem: error.to_string() }),
-        // Nothing was promised.
-        Err(GpuError::NoAdapter | GpuError::OnlySoftware { .. }) if !asked => Ok(None),
         Err(error) => {
             say(&format!("warning: {error}; the processor computes instead"));
             Ok(None)
@@ -38,9 +36,25 @@ pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Pr
     }
 }
 
-fn open(choice: AdapterChoice, args: &BackendArgs) -> Result<(GpuDevice, Precision), GpuError> {
+/// Gives a driver the folder that Mesa's looks for, so that it does not complain of it to the user.
+pub fn quiet_driver() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: no other thread runs yet that could read the environment.
+        unsafe { std::env::set_var("XDG_RUNTIME_DIR", std::env::temp_dir()) };
+    }
+}
+
+fn open(
+    choice: AdapterChoice,
+    args: &BackendArgs,
+    accuracy: f64,
+) -> Result<(GpuDevice, Precision), GpuError> {
+    quiet_driver();
     let device = Adapters::enumerate().open(choice)?;
-    let precision = args.precision.map_or_else(|| Precision::best(&device), Precision::from);
+    let precision = match args.precision {
+        Some(asked) => asked.into(),
+        None => preferred_precision(&device, accuracy)?,
+    };
     precision.check(&device)?;
     Ok((device, precision))
 }

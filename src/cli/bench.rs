@@ -1,20 +1,18 @@
 //! `jointsweep bench`: whole runs of sweeps, each in a process of its own, so that its start counts too.
 
-use std::io::Write;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::thread::available_parallelism;
 use std::time::{Instant, SystemTime};
 
 use jointsweep::Error;
+use jointsweep::engine::cost;
 use jointsweep::output::benchmark::{BenchmarkManifest, Measurement, Run};
 use jointsweep::output::folder::{MANIFEST, TABLE};
 use jointsweep::study::config::Study;
 use serde_json::Value;
 
 use super::report::{aligned, duration};
-use super::{BenchArgs, Ending, say};
+use super::{BenchArgs, Ending, print, say, threads};
 
 /// What is measured when nothing is named.
 const DEFAULT: [&str; 2] = ["configs/liu2007.toml", "configs/random.toml"];
@@ -23,23 +21,25 @@ pub fn bench(args: &BenchArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();
     let configs = configs(&args.configs)?;
     let studies = configs.iter().map(|config| Study::load(config)).collect::<Result<Vec<_>, _>>()?;
-    let threads = args.threads.or(available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    let runs = args.runs.get();
+    let threads = threads(args.threads);
+    let runs = args.runs;
     let manifest = BenchmarkManifest::new(&studies, threads, runs, started);
 
     let folder = Scratch::new()?;
     let mut measurements = Vec::new();
-    for config in &configs {
+    for (config, study) in configs.iter().zip(&studies) {
+        let forecast = cost::estimate(study)?.seconds;
         // The first run warms the caches and is not counted.
-        let mut measurement = Measurement { runs: Vec::new(), ..measure(config, threads, &folder.0)? };
+        let mut measurement =
+            Measurement { runs: Vec::new(), forecast, ..measure(config, threads, &folder.0)? };
         for _ in 0..runs {
             measurement.runs.extend(measure(config, threads, &folder.0)?.runs);
         }
         say(&format!("{}: {runs} runs", config.display()));
         measurements.push(measurement);
     }
-    let _ = std::io::stdout().write_all(table(&measurements).as_bytes());
     manifest.save(&args.out, &measurements)?;
+    print(&table(&measurements))?;
     Ok(Ending::Complete)
 }
 
@@ -58,7 +58,7 @@ fn measure(config: &Path, threads: usize, folder: &Path) -> Result<Measurement, 
     let program = std::env::current_exe().map_err(|error| failed(error.to_string()))?;
     let mut command = Command::new(program);
     command.arg("run").arg(config).arg("--out").arg(folder);
-    command.args(["--threads", &threads.to_string(), "--quiet", "--force"]).stdin(Stdio::null());
+    command.args(["--threads", &threads.to_string(), "--quiet", "--force", "--again"]).stdin(Stdio::null());
     let started = Instant::now();
     let output = command.output().map_err(|error| failed(error.to_string()))?;
     let process_seconds = started.elapsed().as_secs_f64();
@@ -87,6 +87,7 @@ fn measure(config: &Path, threads: usize, folder: &Path) -> Result<Measurement, 
         designs: count("designs"),
         rows: count("rows"),
         distinct_bodies: count("distinct_bodies"),
+        forecast: f64::NAN,
         table_bytes: read(TABLE)?.len() as u64,
         runs: vec![run],
     })
@@ -125,6 +126,7 @@ fn table(measurements: &[Measurement]) -> String {
             "designs/s",
             "rows/s",
             "processor",
+            "foreseen",
             "memory",
             "table",
         ]
@@ -145,6 +147,7 @@ fn table(measurements: &[Measurement]) -> String {
             rate(measurement.designs),
             rate(measurement.rows),
             measurement.processor_seconds().map_or("?".into(), |time| duration(time.median)),
+            duration(measurement.forecast),
             measurement.peak_memory_bytes().map_or("?".into(), megabytes),
             megabytes(measurement.table_bytes),
         ]);

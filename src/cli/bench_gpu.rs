@@ -1,19 +1,17 @@
 //! `jointsweep bench-gpu`: one command that tells whether a GPU is right, how fast it is, and how far from what it can do.
 //! It needs the program and a Vulkan driver, nothing else.
 
-use std::io::Write;
-use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::thread::available_parallelism;
 use std::time::{Duration, Instant, SystemTime};
 
 use jointsweep::Error;
 use jointsweep::engine::agreement::worst_difference;
 use jointsweep::engine::backend::gpu::context::{AdapterChoice, AdapterKind, Adapters, GpuDevice, GpuError};
 use jointsweep::engine::backend::gpu::kernels::Precision;
+use jointsweep::engine::backend::gpu::measure::SWEEP_ACCURACY;
 use jointsweep::engine::backend::gpu::measure::{KernelTime, body_kernels, joint_kernels};
-use jointsweep::engine::backend::gpu::roofline::{Peaks, peaks};
+use jointsweep::engine::backend::gpu::roofline::{Peaks, peaks, preferred_precision};
 use jointsweep::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::engine::outcome::DesignOutcome;
 use jointsweep::engine::sweep::{self, Statistics, SweepOptions};
@@ -26,7 +24,7 @@ use jointsweep::study::design::DesignCase;
 
 use super::bench::Scratch;
 use super::report::{aligned, duration};
-use super::{BenchGpuArgs, Ending, say};
+use super::{BenchGpuArgs, Ending, backend, print, say, threads};
 
 /// Designs that are all different, solved on meshes at 1 %.
 const SWEEP: &str = include_str!("../../configs/random.toml");
@@ -93,6 +91,7 @@ struct Bench<'a> {
 pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();
     let choice = args.adapter.as_deref().map_or(AdapterChoice::Best, AdapterChoice::Named);
+    backend::quiet_driver();
     let gpu = Adapters::enumerate().open(choice).map_err(into_error)?;
     let precisions: Vec<Precision> = match args.precision {
         Some(asked) => vec![asked.into()],
@@ -100,9 +99,13 @@ pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
         None => vec![Precision::F32],
     };
     precisions.iter().try_for_each(|precision| precision.check(&gpu)).map_err(into_error)?;
-    let best = if precisions.len() == 1 { precisions[0] } else { Precision::best(&gpu) };
-    let threads = args.threads.or(available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    let most = args.most.get();
+    let best = if precisions.len() == 1 {
+        precisions[0]
+    } else {
+        preferred_precision(&gpu, SWEEP_ACCURACY).map_err(into_error)?
+    };
+    let threads = threads(args.threads);
+    let most = args.most;
     let bench = Bench { gpu: &gpu, threads, effort: Effort::on(gpu.facts.kind, most) };
     say(&format!("{}, {}", gpu.facts.name, gpu.facts.driver));
 
@@ -125,7 +128,7 @@ pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
     match bench.measure(&mut files, &precisions, &differences, best, most) {
         Ok(text) => {
             files.finish()?;
-            let _ = std::io::stdout().write_all(text.as_bytes());
+            print(&text)?;
             say(&format!("the figures are in {}", out.display()));
             Ok(Ending::Complete)
         }
@@ -285,11 +288,11 @@ impl Bench<'_> {
     /// Wall time of a sweep on the GPU with its table on disk, s, and the bytes of the table.
     fn with_table(&self, study: &Study, precision: Precision) -> Result<(f64, u64), Error> {
         let scratch = Scratch::new()?;
-        let folder = ResultFolder::check(Some(&scratch.0), study, true)?;
+        let folder = ResultFolder::of_run(Some(&scratch.0), study);
         let gpu = Some(GpuChoice { device: self.gpu, precision });
         let started = Instant::now();
         let conditions = Conditions { gpu, threads: self.threads, started: SystemTime::now() };
-        let mut recorder = Recorder::new(folder.clone(), study, &conditions)?;
+        let mut recorder = Recorder::new(folder.claim("of bench-gpu")?, study, &conditions)?;
         let options = SweepOptions { threads: self.threads, gpu, notify: None };
         let statistics = sweep::run(study, &options, &mut |outcome| {
             recorder.write(outcome)?;

@@ -1,17 +1,16 @@
 //! `jointsweep devices`: what could compute here, and what would.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use jointsweep::Error;
 use jointsweep::engine::backend::gpu::context::{AdapterChoice, AdapterFacts, Adapters, choose};
 
-use super::Ending;
-use super::backend::WORTH_A_GPU;
+use super::{Ending, backend, print};
 
 pub fn devices() -> Result<Ending, Error> {
+    backend::quiet_driver();
     let text = listing(&Adapters::enumerate().facts);
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    print(&text)?;
     Ok(Ending::Complete)
 }
 
@@ -46,15 +45,11 @@ fn listing(adapters: &[AdapterFacts]) -> String {
         }
         text.push('\n');
     }
-    let (auto, gpu) = match choose(adapters, AdapterChoice::Best) {
-        Ok(index) => {
-            let name = &adapters[index].name;
-            let auto = format!("{name} for {WORTH_A_GPU} designs and more on meshes, else the processor");
-            (auto, name.clone())
-        }
-        Err(error) => ("the processor".into(), format!("the processor: {error}")),
+    let gpu = match choose(adapters, AdapterChoice::Best) {
+        Ok(index) => adapters[index].name.clone(),
+        Err(error) => format!("the processor: {error}"),
     };
-    let _ = writeln!(text, "--backend auto   {auto}");
+    let _ = writeln!(text, "--backend auto   the processor");
     let _ = writeln!(text, "--backend gpu    {gpu}");
     text
 }

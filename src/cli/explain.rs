@@ -1,7 +1,6 @@
 //! `jointsweep explain`: what the planner has chosen for a sweep, or for one design of it, and why.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use jointsweep::Error;
 use jointsweep::engine::backend::cpu::CpuBackend;
@@ -10,7 +9,7 @@ use jointsweep::study::config::Study;
 use jointsweep::study::design::DesignCase;
 
 use super::report::{aligned, duration};
-use super::{Ending, ExplainArgs};
+use super::{Ending, ExplainArgs, print};
 
 pub fn explain(args: &ExplainArgs) -> Result<Ending, Error> {
     let study = Study::load(&args.config)?;
@@ -19,7 +18,7 @@ pub fn explain(args: &ExplainArgs) -> Result<Ending, Error> {
         None => overview(&study, &explainer)?,
         Some(design) => one(&study, &explainer, design)?,
     };
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    print(&text)?;
     Ok(Ending::Complete)
 }
 

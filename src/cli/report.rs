@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use jointsweep::engine::cost::Estimate;
-use jointsweep::output::manifest::{Manifest, State};
+use jointsweep::output::manifest::{Counts, Manifest, Origin};
 
 /// The most causes of failure that are listed; the table has them all.
 const CAUSES: usize = 10;
@@ -19,6 +19,9 @@ pub fn estimate(estimate: &Estimate, table: &Path) -> String {
     if estimate.interpolated > 0 {
         line("interpolated", format!("{} designs", estimate.interpolated));
     }
+    if estimate.refused > 0 {
+        line("refused", format!("{} designs; `jointsweep explain` says why", estimate.refused));
+    }
     line("unknowns", estimate.unknowns.to_string());
     line("core time", format!("about {}, which the threads share", duration(estimate.seconds)));
     line("table", table.display().to_string());
@@ -29,9 +32,6 @@ pub fn summary(manifest: &Manifest, table: &Path) -> String {
     let counts = &manifest.counts;
     let wall = duration(manifest.wall_seconds);
     let mut text = String::new();
-    if manifest.state == State::Interrupted {
-        _ = writeln!(text, "interrupted: {} of {} designs are done", counts.designs, counts.designs_asked);
-    }
     _ = writeln!(
         text,
         "{}, {}, {} in {wall} ({}, {})",
@@ -53,8 +53,27 @@ pub fn summary(manifest: &Manifest, table: &Path) -> String {
         _ = writeln!(text, "failed: {rows} of {}", plural(counts.failed_designs, "design", "designs"));
         text += &causes(&counts.failures);
     }
-    text += &table.display().to_string();
+    _ = writeln!(text, "{}", table.display());
     text
+}
+
+/// What is said of a run that did not go to its end, and where its rows are.
+pub fn interrupted(manifest: &Manifest, rows: &Path) -> String {
+    let Counts { designs, designs_asked, .. } = manifest.counts;
+    let done = format!("interrupted: {designs} of {designs_asked} designs are done");
+    if designs == 0 { done } else { format!("{done}; their rows are in {}", rows.display()) }
+}
+
+/// What is said instead of running a config again.
+pub fn already_done(origin: &Origin, table: &Path) -> String {
+    let by = match &origin.commit {
+        Some(commit) => format!("version {}, commit {commit}", origin.version),
+        None => format!("version {}", origin.version),
+    };
+    format!(
+        "already complete, nothing to do: the same config was run before (by {by}); --again makes it anew\n{}\n",
+        table.display()
+    )
 }
 
 /// The causes of failure, the most frequent first.

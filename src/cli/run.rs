@@ -1,51 +1,69 @@
 //! `jointsweep run`: from a config to a folder with a result.
 
-use std::io::Write;
-use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::available_parallelism;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
 use jointsweep::Error;
 use jointsweep::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::engine::cost;
 use jointsweep::engine::sweep::{self, SweepOptions};
-use jointsweep::output::folder::ResultFolder;
-use jointsweep::output::manifest::{Conditions, State};
+use jointsweep::output::folder::{Permissions, ResultFolder, Verdict};
+use jointsweep::output::manifest::{Conditions, Origin};
 use jointsweep::output::recorder::Recorder;
 use jointsweep::study::config::Study;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
 
+use super::interrupt::Interrupt;
 use super::progress::Progress;
-use super::{Ending, INTERRUPTED, RunArgs, backend, report, say};
+use super::{Ending, RunArgs, backend, print, report, say, threads};
 
 pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();
+    backend::check(&args.backend)?;
     let study = Study::load(&args.config)?;
-    let folder = ResultFolder::check(args.out.as_deref(), &study, args.force)?;
+    let folder = ResultFolder::of_run(args.out.as_deref(), &study);
     if args.dry_run {
-        let text = report::estimate(&cost::estimate(&study)?, &folder.table());
-        let _ = std::io::stdout().write_all(text.as_bytes());
+        print(&report::estimate(&cost::estimate(&study)?, &folder.table()))?;
         return Ok(Ending::Complete);
+    }
+    let permissions = Permissions { force: args.force, again: args.again };
+    if let Verdict::Done(origin) = folder.check(&study, permissions)? {
+        return already_done(args, &folder, &origin);
     }
 
     let chosen = backend::choose(&args.backend, &study)?;
-    let stop = stop_on_signals();
-    let threads = args.threads.or(available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let gpu = chosen.as_ref().map(|(device, precision)| GpuChoice { device, precision: *precision });
+    let threads = threads(args.threads);
+    let claim = folder.claim(&format!("of {}", args.config.display()))?;
+    if !claim.is_locked() {
+        say(&format!(
+            "warning: {} is on a file system without locks: start no second run there",
+            folder.dir().display()
+        ));
+    }
+    // While this one waited another run may have ended.
+    if let Verdict::Done(origin) = folder.check(&study, permissions)? {
+        return already_done(args, &folder, &origin);
+    }
     let conditions = Conditions { gpu, threads, started };
-    let mut recorder = Recorder::new(folder.clone(), &study, &conditions)?;
+    let recorder = Arc::new(Mutex::new(Some(Recorder::new(claim, &study, &conditions)?)));
+    let interrupt = Interrupt::watch(&recorder, args.quiet);
+
     let mut progress = Progress::new(study.design_count(), args.quiet);
     let options = SweepOptions { threads, gpu, notify: Some(&say) };
     let outcome = sweep::run(&study, &options, &mut |outcome| {
-        recorder.write(outcome)?;
+        match recorder.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
+            Some(recorder) => recorder.write(outcome)?,
+            // The watcher has ended the run.
+            None => return Ok(ControlFlow::Break(())),
+        }
         progress.advance();
-        Ok(if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        Ok(if interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     });
     progress.finish();
+    let Some(recorder) = recorder.lock().unwrap_or_else(PoisonError::into_inner).take() else {
+        return Ok(Ending::Interrupted);
+    };
     let statistics = match outcome {
         Ok(statistics) => statistics,
         Err(error) => {
@@ -53,26 +71,29 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
             return Err(error);
         }
     };
+    if statistics.interrupted {
+        let rows = recorder.partial_table();
+        let manifest = recorder.interrupt(Some(&statistics))?;
+        if !args.quiet {
+            say(&report::interrupted(&manifest, &rows));
+        }
+        return Ok(Ending::Interrupted);
+    }
     let manifest = recorder.finish(&statistics)?;
     if !args.quiet {
-        say(report::summary(&manifest, &folder.table()).trim_end());
+        print(&report::summary(&manifest, &folder.table()))?;
     }
-    Ok(match manifest.state {
-        State::Interrupted => Ending::Interrupted,
-        _ if manifest.counts.failed_designs > 0 => Ending::SomeDesignsFailed,
-        _ => Ending::Complete,
-    })
+    Ok(ending(manifest.counts.failed_designs))
 }
 
-/// A flag that the first Ctrl-C (or SIGTERM, as batch systems send it) raises, to end the sweep after the design
-/// at hand; the second ends the process. SIGHUP is left alone for the sake of `nohup`. Should a handler not be
-/// had, the signal ends the process: the rows on disk are whole even then.
-fn stop_on_signals() -> Arc<AtomicBool> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        // In this order: the first signal must find the flag still down.
-        let _ = flag::register_conditional_shutdown(signal, i32::from(INTERRUPTED), Arc::clone(&stop));
-        let _ = flag::register(signal, Arc::clone(&stop));
+fn ending(failed_designs: u64) -> Ending {
+    if failed_designs > 0 { Ending::SomeDesignsFailed } else { Ending::Complete }
+}
+
+/// Ends as the run that was there before.
+fn already_done(args: &RunArgs, folder: &ResultFolder, origin: &Origin) -> Result<Ending, Error> {
+    if !args.quiet {
+        print(&report::already_done(origin, &folder.table()))?;
     }
-    stop
+    Ok(ending(origin.failed_designs))
 }

@@ -1,12 +1,12 @@
 //! `jointsweep tradeoff`: designs of a config through every choice there is.
 
-use std::io::Write;
 use std::path::Path;
 use std::time::SystemTime;
 
 use jointsweep::Error;
 use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice};
-use jointsweep::output::folder::{ResultFolder, TRADEOFF};
+use jointsweep::engine::refusal::Refusal;
+use jointsweep::output::folder::{Permissions, ResultFolder, TRADEOFF};
 use jointsweep::output::tradeoff::{TradeoffConditions, TradeoffManifest};
 use jointsweep::study::config::Study;
 use jointsweep::study::design::DesignCase;
@@ -16,15 +16,18 @@ use jointsweep::tradeoff::joints::least_contact_angle;
 use jointsweep::tradeoff::measure::{Measured, measure};
 
 use super::report::{aligned, duration};
-use super::{Ending, TradeoffArgs, say};
+use super::{Ending, TradeoffArgs, backend, print, say};
 
 pub fn tradeoff(args: &TradeoffArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();
     let study = Study::load(&args.config)?;
     let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(study.name()).join("tradeoff"));
-    let folder = ResultFolder::check_for(&TRADEOFF, dir, &study, args.force)?;
+    let folder = ResultFolder::new(&TRADEOFF, dir);
+    // Times are measured anew.
+    folder.check(&study, Permissions { force: args.force, again: true })?;
+    let claim = folder.claim(&format!("of {}", args.config.display()))?;
     let device = device(args.adapter.as_deref())?;
-    let cases = designs(&study, args.designs.get())?;
+    let cases = meshable(designs(&study, args.designs)?)?;
     let least_angle = least_contact_angle(&cases);
     let choices = choices(&Scope { gpu: device.as_ref(), least_angle });
 
@@ -35,12 +38,12 @@ pub fn tradeoff(args: &TradeoffArgs) -> Result<Ending, Error> {
             say(&format!("{done}/{} {}", choices.len(), words(measured)));
         }
     };
-    let tradeoff = measure(&cases, &choices, args.runs.get(), &mut notify)?;
+    let tradeoff = measure(&cases, &choices, args.runs, &mut notify)?;
     let adapter = device.as_ref().map(|device| &device.facts);
-    let conditions = TradeoffConditions { runs: args.runs.get(), adapter, least_angle, started };
-    TradeoffManifest::new(&study, &conditions).save(&folder, &tradeoff)?;
+    let conditions = TradeoffConditions { runs: args.runs, adapter, least_angle, started };
+    TradeoffManifest::new(&study, &conditions).save(&claim, &tradeoff)?;
     if !args.quiet {
-        let _ = std::io::stdout().write_all(front(&tradeoff.rows).as_bytes());
+        print(&front(&tradeoff.rows))?;
         say(&folder.dir().display().to_string());
     }
     Ok(Ending::Complete)
@@ -48,6 +51,7 @@ pub fn tradeoff(args: &TradeoffArgs) -> Result<Ending, Error> {
 
 /// The GPU that is named, or a real one if there is any.
 fn device(name: Option<&str>) -> Result<Option<GpuDevice>, Error> {
+    backend::quiet_driver();
     let adapters = Adapters::enumerate();
     match name {
         Some(name) => match adapters.open(AdapterChoice::Named(name)) {
@@ -73,6 +77,28 @@ fn designs(study: &Study, count: u64) -> Result<Vec<DesignCase>, Error> {
         designs.extend(cases.nth(skipped).transpose()?);
     }
     Ok(designs)
+}
+
+/// Those that meshes carry: the others would keep every choice of a mesh busy in vain.
+fn meshable(designs: Vec<DesignCase>) -> Result<Vec<DesignCase>, Error> {
+    let refusal = |case: &DesignCase| {
+        let joint = &case.joint;
+        [&joint.pin, &joint.plate].into_iter().find_map(|part| Refusal::of_mesh(&joint.body(part)))
+    };
+    let count = designs.len();
+    let reason = designs.iter().find_map(refusal);
+    let kept: Vec<DesignCase> = designs.into_iter().filter(|case| refusal(case).is_none()).collect();
+    match reason {
+        Some(reason) if kept.is_empty() => Err(Error::NothingToCompare { reason: reason.to_string() }),
+        Some(reason) => {
+            say(&format!(
+                "{} of {count} designs are left out, the first because {reason}",
+                count - kept.len()
+            ));
+            Ok(kept)
+        }
+        None => Ok(kept),
+    }
 }
 
 /// What a person wants to know of a choice while others are still running.
@@ -150,6 +176,16 @@ indentation = "0.1 mm"
         assert_eq!(indices(3), [0, 3, 6]);
         assert_eq!(indices(5), [0, 2, 4, 6, 8]);
         assert_eq!(indices(1000), (0..10).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn designs_that_no_mesh_carries_are_left_out() {
+        let mut designs = designs(&study(), 3).unwrap();
+        designs[1].joint.plate.parameters[0] = 1.001;
+        let kept = meshable(designs.clone()).unwrap();
+        assert_eq!(kept.iter().map(|case| case.index).collect::<Vec<_>>(), [0, 6]);
+        let error = meshable(vec![designs[1].clone()]).unwrap_err().to_string();
+        assert!(error.contains("the wall of the annulus is 0.1 % of the radius"), "{error}");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::output::host::{Host, utc};
+use crate::output::host::{Host, Program, utc};
 use crate::output::manifest::{self, Config};
 use crate::study::config::Study;
 
@@ -31,6 +31,8 @@ pub struct Measurement {
     pub designs: u64,
     pub rows: u64,
     pub distinct_bodies: u64,
+    /// Core time that was foreseen, s.
+    pub forecast: f64,
     pub table_bytes: u64,
     pub runs: Vec<Run>,
 }
@@ -85,8 +87,8 @@ impl Measurement {
 /// How it was measured.
 #[derive(Clone, Debug, Serialize)]
 pub struct BenchmarkManifest {
-    program: &'static str,
-    version: &'static str,
+    #[serde(flatten)]
+    program: Program,
     threads: usize,
     /// Measured runs of each config, after one that is not.
     runs: usize,
@@ -101,8 +103,7 @@ pub struct BenchmarkManifest {
 impl BenchmarkManifest {
     pub fn new(studies: &[Study], threads: usize, runs: usize, started: SystemTime) -> BenchmarkManifest {
         BenchmarkManifest {
-            program: env!("CARGO_PKG_NAME"),
-            version: env!("CARGO_PKG_VERSION"),
+            program: Program::CURRENT,
             threads,
             runs,
             configs: studies.iter().map(Config::of).collect(),
@@ -120,12 +121,7 @@ impl BenchmarkManifest {
             path: dir.into(),
             source,
         })?;
-        let path = dir.join("sweep.csv");
-        std::fs::write(&path, text(measurements)).map_err(|source| Error::Io {
-            action: "write",
-            path,
-            source,
-        })?;
+        manifest::write_whole(&dir.join("sweep.csv"), text(measurements).as_bytes())?;
         self.wall_seconds = self.started.elapsed().map_or(0.0, |time| time.as_secs_f64());
         let path = dir.join("sweep.manifest.json");
         manifest::stage(&self, &path)?;
@@ -136,7 +132,7 @@ impl BenchmarkManifest {
 /// One row a config; times of stages are medians. A figure that the system does not tell is an empty cell.
 fn text(measurements: &[Measurement]) -> String {
     let mut header = "config,designs,rows,distinct_bodies,process_min_s,process_median_s,process_max_s,\
-                      command_median_s,designs_per_s,rows_per_s,processor_median_s,peak_memory_bytes,table_bytes"
+                      command_median_s,designs_per_s,rows_per_s,processor_median_s,forecast_core_s,peak_memory_bytes,table_bytes"
         .to_string();
     let stages = measurements.first().map(Measurement::stages).unwrap_or_default();
     for (stage, _) in &stages {
@@ -144,16 +140,16 @@ fn text(measurements: &[Measurement]) -> String {
     }
     let mut text = header + "\n";
     for measurement in measurements {
-        let Measurement { config, designs, rows, distinct_bodies, table_bytes, .. } = measurement;
+        let Measurement { config, forecast, designs, rows, distinct_bodies, table_bytes, .. } = measurement;
         let (Some(process), Some(command)) = (measurement.process_seconds(), measurement.command_seconds())
         else {
             continue;
         };
         let rate = |count: u64| count as f64 / process.median;
-        let processor = measurement.processor_seconds().map_or(String::new(), |s| format!("{:.2}", s.median));
+        let processor = measurement.processor_seconds().map_or(String::new(), |s| format!("{:.4}", s.median));
         let memory = measurement.peak_memory_bytes().map_or(String::new(), |bytes| bytes.to_string());
         text += &format!(
-            "{},{designs},{rows},{distinct_bodies},{:.4},{:.4},{:.4},{:.4},{:.0},{:.0},{processor},{memory},{table_bytes}",
+            "{},{designs},{rows},{distinct_bodies},{:.4},{:.4},{:.4},{:.4},{:.0},{:.0},{processor},{forecast:.4},{memory},{table_bytes}",
             cell(&config.display().to_string()),
             process.min,
             process.median,
@@ -198,6 +194,7 @@ mod tests {
             designs: 100,
             rows: 1000,
             distinct_bodies: 7,
+            forecast: 3.5,
             table_bytes: 12_345,
             runs: vec![run(4.0, 3.0), run(1.0, 1.0), run(2.0, 2.0)],
         };
@@ -206,7 +203,7 @@ mod tests {
         assert!(header.ends_with("table_bytes,near_fields_core_s,table_core_s"), "{header}");
         assert_eq!(
             row,
-            "\"a, b.toml\",100,1000,7,1.0000,2.0000,4.0000,1.0000,50,500,6.00,4000000,12345,2.0000,0.2500"
+            "\"a, b.toml\",100,1000,7,1.0000,2.0000,4.0000,1.0000,50,500,6.0000,3.5000,4000000,12345,2.0000,0.2500"
         );
     }
 }

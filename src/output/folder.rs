@@ -1,11 +1,17 @@
-//! The folder of a result: where it is, and when it may be written.
+//! The folder of a result: where it is, when it may be written, and how a new result takes the place of an old one.
+//!
+//! A result that is whole has its own names, `table.csv` and `manifest.json`. What a run writes has `.partial` behind its
+//! name until the run is complete; then its files are renamed, the manifest last. So what stood there before stays until
+//! something whole takes its place, however a run ends.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::output::manifest::origin;
+use crate::output::lock::FolderLock;
+use crate::output::manifest::{Origin, State, with_suffix};
 use crate::study::config::Study;
+use crate::study::fingerprint::Fingerprint;
 
 pub const TABLE: &str = "table.csv";
 pub const MANIFEST: &str = "manifest.json";
@@ -22,7 +28,24 @@ pub static RUN: Contents = Contents { command: None, files: &[TABLE] };
 pub static TRADEOFF: Contents =
     Contents { command: Some("tradeoff"), files: &["tradeoff.csv", "front.csv", "tradeoff.svg"] };
 
-/// A folder that a study's result may be written to.
+/// What may be put in the place of what is there.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Permissions {
+    /// The result of another config, or files that nobody vouches for.
+    pub force: bool,
+    /// A finished result of the same config.
+    pub again: bool,
+}
+
+/// Whether there is anything to do.
+#[derive(Debug)]
+pub enum Verdict {
+    ToDo,
+    /// The same config was run before, to the end.
+    Done(Box<Origin>),
+}
+
+/// The folder of a result, which may not be there yet.
 #[derive(Clone, Debug)]
 pub struct ResultFolder {
     dir: PathBuf,
@@ -30,54 +53,80 @@ pub struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// Looks whether `dir` (`out/<config's name>` unless named) is free for the study's result: it is not when
-    /// it holds a result of another config, or a table nobody vouches for, unless `force`. Writes nothing.
-    pub fn check(dir: Option<&Path>, study: &Study, force: bool) -> Result<ResultFolder, Error> {
-        let dir = dir.map_or_else(|| Path::new("out").join(study.name()), Path::to_path_buf);
-        ResultFolder::check_for(&RUN, dir, study, force)
+    pub fn new(contents: &'static Contents, dir: PathBuf) -> ResultFolder {
+        ResultFolder { dir, contents }
     }
 
-    /// The same for what a command leaves behind; a result of another command is in its way, too.
-    pub fn check_for(
-        contents: &'static Contents,
-        dir: PathBuf,
-        study: &Study,
-        force: bool,
-    ) -> Result<ResultFolder, Error> {
-        let folder = ResultFolder { dir, contents };
+    /// Of a run: `dir`, or `out/<config's name>`.
+    pub fn of_run(dir: Option<&Path>, study: &Study) -> ResultFolder {
+        let dir = dir.map_or_else(|| Path::new("out").join(study.name()), Path::to_path_buf);
+        ResultFolder::new(&RUN, dir)
+    }
+
+    /// Looks whether the study's result may be written here: not over a result of another config or command, nor over files that
+    /// no manifest vouches for, unless that is permitted. Writes nothing.
+    pub fn check(&self, study: &Study, permissions: Permissions) -> Result<Verdict, Error> {
         let in_the_way = |path: &PathBuf| study.designs_file().is_some_and(|file| is_same_file(file, path));
-        if let Some(path) = folder.files().find(in_the_way) {
+        if let Some(path) = self.files().flat_map(|path| [partial(&path), path]).find(in_the_way) {
             return Err(Error::DesignsInTheWay { path });
         }
-        match folder.occupant(study)? {
-            Some(occupant) if !force => Err(Error::FolderTaken { dir: folder.dir, occupant }),
-            _ => Ok(folder),
+        let taken = |occupant| Error::FolderTaken { dir: self.dir.clone(), occupant };
+        let whole = self.occupant(study, &self.manifest(), |path| path)?;
+        let unfinished = self.occupant(study, &partial(&self.manifest()), |path| partial(&path))?;
+        match (whole, unfinished) {
+            (Occupant::Other(occupant), _) | (_, Occupant::Other(occupant)) if !permissions.force => {
+                Err(taken(occupant))
+            }
+            (Occupant::Same(origin), _) if !permissions.again => match self.changed(&origin) {
+                None => Ok(Verdict::Done(origin)),
+                Some(_) if permissions.force => Ok(Verdict::ToDo),
+                Some(file) => Err(taken(format!("a {file} that was changed after it was written"))),
+            },
+            _ => Ok(Verdict::ToDo),
         }
     }
 
-    /// What is there already and is not this config's own.
-    fn occupant(&self, study: &Study) -> Result<Option<String>, Error> {
-        let path = self.manifest();
-        let manifest = match std::fs::read(&path) {
-            Ok(manifest) => String::from_utf8_lossy(&manifest).into_owned(),
+    /// What a manifest says of the files beside it, `name` being where they are.
+    fn occupant(
+        &self,
+        study: &Study,
+        manifest: &Path,
+        name: impl Fn(PathBuf) -> PathBuf,
+    ) -> Result<Occupant, Error> {
+        let text = match std::fs::read(manifest) {
+            Ok(text) => String::from_utf8_lossy(&text).into_owned(),
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
-                let left = self.contents.files.iter().find(|file| self.dir.join(file).exists());
-                return Ok(left.map(|file| format!("a {file} without a {MANIFEST}")));
+                let left = self.files().map(name).find(|path| path.exists());
+                return Ok(left.map_or(Occupant::Nobody, |path| {
+                    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                    Occupant::Other(format!("a {file} without a {MANIFEST}"))
+                }));
             }
-            Err(source) => return Err(Error::Io { action: "read", path, source }),
+            Err(source) => return Err(Error::Io { action: "read", path: manifest.into(), source }),
         };
-        Ok(match origin(&manifest) {
-            None => Some(format!("a {MANIFEST} of another program")),
+        Ok(match Origin::of(&text) {
+            None => Occupant::Other(format!("a {MANIFEST} of another program")),
             Some(origin) if origin.command.as_deref() != self.contents.command => {
                 let command = origin.command.as_deref().unwrap_or("run");
-                Some(format!("the result of `jointsweep {command}` for {}", origin.path))
+                Occupant::Other(format!("the result of `jointsweep {command}` for {}", origin.path))
             }
-            Some(origin) if origin.text == study.source_text() => None,
+            Some(origin) if origin.is_of(study) => Occupant::Same(Box::new(origin)),
+            Some(origin) if origin.text == study.source_text() => {
+                Occupant::Other(format!("the result of {} for another list of designs", origin.path))
+            }
             Some(origin) if Path::new(&origin.path) == study.path() => {
-                Some(format!("the result of {} as it was before its last change", origin.path))
+                Occupant::Other(format!("the result of {} as it was before its last change", origin.path))
             }
-            Some(origin) => Some(format!("the result of another config ({})", origin.path)),
+            Some(origin) => Occupant::Other(format!("the result of another config ({})", origin.path)),
         })
+    }
+
+    /// The first of a result's files that is not as long as its manifest says.
+    fn changed(&self, origin: &Origin) -> Option<String> {
+        let is_changed = |(name, print): &&(String, Fingerprint)| {
+            !self.dir.join(name).metadata().is_ok_and(|file| file.len() == print.bytes)
+        };
+        origin.files.iter().find(is_changed).map(|(name, _)| name.clone())
     }
 
     pub fn table(&self) -> PathBuf {
@@ -97,8 +146,23 @@ impl ResultFolder {
         self.dir.join(MANIFEST)
     }
 
+    /// Creates the folder and takes its lock; `what` is to be said of the holder to others.
+    pub fn claim(&self, what: &str) -> Result<Claim, Error> {
+        let created = self.create()?;
+        match FolderLock::take(&self.dir, what) {
+            Ok(lock) => {
+                self.settle()?;
+                Ok(Claim { folder: self.clone(), created, lock: Some(lock) })
+            }
+            Err(error) => {
+                remove_empty(&created);
+                Err(error)
+            }
+        }
+    }
+
     /// Creates the folder, and returns the folders that were not there before, outermost first.
-    pub fn create(&self) -> Result<Vec<PathBuf>, Error> {
+    fn create(&self) -> Result<Vec<PathBuf>, Error> {
         let missing = |dir: &&Path| !dir.as_os_str().is_empty() && !dir.exists();
         let mut created: Vec<PathBuf> =
             self.dir.ancestors().take_while(missing).map(Path::to_path_buf).collect();
@@ -109,10 +173,96 @@ impl ResultFolder {
         }
         Ok(created)
     }
+
+    /// Gives the files of a complete result their own names, the manifest last.
+    fn publish(&self) -> Result<(), Error> {
+        for path in self.files().chain([self.manifest()]) {
+            rename(&partial(&path), &path)?;
+        }
+        Ok(())
+    }
+
+    /// Ends what a process that was killed between its renames has left undone.
+    fn settle(&self) -> Result<(), Error> {
+        let Ok(text) = std::fs::read_to_string(partial(&self.manifest())) else { return Ok(()) };
+        let Some(origin) = Origin::of(&text).filter(|origin| origin.state == Some(State::Complete)) else {
+            return Ok(());
+        };
+        let place = |name: &str, print: u64| {
+            let path = self.dir.join(name);
+            let is_whole = |path: &Path| path.metadata().is_ok_and(|file| file.len() == print);
+            if is_whole(&partial(&path)) { Some(partial(&path)) } else { is_whole(&path).then_some(path) }
+        };
+        let places: Option<Vec<PathBuf>> =
+            origin.files.iter().map(|(name, print)| place(name, print.bytes)).collect();
+        let Some(places) = places else { return Ok(()) };
+        for ((name, _), found) in origin.files.iter().zip(places) {
+            let path = self.dir.join(name);
+            if found != path {
+                rename(&found, &path)?;
+            }
+        }
+        rename(&partial(&self.manifest()), &self.manifest())
+    }
 }
 
-/// Takes back what `create` made, innermost first, as far as nobody has put anything there.
-pub fn remove_empty(created: &[PathBuf]) {
+/// Who has left something in a folder.
+enum Occupant {
+    Nobody,
+    /// The same config, with the same list of designs.
+    Same(Box<Origin>),
+    /// Somebody else, in words.
+    Other(String),
+}
+
+/// A folder that is this process's own to write to, until it is dropped.
+#[derive(Debug)]
+pub struct Claim {
+    folder: ResultFolder,
+    /// Folders made for it, outermost first; they go again where nothing is put into them.
+    created: Vec<PathBuf>,
+    lock: Option<FolderLock>,
+}
+
+impl Claim {
+    pub fn folder(&self) -> &ResultFolder {
+        &self.folder
+    }
+
+    /// Where a file is written until it is whole.
+    pub fn partial(&self, name: &str) -> PathBuf {
+        partial(&self.folder.dir.join(name))
+    }
+
+    /// Gives the files of a complete result their own names.
+    pub fn publish(&self) -> Result<(), Error> {
+        self.folder.publish()
+    }
+
+    /// Whether other processes can see that the folder is taken.
+    pub fn is_locked(&self) -> bool {
+        self.lock.as_ref().is_some_and(FolderLock::is_effective)
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        self.lock = None;
+        remove_empty(&self.created);
+    }
+}
+
+/// The name of a file that is not whole yet.
+fn partial(path: &Path) -> PathBuf {
+    with_suffix(path, ".partial")
+}
+
+fn rename(from: &Path, to: &Path) -> Result<(), Error> {
+    std::fs::rename(from, to).map_err(|source| Error::Io { action: "write", path: to.into(), source })
+}
+
+/// Takes back folders, innermost first, as far as nobody has put anything there.
+fn remove_empty(created: &[PathBuf]) {
     for dir in created.iter().rev() {
         let _ = std::fs::remove_dir(dir);
     }

@@ -10,7 +10,7 @@ use crate::engine::backend::gpu::measure::KernelTime;
 use crate::engine::backend::gpu::roofline::Peaks;
 use crate::engine::backend::gpu::solver::INVOCATIONS;
 use crate::error::Error;
-use crate::output::host::{Host, utc};
+use crate::output::host::{Host, Program, utc};
 use crate::output::manifest::{self, Config, State};
 use crate::study::config::Study;
 
@@ -168,10 +168,8 @@ pub struct Asked {
 
 #[derive(Clone, Debug, Serialize)]
 struct Manifest {
-    program: &'static str,
-    version: &'static str,
-    /// Of the source, where whoever built the program told it.
-    commit: Option<&'static str>,
+    #[serde(flatten)]
+    program: Program,
     state: State,
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
@@ -212,10 +210,8 @@ impl GpuBenchmark {
             let _ = std::fs::remove_file(dir.join(name));
         }
         let manifest = Manifest {
-            program: env!("CARGO_PKG_NAME"),
-            version: env!("CARGO_PKG_VERSION"),
-            commit: option_env!("JOINTSWEEP_COMMIT"),
-            state: State::Running,
+            program: Program::CURRENT,
+            state: State::Incomplete,
             error: None,
             adapter: Adapter::of(facts),
             workgroup_size: INVOCATIONS,

@@ -4,6 +4,24 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::Serialize;
 
+/// What has made a result.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Program {
+    program: &'static str,
+    version: &'static str,
+    /// Of the source, with `-dirty` where it was changed since; absent where it was built without its history.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    commit: Option<&'static str>,
+}
+
+impl Program {
+    pub const CURRENT: Program = Program {
+        program: env!("CARGO_PKG_NAME"),
+        version: env!("CARGO_PKG_VERSION"),
+        commit: option_env!("JOINTSWEEP_COMMIT"),
+    };
+}
+
 #[derive(Clone, Debug, Serialize)]
 pub struct Host {
     pub os: &'static str,
@@ -40,16 +58,15 @@ fn peak_resident(status: &str) -> Option<u64> {
 
 /// Time that processors have spent on this process so far, all threads, in it and for it in the system, s; where the
 /// system tells it. Other programs on the machine hardly change it.
+#[cfg(unix)]
 pub fn processor_seconds() -> Option<f64> {
-    processor_time(&std::fs::read_to_string("/proc/self/stat").ok()?)
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
 }
 
-/// utime and stime in the text of Linux's /proc/self/stat, which are in hundredths of a second.
-fn processor_time(stat: &str) -> Option<f64> {
-    // The second field, a name in brackets, may hold spaces; utime is the 14th.
-    let mut fields = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
-    let mut ticks = || fields.next()?.parse::<u64>().ok();
-    Some((ticks()? + ticks()?) as f64 / 100.0)
+#[cfg(not(unix))]
+pub fn processor_seconds() -> Option<f64> {
+    None
 }
 
 fn processors(cpuinfo: &str) -> Option<usize> {
@@ -113,11 +130,14 @@ mod tests {
         assert_eq!(processors(""), None);
     }
 
+    /// Some work takes some time; none goes backwards.
+    #[cfg(unix)]
     #[test]
-    fn processor_time_is_that_of_user_and_system() {
-        let stat = "7 (a) name) S 1 7 7 0 -1 4194304 100 0 0 0 150 25 3 4 20 0 3 0 999";
-        assert_eq!(processor_time(stat), Some(1.75));
-        assert_eq!(processor_time("7"), None);
+    fn processor_time_grows_with_work() {
+        let before = processor_seconds().unwrap();
+        let sum: f64 = (1..2_000_000).map(|i| f64::from(i).sqrt()).sum();
+        let after = processor_seconds().unwrap();
+        assert!(sum > 0.0 && after > before && after < before + 60.0, "{before} {after}");
     }
 
     #[test]

@@ -4,20 +4,21 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::engine::backend::gpu::solver::GpuChoice;
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
-use crate::output::host::{Host, peak_memory, processor_seconds, utc};
+use crate::output::host::{Host, Program, peak_memory, processor_seconds, utc};
 use crate::study::config::Study;
+use crate::study::fingerprint::Fingerprint;
 
-/// Where a run stands; a run that was killed stays `Running`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// Where a run stands. A run that goes on, or was killed, is `Incomplete`: the lock of its folder tells which.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum State {
-    Running,
+    Incomplete,
     Complete,
     Interrupted,
     Failed,
@@ -34,8 +35,8 @@ pub struct Conditions<'a> {
 
 #[derive(Clone, Debug, Serialize)]
 pub struct Manifest {
-    program: &'static str,
-    version: &'static str,
+    #[serde(flatten)]
+    program: Program,
     pub state: State,
     /// Why, when the run failed.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,6 +44,10 @@ pub struct Manifest {
     title: String,
     config: Config,
     designs_file: Option<String>,
+    /// The config and the list of designs as they were read.
+    inputs: Vec<FileEntry>,
+    /// What the run has made.
+    files: Vec<FileEntry>,
     pub backend: &'static str,
     /// The GPU, if one was asked.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -78,7 +83,7 @@ pub struct Adapter {
 }
 
 /// The config, as the user named it and word for word.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Config {
     path: String,
     text: String,
@@ -87,6 +92,31 @@ pub struct Config {
 impl Config {
     pub fn of(study: &Study) -> Config {
         Config { path: study.path().display().to_string(), text: study.source_text().to_string() }
+    }
+}
+
+/// A file with what tells whether it is still the same.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FileEntry {
+    path: String,
+    bytes: u64,
+    /// As `xxh128sum` prints it.
+    xxh128: String,
+}
+
+impl FileEntry {
+    pub fn new(path: &str, print: &Fingerprint) -> FileEntry {
+        FileEntry { path: path.into(), bytes: print.bytes, xxh128: print.hash() }
+    }
+
+    /// The config and the list of designs it names.
+    pub fn inputs(study: &Study) -> Vec<FileEntry> {
+        let entry = |(path, print): (&Path, Fingerprint)| FileEntry::new(&path.display().to_string(), &print);
+        study.inputs().into_iter().map(entry).collect()
+    }
+
+    fn fingerprint(&self) -> Option<Fingerprint> {
+        Fingerprint::parse(self.bytes, &self.xxh128)
     }
 }
 
@@ -138,13 +168,14 @@ fn count(counts: &mut BTreeMap<String, u64>, status: &str) {
 impl Manifest {
     pub fn new(study: &Study, conditions: &Conditions) -> Manifest {
         Manifest {
-            program: env!("CARGO_PKG_NAME"),
-            version: env!("CARGO_PKG_VERSION"),
-            state: State::Running,
+            program: Program::CURRENT,
+            state: State::Incomplete,
             error: None,
             title: study.title().to_string(),
             config: Config::of(study),
             designs_file: study.designs_file().map(|path| path.display().to_string()),
+            inputs: FileEntry::inputs(study),
+            files: Vec::new(),
             backend: if conditions.gpu.is_some() { "gpu" } else { "cpu" },
             adapter: conditions.gpu.map(|GpuChoice { device, .. }| Adapter {
                 name: device.facts.name.clone(),
@@ -168,6 +199,12 @@ impl Manifest {
             host: Host::current(),
             started: conditions.started,
         }
+    }
+
+    /// Says what a file of the run is.
+    pub fn set_file(&mut self, name: &str, print: &Fingerprint) {
+        self.files.retain(|file| file.path != name);
+        self.files.push(FileEntry::new(name, print));
     }
 
     /// What a person calls that which computed.
@@ -208,33 +245,99 @@ impl Manifest {
 pub fn stage(manifest: &impl Serialize, path: &Path) -> Result<(), Error> {
     let mut text = serde_json::to_string_pretty(manifest).expect("a manifest has only JSON's own types");
     text.push('\n');
+    stage_bytes(path, text.as_bytes())
+}
+
+fn stage_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let staged = staged(path);
-    std::fs::write(&staged, text).map_err(|source| Error::Io { action: "write", path: staged, source })
+    std::fs::write(&staged, bytes).map_err(|source| Error::Io { action: "write", path: staged, source })
 }
 
-/// Where a manifest waits before it is published.
+/// A path whose file name ends with something more.
+pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(suffix);
+    path.with_file_name(name)
+}
+
+/// Where a file waits before it is published.
 pub fn staged(path: &Path) -> PathBuf {
-    path.with_extension("json.tmp")
+    with_suffix(path, ".tmp")
 }
 
-/// Puts the staged manifest in place.
+/// Writes a file so that nobody meets half of it.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    stage_bytes(path, bytes)?;
+    publish(path)
+}
+
+/// Puts a staged file in place.
 pub fn publish(path: &Path) -> Result<(), Error> {
     let into_error = |source| Error::Io { action: "write", path: path.into(), source };
     std::fs::rename(staged(path), path).map_err(into_error)
 }
 
-/// The config that a manifest on disk belongs to.
+/// What a manifest on disk says of a result.
+#[derive(Clone, Debug)]
 pub struct Origin {
+    /// Of the config, with its text.
     pub path: String,
     pub text: String,
     /// What was done with it; a run does not say.
     pub command: Option<String>,
+    /// Only runs say.
+    pub state: Option<State>,
+    pub version: String,
+    pub commit: Option<String>,
+    inputs: Vec<Fingerprint>,
+    /// What was made, by name.
+    pub files: Vec<(String, Fingerprint)>,
+    pub failed_designs: u64,
 }
 
-/// Reads whose result a manifest describes; `None` when it does not say.
-pub fn origin(manifest: &str) -> Option<Origin> {
-    let manifest: serde_json::Value = serde_json::from_str(manifest).ok()?;
-    let config = |key: &str| manifest.get("config")?.get(key)?.as_str().map(str::to_string);
-    let command = manifest.get("command").and_then(|command| command.as_str()).map(str::to_string);
-    Some(Origin { path: config("path")?, text: config("text")?, command })
+/// The part of a manifest that is read again.
+#[derive(Deserialize)]
+struct Saved {
+    config: Config,
+    version: String,
+    commit: Option<String>,
+    command: Option<String>,
+    state: Option<State>,
+    #[serde(default)]
+    inputs: Vec<FileEntry>,
+    #[serde(default)]
+    files: Vec<FileEntry>,
+    #[serde(default)]
+    counts: SavedCounts,
+}
+
+#[derive(Default, Deserialize)]
+struct SavedCounts {
+    failed_designs: u64,
+}
+
+impl Origin {
+    /// Reads a manifest; `None` where it is none of this program's.
+    pub fn of(manifest: &str) -> Option<Origin> {
+        let Saved { config, version, commit, command, state, inputs, files, counts } =
+            serde_json::from_str(manifest).ok()?;
+        let named = |file: FileEntry| Some((file.path.clone(), file.fingerprint()?));
+        Some(Origin {
+            path: config.path,
+            text: config.text,
+            command,
+            state,
+            version,
+            commit,
+            inputs: inputs.iter().filter_map(FileEntry::fingerprint).collect(),
+            files: files.into_iter().filter_map(named).collect(),
+            failed_designs: counts.failed_designs,
+        })
+    }
+
+    /// Whether it is of this config and, word for word, of the list of designs that it names.
+    pub fn is_of(&self, study: &Study) -> bool {
+        let inputs = study.inputs().into_iter().map(|(_, print)| print);
+        self.text == study.source_text() && self.inputs.iter().copied().eq(inputs)
+    }
 }

@@ -2,6 +2,7 @@ mod number;
 pub mod table;
 pub mod host;
 pub mod manifest;
+pub mod lock;
 pub mod folder;
 pub mod recorder;
 pub mod benchmark;

@@ -1,4 +1,4 @@
-//! Saves outcomes as they come, so that a run that ends early leaves a valid table and a manifest that says so.
+//! Saves outcomes as they come, so that a run that ends early leaves whole rows and a manifest that says so.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -8,22 +8,21 @@ use std::time::{Duration, Instant};
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
-use crate::output::folder::{ResultFolder, remove_empty};
+use crate::output::folder::{Claim, MANIFEST, TABLE};
 use crate::output::manifest::{self, Conditions, Manifest, State};
 use crate::output::table::Table;
 use crate::study::config::Study;
+use crate::study::fingerprint::Fingerprinter;
 
 /// Rows are handed to the file in portions of about this many bytes ...
 const PORTION: usize = 1 << 16;
 /// ... and at least this often, for those who watch the file of a slow run.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Writes the table and the manifest of one run. Until the first outcome it only proves that it can: an earlier
-/// result stays as it is, and a run that ends before leaves nothing behind.
+/// Writes the table and the manifest of one run, under their partial names until it is complete. Before the first outcome it
+/// only proves that it can: a run that ends before leaves nothing behind.
 pub struct Recorder {
-    folder: ResultFolder,
-    /// Folders made for this run, outermost first.
-    created: Vec<PathBuf>,
+    claim: Claim,
     manifest: Manifest,
     table: Table,
     /// Whole rows that wait for the file.
@@ -36,25 +35,33 @@ pub struct Recorder {
 struct TableFile {
     file: File,
     path: PathBuf,
-    /// Bytes of whole rows in the file.
-    length: u64,
+    /// Of the whole rows in the file.
+    printer: Fingerprinter,
     written: Instant,
 }
 
 impl Recorder {
-    pub fn new(folder: ResultFolder, study: &Study, conditions: &Conditions) -> Result<Recorder, Error> {
-        let created = folder.create()?;
+    pub fn new(claim: Claim, study: &Study, conditions: &Conditions) -> Result<Recorder, Error> {
         let mut recorder = Recorder {
-            folder,
-            created,
+            claim,
             manifest: Manifest::new(study, conditions),
             table: Table::default(),
             waiting: Vec::new(),
             file: None,
             finished: false,
         };
-        recorder.manifest.stage(&recorder.folder.manifest())?;
+        recorder.manifest.stage(&recorder.manifest_path())?;
         Ok(recorder)
+    }
+
+    /// Where the manifest is until the run is complete.
+    fn manifest_path(&self) -> PathBuf {
+        self.claim.partial(MANIFEST)
+    }
+
+    /// Where the rows are until the run is complete.
+    pub fn partial_table(&self) -> PathBuf {
+        self.claim.partial(TABLE)
     }
 
     /// Adds the rows of a design.
@@ -66,11 +73,10 @@ impl Recorder {
         if self.waiting.len() >= PORTION || overdue { self.flush() } else { Ok(()) }
     }
 
-    /// Ends the run: all rows and the final manifest are on disk afterwards.
+    /// Ends a run that went through all designs: table and manifest take the place of what was there before.
     pub fn finish(mut self, statistics: &Statistics) -> Result<Manifest, Error> {
         self.manifest.add_statistics(statistics);
-        let state = if statistics.interrupted { State::Interrupted } else { State::Complete };
-        match self.close(state) {
+        match self.close(State::Complete).and_then(|()| self.claim.publish()) {
             Ok(()) => {
                 self.finished = true;
                 Ok(self.manifest.clone())
@@ -82,11 +88,28 @@ impl Recorder {
         }
     }
 
+    /// Ends a run that was interrupted: the rows so far stay, and what was there before stays as well.
+    pub fn interrupt(mut self, statistics: Option<&Statistics>) -> Result<Manifest, Error> {
+        if let Some(statistics) = statistics {
+            self.manifest.add_statistics(statistics);
+        }
+        if self.file.is_some() {
+            self.close(State::Interrupted)?;
+            self.finished = true;
+        }
+        self.manifest.state = State::Interrupted;
+        Ok(self.manifest.clone())
+    }
+
+    /// All rows and a manifest in this state are on disk afterwards.
     fn close(&mut self, state: State) -> Result<(), Error> {
         self.begin()?;
         self.flush()?;
         self.manifest.state = state;
-        self.manifest.save(&self.folder.manifest())
+        if let Some(table) = &self.file {
+            self.manifest.set_file(TABLE, &table.printer.fingerprint());
+        }
+        self.manifest.save(&self.manifest_path())
     }
 
     /// Ends a run that an error stopped: rows written so far are kept, and the manifest tells the error.
@@ -94,20 +117,21 @@ impl Recorder {
         self.manifest.error = Some(error.to_string());
     }
 
-    /// Replaces what was in the folder, once. The old table is emptied only when the new manifest is in place:
-    /// no crash may leave the new table under the old manifest.
+    /// Opens the table, once. The rows of a run before that did not end are gone only when the new manifest is in place: no
+    /// crash may leave new rows under an old manifest.
     fn begin(&mut self) -> Result<(), Error> {
         if self.file.is_some() {
             return Ok(());
         }
-        let path = self.folder.table();
+        let path = self.partial_table();
         let into_error = |source| Error::Io { action: "write", path: path.clone(), source };
         let opened = OpenOptions::new().write(true).create(true).truncate(false).open(&path);
         let file = opened.map_err(into_error)?;
-        manifest::publish(&self.folder.manifest())?;
+        manifest::publish(&self.manifest_path())?;
         self.table.push_header(&mut self.waiting);
         let emptied = file.set_len(0).map_err(into_error);
-        self.file = Some(TableFile { file, path, length: 0, written: Instant::now() });
+        let printer = Fingerprinter::default();
+        self.file = Some(TableFile { file, path, printer, written: Instant::now() });
         emptied
     }
 
@@ -124,10 +148,10 @@ impl TableFile {
     fn append(&mut self, rows: &mut Vec<u8>) -> Result<(), Error> {
         if let Err(source) = self.file.write_all(rows) {
             // Should this fail too, the first error is still the one to tell.
-            let _ = self.file.set_len(self.length);
+            let _ = self.file.set_len(self.printer.fingerprint().bytes);
             return Err(Error::Io { action: "write", path: self.path.clone(), source });
         }
-        self.length += rows.len() as u64;
+        self.printer.update(rows);
         self.written = Instant::now();
         rows.clear();
         Ok(())
@@ -141,13 +165,15 @@ impl Drop for Recorder {
         if self.finished {
             return;
         }
-        if self.file.is_some() {
-            let _ = self.flush();
-            self.manifest.state = State::Failed;
-            let _ = self.manifest.save(&self.folder.manifest());
-        } else {
-            let _ = std::fs::remove_file(manifest::staged(&self.folder.manifest()));
-            remove_empty(&self.created);
+        if self.file.is_none() {
+            let _ = std::fs::remove_file(manifest::staged(&self.manifest_path()));
+            return;
         }
+        if std::thread::panicking() && self.manifest.error.is_none() {
+            self.manifest.error = Some("the program panicked, which is a fault in it".into());
+        }
+        let _ = self.flush();
+        self.manifest.state = State::Failed;
+        let _ = self.manifest.save(&self.manifest_path());
     }
 }

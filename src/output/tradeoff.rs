@@ -7,12 +7,13 @@ use serde::Serialize;
 use crate::engine::backend::gpu::context::AdapterFacts;
 use crate::error::Error;
 use crate::mechanics::grading::REFERENCE_LEVEL;
-use crate::output::folder::ResultFolder;
-use crate::output::host::{Host, utc};
-use crate::output::manifest::{self, Config};
+use crate::output::folder::{Claim, MANIFEST};
+use crate::output::host::{Host, Program, utc};
+use crate::output::manifest::{self, Config, FileEntry, State};
 use crate::output::number::push_exact;
 use crate::output::tradeoff_plot;
 use crate::study::config::Study;
+use crate::study::fingerprint::Fingerprint;
 use crate::tradeoff::errors::{Errors, Quantiles};
 use crate::tradeoff::families::FAMILIES;
 use crate::tradeoff::measure::{Measured, Tradeoff};
@@ -20,11 +21,14 @@ use crate::tradeoff::measure::{Measured, Tradeoff};
 /// How it was measured.
 #[derive(Clone, Debug, Serialize)]
 pub struct TradeoffManifest {
-    program: &'static str,
-    version: &'static str,
+    #[serde(flatten)]
+    program: Program,
+    state: State,
     command: &'static str,
     title: String,
     config: Config,
+    inputs: Vec<FileEntry>,
+    files: Vec<FileEntry>,
     /// Measured, evenly spaced over the sweep.
     designs: u64,
     designs_of_sweep: u64,
@@ -64,11 +68,13 @@ impl TradeoffManifest {
             (family.name.to_string(), serde_json::Value::Object(words.collect()))
         });
         TradeoffManifest {
-            program: env!("CARGO_PKG_NAME"),
-            version: env!("CARGO_PKG_VERSION"),
+            program: Program::CURRENT,
+            state: State::Complete,
             command: "tradeoff",
             title: study.title().to_string(),
             config: Config::of(study),
+            inputs: FileEntry::inputs(study),
+            files: Vec::new(),
             designs: 0,
             designs_of_sweep: study.design_count(),
             oracle: serde_json::Map::new(),
@@ -85,11 +91,10 @@ impl TradeoffManifest {
     }
 
     /// Writes everything into `folder`, the manifest last.
-    pub fn save(mut self, folder: &ResultFolder, tradeoff: &Tradeoff) -> Result<(), Error> {
+    pub fn save(mut self, claim: &Claim, tradeoff: &Tradeoff) -> Result<(), Error> {
         self.designs = tradeoff.designs as u64;
         self.oracle.insert("series".into(), tradeoff.by_series.into());
         self.oracle.insert(format!("fe_level_{REFERENCE_LEVEL}"), tradeoff.by_mesh.into());
-        folder.create()?;
         let mut front: Vec<&Measured> = tradeoff.rows.iter().filter(|row| row.on_front).collect();
         front.sort_by(|a, b| a.time_per_design.total_cmp(&b.time_per_design));
         let picture = tradeoff_plot::svg(&self.title, &tradeoff.rows)?;
@@ -98,13 +103,15 @@ impl TradeoffManifest {
             ("front.csv", table(front.into_iter())),
             ("tradeoff.svg", picture),
         ] {
-            let path = folder.dir().join(name);
+            let path = claim.partial(name);
+            self.files.push(FileEntry::new(name, &Fingerprint::of(text.as_bytes())));
             std::fs::write(&path, text).map_err(|source| Error::Io { action: "write", path, source })?;
         }
         self.wall_seconds = self.started.elapsed().map_or(0.0, |time| time.as_secs_f64());
-        let path = folder.manifest();
+        let path = claim.partial(MANIFEST);
         manifest::stage(&self, &path)?;
-        manifest::publish(&path)
+        manifest::publish(&path)?;
+        claim.publish()
     }
 }
 

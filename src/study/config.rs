@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::error::Error;
 use crate::study::design::{DesignCase, Limits, Load};
 use crate::study::designs_file::{DesignsFile, Rows};
+use crate::study::fingerprint::Fingerprint;
 use crate::study::recipe::Recipe;
 use crate::study::sampling::{MAX_DESIGNS, Scheme};
 use crate::study::source::{Section, Source};
@@ -144,6 +145,15 @@ impl Study {
         }
     }
 
+    /// What tells the config and the list of designs that it names from others, with their paths.
+    pub fn inputs(&self) -> Vec<(&Path, Fingerprint)> {
+        let mut inputs = vec![(self.path(), Fingerprint::of(self.source_text().as_bytes()))];
+        if let Designs::Listed(file) = &self.designs {
+            inputs.push((file.path(), file.fingerprint()));
+        }
+        inputs
+    }
+
     pub fn design_count(&self) -> u64 {
         match &self.designs {
             Designs::Sampled { recipe, .. } => recipe.sampler().design_count(),
@@ -168,7 +178,7 @@ impl Study {
     pub fn cases(&self) -> Result<Cases<'_>, Error> {
         Ok(match &self.designs {
             Designs::Sampled { recipe, steps } => Cases(Kind::Sampled { recipe, steps, next: 0 }),
-            Designs::Listed(file) => Cases(Kind::Listed(file.rows()?)),
+            Designs::Listed(file) => Cases(Kind::Listed(Box::new(file.rows()?))),
         })
     }
 }
@@ -179,7 +189,7 @@ pub struct Cases<'a>(Kind<'a>);
 
 enum Kind<'a> {
     Sampled { recipe: &'a Recipe, steps: &'a [Load], next: u64 },
-    Listed(Rows),
+    Listed(Box<Rows>),
 }
 
 impl Iterator for Cases<'_> {

@@ -1,37 +1,40 @@
 //! A CSV list of designs, one load case a row: read row by row, so that its length does not matter.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use crate::error::{Error, suggest};
+use crate::error::{Error, shortened, suggest};
 use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
 use crate::mechanics::material::{Idealization, Material};
 use crate::study::columns::{Column, FORCE, INDENTATION, joint_columns};
 use crate::study::design::{DesignCase, JointDesign, Limits, Load, Part};
+use crate::study::fingerprint::{Fingerprint, Fingerprinted};
+use crate::study::line_guard::LineGuard;
 
 /// A list of designs that has been read once and found good.
 #[derive(Clone, Debug)]
 pub struct DesignsFile {
     path: PathBuf,
     row_count: u64,
+    fingerprint: Fingerprint,
 }
 
 impl DesignsFile {
     /// Reads and checks every row.
     pub fn open(path: PathBuf) -> Result<DesignsFile, Error> {
-        let mut rows = Rows::open(&path, u64::MAX)?;
+        let mut rows = Rows::open(&path, None)?;
         let mut row_count = 0;
         for case in rows.by_ref() {
             case?;
             row_count += 1;
         }
         if row_count == 0 {
-            return Err(rows.error(None, "", "there is no row below the header".to_string()));
+            return Err(rows.error(Some(1), "", "there is no row below the header".to_string()));
         }
-        Ok(DesignsFile { path, row_count })
+        Ok(DesignsFile { fingerprint: rows.fingerprint(), path, row_count })
     }
 
     pub fn path(&self) -> &Path {
@@ -42,29 +45,41 @@ impl DesignsFile {
         self.row_count
     }
 
-    /// The designs, in the order of the rows.
+    /// Of the file as it was when it was checked.
+    pub fn fingerprint(&self) -> Fingerprint {
+        self.fingerprint
+    }
+
+    /// The designs, in the order of the rows; an error at the end where the file is no longer the one that was checked.
     pub fn rows(&self) -> Result<Rows, Error> {
-        Rows::open(&self.path, self.row_count)
+        Rows::open(&self.path, Some(self.clone()))
     }
 }
 
 /// The designs of a list, as they are read.
 pub struct Rows {
     path: PathBuf,
-    reader: csv::Reader<File>,
+    reader: csv::Reader<Guarded>,
     record: StringRecord,
     /// Where the header has each column a list may have; `None` when it was left out.
     places: Vec<(String, Option<usize>)>,
     next: u64,
-    row_count: u64,
+    /// What the file was when it was checked.
+    checked: Option<DesignsFile>,
     failed: bool,
 }
 
+type Guarded = LineGuard<Fingerprinted<File>>;
+
 impl Rows {
-    fn open(path: &Path, row_count: u64) -> Result<Rows, Error> {
+    fn open(path: &Path, checked: Option<DesignsFile>) -> Result<Rows, Error> {
         let file = File::open(path).map_err(|source| unreadable(path, source))?;
-        let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(file);
-        let header = reader.headers().map_err(|error| csv_error(path, error))?.clone();
+        let guarded = LineGuard::new(Fingerprinted::new(file));
+        let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(guarded);
+        let header = match reader.headers() {
+            Ok(header) => header.clone(),
+            Err(error) => return Err(csv_error(path, reader.get_ref(), error)),
+        };
         let mut names: Vec<String> = joint_columns().iter().map(Column::name).collect();
         names.extend([INDENTATION.to_string(), FORCE.to_string()]);
         let refuse = |key: &str, problem: String| Error::Input {
@@ -79,7 +94,7 @@ impl Rows {
                 let separator =
                     if found.contains([';', '\t']) { "columns are separated by commas; " } else { "" };
                 return Err(refuse(
-                    found,
+                    &shortened(found),
                     format!("unknown column; {separator}{}", suggest(found, &allowed)),
                 ));
             }
@@ -97,19 +112,22 @@ impl Rows {
             record: StringRecord::new(),
             places: names.into_iter().map(place).collect(),
             next: 0,
-            row_count,
+            checked,
             failed: false,
         })
     }
 
     fn advance(&mut self) -> Result<Option<DesignCase>, Error> {
-        let found =
-            self.reader.read_record(&mut self.record).map_err(|error| csv_error(&self.path, error))?;
-        let expected = self.next < self.row_count;
-        if self.row_count != u64::MAX && found != expected {
-            let problem =
-                format!("the file has changed since it was checked: it had {} rows", self.row_count);
-            return Err(self.error(None, "", problem));
+        let found = match self.reader.read_record(&mut self.record) {
+            Ok(found) => found,
+            Err(error) => return Err(csv_error(&self.path, self.reader.get_ref(), error)),
+        };
+        if let Some(checked) = &self.checked {
+            let is_over = self.next == checked.row_count;
+            if found == is_over || (is_over && self.fingerprint() != checked.fingerprint) {
+                let problem = "the file has changed since it was checked, before the sweep began";
+                return Err(self.error(None, "", problem.to_string()));
+            }
         }
         if !found {
             return Ok(None);
@@ -117,6 +135,11 @@ impl Rows {
         let case = DesignCase { index: self.next, joint: self.joint()?, steps: vec![self.load()?] };
         self.next += 1;
         Ok(Some(case))
+    }
+
+    /// Of what has been read: at the end, of the file.
+    fn fingerprint(&self) -> Fingerprint {
+        self.reader.get_ref().inner().fingerprint()
     }
 
     fn joint(&self) -> Result<JointDesign, Error> {
@@ -246,13 +269,6 @@ fn unused(value: &str, shape: &Shape) -> String {
     format!("`{}`: model `{}` does not use this column; leave the cell empty", shortened(value), shape.name)
 }
 
-fn shortened(cell: &str) -> String {
-    if cell.chars().count() <= 60 {
-        return cell.to_string();
-    }
-    cell.chars().take(60).chain("...".chars()).collect()
-}
-
 /// The line, from 1, of the row at `position`. Counted anew: the reader's own count runs ahead of blank lines and
 /// of the second half of a Windows line end. `None` when the file can no longer be read.
 fn line_of(path: &Path, position: &csv::Position) -> Option<u64> {
@@ -271,9 +287,13 @@ fn unreadable(path: &Path, source: std::io::Error) -> Error {
     Error::Io { action: "read", path: path.to_path_buf(), source }
 }
 
-fn csv_error(path: &Path, error: csv::Error) -> Error {
-    let line = error.position().and_then(|position| line_of(path, position));
+fn csv_error(path: &Path, guard: &Guarded, error: csv::Error) -> Error {
+    let mut line = error.position().and_then(|position| line_of(path, position));
     let problem = match error.into_kind() {
+        csv::ErrorKind::Io(source) if source.kind() == ErrorKind::InvalidData => {
+            line = Some(guard.line());
+            source.to_string()
+        }
         csv::ErrorKind::Io(source) => return unreadable(path, source),
         csv::ErrorKind::Utf8 { .. } => "this is not UTF-8 text".to_string(),
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {

@@ -1,3 +1,5 @@
+pub mod fingerprint;
+mod line_guard;
 pub mod units;
 pub mod design;
 pub mod columns;

@@ -1,12 +1,17 @@
 //! A config as TOML that knows where everything stands, so that every complaint can name file, line and key.
 
+use std::fs::File;
+use std::io::Read;
 use std::ops::Range;
 use std::path::PathBuf;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{Error, suggest};
+use crate::error::{Error, shortened, suggest};
+
+/// Bytes of a config at most: lists of a million values fit. Long lists of designs are files of their own.
+const LARGEST: u64 = 16 << 20;
 
 /// A config's text and where it came from.
 #[derive(Debug)]
@@ -16,11 +21,17 @@ pub struct Source {
 }
 
 impl Source {
+    /// Reads a file, or what a pipe has to say.
     pub fn read(path: PathBuf) -> Result<Source, Error> {
-        let bytes = match std::fs::read(&path) {
-            Ok(bytes) => bytes,
-            Err(source) => return Err(Error::Io { action: "read", path, source }),
-        };
+        let mut bytes = Vec::new();
+        let read = File::open(&path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes));
+        if let Err(source) = read {
+            return Err(Error::Io { action: "read", path, source });
+        }
+        if bytes.len() as u64 > LARGEST {
+            let problem = format!("this is no config: it has more than {} MB", LARGEST >> 20);
+            return Err(Error::Input { file: path, line: None, key: String::new(), problem });
+        }
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Source { path, text }),
             Err(error) => {
@@ -35,13 +46,19 @@ impl Source {
     pub fn parse(&self) -> Result<Spanned<DeTable<'_>>, Error> {
         DeTable::parse(&self.text).map_err(|error| {
             let start = error.span().map(|span| span.start);
-            self.error(start, "", format!("not valid TOML: {}", error.message().replace('\n', ", ")))
+            let problem = match error.message().replace('\n', ", ") {
+                message if message.contains("recurs") => "lists or tables are nested too deep".to_string(),
+                message => message,
+            };
+            self.error(start, "", format!("not valid TOML: {problem}"))
         })
     }
 
     /// The root table of what `parse` gave.
     pub fn root<'a>(&'a self, document: &'a Spanned<DeTable<'a>>) -> Section<'a> {
-        Section { source: self, key: String::new(), start: None, table: document.get_ref() }
+        // What the root lacks is missed at the end.
+        let end = self.text.trim_end().len();
+        Section { source: self, key: String::new(), start: Some(end), table: document.get_ref() }
     }
 
     /// A complaint about the line of byte `start`.
@@ -56,7 +73,7 @@ fn line_of(before: &[u8]) -> u64 {
     1 + before.iter().filter(|&&byte| byte == b'\n').count() as u64
 }
 
-/// A table with its dotted key; `start` is where its header stands, unknown for the root.
+/// A table with its dotted key; `start` is where its header stands, for the root where the text ends.
 #[derive(Clone)]
 pub struct Section<'a> {
     source: &'a Source,
@@ -79,7 +96,11 @@ impl<'a> Section<'a> {
             None => Ok(()),
             Some(key) => {
                 let problem = format!("unknown key; {}", suggest(key.get_ref(), keys));
-                Err(self.source.error(Some(key.span().start), &self.dotted(key.get_ref()), problem))
+                Err(self.source.error(
+                    Some(key.span().start),
+                    &self.dotted(&shortened(key.get_ref())),
+                    problem,
+                ))
             }
         }
     }
@@ -134,8 +155,8 @@ impl<'a> Item<'a> {
     pub fn written(&self) -> String {
         let text = self.source.text.get(self.span.clone()).unwrap_or_default();
         let line = text.lines().next().unwrap_or_default();
-        let short: String = line.chars().take(60).collect();
-        if short.len() == text.len() { short } else { format!("{short}...") }
+        let short = shortened(line);
+        if line.len() == text.len() || short.len() < line.len() { short } else { format!("{short}...") }
     }
 
     /// Where the value stands in the file: the order in which things are listed.

@@ -73,6 +73,9 @@ impl Dimension {
 pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, String> {
     let (number, unit) = split(text);
     let wanted = dimension.name();
+    if unit.is_empty() && !number.is_empty() && number.parse::<f64>().is_err() {
+        return Err(format!("a {wanted} is one number and its unit, like \"12.5 {}\"", dimension.unit()));
+    }
     if unit.is_empty() {
         let number = if number.parse::<f64>().is_ok() { number } else { "1" };
         let example = format!("\"{number} {}\"", dimension.unit());
@@ -162,6 +165,7 @@ mod tests {
             ("12.7", "the unit is missing; a length is written like \"12.7 mm\""),
             ("", "the unit is missing"),
             ("1e3", "the unit is missing"),
+            ("10 mm 3", "a length is one number and its unit, like \"12.5 mm\""),
             ("12 Mm", "did you mean `mm`?"),
             ("12 MPa", "`MPa` is a unit of stress, a length is needed: nm,"),
             ("12,7 mm", "`12,7` is not a number"),

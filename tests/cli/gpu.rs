@@ -81,8 +81,8 @@ fn a_config_gives_the_same_table_on_both_backends() {
     for (precision, allowed) in [("f32", 1e-4), ("f64", 2e-9), ("mixed", 1e-7)] {
         let arguments = ["run", "sweep.toml", "--out", precision, "--precision", precision];
         let ended = work.run(&[&arguments[..], &ANY].concat()).expect(0);
-        let summary = ended.stderr;
-        assert!(!summary.contains("warning"), "{summary}");
+        assert!(!ended.stderr.contains("warning") && !ended.stderr.contains("XDG"), "{}", ended.stderr);
+        let summary = ended.stdout;
         let manifest = work.json(&format!("{precision}/manifest.json"));
         assert_eq!((&manifest["backend"], &manifest["precision"]), (&"gpu".into(), &precision.into()));
         let adapter = manifest["adapter"]["name"].as_str().unwrap();

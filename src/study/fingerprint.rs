@@ -1,0 +1,99 @@
+//! What tells whether a file is still the one it was: its length and a hash of its bytes.
+
+use std::fmt;
+use std::io::Read;
+
+use xxhash_rust::xxh3::Xxh3;
+
+/// Length and XXH128 of some bytes, as `xxh128sum` prints it. It finds accidents, not forgeries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fingerprint {
+    pub bytes: u64,
+    xxh128: u128,
+}
+
+impl Fingerprint {
+    pub fn of(bytes: &[u8]) -> Fingerprint {
+        let mut printer = Fingerprinter::default();
+        printer.update(bytes);
+        printer.fingerprint()
+    }
+
+    /// The hash in 32 hexadecimal digits.
+    pub fn hash(&self) -> String {
+        format!("{:032x}", self.xxh128)
+    }
+
+    /// From what `bytes` and `hash` gave.
+    pub fn parse(bytes: u64, hash: &str) -> Option<Fingerprint> {
+        Some(Fingerprint { bytes, xxh128: u128::from_str_radix(hash, 16).ok()? })
+    }
+}
+
+/// Makes the fingerprint of bytes that come piece by piece.
+#[derive(Clone, Default)]
+pub struct Fingerprinter {
+    bytes: u64,
+    hasher: Xxh3,
+}
+
+impl fmt::Debug for Fingerprinter {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        write!(out, "Fingerprinter({} bytes)", self.bytes)
+    }
+}
+
+impl Fingerprinter {
+    pub fn update(&mut self, bytes: &[u8]) {
+        self.bytes += bytes.len() as u64;
+        self.hasher.update(bytes);
+    }
+
+    pub fn fingerprint(&self) -> Fingerprint {
+        Fingerprint { bytes: self.bytes, xxh128: self.hasher.digest128() }
+    }
+}
+
+/// A reader that knows the fingerprint of what has been read.
+#[derive(Debug)]
+pub struct Fingerprinted<R> {
+    inner: R,
+    printer: Fingerprinter,
+}
+
+impl<R> Fingerprinted<R> {
+    pub fn new(inner: R) -> Fingerprinted<R> {
+        Fingerprinted { inner, printer: Fingerprinter::default() }
+    }
+
+    pub fn fingerprint(&self) -> Fingerprint {
+        self.printer.fingerprint()
+    }
+}
+
+impl<R: Read> Read for Fingerprinted<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.inner.read(buffer)?;
+        self.printer.update(&buffer[..count]);
+        Ok(count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `printf 'jointsweep' | xxh128sum`, by the reference implementation.
+    #[test]
+    fn the_hash_is_that_of_the_reference_implementation() {
+        let print = Fingerprint::of(b"");
+        assert_eq!((print.bytes, print.hash().as_str()), (0, "99aa06d3014798d86001c324468d497f"));
+        let whole = Fingerprint::of(b"jointsweep");
+        let mut reader = Fingerprinted::new(&b"jointsweep"[..]);
+        let mut piece = [0; 3];
+        while reader.read(&mut piece).unwrap() > 0 {}
+        assert_eq!(reader.fingerprint(), whole);
+        assert_eq!(Fingerprint::parse(10, &whole.hash()), Some(whole));
+        assert_ne!(Fingerprint::of(b"jointsweeq"), whole);
+    }
+}

@@ -1,0 +1,92 @@
+//! No memory, no room, nobody who listens.
+
+#[cfg(target_os = "linux")]
+use std::fs::File;
+use std::process::Command;
+
+use crate::workdir::{Ended, Workdir};
+use crate::{config, slow_config};
+
+/// The program in a shell that limits it first.
+fn limited(work: &Workdir, limit: &str, arguments: &str) -> Ended {
+    let program = env!("CARGO_BIN_EXE_jointsweep");
+    let command = format!("{limit}; exec '{program}' {arguments}");
+    Ended::new(Command::new("sh").args(["-c", &command]).current_dir(work.path("")).output().unwrap())
+}
+
+/// A process that gets no memory is ended at once, in the middle of whatever it does.
+#[test]
+fn a_run_that_gets_no_memory_loses_nothing_that_was_finished() {
+    let work = Workdir::new("no-memory");
+    work.write("slow.toml", &slow_config().replace("0.1 %", "10 %"));
+    work.run(&["run", "slow.toml"]).expect(0);
+    let table = work.read("out/slow/table.csv");
+    work.write("slow.toml", &slow_config());
+    let ended = limited(&work, "ulimit -v 200000", "run slow.toml --force --threads 1");
+    assert!(ended.code != Some(0) && ended.code != Some(2), "{:?} {}", ended.code, ended.stderr);
+    assert!(work.read("out/slow/table.csv") == table);
+    assert_eq!(work.json("out/slow/manifest.json")["state"], "complete");
+    for name in ["out/slow/manifest.json.partial", "out/slow/manifest.json.partial.tmp"] {
+        if work.path(name).exists() {
+            assert_eq!(work.json(name)["state"], "incomplete", "{name}");
+        }
+    }
+}
+
+/// The signal that a file has grown too large ends a process that does not expect it.
+#[test]
+fn a_file_that_may_not_grow_is_an_error() {
+    let work = Workdir::new("no-room");
+    work.write("sweep.toml", &config(20_000));
+    let ended = limited(&work, "ulimit -f 300", "run sweep.toml").expect(1);
+    assert!(
+        ended.stderr.starts_with("error: cannot write out/sweep/table.csv.partial: "),
+        "{}",
+        ended.stderr
+    );
+    assert_eq!(work.json("out/sweep/manifest.json.partial")["state"], "failed");
+    assert!(work.read("out/sweep/table.csv.partial").ends_with(",ok\n"), "the last row is cut");
+    assert!(!work.path("out/sweep/table.csv").exists());
+}
+
+/// `> /dev/full` is an error of every verb; what was computed is there.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_that_takes_nothing_is_an_error_of_every_verb() {
+    let work = Workdir::new("no-listener");
+    work.write("sweep.toml", &config(3));
+    let mut verbs = 0;
+    for arguments in [
+        &["--help"][..],
+        &["--version"],
+        &["help", "run"],
+        &["run", "sweep.toml"],
+        // What is complete says so.
+        &["run", "sweep.toml"],
+        &["run", "sweep.toml", "--dry-run"],
+        &["explain", "sweep.toml"],
+        &["explain", "sweep.toml", "--design", "2"],
+        &["devices"],
+        &["bench", "sweep.toml", "--runs", "1", "--out", "bench"],
+        &["tradeoff", "sweep.toml", "--runs", "1", "--designs", "1", "--out", "tradeoff", "--quiet"],
+    ] {
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        let ended = Ended::new(work.command(arguments).stdout(full).output().unwrap());
+        let quiet = arguments.contains(&"--quiet");
+        assert_eq!(ended.code, Some(if quiet { 0 } else { 1 }), "{arguments:?}: {}", ended.stderr);
+        if !quiet && !arguments[0].starts_with('-') && arguments[0] != "help" {
+            let told = ended.stderr.lines().last().unwrap_or_default();
+            assert!(told.starts_with("error: cannot write to standard output: "), "{arguments:?}: {told}");
+        }
+        verbs += 1;
+    }
+    assert_eq!(verbs, 11);
+    for name in ["out/sweep/table.csv", "bench/sweep.csv", "tradeoff/tradeoff.csv"] {
+        assert!(work.path(name).exists(), "{name}");
+    }
+    // Who has stopped reading is no error.
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let ended = Ended::new(work.command(&["explain", "sweep.toml"]).stdout(writer).output().unwrap());
+    assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""));
+}
