@@ -262,7 +262,7 @@ fn a_tradeoff_writes_table_front_plot_and_manifest() {
         assert!(told.stderr.contains("--force"), "{}", told.stderr);
     }
     let run = work.run(&["run", "few.toml", "--out", "plain"]).expect(0);
-    assert!(run.stderr.contains("4 designs"), "{}", run.stderr);
+    assert!(run.stdout.contains("4 designs"), "{}", run.stdout);
     let told = work.run(&["tradeoff", "few.toml", "--out", "plain"]).expect(1);
     assert!(told.stderr.contains("jointsweep run"), "{}", told.stderr);
     let told = work.run(&["tradeoff", "few.toml", "--adapter", "no such GPU"]).expect(1);

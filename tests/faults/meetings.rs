@@ -101,9 +101,10 @@ fn the_survivor_of_two_runs_has_the_right_table() {
                 assert!(is_refused && meeting.killed.code != Some(0));
                 assert!(!work.path("result/table.csv").exists());
                 if work.path("result/table.csv.partial").exists() {
-                    // After a kill the file may be empty, but it does not end within a row.
+                    // A kill may stop the system itself in the middle of a write, and so of a row.
                     let rows = work.read("result/table.csv.partial");
-                    assert!(table.starts_with(&rows) && (rows.is_empty() || rows.ends_with('\n')));
+                    assert!(table.starts_with(&rows), "{} bytes are not the first", rows.len());
+                    assert!(signal == "-KILL" || rows.ends_with('\n'), "the last row is cut");
                     partial += u64::from(rows.len() > 1000);
                 }
             }

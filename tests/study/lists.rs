@@ -45,10 +45,13 @@ fn a_list_that_has_changed_is_refused() {
     folder.write("designs.csv", &list);
     let study = folder.study("[designs]\nfile = \"designs.csv\"\n");
     let fewer: Vec<&str> = list.lines().take(4).collect();
-    for changed in [fewer.join("\n"), format!("{list}{}\n", list.lines().last().unwrap())] {
+    // Shorter, longer, and as long with another number.
+    let longer = format!("{list}{}\n", list.lines().last().unwrap());
+    for changed in [fewer.join("\n"), longer, list.replacen("10,", "11,", 1)] {
+        assert_ne!(changed, list);
         folder.write("designs.csv", changed);
         let error = study.cases().unwrap().find_map(Result::err).expect("accepted").to_string();
-        assert!(error.contains("has changed since it was checked: it had 5 rows"), "{error}");
+        assert!(error.contains("has changed since it was checked"), "{error}");
     }
 }
 
@@ -74,6 +77,8 @@ fn bad_lists_are_refused_by_row_and_column() {
         (",,5000", ",1,5000", ":3: force_n: `indentation_mm` is given, too"),
         (",,5000", ",5000", ":3: the row has 17 cells, the header has 18"),
         ("\n12.7", "\n\n\nbad", ":6: hole_radius_mm: `bad`: not a number"),
+        ("\n20,0.05", "\n20,\"0.05", ":2: a quote is opened and not closed before the end of the line"),
+        ("\n20,0.05", "\n20,0.05\"", ":2: a quote is opened and not closed before the end of the line"),
     ];
     let first_line = list.lines().next().unwrap();
     let column = first_line.split(',').position(|name| name == "depth_ratio").unwrap();
@@ -88,8 +93,10 @@ fn bad_lists_are_refused_by_row_and_column() {
         (without(column), ":5: depth_ratio: the column is missing; this row needs it"),
         (without(17), ":3: indentation_mm: the row needs either this or `force_n`"),
         (list.replace(',', ";"), "columns are separated by commas"),
-        (first_line.to_string(), ": there is no row below the header"),
-        (String::new(), ": there is no row below the header"),
+        (first_line.to_string(), ":1: there is no row below the header"),
+        (String::new(), ":1: there is no row below the header"),
+        ("x".repeat(100_000), ":1: the line is longer than 65536 bytes: this is no list of designs"),
+        (format!("{list}{}", "1".repeat(100_000)), ":7: the line is longer than 65536 bytes"),
     ];
     for (old, new, expected) in edits {
         assert!(list.contains(old), "{old}");

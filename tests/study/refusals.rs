@@ -83,7 +83,18 @@ fn bad_configs_are_refused_by_line_and_key() {
             "{refusal}\nnot {expected}"
         );
     }
-    assert!(folder.refusal("title = 'x'").starts_with("config.toml: the table [joint] is missing"));
+    // What is missing is missing at the end.
+    assert!(
+        folder
+            .refusal("title = 'x'\n# that is all\n\n")
+            .starts_with("config.toml:2: the table [joint] is missing")
+    );
+    assert!(folder.refusal("").starts_with("config.toml:1: the table [joint] is missing"));
+    let deep = format!("title = {}1{}", "[".repeat(10_000), "]".repeat(10_000));
+    assert_eq!(folder.refusal(deep), "config.toml:1: not valid TOML: lists or tables are nested too deep");
+    let long = folder.refusal(format!("{} = 1", "x".repeat(1_000_000)));
+    assert!(long.contains("xxx...: unknown key") && long.len() < 300, "{long}");
+    assert!(folder.refusal("#".repeat(20_000_000)).contains("this is no config: it has more than 16 MB"));
     assert_eq!(folder.refusal(b"title = ''\n# \xff\n"), "config.toml:2: this is not UTF-8 text");
     let refusal = Study::load(&folder.0.join("none.toml")).unwrap_err().to_string();
     assert!(refusal.starts_with("cannot read") && refusal.contains("none.toml"), "{refusal}");
