@@ -139,7 +139,13 @@ fn finite_elements_meet_the_accuracy_against_series() {
     ] {
         let found = solve(&cases, MethodChoice::Fe, seen.accuracy);
         assert!(found.iter().all(Option::is_some), "finite elements have an answer for every design");
-        hold("fe against series", &compare(&found, &exact), &seen);
+        let errors = compare(&found, &exact);
+        hold("fe against series", &errors, &seen);
+        // The project's limit of the half angle is 0.5 deg, its aim 0.2 deg, which holds from 0.3 % on.
+        let half_angle = if seen.accuracy > 3e-3 { 0.5 } else { 0.2 };
+        assert!(quantile(&errors.half_angle, 1.0) <= half_angle);
+        assert!(quantile(&errors.stiffness, 1.0) <= seen.accuracy.max(4e-3));
+        assert!(mean(&errors.estimate) < 12.0 * mean(&errors.force));
     }
 }
 
