@@ -181,12 +181,16 @@ fn dispatches_take_their_time() {
     let most_steps = f64::from(split(&[BODY], &KERNEL, &LIMITS)[0].iterations);
     for seconds in [1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 0.02, 0.09] {
         let kernel = KernelFacts { seconds_per_iteration: seconds, ..KERNEL };
+        let mut long = 0;
         for batch in split(&bodies, &kernel, &LIMITS) {
             let time = batch.bodies.len() as f64 * f64::from(batch.iterations) * seconds;
             assert!(time <= 0.2, "{seconds}: {time}");
             let limited = f64::from(batch.iterations) == most_steps;
             assert!(time >= 0.05 || limited || batch.bodies.end == bodies.len(), "{seconds}: {time}");
+            long += usize::from(time >= 0.05);
         }
+        // Faster kernels leave too little work.
+        assert_eq!(long > 0, seconds >= 1e-7, "{seconds}: {long}");
     }
     let slow = KernelFacts { seconds_per_iteration: 3.0, ..KERNEL };
     for batch in split(&bodies[..3], &slow, &LIMITS) {

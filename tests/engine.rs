@@ -1,12 +1,15 @@
 //! From designs to outcomes: what each row says of itself, finer meshes where they are needed, and bodies shared by
 //! designs, batches and steps without a trace.
 
+#[path = "common/greatest.rs"]
+mod greatest;
 #[path = "common/random.rs"]
 mod random;
 
 use std::ops::ControlFlow;
 use std::time::Duration;
 
+use greatest::greatest;
 use jointsweep::engine::backend::cpu::CpuBackend;
 use jointsweep::engine::backend::gpu::context::GpuError;
 use jointsweep::engine::backend::{Backend, Solver};
@@ -273,9 +276,7 @@ fn finer_meshes_are_taken_where_they_are_needed() {
     let mut stiff = slender;
     stiff.plate.material.youngs_modulus *= 100.0;
     let [slender, stiff] = [slender, stiff].map(|joint| case(joint, &[1e-3, 0.2].map(Load::Indentation)));
-    let worst = |steps: &[StepOutcome]| {
-        steps.iter().fold(0.0, |worst: f64, step| worst.max(step.response.unwrap().force_error))
-    };
+    let worst = |steps: &[StepOutcome]| greatest(steps.iter().map(|step| step.response.unwrap().force_error));
     let plan = |case: &DesignCase, accuracy| JointPlan::cheapest(case, MethodChoice::Auto, accuracy).unwrap();
     let foreseen = plan(&slender, 0.01).foreseen_error(&Foresight::of(&slender)).unwrap();
     let found = worst(&alone(&slender, MethodChoice::Auto, 0.01));
@@ -321,8 +322,14 @@ fn a_batch_is_what_its_designs_are_alone() {
     }
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
     let outcomes = CpuBackend::new(options).solve(&cases);
+    assert_eq!(outcomes.len(), 36);
     for (index, (outcome, case)) in outcomes.iter().zip(&cases).enumerate() {
         assert_eq!(outcome.steps, alone(case, MethodChoice::Fe, 0.01), "design {index}: {case:?}");
+    }
+    // Control: all are answered, and what differs between the two of a pair shows.
+    let force = |outcome: &DesignOutcome| outcome.steps[0].response.unwrap().force;
+    for (index, pair) in outcomes.chunks_exact(2).enumerate() {
+        assert_ne!(force(&pair[0]), force(&pair[1]), "pair {index}");
     }
 }
 
@@ -340,6 +347,7 @@ fn forgetting_bodies_changes_nothing() {
         assert_eq!(outcomes.len(), BATCH);
         for (index, outcome) in (start..).zip(&outcomes).step_by(BATCH - 1) {
             assert_eq!(outcome.steps, alone(&design(index), MethodChoice::Series, 0.01), "design {index}");
+            assert_eq!(outcome.steps[0].status, "ok");
         }
     }
 }
@@ -475,11 +483,12 @@ fn an_accelerator_that_gives_up_loses_no_design() {
     }
     assert_eq!(reasons, [GpuError::NoAdapter]);
     let expected = CpuBackend::new(options).solve(&cases);
+    assert_eq!((outcomes.len(), expected.len()), (cases.len(), cases.len()));
     for (index, (outcome, expected)) in outcomes.iter().zip(&expected).enumerate() {
         assert_eq!((outcome.case.index, &outcome.steps), (index as u64, &expected.steps));
+        assert_eq!(outcome.steps[0].status, "ok");
         assert_eq!(outcome.backend, if index < 3 { BackendKind::Gpu } else { BackendKind::Cpu });
     }
-    assert_eq!(outcomes.len(), cases.len());
     // Times of both, those of one stage together.
     assert!(solver.stages().iter().any(|(name, time)| *name == "contact" && time.as_secs() == 1000));
     assert!(solver.stages().contains(&("its own", Duration::from_secs(1))));

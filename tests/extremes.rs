@@ -8,11 +8,14 @@
 //! JOINTSWEEP_DRAWS=100000 cargo test --release --test extremes -- --nocapture
 //! ```
 
+#[path = "common/greatest.rs"]
+mod greatest;
 #[path = "common/random.rs"]
 mod random;
 
 use std::collections::BTreeMap;
 
+use greatest::greatest;
 use jointsweep::engine::backend::cpu::CpuBackend;
 use jointsweep::engine::interpolation::plan::InterpolationPlan;
 use jointsweep::engine::outcome::{DesignOutcome, Method, Response};
@@ -26,7 +29,11 @@ const DRAWS: usize = 2000;
 
 fn draws() -> usize {
     let asked = std::env::var("JOINTSWEEP_DRAWS").ok();
-    asked.map_or(DRAWS, |text| text.parse().unwrap_or_else(|_| panic!("JOINTSWEEP_DRAWS={text} is no count")))
+    let asked =
+        asked.map(|text| text.parse().unwrap_or_else(|_| panic!("JOINTSWEEP_DRAWS={text} is no count")));
+    let draws = asked.unwrap_or(DRAWS);
+    assert!(draws >= 500, "so few draws show nothing");
+    draws
 }
 
 /// Half of them at the ends of the range.
@@ -79,9 +86,8 @@ fn solve(cases: &[DesignCase], method: MethodChoice, accuracy: f64) -> Vec<Desig
 
 /// The relative error of the force at the same indentation; where the force is given, by way of the stiffness.
 fn error(found: &Response, exact: &Response) -> f64 {
-    let of_force = (found.force / exact.force - 1.0).abs();
-    let offset = (found.indentation - exact.indentation).abs();
-    of_force.max(offset * exact.tangent_stiffness / exact.force)
+    let offset = found.indentation - exact.indentation;
+    greatest([found.force / exact.force - 1.0, offset * exact.tangent_stiffness / exact.force])
 }
 
 fn is_sound(response: &Response) -> bool {
@@ -91,44 +97,80 @@ fn is_sound(response: &Response) -> bool {
     all.into_iter().all(|value| value.is_finite() && value > 0.0)
 }
 
-/// Checks every row, and gives how many had numbers that nobody warned of, the worst error of those, and the designs
-/// whose error is above `accuracy`.
-fn check(
-    cases: &[DesignCase],
-    found: &[DesignOutcome],
-    exact: &[DesignOutcome],
-    accuracy: f64,
-) -> Vec<usize> {
+/// Shares of the steps, as 10,000 draws had them.
+struct Seen {
+    /// Answered, and compared with an exact answer: nothing warns of either.
+    compared: f64,
+    /// Refused, in words.
+    failed: f64,
+    /// Answered with a warning of the accuracy.
+    warned: f64,
+    /// Of the errors that were compared those below their estimates.
+    bounded: f64,
+}
+
+/// Four standard deviations of a share among so many designs: other draws, fewer or more, keep within them. Where nearly all or
+/// nearly none have it, those of one in a hundred.
+fn scatter(share: f64, designs: f64) -> f64 {
+    let share = share.clamp(0.01, 0.99);
+    4.0 * (share * (1.0 - share) / designs).sqrt()
+}
+
+/// Checks every row: it has an answer within the accuracy, or warns, or fails in words; and so many as were seen do each.
+fn check(cases: &[DesignCase], found: &[DesignOutcome], exact: &[DesignOutcome], accuracy: f64, seen: &Seen) {
     let mut statuses: BTreeMap<&str, usize> = BTreeMap::new();
-    let (mut compared, mut worst, mut bounded) = (0, 0.0_f64, 0);
-    let mut wrong = Vec::new();
+    let (mut steps, mut failed, mut warned, mut bounded) = (0, 0, 0, 0);
+    let (mut errors, mut wrong) = (Vec::new(), Vec::new());
+    assert_eq!((found.len(), exact.len()), (cases.len(), cases.len()));
     for (index, (found, exact)) in found.iter().zip(exact).enumerate() {
+        assert_eq!([found.steps.len(), exact.steps.len()], [cases[index].steps.len(); 2]);
         for (found, exact) in found.steps.iter().zip(&exact.steps) {
+            steps += 1;
             *statuses.entry(&found.status).or_default() += 1;
             let Some(response) = &found.response else {
+                failed += 1;
                 assert!(found.status.starts_with("failed: "), "{} {:?}", found.status, cases[index]);
                 continue;
             };
             assert!(is_sound(response), "{response:?} {:?}", cases[index]);
             // A standard that warns of itself is none.
             let warns = |status: &str| status.contains("accuracy not met") || status.contains("not positive");
-            let exact = exact.response.filter(|_| !warns(&found.status) && !warns(&exact.status));
-            let Some(exact) = exact else { continue };
-            compared += 1;
+            if warns(&found.status) {
+                warned += 1;
+                continue;
+            }
+            let Some(exact) = exact.response.filter(|_| !warns(&exact.status)) else { continue };
+            assert!(is_sound(&exact), "{exact:?} {:?}", cases[index]);
             let error = error(response, &exact);
+            errors.push(error);
             bounded += usize::from(error <= response.force_error);
-            worst = worst.max(error);
             if error > accuracy {
                 println!("{error:.2e} of {:.2e}: {:?}", response.force_error, cases[index]);
                 wrong.push(index);
             }
         }
     }
-    println!("{compared} compared, worst {worst:.2e}, bounded {:.4}", bounded as f64 / compared as f64);
+    let compared = errors.len();
+    println!(
+        "{compared} compared, worst {:.2e}, bounded {:.4}",
+        greatest(errors),
+        bounded as f64 / compared as f64
+    );
     for (status, count) in statuses {
         println!("{count:>8}  {status}");
     }
-    wrong
+    assert!(wrong.is_empty(), "{} of {}: {wrong:?}", wrong.len(), cases.len());
+    // Of the two loads of a design one often fares like the other.
+    let at_least = |count: usize, all: usize, seen: f64| {
+        assert!(
+            count as f64 / all as f64 >= seen - scatter(seen, 0.5 * all as f64),
+            "{count} of {all}, {seen} seen"
+        );
+    };
+    at_least(compared, steps, seen.compared);
+    at_least(bounded, compared, seen.bounded);
+    at_least(steps - failed, steps, 1.0 - seen.failed);
+    at_least(steps - warned, steps, 1.0 - seen.warned);
 }
 
 /// The same where bodies are interpolated, as in a large sweep of such designs: boxes as wide as these are hard to fit.
@@ -138,18 +180,24 @@ fn interpolated_joints_are_right_or_say_so() {
     let cases: Vec<DesignCase> = (0..draws() as u64 / 4).map(|index| extreme(&mut random, index)).collect();
     let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint).collect();
     let exact = solve(&cases, MethodChoice::Series, 0.01);
-    for method in [MethodChoice::Fe, MethodChoice::Auto] {
+    let of_meshes = Seen { compared: 0.955, failed: 0.005, warned: 0.039, bounded: 0.998 };
+    let of_series = Seen { compared: 0.994, failed: 0.005, warned: 0.0, bounded: 0.966 };
+    for (method, seen) in [(MethodChoice::Fe, of_meshes), (MethodChoice::Auto, of_series)] {
         let options = SolveOptions { accuracy: 0.01, method };
         let plan = InterpolationPlan::new(&options, 300_000, &joints).expect("a fit is worth it");
         let mut backend = CpuBackend::interpolating(options, plan);
         let found: Vec<DesignOutcome> = cases.chunks(1024).flat_map(|cases| backend.solve(cases)).collect();
-        let interpolated = |outcome: &&DesignOutcome| {
+        let is_interpolated = |outcome: &&DesignOutcome| {
             let mut responses = outcome.steps.iter().filter_map(|step| step.response);
             responses.any(|response| response.method == Method::Interpolated)
         };
-        println!("{} designs interpolated, {method:?}", found.iter().filter(interpolated).count());
-        let wrong = check(&cases, &found, &exact, 0.01);
-        assert!(wrong.is_empty(), "{} of {}", wrong.len(), cases.len());
+        let interpolated = found.iter().filter(is_interpolated).count();
+        println!("{interpolated} of {} designs interpolated, {method:?}", cases.len());
+        // Seen: 0.17 and 0.22.
+        let (share, least) =
+            (interpolated as f64 / cases.len() as f64, 0.17 - scatter(0.17, cases.len() as f64));
+        assert!(share >= least, "{interpolated} designs interpolated");
+        check(&cases, &found, &exact, 0.01, &seen);
     }
 }
 
@@ -177,8 +225,8 @@ fn half_discs_and_blocks_are_right_or_say_so() {
     };
     let cases: Vec<DesignCase> = (0..draws() as u64 / 20).map(one).collect();
     let exact = solve(&cases, MethodChoice::Auto, 2e-3);
-    let wrong = check(&cases, &solve(&cases, MethodChoice::Auto, 0.01), &exact, 0.01);
-    assert!(wrong.is_empty(), "{} of {}", wrong.len(), cases.len());
+    let seen = Seen { compared: 0.776, failed: 0.149, warned: 0.039, bounded: 0.999 };
+    check(&cases, &solve(&cases, MethodChoice::Auto, 0.01), &exact, 0.01, &seen);
 }
 
 #[test]
@@ -186,6 +234,6 @@ fn concentric_joints_are_right_or_say_so() {
     let mut random = Random::new(71);
     let cases: Vec<DesignCase> = (0..draws() as u64).map(|index| extreme(&mut random, index)).collect();
     let exact = solve(&cases, MethodChoice::Series, 0.01);
-    let wrong = check(&cases, &solve(&cases, MethodChoice::Fe, 0.01), &exact, 0.01);
-    assert!(wrong.is_empty(), "{} of {}", wrong.len(), cases.len());
+    let seen = Seen { compared: 0.957, failed: 0.009, warned: 0.033, bounded: 0.999 };
+    check(&cases, &solve(&cases, MethodChoice::Fe, 0.01), &exact, 0.01, &seen);
 }

@@ -30,6 +30,7 @@ fn without_memory_the_processor_takes_over() {
     // All kernels are made, all threads started.
     let (before, reason) = solver.solve(few);
     assert_eq!(reason, None);
+    assert_eq!(before.len(), few.len());
     assert!(before.iter().all(|outcome| outcome.backend == BackendKind::Gpu));
 
     let allowed = virtual_memory() + MEMORY_LEFT;

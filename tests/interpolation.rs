@@ -1,11 +1,14 @@
 //! Interpolation across bodies: right to the accuracy asked where it is used, left to the meshes where it is not, and the
 //! same in every batch, order and thread.
 
+#[path = "common/greatest.rs"]
+mod greatest;
 #[path = "common/random.rs"]
 mod random;
 
 use std::path::Path;
 
+use greatest::greatest;
 use jointsweep::engine::backend::cpu::CpuBackend;
 use jointsweep::engine::interpolation::plan::InterpolationPlan;
 use jointsweep::engine::outcome::{DesignOutcome, Method};
@@ -103,85 +106,131 @@ fn bits(outcomes: &[DesignOutcome]) -> Vec<(u64, Vec<String>)> {
     outcomes.iter().map(of_design).collect()
 }
 
-/// Errors of the force, with their estimates, and of the stiffness, of the interpolated steps; and their share of all.
-fn compare(found: &[DesignOutcome], exact: &[DesignOutcome]) -> (Vec<(f64, f64, f64)>, f64) {
-    let mut errors = Vec::new();
-    let mut all = 0;
+/// Of the steps that both sides answer and that have a load.
+struct Compared {
+    steps: usize,
+    /// Steps that one side or both have no answer to.
+    unanswered: usize,
+    /// Of the interpolated steps: errors of the force, their estimates, and errors of the stiffness.
+    force: Vec<f64>,
+    estimate: Vec<f64>,
+    stiffness: Vec<f64>,
+}
+
+fn compare(found: &[DesignOutcome], exact: &[DesignOutcome]) -> Compared {
+    let (mut steps, mut unanswered) = (0, 0);
+    let (mut force, mut estimate, mut stiffness) = (Vec::new(), Vec::new(), Vec::new());
+    assert_eq!(found.len(), exact.len());
     for (found, exact) in found.iter().zip(exact) {
+        assert_eq!(found.steps.len(), exact.steps.len());
         for (found, exact) in found.steps.iter().zip(&exact.steps) {
             let (Some(found), Some(exact)) = (found.response, exact.response) else {
                 // At the widest contact there may be, either side may find it a little wider.
                 let half_angle = found.response.or(exact.response).and_then(|one| one.contact_half_angle);
                 assert!(half_angle.is_none_or(|angle| angle > 1.5), "{} {}", found.status, exact.status);
+                unanswered += 1;
                 continue;
             };
             if exact.force == 0.0 {
                 continue;
             }
-            all += 1;
+            steps += 1;
             if found.method == Method::Interpolated {
                 let of_force = (found.force / exact.force - 1.0).abs();
                 // Where the force is given, by way of the stiffness.
                 let offset = (found.indentation - exact.indentation).abs();
-                let error = of_force.max(offset * exact.tangent_stiffness / exact.force);
-                let stiffness = (found.tangent_stiffness / exact.tangent_stiffness - 1.0).abs();
-                errors.push((error, found.force_error, stiffness));
+                force.push(greatest([of_force, offset * exact.tangent_stiffness / exact.force]));
+                estimate.push(found.force_error);
+                stiffness.push(found.tangent_stiffness / exact.tangent_stiffness - 1.0);
             }
         }
     }
-    let share = errors.len() as f64 / f64::from(all);
-    (errors, share)
+    Compared { steps, unanswered, force, estimate, stiffness }
 }
 
-fn check(what: &str, accuracy: f64, found: &[DesignOutcome], exact: &[DesignOutcome]) {
-    let (errors, share) = compare(found, exact);
-    let within = |test: &dyn Fn(&(f64, f64, f64)) -> bool| {
-        errors.iter().filter(|error| test(error)).count() as f64 / errors.len() as f64
-    };
-    let worst = |pick: fn(&(f64, f64, f64)) -> f64| errors.iter().map(pick).fold(0.0, f64::max);
-    let mean = |pick: fn(&(f64, f64, f64)) -> f64| errors.iter().map(pick).sum::<f64>() / errors.len() as f64;
-    let bounded = within(&|(error, estimate, _)| error <= estimate);
+/// What a comparison is held to, as docs/verification.md has it: so far above it an error may be by `MARGIN`.
+struct Seen {
+    accuracy: f64,
+    /// Steps with a load, and those of them that are not answered.
+    steps: usize,
+    unanswered: usize,
+    /// The worst of the force and of the stiffness, relative.
+    force: f64,
+    stiffness: f64,
+    /// Mean estimate over mean error.
+    excess: f64,
+}
+
+/// Above what was seen: room for other roundings, not for a worse fit.
+const MARGIN: f64 = 1.3;
+
+fn check(what: &str, found: &[DesignOutcome], exact: &[DesignOutcome], seen: &Seen) {
+    let Compared { steps, unanswered, force, estimate, stiffness } = compare(found, exact);
+    let share = force.len() as f64 / steps as f64;
+    let bounded = force.iter().zip(&estimate).filter(|(error, estimate)| error <= estimate).count() as f64
+        / force.len() as f64;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let excess = mean(&estimate) / mean(&force);
+    let [worst_force, worst_estimate, worst_stiffness] =
+        [&force, &estimate, &stiffness].map(|all| greatest(all.iter().copied()));
     println!(
-        "{what}: {share:.4} interpolated; force mean {:.1e} worst {:.1e}, bounded {bounded:.4}, estimate/error {:.1}; \
-         stiffness worst {:.1e}",
-        mean(|error| error.0),
-        worst(|error| error.0),
-        mean(|error| error.1) / mean(|error| error.0),
-        worst(|error| error.2),
+        "{what}: {steps} steps and {unanswered} unanswered, {share:.4} interpolated; force mean {:.1e} worst {worst_force:.1e}, \
+         bounded {bounded:.4}, estimate/error {excess:.1}; stiffness worst {worst_stiffness:.1e}",
+        mean(&force),
     );
-    // The rest are contacts at the end of a curve, and designs whose estimate is above the accuracy.
-    assert!(share > if accuracy < 1e-2 { 0.5 } else { 0.98 });
-    assert!(within(&|(error, ..)| *error <= accuracy) >= 0.99);
-    assert!(within(&|(.., stiffness)| *stiffness <= 2.0 * accuracy) >= 0.99);
-    assert!(bounded >= 0.95);
-    assert!(errors.iter().all(|(_, estimate, _)| *estimate <= accuracy));
+    assert!(
+        unanswered <= seen.unanswered && steps + unanswered == seen.steps,
+        "{what}: {steps} {unanswered}"
+    );
+    // The rest are contacts at the end of a curve, and designs whose estimate is above the accuracy. Seen: 0.991 at the least.
+    assert!(share > 0.988, "{what}: {share}");
+    assert!(
+        worst_force <= seen.accuracy && worst_estimate <= seen.accuracy,
+        "{what}: {worst_force:e} {worst_estimate:e}"
+    );
+    assert!(worst_force <= MARGIN * seen.force, "{what}: {worst_force:e}");
+    assert!(worst_stiffness <= MARGIN * seen.stiffness, "{what}: {worst_stiffness:e}");
+    assert!(excess <= MARGIN * seen.excess, "{what}: {excess}");
+    // Seen: 0.9992 at the least.
+    assert!(bounded >= 0.998, "{what}: {bounded}");
 }
 
 #[test]
 fn concentric_joints_meet_the_accuracy_against_series() {
-    for accuracy in [1e-2, 3e-3] {
-        let cases = draw(11, 2000, disc_in_ring);
-        let series = SolveOptions { accuracy, method: MethodChoice::Series };
-        let exact = CpuBackend::new(series).solve(&cases);
-        for method in [MethodChoice::Fe, MethodChoice::Auto] {
-            let options = SolveOptions { accuracy, method };
-            let found = interpolating(options, &cases).solve(&cases);
-            check(&format!("disc in ring, {method:?} at {accuracy}"), accuracy, &found, &exact);
-        }
+    let cases = draw(11, 2000, disc_in_ring);
+    let series = SolveOptions { accuracy: 1e-2, method: MethodChoice::Series };
+    let exact = CpuBackend::new(series).solve(&cases);
+    for (method, accuracy, force, stiffness, excess) in [
+        (MethodChoice::Fe, 1e-2, 1.8e-3, 1.8e-3, 10.1),
+        (MethodChoice::Auto, 1e-2, 1.7e-3, 1.7e-3, 11.9),
+        (MethodChoice::Fe, 3e-3, 1.8e-3, 1.8e-3, 9.5),
+        (MethodChoice::Auto, 3e-3, 1.6e-3, 1.6e-3, 12.0),
+    ] {
+        let options = SolveOptions { accuracy, method };
+        let found = interpolating(options, &cases).solve(&cases);
+        let seen = Seen { accuracy, steps: 6000, unanswered: 0, force, stiffness, excess };
+        check(&format!("disc in ring, {method:?} at {accuracy}"), &found, &exact, &seen);
     }
 }
 
 /// Where no series exists, meshes at a tenth of the accuracy are the judge.
 #[test]
 fn other_shapes_meet_the_accuracy_against_finer_meshes() {
-    let shapes: [(&str, Shapes); 2] =
-        [("disc in block", disc_in_block), ("half disc in ring", half_disc_in_ring)];
-    for (name, shapes) in shapes {
+    let accuracy = 1e-2;
+    let of_blocks =
+        Seen { accuracy, steps: 1200, unanswered: 0, force: 4.0e-3, stiffness: 4.6e-3, excess: 14.4 };
+    let of_half_discs =
+        Seen { accuracy, steps: 1200, unanswered: 4, force: 3.3e-3, stiffness: 4.7e-3, excess: 17.9 };
+    let shapes: [(&str, Shapes, Seen); 2] = [
+        ("disc in block", disc_in_block, of_blocks),
+        ("half disc in ring", half_disc_in_ring, of_half_discs),
+    ];
+    for (name, shapes, seen) in shapes {
         let cases = draw(12, 400, shapes);
-        let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Auto };
+        let options = SolveOptions { accuracy, method: MethodChoice::Auto };
         let exact = CpuBackend::new(SolveOptions { accuracy: 1e-3, ..options }).solve(&cases);
         let found = interpolating(options, &cases).solve(&cases);
-        check(name, 1e-2, &found, &exact);
+        check(name, &found, &exact, &seen);
     }
 }
 
@@ -212,7 +261,7 @@ fn a_curve_says_how_near_it_is() {
     let (space, highest) = (PressureSpace::new(CURVE_TERMS, 2.4), 120);
     let (moments, nodes) = (space.moments(highest), CurveNodes::new(space.limit));
     let mut random = Random::new(17);
-    let mut worst: f64 = 0.0;
+    let (mut shares, mut unanswered) = (Vec::new(), 0);
     for number in 0..400 {
         let idealization = Idealization::ALL[number % 2];
         let [pin, plate] = [random.linear(0.05, 0.6), random.log(1.2, 50.0)].map(|fixed_radius| {
@@ -231,18 +280,24 @@ fn a_curve_says_how_near_it_is() {
         for clearance in [0.0, 1e-3] {
             let mut found = Vec::new();
             curve.states(clearance, loads.iter().copied(), &mut found);
+            assert_eq!(found.len(), loads.len());
             for (found, exact) in found.iter().zip(arcs.states(clearance, &loads)) {
-                let (Some(found), Ok(exact)) = (found, exact) else { continue };
-                let of = |found: f64, exact: f64| (found / exact - 1.0).abs();
-                let error = of(found.force, exact.force).max(of(found.energy, exact.energy));
+                let (Some(found), Ok(exact)) = (found, exact) else {
+                    unanswered += 1;
+                    continue;
+                };
+                let error = greatest([found.force / exact.force - 1.0, found.energy / exact.energy - 1.0]);
                 // Below that it is the rounding and what both leave out.
                 assert!(error <= found.curve_error() + 1e-5, "{error:e}: {found:?}");
-                worst = worst.max((error - 1e-5) / found.curve_error());
+                shares.push((error - 1e-5).max(0.0) / found.curve_error());
             }
         }
     }
-    println!("at most {worst:.2} of what it says, beyond 1e-5");
-    assert!(worst > 0.1, "what it says is not much too careful");
+    let (count, worst) = (shares.len(), greatest(shares));
+    println!("{count} states: at most {worst:.2} of what it says, beyond 1e-5");
+    assert_eq!((count, unanswered), (24_000, 0));
+    // Seen: 0.90. What it says is not much too careful.
+    assert!(worst > 0.7, "{worst}");
 }
 
 /// Whole or in pieces, forwards or backwards, on one thread or on several: each design has one answer.
@@ -250,7 +305,10 @@ fn a_curve_says_how_near_it_is() {
 fn batches_order_and_threads_change_nothing() {
     let cases = draw(13, 600, disc_in_ring);
     let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
-    let whole = bits(&interpolating(options, &cases).solve(&cases));
+    let outcomes = interpolating(options, &cases).solve(&cases);
+    // Seen: all of 1800.
+    assert!(steps_by(&outcomes, Method::Interpolated) > 1790);
+    let whole = bits(&outcomes);
     let mut pieces = Vec::new();
     let mut backend = interpolating(options, &cases);
     // Designs from the end come first, by themselves.
@@ -294,6 +352,11 @@ fn study(more: &str) -> Study {
     Study::from_text(Path::new("sweep.toml"), format!("{CONFIG}{more}")).unwrap()
 }
 
+fn steps_by(outcomes: &[DesignOutcome], method: Method) -> usize {
+    let steps = outcomes.iter().flat_map(|outcome| &outcome.steps);
+    steps.filter(|step| step.response.is_some_and(|response| response.method == method)).count()
+}
+
 fn run(study: &Study, threads: usize) -> Vec<DesignOutcome> {
     let mut outcomes = Vec::new();
     let options = SweepOptions { threads, ..SweepOptions::default() };
@@ -311,11 +374,8 @@ fn run(study: &Study, threads: usize) -> Vec<DesignOutcome> {
 fn a_study_decides_for_all_of_its_designs() {
     let study = study("");
     let whole = run(&study, 1);
-    let methods = |outcomes: &[DesignOutcome], method: Method| {
-        let steps = outcomes.iter().flat_map(|outcome| &outcome.steps);
-        steps.filter(|step| step.response.is_some_and(|response| response.method == method)).count()
-    };
-    assert!(methods(&whole, Method::Interpolated) > 17_000);
+    // Seen: all of 18,000.
+    assert!(steps_by(&whole, Method::Interpolated) > 17_900);
     assert_eq!(bits(&run(&study, 2)), bits(&whole));
     let part: Vec<DesignCase> = study.cases().unwrap().skip(4321).take(50).map(Result::unwrap).collect();
     let plan = InterpolationPlan::of_study(&study).unwrap();
@@ -325,8 +385,10 @@ fn a_study_decides_for_all_of_its_designs() {
     let meshes = self::study("interpolation = \"off\"\n");
     assert!(InterpolationPlan::of_study(&meshes).is_none());
     let found = run(&meshes, 2);
-    assert_eq!(methods(&found, Method::Fe), 18_000);
-    check("a study", 1e-2, &whole, &found);
+    assert_eq!(steps_by(&found, Method::Fe), 18_000);
+    let seen =
+        Seen { accuracy: 1e-2, steps: 12_000, unanswered: 0, force: 5.4e-4, stiffness: 6.4e-4, excess: 6.0 };
+    check("a study", &whole, &found, &seen);
 }
 
 /// No fit for few bodies, for methods and accuracies that leave no room, and for bodies that no mesh is trusted with.
@@ -371,5 +433,6 @@ fn designs_outside_are_left_to_the_meshes() {
     }
     let found = interpolating(options, &cases).solve(&outside);
     let expected = CpuBackend::new(options).solve(&outside);
+    assert_eq!(steps_by(&expected, Method::Fe), 120);
     assert_eq!(bits(&found), bits(&expected));
 }

@@ -72,7 +72,13 @@ fn what_is_known_of_a_level_bounds_its_error() {
                 all[level].push((error, known));
             }
         }
-        for (level, errors) in all.iter().enumerate().filter(|(_, errors)| !errors.is_empty()) {
+        for (level, errors) in all.iter().enumerate() {
+            // Seen: 393 to 420 of 420, since a half disc's contact may come too near to its face.
+            assert!(errors.len() >= 390, "{name} {level}: {} errors", errors.len());
+            assert!(
+                errors.iter().all(|(error, known)| error.is_finite() && known.is_finite()),
+                "{name} {level}"
+            );
             let bounded =
                 errors.iter().filter(|(error, known)| error <= known).count() as f64 / errors.len() as f64;
             let mean = |of: fn(&(f64, f64)) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
@@ -81,9 +87,9 @@ fn what_is_known_of_a_level_bounds_its_error() {
                 "{name}, level {level}: {} errors, bounded {bounded:.4}, known/error {excess:.1}",
                 errors.len()
             );
-            assert!(errors.len() > 100 && bounded >= 0.98, "{name} {level}: {bounded}");
-            // Nor is it said to be far worse than it is.
-            assert!(excess < 20.0, "{name} {level}: {excess}");
+            assert!(bounded >= 0.98, "{name} {level}: {bounded}");
+            // Nor is it said to be far worse than it is. Seen: 2.9 to 8.0 times.
+            assert!(excess < 10.0, "{name} {level}: {excess}");
         }
     }
 }

@@ -10,7 +10,7 @@
 
 mod common;
 
-use common::greatest;
+use common::greatest::greatest;
 use common::meshes::{ELEMENTS, order};
 use common::rings::{MeshedBody, body, concentric_grading, dot, ring_displacement};
 use jointsweep::mechanics::element::ElementKind;

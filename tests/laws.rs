@@ -211,7 +211,7 @@ fn a_neat_fit_has_a_curve_by_the_winkler_law_only() {
 #[test]
 fn extremes_never_give_a_silent_number() {
     let extremes = [f64::MIN_POSITIVE, 1e-200, 1e-30, 1.0, 1e30, 1e200, 1e308];
-    let mut curves = 0;
+    let (mut curves, mut numbers) = (0, 0);
     for hole_radius in extremes {
         for clearance in extremes {
             for youngs_modulus in extremes {
@@ -226,17 +226,16 @@ fn extremes_never_give_a_silent_number() {
                             curve.tangent_stiffness_per_thickness(value),
                             curve.indentation(value),
                         ] {
-                            assert!(
-                                result.is_err()
-                                    || result.is_ok_and(|number| number.is_finite() && number >= 0.0)
-                            );
+                            numbers += u32::from(result.is_ok());
+                            assert!(result.is_err() || result.is_ok_and(|n| n.is_finite() && n >= 0.0));
                         }
                     }
                 }
             }
         }
     }
-    assert!(curves > 100, "the loop above must have met curves: {curves}");
+    // Seen: 643 and 6477.
+    assert!(curves > 600 && numbers > 6000, "the loop above must have met curves: {curves}, {numbers}");
 }
 
 #[test]

@@ -93,7 +93,7 @@ fn check_table_within(slack: f64, name: &str, decimals: &[usize], rows: &[Vec<f6
     let printed: Vec<Vec<f64>> = lines.map(|line| line.split('|').filter_map(number).collect()).collect();
     assert_eq!(printed.len(), rows.len(), "rows of {name}");
     for (printed, row) in printed.iter().zip(rows) {
-        assert_eq!(printed.len(), row.len(), "cells of {name}: {printed:?}");
+        assert_eq!((printed.len(), decimals.len()), (row.len(), row.len()), "cells of {name}: {printed:?}");
         for ((printed, value), decimals) in printed.iter().zip(row).zip(decimals) {
             let digit = 10f64.powi(-(*decimals as i32));
             let allowed = slack + 0.51 * digit + 2.0 * ACCURACY * value.abs();

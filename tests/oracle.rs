@@ -14,6 +14,9 @@ use jointsweep::study::config::{MethodChoice, SolveOptions};
 use jointsweep::study::design::{DesignCase, Part};
 use random::Random;
 
+/// Above what was seen: room for other roundings of the meshes' choice, not for a worse mesh.
+const MARGIN: f64 = 1.3;
+
 /// Designs drawn for the comparison with `series`, and for each with the finest mesh, which takes longer.
 const COUNT: u64 = 300;
 const COUNT_FINEST: u64 = 150;
@@ -33,12 +36,13 @@ struct Errors {
 
 fn compare(found: &[Option<Response>], exact: &[Option<Response>]) -> Errors {
     let mut errors = Errors { force: vec![], stiffness: vec![], half_angle: vec![], estimate: vec![] };
+    assert_eq!(found.len(), exact.len());
     for (found, exact) in found.iter().zip(exact) {
         let (Some(found), Some(exact)) = (found, exact) else { continue };
         errors.force.push((found.force / exact.force - 1.0).abs());
         errors.stiffness.push((found.tangent_stiffness / exact.tangent_stiffness - 1.0).abs());
-        let angles = found.contact_half_angle.zip(exact.contact_half_angle);
-        errors.half_angle.push(angles.map_or(f64::NAN, |(found, exact)| (found - exact).abs().to_degrees()));
+        let [found_angle, angle] = [found, exact].map(|response| response.contact_half_angle.unwrap());
+        errors.half_angle.push((found_angle - angle).abs().to_degrees());
         errors.estimate.push(found.force_error);
     }
     errors
@@ -46,6 +50,7 @@ fn compare(found: &[Option<Response>], exact: &[Option<Response>]) -> Errors {
 
 /// The value below which a share of the values lies.
 fn quantile(values: &[f64], share: f64) -> f64 {
+    assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted[((sorted.len() - 1) as f64 * share).round() as usize]
@@ -62,19 +67,46 @@ fn bounded(errors: &Errors) -> f64 {
     below as f64 / errors.force.len() as f64
 }
 
-fn report(what: &str, errors: &Errors) {
-    let line = |values: &[f64]| {
-        let [median, most, worst] = [0.5, 0.95, 1.0].map(|share| quantile(values, share));
-        format!("{median:.1e} / {most:.1e} / {worst:.1e}")
-    };
+/// What a comparison is held to, as docs/verification.md has it: so far above it an error may be by `MARGIN`.
+struct Seen {
+    accuracy: f64,
+    /// Median, 95 % and worst, relative.
+    force: [f64; 3],
+    /// deg.
+    half_angle: [f64; 3],
+    /// The worst, relative.
+    stiffness: f64,
+    /// Mean estimate over mean error.
+    excess: f64,
+}
+
+const SHARES: [f64; 3] = [0.5, 0.95, 1.0];
+
+fn hold(what: &str, errors: &Errors, seen: &Seen) {
+    let quantiles = |values: &[f64]| SHARES.map(|share| quantile(values, share));
+    let (force, half_angle) = (quantiles(&errors.force), quantiles(&errors.half_angle));
+    let (stiffness, bounded) = (quantile(&errors.stiffness, 1.0), bounded(errors));
+    let excess = mean(&errors.estimate) / mean(&errors.force);
+    let line = |[median, most, worst]: [f64; 3]| format!("{median:.1e} / {most:.1e} / {worst:.1e}");
     println!(
-        "{what}: median / 95 % / worst of force {}, stiffness {}, half angle {} deg; bounded {:.3}, estimate/error {:.1}",
-        line(&errors.force),
-        line(&errors.stiffness),
-        line(&errors.half_angle),
-        bounded(errors),
-        mean(&errors.estimate) / mean(&errors.force),
+        "{what} at {:.1} %, {} rows: median / 95 % / worst of force {}, half angle {} deg, worst stiffness {stiffness:.1e}; \
+         bounded {bounded:.4}, estimate/error {excess:.1}",
+        100.0 * seen.accuracy,
+        errors.force.len(),
+        line(force),
+        line(half_angle),
     );
+    let what = format!("{what} at {}", seen.accuracy);
+    assert!(force[2] <= seen.accuracy, "{what}: {force:?}");
+    for (found, seen) in
+        force.into_iter().chain(half_angle).zip(seen.force.into_iter().chain(seen.half_angle))
+    {
+        assert!(found <= MARGIN * seen, "{what}: {found:e} where {seen:e} was seen");
+    }
+    assert!(stiffness <= MARGIN * seen.stiffness, "{what}: {stiffness:e}");
+    // Seen: 0.997 at the least.
+    assert!(bounded >= 0.99, "{what}: {bounded}");
+    assert!(excess <= MARGIN * seen.excess, "{what}: {excess}");
 }
 
 #[test]
@@ -82,40 +114,91 @@ fn finite_elements_meet_the_accuracy_against_series() {
     let cases = draw(1, COUNT, concentric);
     let exact = solve(&cases, MethodChoice::Series, 0.01);
     assert!(exact.iter().all(Option::is_some), "series has an answer for every design");
-    // Half angle: the project's limit is 0.5 deg, its aim 0.2 deg, which holds from 0.3 % on.
-    for (accuracy, half_angle) in [(1e-2, 0.5), (3e-3, 0.2), (1e-3, 0.1)] {
-        let found = solve(&cases, MethodChoice::Fe, accuracy);
+    for seen in [
+        Seen {
+            accuracy: 1e-2,
+            force: [8.1e-5, 7.9e-4, 2.7e-3],
+            half_angle: [8.3e-3, 0.14, 0.46],
+            stiffness: 3.8e-3,
+            excess: 10.6,
+        },
+        Seen {
+            accuracy: 3e-3,
+            force: [7.2e-5, 7.1e-4, 2.7e-3],
+            half_angle: [1.7e-3, 0.041, 0.15],
+            stiffness: 3.8e-3,
+            excess: 8.7,
+        },
+        Seen {
+            accuracy: 1e-3,
+            force: [3.8e-5, 2.7e-4, 6.4e-4],
+            half_angle: [1.0e-3, 0.013, 0.025],
+            stiffness: 7.4e-4,
+            excess: 6.7,
+        },
+    ] {
+        let found = solve(&cases, MethodChoice::Fe, seen.accuracy);
         assert!(found.iter().all(Option::is_some), "finite elements have an answer for every design");
         let errors = compare(&found, &exact);
-        report(&format!("fe at {:.1} % against series", 100.0 * accuracy), &errors);
-        assert!(quantile(&errors.force, 1.0) <= accuracy);
-        assert!(quantile(&errors.stiffness, 1.0) <= accuracy.max(4e-3));
+        hold("fe against series", &errors, &seen);
+        // The project's limit of the half angle is 0.5 deg, its aim 0.2 deg, which holds from 0.3 % on.
+        let half_angle = if seen.accuracy > 3e-3 { 0.5 } else { 0.2 };
         assert!(quantile(&errors.half_angle, 1.0) <= half_angle);
-        assert!(bounded(&errors) >= 0.95);
+        assert!(quantile(&errors.stiffness, 1.0) <= seen.accuracy.max(4e-3));
         assert!(mean(&errors.estimate) < 12.0 * mean(&errors.force));
     }
 }
 
 /// Where no series exists, the finest mesh is the judge; its own estimated error is well below what is asked.
 #[test]
-fn other_shapes_meet_the_accuracy_against_the_finest_mesh() {
-    for (name, shapes) in [
-        ("half disc in annulus", half_disc_in_annulus as fn(&mut Random) -> (Part, Part)),
-        ("disc in block", disc_in_block),
-    ] {
-        let cases = draw(2, COUNT_FINEST, shapes);
-        let finest = solve(&cases, MethodChoice::Fe, 1e-5);
-        for accuracy in [1e-2, 3e-3] {
-            let found = solve(&cases, MethodChoice::Fe, accuracy);
-            let errors = compare(&found, &finest);
-            report(&format!("{name} at {:.1} %", 100.0 * accuracy), &errors);
-            // A half disc's contact may not reach its held face: a few wide contacts are refused.
-            assert!(errors.force.len() as u64 >= COUNT_FINEST * 97 / 100);
-            assert!(quantile(&errors.force, 0.99) <= accuracy);
-            assert!(quantile(&errors.half_angle, 0.95) <= 1.0);
-            assert!(bounded(&errors) >= 0.95);
-            // What a level is known to be worth bounds 99 of 100, so it is well above most.
-            assert!(mean(&errors.estimate) < 20.0 * mean(&errors.force));
-        }
+fn half_discs_meet_the_accuracy_against_the_finest_mesh() {
+    let seen = [
+        Seen {
+            accuracy: 1e-2,
+            force: [3.3e-4, 7.5e-4, 1.9e-3],
+            half_angle: [0.011, 0.15, 0.21],
+            stiffness: 3.6e-3,
+            excess: 7.7,
+        },
+        Seen {
+            accuracy: 3e-3,
+            force: [2.4e-4, 6.2e-4, 1.4e-3],
+            half_angle: [5.7e-3, 0.11, 0.21],
+            stiffness: 3.6e-3,
+            excess: 7.0,
+        },
+    ];
+    against_the_finest_mesh("half disc in annulus", half_disc_in_annulus, seen);
+}
+
+#[test]
+fn blocks_meet_the_accuracy_against_the_finest_mesh() {
+    let seen = [
+        Seen {
+            accuracy: 1e-2,
+            force: [2.4e-4, 2.2e-3, 6.8e-3],
+            half_angle: [9.7e-3, 0.28, 1.0],
+            stiffness: 7.0e-3,
+            excess: 10.3,
+        },
+        Seen {
+            accuracy: 3e-3,
+            force: [8.9e-5, 6.1e-4, 1.1e-3],
+            half_angle: [3.0e-3, 0.085, 0.14],
+            stiffness: 1.1e-3,
+            excess: 11.0,
+        },
+    ];
+    against_the_finest_mesh("disc in block", disc_in_block, seen);
+}
+
+fn against_the_finest_mesh(name: &str, shapes: fn(&mut Random) -> (Part, Part), all: [Seen; 2]) {
+    let cases = draw(2, COUNT_FINEST, shapes);
+    let finest = solve(&cases, MethodChoice::Fe, 1e-5);
+    for seen in all {
+        let errors = compare(&solve(&cases, MethodChoice::Fe, seen.accuracy), &finest);
+        // A half disc's contact may not reach its held face: a few wide contacts are refused.
+        assert!(errors.force.len() as u64 >= COUNT_FINEST * 98 / 100, "{name}: {} rows", errors.force.len());
+        hold(name, &errors, &seen);
     }
 }

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::greatest;
+use common::greatest::greatest;
 use common::meshes::{ELEMENTS, PlaneMesh, scatter};
 use faer::{Mat, Side};
 use jointsweep::mechanics::assembly::Assembly;

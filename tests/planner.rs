@@ -12,7 +12,7 @@ use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
 use jointsweep::engine::backend::cpu::CpuBackend;
 use jointsweep::engine::foresight::Foresight;
 use jointsweep::engine::known_errors::{KNOWN_LEVELS, known_error};
-use jointsweep::engine::outcome::{Method, Response};
+use jointsweep::engine::outcome::{DesignOutcome, Method, Response};
 use jointsweep::engine::plan::{Estimate, JointPlan, first_level};
 use jointsweep::engine::request::Fidelity;
 use jointsweep::mechanics::body::Body;
@@ -67,7 +67,8 @@ fn the_accuracy_holds_and_estimates_bound_the_error() {
         let within = share(&|error, _| error <= accuracy);
         let bounded = share(&|error, estimate| error <= estimate);
         println!("{accuracy}: {} rows, within {within:.4}, bounded {bounded:.4}", judged.len());
-        assert!(judged.len() >= 190, "the oracle knows nearly all designs");
+        // Seen: 199 of 200, a half disc's contact is too wide. Of the errors 99.0 % are bounded at the least.
+        assert!(judged.len() >= 198, "{} designs judged", judged.len());
         assert!(within >= 0.99, "{accuracy}: {within}");
         assert!(bounded >= 0.95, "{accuracy}: {bounded}");
     }
@@ -77,7 +78,7 @@ fn the_accuracy_holds_and_estimates_bound_the_error() {
 /// accuracies like this begin with.
 #[test]
 fn no_mesh_is_finer_than_is_foreseen_to_be_needed() {
-    let (mut known, mut unknown) = (0, 0);
+    let (mut exact, mut known, mut unknown) = (0, 0, 0);
     for case in &cases(300, 300) {
         let foresight = Foresight::of(case);
         for accuracy in [0.1, 1e-2, 1e-3, 1e-4] {
@@ -96,7 +97,10 @@ fn no_mesh_is_finer_than_is_foreseen_to_be_needed() {
                 errors.sum::<Option<f64>>().is_some_and(|error| error <= accuracy)
             };
             match plan.estimate {
-                Estimate::Exact => assert!(plan.meshed().count() == 0),
+                Estimate::Exact => {
+                    exact += 1;
+                    assert!(plan.meshed().count() == 0);
+                }
                 Estimate::Known => {
                     known += 1;
                     assert!(is_enough(plan.level) && !(0..plan.level).any(is_enough), "{accuracy}: {plan:?}");
@@ -115,8 +119,10 @@ fn no_mesh_is_finer_than_is_foreseen_to_be_needed() {
             }
         }
     }
-    println!("{known} plans by what is known, {unknown} by the change between meshes");
-    assert!(known > 1500 && unknown > 5);
+    println!("{exact} exact plans, {known} by what is known, {unknown} by the change between meshes");
+    // 300 designs of each kind at four accuracies. Seen: 2339 and 61.
+    assert_eq!((exact, known + unknown), (1200, 2400));
+    assert!(known > 2300 && unknown > 50);
 }
 
 /// Of rows with a contact the half angle is less than foreseen, or not much more.
@@ -131,6 +137,8 @@ fn contacts_are_hardly_wider_than_foreseen() {
         Some([Foresight::of(case), of_force].map(|foresight| half_angle / foresight.half_angle))
     });
     let mut excess: Vec<[f64; 2]> = excess.collect();
+    println!("{} of {} contacts", excess.len(), cases.len());
+    assert!(excess.len() >= 615 && excess.iter().flatten().all(|share| share.is_finite()));
     for load in 0..2 {
         excess.sort_by(|a, b| a[load].total_cmp(&b[load]));
         let [median, high, worst] =
@@ -138,7 +146,8 @@ fn contacts_are_hardly_wider_than_foreseen() {
         println!(
             "half angle over what was foreseen: median {median:.2}, 99 of 100 {high:.2}, worst {worst:.2}"
         );
-        assert!(excess.len() > 600 && median > 0.7 && high < 1.15, "{median} {high}");
+        // Seen: medians of 0.85 and 0.91, 1.05 and 1.02 of 99 in 100, at worst 1.09 and 1.06.
+        assert!(median > 0.8 && high < 1.07 && worst < 1.12, "{median} {high} {worst}");
     }
 }
 
@@ -152,19 +161,15 @@ fn what_is_planned_is_what_is_solved() {
             cases.iter().filter(|case| is_concentric(&case.joint)).cloned().collect();
         let mut backend = CpuBackend::new(SolveOptions { accuracy, method: MethodChoice::Auto });
         let outcomes = backend.solve(&exact);
-        let method = |response: &Response| response.method;
-        assert!(
-            outcomes
-                .iter()
-                .filter_map(|outcome| outcome.steps[0].response.as_ref().map(method))
-                .all(|method| method == Method::Series)
-        );
+        let of_series =
+            |outcome: &&DesignOutcome| outcome.steps[0].response.unwrap().method == Method::Series;
+        assert_eq!((outcomes.len(), outcomes.iter().filter(of_series).count()), (40, 40));
         assert!(
             backend.library.times.condense.is_zero(),
             "no mesh is solved where all bodies have exact modes"
         );
 
-        let (mut stayed, mut known) = (0, 0);
+        let (mut stayed, mut answered, mut known) = (0, 0, 0);
         let responses = planned(&cases, accuracy);
         for level in 0..KNOWN_LEVELS {
             let is_of_level = |case: &DesignCase| {
@@ -183,19 +188,18 @@ fn what_is_planned_is_what_is_solved() {
                 false => Fidelity::Mesh { level },
             };
             let alone = series::solve_bodies(Terms::ByDepth, fidelity, &own).states;
-            let forces = |state: &Option<State>| state.map(|state| state.force);
             known += own.len();
-            stayed += alone
-                .iter()
-                .zip(&responses)
-                .filter(|(states, response)| {
-                    let both = forces(&states[0]).zip(response.map(|response| response.force));
-                    // Fewer trial pressures change less, another level most forces more.
-                    both.is_none_or(|(alone, planned)| (alone / planned - 1.0).abs() < 1e-4)
-                })
-                .count();
+            assert_eq!((alone.len(), responses.len()), (own.len(), own.len()));
+            for (states, response) in alone.iter().zip(&responses) {
+                let (Some(alone), Some(planned)) = (states[0], response) else { continue };
+                answered += 1;
+                // Fewer trial pressures change less, another level most forces more.
+                stayed += usize::from((alone.force / planned.force - 1.0).abs() < 1e-4);
+            }
         }
-        println!("{accuracy}: {stayed} of {known} stay on the level they begin with");
-        assert!(known > 20 && stayed as f64 >= 0.95 * known as f64, "{accuracy}: {stayed} of {known}");
+        println!("{accuracy}: {stayed} of {answered} answers to {known} stay on the level they begin with");
+        // Seen: all 80 of half discs and blocks.
+        assert!(known == 80 && answered >= 79, "{accuracy}: {answered} answers to {known}");
+        assert!(stayed as f64 >= 0.95 * f64::from(answered), "{accuracy}: {stayed} of {answered}");
     }
 }

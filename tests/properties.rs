@@ -1,7 +1,11 @@
 //! What must hold for every joint, whatever its numbers: scaling, energy, the slope of the curve, order and threads.
 
+#[path = "common/greatest.rs"]
+mod greatest;
+
 use std::ops::ControlFlow;
 
+use greatest::greatest;
 use jointsweep::engine::backend::cpu::CpuBackend;
 use jointsweep::engine::outcome::{DesignOutcome, Response};
 use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
@@ -66,7 +70,8 @@ fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) -> f64 {
 fn tangent_stiffness_is_the_slope_of_the_force() {
     let mut worst = [0.0_f64; 2];
     for (joint, method) in joints() {
-        let tolerance = if method == MethodChoice::Series { 1e-6 } else { 2e-3 };
+        // Seen: 2.3e-7 and 2.3e-4.
+        let tolerance = if method == MethodChoice::Series { 3e-7 } else { 3e-4 };
         for delta in INDENTATIONS {
             let step = 1e-4 * delta;
             let loads = [delta - step, delta, delta + step].map(Load::Indentation).to_vec();
@@ -78,15 +83,16 @@ fn tangent_stiffness_is_the_slope_of_the_force() {
             *worst = worst.max(deviation);
         }
     }
-    println!("dF/d delta less k_t: series {:.0e}, meshes {:.0e}", worst[0], worst[1]);
+    println!("dF/d delta less k_t: series {:.2e}, meshes {:.2e}", worst[0], worst[1]);
 }
 
-/// dU/d delta = F: the strain energy is the work done. Tolerances as above.
+/// dU/d delta = F: the strain energy is the work done. Both are of one pressure, so it holds closer.
 #[test]
 fn energy_is_the_work_of_the_force() {
     let mut worst = [0.0_f64; 2];
     for (joint, method) in joints() {
-        let tolerance = if method == MethodChoice::Series { 1e-6 } else { 2e-3 };
+        // Seen: 6e-10 and 5e-6.
+        let tolerance = if method == MethodChoice::Series { 8e-10 } else { 7e-6 };
         for delta in INDENTATIONS {
             let step = 1e-4 * delta;
             let loads = [delta - step, delta, delta + step].map(Load::Indentation).to_vec();
@@ -97,7 +103,7 @@ fn energy_is_the_work_of_the_force() {
             *worst = worst.max(deviation);
         }
     }
-    println!("dU/d delta less F: series {:.0e}, meshes {:.0e}", worst[0], worst[1]);
+    println!("dU/d delta less F: series {:.2e}, meshes {:.2e}", worst[0], worst[1]);
 }
 
 /// A force found from an indentation leads back to it. The search ends at 1e-11 of the load.
@@ -183,7 +189,8 @@ fn no_load_is_no_force() {
     }
 }
 
-/// Nearly incompressible bodies in plane strain do not lock: the mesh stays at its accuracy against `series`.
+/// Nearly incompressible bodies in plane strain do not lock: of the 1 % asked the mesh leaves a tenth, and less where nu is
+/// below 0.499. Seen against `series`: 5.9e-4 at 0.499.
 #[test]
 fn nearly_incompressible_bodies_do_not_lock() {
     for poissons_ratio in [0.49, 0.495, 0.499] {
@@ -196,7 +203,7 @@ fn nearly_incompressible_bodies_do_not_lock() {
             let exact = at(&joint, MethodChoice::Series, Load::Indentation(delta));
             let meshed = at(&joint, MethodChoice::Fe, Load::Indentation(delta));
             let what = format!("nu = {poissons_ratio} at {delta}");
-            worst = worst.max(assert_close(meshed.force, exact.force, 0.01, &what));
+            worst = worst.max(assert_close(meshed.force, exact.force, 8e-4, &what));
         }
         println!("nu {poissons_ratio}: force within {worst:.1e}");
     }
@@ -205,9 +212,8 @@ fn nearly_incompressible_bodies_do_not_lock() {
 /// Bodies that widen when they are pulled are solved as well as others: their near field has nodes of its own.
 #[test]
 fn auxetic_bodies_meet_the_accuracy() {
-    let mut worst = 0.0_f64;
-    // In plane stress the limit -1 is as singular as 1/2 in plane strain: 1.1 % was seen at -0.95, of 1 % asked.
-    for poissons_ratio in [-0.85, -0.5, -0.05] {
+    let mut errors = Vec::new();
+    for poissons_ratio in [-0.95, -0.85, -0.5, -0.05] {
         let foam = Material { youngs_modulus: 5.0, poissons_ratio };
         let disc = part(&cored_disc::SHAPE, [0.3, 0.0, 0.0], foam);
         let ring = part(&annulus::SHAPE, [2.0, 0.0, 0.0], foam);
@@ -216,13 +222,14 @@ fn auxetic_bodies_meet_the_accuracy() {
             for delta in INDENTATIONS {
                 let [exact, meshed] = [MethodChoice::Series, MethodChoice::Fe]
                     .map(|method| at(&joint, method, Load::Indentation(delta)).force);
-                worst = worst.max((meshed / exact - 1.0).abs());
+                errors.push(meshed / exact - 1.0);
             }
         }
     }
+    let worst = greatest(errors);
     println!("auxetic bodies: force within {worst:.1e}");
-    // Seen: 3.8e-3, at -0.85.
-    assert!(worst < 5e-3);
+    // Seen: 3.9e-5, at -0.95 in plane stress.
+    assert!(worst < 5e-5);
 }
 
 /// Outcomes come in design order and are the same to the last bit whatever the threads.
@@ -243,8 +250,10 @@ fn threads_do_not_change_the_outcomes() {
         outcomes
     };
     let (one, three) = (run(1), run(3));
+    assert_eq!((one.len(), three.len()), (3000, 3000));
     for (index, (a, b)) in one.iter().zip(&three).enumerate() {
         assert_eq!(a.case.index, index as u64);
         assert_eq!(a.steps, b.steps, "design {index}");
+        assert!(a.steps.len() == 10 && a.steps.iter().all(|step| step.response.is_some()), "design {index}");
     }
 }

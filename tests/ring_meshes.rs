@@ -4,7 +4,7 @@ mod common;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use common::greatest;
+use common::greatest::greatest;
 use common::meshes::{ELEMENTS, PlaneMesh, scatter};
 use common::rings::{MeshedBody, body};
 use jointsweep::mechanics::body::Body;

@@ -1,8 +1,11 @@
 //! `series` against itself: more trial pressures and other nodes in eps change nothing to eight digits.
 
+#[path = "common/greatest.rs"]
+mod greatest;
 #[path = "common/random.rs"]
 mod random;
 
+use greatest::greatest;
 use jointsweep::mechanics::compliance::NODE_COUNT;
 use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
 use jointsweep::mechanics::compliance::series::ConcentricBody;
@@ -45,7 +48,7 @@ fn state(space: &PressureSpace, joint: &Joint) -> ArcState {
 /// The largest relative differences of force, stiffness and peak pressure, and of the half angle.
 fn largest_differences(one: &PressureSpace, other: &PressureSpace) -> [f64; 4] {
     let mut random = Random::new(9);
-    let mut worst = [0.0_f64; 4];
+    let mut all = [const { Vec::new() }; 4];
     for _ in 0..60 {
         let joint = draw(&mut random);
         let (a, b) = (state(one, &joint), state(other, &joint));
@@ -55,12 +58,9 @@ fn largest_differences(one: &PressureSpace, other: &PressureSpace) -> [f64; 4] {
             a.peak_pressure() / b.peak_pressure() - 1.0,
             a.arc.half_angle / b.arc.half_angle - 1.0,
         ];
-        for (worst, difference) in worst.iter_mut().zip(differences) {
-            assert!(difference.is_finite());
-            *worst = worst.max(difference.abs());
-        }
+        all.iter_mut().zip(differences).for_each(|(all, difference)| all.push(difference));
     }
-    worst
+    all.map(greatest)
 }
 
 #[test]
@@ -68,19 +68,20 @@ fn more_trial_pressures_change_nothing() {
     let [few, some, many] = [10, 16, 24].map(|terms| PressureSpace::new(terms, 2.4));
     let differences = largest_differences(&few, &many);
     println!("10 against 24 trial pressures: {differences:?}");
-    // The force is second order in what is left out; the rest is first order.
-    assert!(differences[0] < 1e-10 && differences[1..].iter().all(|difference| *difference < 1e-4));
+    // The force is second order in what is left out; the rest is first order. Seen: 8e-13 and 3.2e-6.
+    assert!(differences[0] < 1e-12 && differences[1..].iter().all(|difference| *difference < 4e-6));
     let differences = largest_differences(&some, &many);
     println!("16 against 24 trial pressures: {differences:?}");
-    assert!(differences[0] < 1e-10 && differences[1..].iter().all(|difference| *difference < 1e-6));
+    // Seen: 7e-15 and 4.1e-7.
+    assert!(differences[0] < 1e-13 && differences[1..].iter().all(|difference| *difference < 5.5e-7));
 }
 
 #[test]
 fn other_nodes_change_nothing() {
     let differences = largest_differences(&PressureSpace::new(16, 2.4), &PressureSpace::new(16, 2.1));
     println!("other nodes in eps: {differences:?}");
-    // Interpolation between 32 nodes; the half angle is the most sensitive.
-    assert!(differences[0] < 1e-8 && differences[1..].iter().all(|difference| *difference < 1e-7));
+    // Interpolation between 32 nodes; the half angle is the most sensitive. Seen: 2.9e-9 and 2.5e-8.
+    assert!(differences[0] < 4e-9 && differences[1..].iter().all(|difference| *difference < 3.3e-8));
 }
 
 /// What the fewest trial pressures leave of bodies that are not thin (|ln r| > 0.15): of contacts up to 80 deg nothing that
@@ -89,7 +90,7 @@ fn other_nodes_change_nothing() {
 fn six_trial_pressures_are_enough_but_for_wide_contacts() {
     let [few, many] = [6, 24].map(|terms| PressureSpace::new(terms, 2.4));
     let mut random = Random::new(4);
-    let mut worst = [[0.0_f64; 4]; 2];
+    let mut all = [const { [const { Vec::new() }; 4] }; 2];
     for _ in 0..300 {
         let mut joint = draw(&mut random);
         joint.pin.fixed_radius = (-random.log(0.15, 3.0)).exp();
@@ -102,13 +103,14 @@ fn six_trial_pressures_are_enough_but_for_wide_contacts() {
             (found.arc.half_angle - expected.arc.half_angle).to_degrees(),
         ];
         let is_wide = expected.arc.half_angle > 80.0_f64.to_radians();
-        worst[usize::from(is_wide)]
-            .iter_mut()
-            .zip(errors)
-            .for_each(|(worst, error)| *worst = worst.max(error.abs()));
+        all[usize::from(is_wide)].iter_mut().zip(errors).for_each(|(all, error)| all.push(error));
     }
-    println!("force, stiffness, peak pressure, half angle in deg: {worst:?}");
-    for (worst, limits) in worst.iter().zip([[1e-6, 1e-4, 3e-4, 0.1], [2e-4, 5e-4, 1e-2, 3.0]]) {
+    let counts = all.each_ref().map(|of_width| of_width[0].len());
+    let worst = all.map(|of_width| of_width.map(greatest));
+    println!("{counts:?}, force, stiffness, peak pressure, half angle in deg: {worst:?}");
+    assert!(counts.iter().all(|count| *count > 50), "{counts:?}");
+    // Seen: 1.7e-7, 8.1e-5, 1.9e-4, 0.040 and 1.2e-4, 2.7e-4, 6.6e-3, 2.3.
+    for (worst, limits) in worst.iter().zip([[2.2e-7, 1e-4, 2.5e-4, 0.052], [1.5e-4, 3.5e-4, 8.6e-3, 3.0]]) {
         assert!(worst.iter().zip(limits).all(|(worst, limit)| *worst < limit), "{worst:?}");
     }
 }

@@ -4,7 +4,7 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::greatest;
+use common::greatest::{self, greatest};
 use common::meshes::{ELEMENTS, PlaneMesh, scatter};
 use common::rings::{MeshedBody, body, ring_displacement};
 use jointsweep::mechanics::assembly::{Assembly, AssemblyError, Csr};
@@ -26,7 +26,7 @@ fn plate(element: ElementKind, q: f64, idealization: Idealization, poissons_rati
 
 /// The greatest difference over the greatest value.
 fn difference(a: &RingCompliance, b: &RingCompliance) -> f64 {
-    greatest(a.values.iter().zip(&b.values).map(|(a, b)| a - b)) / greatest(b.values.iter().copied())
+    greatest::difference(&a.values, &b.values)
 }
 
 /// The energy of a pressure that falls to zero at 40 degrees, from a compliance.
@@ -68,6 +68,7 @@ fn conjugate_gradients_agree_with_cholesky() {
         println!("{element:?}: {error:.0e}");
         // The residual squared, by the correction, is far below rounding: measured 1e-13.
         assert!(error < 1e-11);
+        assert_eq!(found.columns.len(), meshed.topology.ring_unknown_count());
         assert!(found.columns.iter().all(|report| report.outcome == PcgOutcome::Converged));
     }
 }
@@ -87,6 +88,7 @@ fn the_correction_squares_the_error_of_f32_columns() {
         for tolerance in [1e-2, 1e-3] {
             let settings = PcgSettings { tolerance, iteration_limit: 5000 };
             let solution = pcg(meshed.assembly.matrix(&values_f32), matrix, &ring_loads(&meshed), &settings);
+            assert_eq!(solution.reports.len(), unknowns - ring_start);
             assert!(solution.reports.iter().all(|report| report.outcome == PcgOutcome::Converged));
             let columns: Vec<f64> = solution.columns.into_iter().map(f64::from).collect();
             let plain = RingCompliance {
@@ -286,6 +288,7 @@ fn f32_assembly_keeps_small_elements() {
         let far: Vec<[f64; 2]> = near.coordinates.iter().map(|[x, y]| [x + 100.0, y - 100.0]).collect();
         let exact: Vec<f64> = assembly.stiffness_values(&elasticity, &near.coordinates).unwrap();
         let found: Vec<f32> = assembly.stiffness_values(&elasticity, &far).unwrap();
+        assert_eq!(found.len(), exact.len());
         let worst = greatest(exact.iter().zip(&found).map(|(a, &b)| a - f64::from(b)));
         println!("{element:?}: f32 values within {worst:.0e}");
         // A few roundings of f32 (6e-8) in entries of size one: measured 7e-7.

@@ -35,10 +35,11 @@ fn of_family<'a>(family: &str, cases: &[DesignCase]) -> Vec<Choice<'a>> {
     (family.choices)(family, &Scope { gpu: None, least_angle: least_contact_angle(cases) })
 }
 
-/// Errors of every choice of a family, in the order of its parameter.
+/// Errors of every choice of a family, in the order of its parameter, where `exact` answers every step.
 fn errors(family: &str, cases: &[DesignCase], exact: &States) -> Vec<Errors> {
     let of_choice = |choice: Choice| {
         let errors = Errors::new(&(choice.solve)(cases).states, exact);
+        assert_eq!(errors.steps, cases.iter().map(|case| case.steps.len()).sum::<usize>());
         let Quantiles { median, p95, max } = force(&errors);
         println!(
             "{family}, {}: {median:.1e} {p95:.1e} {max:.1e}, {} unanswered",
@@ -63,7 +64,6 @@ fn worst_forces(errors: &[Errors]) -> Vec<f64> {
 fn finer_is_nearer_and_node_contact_is_coarser() {
     let cases = cases();
     let exact = Oracle::new(&cases).states;
-    assert!(exact.iter().flatten().all(Option::is_some), "the oracle knows every step");
 
     let own = errors("moving-edge-q8", &cases, &exact);
     let linear = errors("moving-edge-q4", &cases, &exact);
@@ -72,15 +72,18 @@ fn finer_is_nearer_and_node_contact_is_coarser() {
     let nodes = errors("node-contact-q8", &cases, &exact);
     let median = |errors: &Errors| force(errors).median;
     for errors in [&own, &linear, &plain, &contact_mesh, &nodes] {
-        assert!(errors.iter().all(|errors| errors.unanswered <= 1));
+        assert!(errors.iter().all(|errors| errors.unanswered == 0));
         let [first, .., last] = &errors[..] else { panic!("several choices") };
         // From the coarsest mesh to the finest: at the least a quarter of the spacing, at first order.
         assert!(median(last) < 0.25 * median(first));
     }
+    assert_eq!([own.len(), linear.len(), plain.len()], [5; 3]);
     for (own, other) in own.iter().zip(&linear).chain(own.iter().zip(&plain)) {
-        assert!(median(own) < 0.6 * median(other), "Q8 with its near field is the nearest on any level");
+        // Seen: 0.15 at most.
+        assert!(median(own) < 0.2 * median(other), "Q8 with its near field is the nearest on any level");
     }
     // On the same mesh and bodies: only contact differs.
+    assert_eq!([contact_mesh.len(), nodes.len()], [3; 2]);
     for (edge, nodes) in contact_mesh.iter().zip(&nodes) {
         assert!(median(edge) < 0.8 * median(nodes));
         let stiffness = |errors: &Errors| errors.tangent_stiffness.unwrap().median;
@@ -105,16 +108,18 @@ fn penalty_and_augmented_lagrangian_tend_to_exact_contact() {
         // First order is 10; the softest springs change who touches.
         assert!((5.0..15.0).contains(&ratio), "{penalty:?}");
     }
-    assert!(penalty[6] < 1e-5);
+    // Seen: 3.6e-7.
+    assert!(penalty.len() == 7 && penalty[6] < 5e-7, "{penalty:?}");
 
     let augmented = errors("augmented-lagrangian", &cases, &exact);
     let (forces, iterations): (Vec<f64>, Vec<f64>) =
         augmented.iter().map(|errors| (force(errors).max, errors.iterations.unwrap())).unzip();
+    assert_eq!(forces.len(), 6);
     assert!(forces.windows(2).all(|pair| pair[1] < pair[0]), "{forces:?}");
     assert!(iterations.windows(2).all(|pair| pair[1] > pair[0]), "{iterations:?}");
     for (decade, error) in forces.iter().enumerate() {
-        // The gap left is this share of the indentation, and the force about as much.
-        assert!(*error < 3.0 * 10f64.powi(-1 - decade as i32), "{forces:?}");
+        // The gap left is this share of the indentation, and the force at most as much: seen 1.0 times and less.
+        assert!(*error < 1.3 * 10f64.powi(-1 - decade as i32), "{forces:?}");
     }
 }
 
@@ -135,10 +140,11 @@ fn the_correction_squares_the_error_of_conjugate_gradients() {
     println!("orders {:.2} and {:.2}", order(&corrected), order(&plain));
     assert!((order(&plain) - 1.0).abs() < 0.35, "{plain:?}");
     assert!((order(&corrected) - 2.0).abs() < 0.4, "{corrected:?}");
+    assert_eq!([&corrected, &plain, &single, &mixed].map(Vec::len), [8; 4]);
     // At a residual of 0.1 both are of the order of the residual.
     assert!(corrected[1..].iter().zip(&plain[1..]).all(|(corrected, plain)| corrected < plain));
-    // Rounding of f32, whatever is asked; small because the residual of the correction is in f64.
-    assert!(single[7] > 100.0 * corrected[7] && single[7] < 1e-8, "{single:?}");
+    // Rounding of f32, whatever is asked; small because the residual of the correction is in f64. Seen: 2.3e-11.
+    assert!(single[7] > 100.0 * corrected[7] && single[7] < 1e-10, "{single:?}");
     assert!(mixed[7] < 0.01 * single[7], "{mixed:?}");
 }
 
@@ -148,8 +154,8 @@ fn solvers_agree() {
     let cases = cases();
     let lanes = (of_family("moving-edge-q8", &cases)[0].solve)(&cases).states;
     let errors = &errors("cholesky", &cases, &lanes)[0];
-    // Rounding of two eliminations.
-    assert!(force(errors).max < 1e-9 && errors.unanswered == 0);
+    // Rounding of two eliminations: seen 1.3e-14.
+    assert!(force(errors).max < 1e-12 && errors.unanswered == 0);
 }
 
 /// Under prescribed forces every choice that has an answer comes to the same joint as under the indentation it finds.
@@ -162,6 +168,7 @@ fn forces_are_found() {
         case.steps = states.iter().map(|state| Load::Force(state.unwrap().force)).collect();
     }
     let by_force = Oracle::new(&cases).states;
+    assert_eq!([&by_force, &exact].map(|states| states.iter().flatten().count()), [6; 2]);
     for (by_force, exact) in by_force.iter().flatten().zip(exact.iter().flatten()) {
         let (by_force, exact) = (by_force.unwrap(), exact.unwrap());
         assert!((by_force.indentation / exact.indentation - 1.0).abs() < 1e-8);
@@ -172,7 +179,8 @@ fn forces_are_found() {
         let states = (choice.solve)(&cases).states;
         let errors = Errors::new(&states, &by_force);
         println!("{family}, {}: {:.1e}", choice.name, force(&errors).max);
-        assert!(errors.unanswered == 0 && force(&errors).max < 1e-2, "{family}");
+        // Seen: 1.5e-3, of the penalty's mesh.
+        assert!((errors.steps, errors.unanswered) == (6, 0) && force(&errors).max < 2e-3, "{family}");
         for (case, states) in cases.iter().zip(&states) {
             for (load, state) in case.steps.iter().zip(states) {
                 let (Load::Force(asked), Some(found)) = (load, state) else { panic!("{family}: {load:?}") };
@@ -244,6 +252,8 @@ fn a_tradeoff_writes_table_front_plot_and_manifest() {
     }
     let on_front = table.column("on_front").into_iter().filter(|word| *word == "true").count();
     assert_eq!(front.records.len(), on_front);
+    // A closed form is the fastest, `series` the nearest.
+    assert!(on_front >= 2);
     let numbers =
         |name: &str| -> Vec<f64> { front.column(name).iter().map(|cell| cell.parse().unwrap()).collect() };
     let (times, errors) = (numbers("time_per_design_s"), numbers("force_error_p95"));

@@ -1,6 +1,8 @@
 //! The program as a user runs it: folder rules, exit codes, and what is on disk however a run ends.
 
 mod gpu;
+#[path = "../common/greatest.rs"]
+mod greatest;
 #[path = "../common/workdir.rs"]
 mod workdir;
 

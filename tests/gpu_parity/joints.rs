@@ -55,6 +55,7 @@ fn slots_hold_what_the_processor_finds() {
             let slots = Slots::new(kernels, bodies.count() + 1).unwrap();
             slots.fill(&systems, &shared, &bodies.bodies, 1).unwrap();
             let found = slots.read().unwrap();
+            assert_eq!(found.len(), 1 + requests.len());
             assert!(!found[0].0 && found[0].2.values.iter().all(|value| *value == 0.0));
             for (index, request) in requests.iter().enumerate() {
                 let (is_sound, residual, compliance) = &found[1 + index];
@@ -110,6 +111,7 @@ fn a_body_that_was_not_solved_gives_no_answer() {
         spoilt[good.len() / bodies.count() + 1] = f64::NAN;
         let spoilt = slots(&spoilt);
         let (expected, found) = (slots(&good).read().unwrap(), spoilt.read().unwrap());
+        assert_eq!((expected.len(), found.len()), (bodies.count(), bodies.count()));
         for (index, (expected, found)) in expected.iter().zip(&found).enumerate() {
             assert_eq!(found.0, index != 1);
             assert!(index == 1 || found.2.values == expected.2.values, "{index}");
@@ -229,7 +231,7 @@ fn contact_is_that_of_the_twin() {
             let slots = Slots::new(kernels, requests.len()).unwrap();
             slots.write(&known).unwrap();
             let mut answers = answers(kernels, library.space(space), &slots, &joints).unwrap().into_iter();
-            let mut worst = [0.0_f64; 7];
+            let mut errors = [const { Vec::new() }; 7];
             let mut found = 0;
             for joint in &joints {
                 for (expected, load) in twin(&library, space, &requests, joint).into_iter().zip(&joint.loads)
@@ -260,16 +262,18 @@ fn contact_is_that_of_the_twin() {
                             1.0 + state.change,
                         ]
                     };
-                    for (worst, (found, expected)) in
-                        worst.iter_mut().zip(of(&state).iter().zip(of(&expected)))
+                    for (errors, (found, expected)) in
+                        errors.iter_mut().zip(of(&state).iter().zip(of(&expected)))
                     {
-                        *worst = worst.max((found / expected - 1.0).abs());
+                        errors.push(found / expected - 1.0);
                     }
                 }
             }
+            let worst = errors.map(greatest);
             println!("{terms} {precision:?}: {found} found, {worst:?}");
-            assert_eq!(found, 100);
-            let allowed = if precision == Precision::F32 { 1e-4 } else { 1e-9 };
+            assert!(found == 100 && answers.next().is_none());
+            // Seen: 5e-6 and 3e-14. The functions of f32 are the device's own, and need not be as good on another.
+            let allowed = if precision == Precision::F32 { 1e-4 } else { 1e-12 };
             assert!(worst.iter().all(|worst| *worst < allowed), "{terms} {precision:?}: {worst:?}");
         }
     }

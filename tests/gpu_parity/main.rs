@@ -17,9 +17,9 @@ mod sweeps;
 use std::collections::HashSet;
 use std::sync::OnceLock;
 
-use common::greatest;
+use common::greatest::{difference, greatest};
 use common::rings::{MeshedBody, body};
-use jointsweep::engine::backend::gpu::batch::{BodyCounts, MOST_TRIPS, batches};
+use jointsweep::engine::backend::gpu::batch::{BodyCounts, MOST_BYTES, MOST_TRIPS, batches};
 use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::engine::backend::gpu::kernels::{Kernels, Precision};
 use jointsweep::engine::backend::gpu::layout::{MeshLayout, SystemLayout, SystemOutcome, SystemState};
@@ -165,12 +165,6 @@ fn plates() -> Bodies {
     Bodies::new(bodies.map(plate).to_vec(), 1)
 }
 
-/// The greatest difference over the greatest value.
-fn difference(found: &[f64], expected: &[f64]) -> f64 {
-    assert_eq!(found.len(), expected.len());
-    greatest(found.iter().zip(expected).map(|(a, b)| a - b)) / greatest(expected.iter().copied())
-}
-
 /// The twin's solution of one body in the precision of the device: columns, reports.
 fn twin(
     bodies: &Bodies,
@@ -215,8 +209,9 @@ fn expected_outcome(report: &PcgReport) -> SystemOutcome {
     }
 }
 
-/// Systems of one body in the reports.
+/// Of what a batch has, as much for each body and something, the part of one body.
 fn of_body<'a, T>(all: &'a [T], bodies: &Bodies, index: usize) -> &'a [T] {
     let count = all.len() / bodies.count();
+    assert!(count > 0 && all.len() == count * bodies.count(), "{} for {} bodies", all.len(), bodies.count());
     &all[index * count..(index + 1) * count]
 }

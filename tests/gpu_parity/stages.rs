@@ -12,17 +12,20 @@ fn coordinates_are_those_of_the_twin() {
             let reaches = batch.read_reaches(&geometry).unwrap();
             let ring = ring_points(&bodies.grading);
             let grid = reaches.len() / bodies.count();
+            assert_eq!(grid, (2 * bodies.meshed[0].topology.layer_count + 1) * ring.len());
             for (meshed, reaches) in bodies.meshed.iter().zip(reaches.chunks_exact(grid)) {
                 let topology = &meshed.topology;
-                let mut worst: f64 = 0.0;
+                assert_eq!(meshed.coordinates.len(), topology.grid.len());
+                let mut errors = Vec::new();
                 for (place, &(row, column)) in meshed.coordinates.iter().zip(&topology.grid) {
                     let reach = reaches[row * ring.len() + column];
                     let far = reaches[reaches.len() - ring.len() + column];
                     for axis in 0..2 {
                         let expected = place[axis] - ring[column][axis];
-                        worst = worst.max((reach[axis] - expected).abs() / far[0].hypot(far[1]));
+                        errors.push((reach[axis] - expected) / far[0].hypot(far[1]));
                     }
                 }
+                let worst = greatest(errors);
                 println!("{name} {precision:?}: {worst:.1e}");
                 // Some ten operations a number, over the length of its line.
                 assert!(worst < 40.0 * rounding, "{name} {precision:?}: {worst:e}");
@@ -40,6 +43,7 @@ fn matrices_are_those_of_the_twin() {
             batch.assemble(&bodies.layout, &bodies.numbers()).unwrap();
             let found = batch.read_values().unwrap();
             let expected: Vec<Vec<f64>> = bodies.meshed.iter().map(MeshedBody::stiffness_values).collect();
+            assert_eq!(found.len(), bodies.value_count() * expected.len());
             for (found, expected) in found.chunks_exact(bodies.value_count()).zip(&expected) {
                 let worst = difference(found, expected);
                 println!("{name} {precision:?}: {worst:.1e}");
@@ -93,6 +97,7 @@ fn as_the_twin(bodies: &Bodies) {
             let found = of_body(&columns, bodies, index);
             let states = of_body(&reports.states, bodies, index);
             let true_residuals = of_body(&reports.true_residuals, bodies, index);
+            assert_eq!(expected_reports.len(), ring);
             for (system, report) in expected_reports.iter().enumerate() {
                 let state = states[system];
                 assert_eq!(state.outcome(), Some(expected_outcome(report)), "{precision:?} {index} {system}");
@@ -229,6 +234,7 @@ fn whole_chain(
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn mixed_precision_reaches_the_nearly_incompressible() {
+    // Without f64 there is no mixed precision: a device is refused it (`what_cannot_be_had_is_an_error`).
     if precisions().len() == 1 {
         return;
     }

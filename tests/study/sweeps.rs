@@ -11,15 +11,33 @@ use crate::{CLEARANCE, Folder, IDEALIZATION, RADIUS, all, row, sampled, with};
 #[test]
 fn shipped_configs_load() {
     let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
-    for (name, designs, steps) in [("quickstart", 10, 100), ("liu2007", 14, 140), ("designs-example", 5, 5)] {
+    let mut loaded: Vec<&str> = Vec::new();
+    for (name, designs, steps) in [
+        ("designs-example", 5, 5),
+        ("hypercube", 100_000, 1_000_000),
+        ("hypercube-block", 100_000, 1_000_000),
+        ("liu2007", 14, 140),
+        ("liu2007-plates", 70, 700),
+        ("quickstart", 10, 100),
+        ("random", 10_000, 100_000),
+    ] {
+        loaded.push(name);
         let path = configs.join(format!("{name}.toml"));
         let study = Study::load(&path).unwrap();
         assert_eq!((study.design_count(), study.step_count()), (designs, steps), "{name}");
-        assert_eq!(all(&study).len() as u64, designs, "{name}");
+        let last = study.cases().unwrap().last().unwrap().unwrap();
+        assert_eq!((last.index, last.steps.len() as u64), (designs - 1, steps / designs), "{name}");
         assert_eq!(study.source_text(), fs::read_to_string(&path).unwrap());
         assert_eq!(study.name(), name);
         assert_eq!(study.designs_file().is_some(), name == "designs-example");
     }
+    let files = fs::read_dir(&configs).unwrap().map(|entry| entry.unwrap().path());
+    let mut shipped: Vec<String> = files
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .map(|path| path.file_stem().unwrap().to_str().unwrap().to_string())
+        .collect();
+    shipped.sort();
+    assert_eq!(shipped, loaded);
     let study = Study::load(&configs.join("liu2007.toml")).unwrap();
     assert_eq!(study.title(), "Liu, Zhang & Yang (2007)");
     assert_eq!((study.solve.accuracy, study.solve.method), (0.001, MethodChoice::Auto));

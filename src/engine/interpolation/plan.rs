@@ -227,7 +227,10 @@ mod tests {
             let picks = picks(count);
             assert!(picks.windows(2).all(|pair| pair[0] < pair[1]), "{count}");
             assert!(picks[0] <= count / 1000 && picks[picks.len() - 1] < count, "{count}");
+            // Of shares of hardly more than one design a quarter have the pick of their neighbour.
+            assert!(picks.len() as u64 > 3 * count.min(LOOKED_AT) / 4, "{count}: {}", picks.len());
             let most = 2 * count.div_ceil(LOOKED_AT) + 1;
+            assert!(count - picks[picks.len() - 1] <= most, "{count}");
             assert!(picks.windows(2).all(|pair| pair[1] - pair[0] <= most), "{count}");
         }
     }

@@ -311,7 +311,9 @@ mod tests {
         assert_eq!(fit.mode_count, 2);
         for point in [[0.33, 0.2, 5.5], [2.9, 0.2, 6.0]] {
             assert!(fit.polynomials.contains(&point));
-            for (found, expected) in fit.at(&point).iter().zip(sample(&point)) {
+            let found = fit.at(&point);
+            assert_eq!(found.len(), length);
+            for (found, expected) in found.iter().zip(sample(&point)) {
                 assert!((found - expected).abs() < 1e-9, "{found} {expected}");
             }
         }

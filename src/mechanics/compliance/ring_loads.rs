@@ -137,7 +137,9 @@ mod tests {
         let space = PressureSpace::new(6, 1.5);
         let angles: Vec<f64> = (0..=16).map(|i| i as f64 * 0.11).collect();
         for element in [ElementKind::Quad4, ElementKind::Quad8] {
-            for (arc, loads) in space.arcs.iter().zip(ring_loads(&space, element, &angles)) {
+            let all = ring_loads(&space, element, &angles);
+            assert_eq!(all.len(), space.arcs.len());
+            for (arc, loads) in space.arcs.iter().zip(all) {
                 let versines: [f64; 6] = ContactArc::versines(arc.b);
                 for (k, versine) in versines.iter().enumerate() {
                     let work: f64 =

@@ -419,6 +419,7 @@ mod tests {
         // Two matrices, without a zero.
         let values: Vec<f64> = (0..2 * columns.len()).map(|value| 1.0 + value as f64).collect();
         let placed = sliced.place(&values);
+        assert_eq!(placed.len(), 2 * sliced.columns.len());
         assert_eq!(sliced.collect(&placed), values);
         let vector = |column: u32| f64::from(column * column % 11);
         for (values, placed) in

@@ -166,7 +166,7 @@ mod tests {
         let highest = 120;
         let moments = space.moments(highest);
         let nodes = CurveNodes::new(space.limit);
-        let mut worst = [0.0_f64; 5];
+        let (mut worst, mut count) = ([0.0_f64; 5], 0);
         for (core, ratio, plate_modulus) in
             [(0.1, 3.0, 1.0), (0.6, 1.4, 1.0), (0.05, 50.0, 0.01), (0.3, 1.5, 100.0)]
         {
@@ -195,6 +195,7 @@ mod tests {
                 let expected = curve.states(clearance, &loads);
                 let mut found = Vec::new();
                 smooth.states(clearance, loads.iter().copied(), &mut found);
+                assert_eq!(found.len(), loads.len());
                 for (found, expected) in found.iter().zip(&expected) {
                     assert_eq!(found.is_some(), expected.is_ok());
                     let (Some(found), Ok(expected)) = (found, expected) else { continue };
@@ -206,14 +207,18 @@ mod tests {
                         (found.half_angle, expected.arc.half_angle),
                     ]
                     .map(|(found, expected)| (found / expected - 1.0).abs());
+                    count += 1;
+                    assert!(errors.iter().all(|error| error.is_finite()), "{found:?} {expected:?}");
                     // What is said of the curve holds for the force and the energy.
                     assert!(errors[0].max(errors[2]) <= found.curve_error() + 1e-6, "{found:?} {errors:?}");
                     worst.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(error));
                 }
             }
         }
-        println!("force, stiffness, energy, peak, angle: {worst:?}");
-        let limits = [1e-4, 3e-4, 1e-4, 3e-4, 3e-4];
+        println!("{count} states; force, stiffness, energy, peak, angle: {worst:?}");
+        assert_eq!(count, 4 * 2 * 24);
+        // Seen: 8e-5, 1.5e-4, 8e-5, 6e-5 and 9e-5.
+        let limits = [1e-4, 2e-4, 1e-4, 1e-4, 1.3e-4];
         assert!(worst.iter().zip(limits).all(|(worst, limit)| *worst < limit), "{worst:?}");
     }
 
