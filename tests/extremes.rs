@@ -1,8 +1,8 @@
 //! The edges of the parameter space: every design is right to the accuracy asked, or says that it is not.
 //!
 //! Designs are drawn far beyond what is built: dR/R2 from 0 and 1e-10 to 0.5, delta/dR from 1e-6 to 1e6, forces down to
-//! 1e-12 N, nu from -0.9 to 0.4999, moduli eight decades apart, holes from 1e-6 to 1e6 mm, plates from 1.02 to 1e4, cores
-//! from 0.01 to 0.95. A test run draws some thousands; at length:
+//! 1e-12 N, nu from -0.9 to 0.4999, moduli eight decades apart, holes from 1e-6 to 1e6 mm, plates up to 1e4, cores from 0.01 on,
+//! walls and ligaments down to a millionth of the radius. A test run draws some thousands; at length:
 //!
 //! ```text
 //! JOINTSWEEP_DRAWS=100000 cargo test --release --test extremes -- --nocapture
@@ -46,6 +46,11 @@ fn poissons_ratio(random: &mut Random) -> f64 {
     }
 }
 
+/// Of the radius: one in four is thinner than `least`, down to a millionth.
+fn thin(random: &mut Random, least: f64, most: f64) -> f64 {
+    if random.unit() < 0.25 { random.log(1e-6, least) } else { random.log(least, most) }
+}
+
 fn extreme(random: &mut Random, index: u64) -> DesignCase {
     let hole_radius = random.log(1e-6, 1e6);
     let neat = random.unit() < 0.1;
@@ -54,8 +59,8 @@ fn extreme(random: &mut Random, index: u64) -> DesignCase {
     let softer = random.log(1e-2, 1e6);
     let ratio = random.log(1.0, 1e8);
     let moduli = if random.unit() < 0.5 { [softer, softer * ratio] } else { [softer * ratio, softer] };
-    let core = if random.unit() < 0.5 { random.log(0.01, 0.95) } else { 1.0 - random.log(0.05, 0.9) };
-    let wall = if random.unit() < 0.5 { random.log(0.02, 1.0) + 1.0 } else { random.log(1.02, 1e4) };
+    let core = if random.unit() < 0.5 { random.log(0.01, 0.95) } else { 1.0 - thin(random, 0.05, 0.9) };
+    let wall = if random.unit() < 0.5 { 1.0 + thin(random, 0.02, 1.0) } else { random.log(1.02, 1e4) };
     let part = |random: &mut Random, shape, ratio, youngs_modulus| Part {
         shape,
         parameters: [ratio, 0.0, 0.0],
@@ -97,7 +102,7 @@ fn is_sound(response: &Response) -> bool {
     all.into_iter().all(|value| value.is_finite() && value > 0.0)
 }
 
-/// Shares of the steps, as 10,000 draws had them.
+/// Shares of the steps, as 10,000 draws had them or more.
 struct Seen {
     /// Answered, and compared with an exact answer: nothing warns of either.
     compared: f64,
@@ -118,7 +123,8 @@ fn scatter(share: f64, designs: f64) -> f64 {
 
 /// Checks every row: it has an answer within the accuracy, or warns, or fails in words; and so many as were seen do each.
 fn check(cases: &[DesignCase], found: &[DesignOutcome], exact: &[DesignOutcome], accuracy: f64, seen: &Seen) {
-    let mut statuses: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut statuses: BTreeMap<String, usize> = BTreeMap::new();
+    let is_of_number = |letter: char| letter.is_ascii_digit() || letter == '.';
     let (mut steps, mut failed, mut warned, mut bounded) = (0, 0, 0, 0);
     let (mut errors, mut wrong) = (Vec::new(), Vec::new());
     assert_eq!((found.len(), exact.len()), (cases.len(), cases.len()));
@@ -126,7 +132,7 @@ fn check(cases: &[DesignCase], found: &[DesignOutcome], exact: &[DesignOutcome],
         assert_eq!([found.steps.len(), exact.steps.len()], [cases[index].steps.len(); 2]);
         for (found, exact) in found.steps.iter().zip(&exact.steps) {
             steps += 1;
-            *statuses.entry(&found.status).or_default() += 1;
+            *statuses.entry(found.status.replace(is_of_number, "")).or_default() += 1;
             let Some(response) = &found.response else {
                 failed += 1;
                 assert!(found.status.starts_with("failed: "), "{} {:?}", found.status, cases[index]);
@@ -169,6 +175,7 @@ fn check(cases: &[DesignCase], found: &[DesignOutcome], exact: &[DesignOutcome],
     };
     at_least(compared, steps, seen.compared);
     at_least(bounded, compared, seen.bounded);
+    at_least(failed, steps, seen.failed);
     at_least(steps - failed, steps, 1.0 - seen.failed);
     at_least(steps - warned, steps, 1.0 - seen.warned);
 }
@@ -180,8 +187,8 @@ fn interpolated_joints_are_right_or_say_so() {
     let cases: Vec<DesignCase> = (0..draws() as u64 / 4).map(|index| extreme(&mut random, index)).collect();
     let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint).collect();
     let exact = solve(&cases, MethodChoice::Series, 0.01);
-    let of_meshes = Seen { compared: 0.955, failed: 0.005, warned: 0.039, bounded: 0.998 };
-    let of_series = Seen { compared: 0.994, failed: 0.005, warned: 0.0, bounded: 0.966 };
+    let of_meshes = Seen { compared: 0.747, failed: 0.228, warned: 0.024, bounded: 0.998 };
+    let of_series = Seen { compared: 0.974, failed: 0.006, warned: 0.019, bounded: 0.998 };
     for (method, seen) in [(MethodChoice::Fe, of_meshes), (MethodChoice::Auto, of_series)] {
         let options = SolveOptions { accuracy: 0.01, method };
         let plan = InterpolationPlan::new(&options, 300_000, &joints).expect("a fit is worth it");
@@ -193,9 +200,9 @@ fn interpolated_joints_are_right_or_say_so() {
         };
         let interpolated = found.iter().filter(is_interpolated).count();
         println!("{interpolated} of {} designs interpolated, {method:?}", cases.len());
-        // Seen: 0.17 and 0.22.
+        // Seen: 0.175 of either; 0.147 of ten times as many.
         let (share, least) =
-            (interpolated as f64 / cases.len() as f64, 0.17 - scatter(0.17, cases.len() as f64));
+            (interpolated as f64 / cases.len() as f64, 0.147 - scatter(0.147, cases.len() as f64));
         assert!(share >= least, "{interpolated} designs interpolated");
         check(&cases, &found, &exact, 0.01, &seen);
     }
@@ -207,7 +214,7 @@ fn interpolated_joints_are_right_or_say_so() {
 fn half_discs_and_blocks_are_right_or_say_so() {
     let mut random = Random::new(73);
     let side = |random: &mut Random| {
-        if random.unit() < 0.5 { 1.0 + random.log(0.02, 1.0) } else { random.log(1.02, 300.0) }
+        if random.unit() < 0.5 { 1.0 + thin(random, 0.02, 1.0) } else { random.log(1.02, 300.0) }
     };
     let one = |index: u64| {
         let mut case = extreme(&mut random, index);
@@ -225,7 +232,7 @@ fn half_discs_and_blocks_are_right_or_say_so() {
     };
     let cases: Vec<DesignCase> = (0..draws() as u64 / 20).map(one).collect();
     let exact = solve(&cases, MethodChoice::Auto, 2e-3);
-    let seen = Seen { compared: 0.776, failed: 0.149, warned: 0.039, bounded: 0.999 };
+    let seen = Seen { compared: 0.444, failed: 0.514, warned: 0.018, bounded: 0.999 };
     check(&cases, &solve(&cases, MethodChoice::Auto, 0.01), &exact, 0.01, &seen);
 }
 
@@ -234,6 +241,6 @@ fn concentric_joints_are_right_or_say_so() {
     let mut random = Random::new(71);
     let cases: Vec<DesignCase> = (0..draws() as u64).map(|index| extreme(&mut random, index)).collect();
     let exact = solve(&cases, MethodChoice::Series, 0.01);
-    let seen = Seen { compared: 0.957, failed: 0.009, warned: 0.033, bounded: 0.999 };
+    let seen = Seen { compared: 0.749, failed: 0.228, warned: 0.022, bounded: 0.999 };
     check(&cases, &solve(&cases, MethodChoice::Fe, 0.01), &exact, 0.01, &seen);
 }

@@ -2,11 +2,12 @@
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use crate::engine::near_fields::{NearFieldLibrary, Space};
+use crate::engine::near_fields::{NearFieldKey, NearFieldLibrary, Space, near_field_bytes, near_field_keys};
 use crate::engine::request::{BodyRequest, Fidelity, RequestKey, SpaceKey, TopologyKey, concentric};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::PressureCompliance;
@@ -32,8 +33,12 @@ pub struct BodyTimes {
     pub series: Duration,
 }
 
-/// Solved bodies kept at most, beyond those of the batch at hand.
-const KEPT: usize = 4096;
+/// Bodies and plans beyond these many bytes each are dropped before the next ones are made: a list of a million different
+/// blocks takes no more memory than one of a thousand.
+const KEPT_BYTES: usize = 64 << 20;
+
+/// No more bodies are solved at a time than have near fields of so many bytes.
+const PORTION_BYTES: usize = 64 << 20;
 
 impl BodyLibrary {
     pub fn space(&self, key: SpaceKey) -> &PressureSpace {
@@ -57,16 +62,20 @@ impl BodyLibrary {
         if missing.is_empty() {
             return;
         }
-        if self.solved.len() + missing.len() > KEPT + asked.len() {
+        let bytes: usize = self.solved.values().map(|body| size_of_val(&body.values[..])).sum();
+        if bytes > KEPT_BYTES {
             self.solved.retain(|key, _| asked.contains(key));
         }
-        let started = Instant::now();
-        self.shared.prepare(&missing);
         let (series, meshed): (Vec<_>, Vec<_>) =
             missing.iter().partition::<Vec<BodyRequest>, _>(|request| request.fidelity == Fidelity::Series);
-        let batches = self.prepare_meshes(&meshed);
-        self.times.shared += started.elapsed();
+        self.solve_series(&series);
+        portions(&meshed).into_iter().for_each(|portion| self.solve_meshed(portion));
+    }
 
+    fn solve_series(&mut self, series: &[BodyRequest]) {
+        let started = Instant::now();
+        self.shared.prepare(series);
+        self.times.shared += started.elapsed();
         let exact: Vec<(RequestKey, PressureCompliance, Duration)> = series
             .par_iter()
             .map(|request| {
@@ -76,56 +85,143 @@ impl BodyLibrary {
                 (request.key(), compliance, started.elapsed())
             })
             .collect();
-        let condensed: Vec<(Vec<(RequestKey, PressureCompliance)>, Duration)> = batches
-            .par_iter()
-            .map(|(plan, requests)| {
-                let started = Instant::now();
-                (self.condense(plan, requests), started.elapsed())
-            })
-            .collect();
         for (key, compliance, time) in exact {
             self.times.series += time;
             self.solved.insert(key, Arc::new(compliance));
         }
-        for (solved, time) in condensed {
-            self.times.condense += time;
-            self.solved.extend(solved.into_iter().map(|(key, compliance)| (key, Arc::new(compliance))));
+    }
+
+    fn solve_meshed(&mut self, groups: Vec<Group>) {
+        let started = Instant::now();
+        let requests: Vec<BodyRequest> = groups.iter().flat_map(|(_, group)| group).copied().collect();
+        self.shared.prepare(&requests);
+        self.times.shared += started.elapsed();
+        let bytes: usize = self.plans.values().map(CondensationPlan::bytes).sum();
+        if bytes > KEPT_BYTES / 2 {
+            self.plans.clear();
+        }
+        let room = AtomicUsize::new(KEPT_BYTES / 2);
+        let solved: Vec<SolvedGroup> =
+            groups.into_par_iter().map(|(key, group)| self.solve_group(key, &group, &room)).collect();
+        for SolvedGroup { key, plan, plan_time, batches } in solved {
+            self.times.shared += plan_time;
+            self.plans.extend(plan.map(|plan| (key, plan)));
+            for (solved, time) in batches {
+                self.times.condense += time;
+                self.solved.extend(solved.into_iter().map(|(key, compliance)| (key, Arc::new(compliance))));
+            }
         }
     }
 
-    fn condense(
-        &self,
-        plan: &TopologyKey,
-        requests: &[BodyRequest],
-    ) -> Vec<(RequestKey, PressureCompliance)> {
+    /// Bodies of one topology; a plan that is new is kept while there is `room` for it, in bytes.
+    fn solve_group(&self, key: TopologyKey, group: &[BodyRequest], room: &AtomicUsize) -> SolvedGroup {
+        let started = Instant::now();
+        let known = self.plans.get(&key);
+        let new = known.is_none().then(|| {
+            let Space { space, rings, .. } = self.shared.space(key.space);
+            let body = &group[0].body;
+            CondensationPlan::new(body, key.grading(body), space, rings)
+        });
+        let plan_time = started.elapsed();
+        let batches = known.or(new.as_ref()).map_or_else(Vec::new, |plan| {
+            let condense = |batch: &[BodyRequest]| {
+                let started = Instant::now();
+                (self.condense(plan, batch), started.elapsed())
+            };
+            group.par_chunks(LANES).map(condense).collect()
+        });
+        let fits = |plan: &CondensationPlan| {
+            let take = |left: usize| left.checked_sub(plan.bytes());
+            room.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok()
+        };
+        SolvedGroup { key, plan: new.filter(fits), plan_time, batches }
+    }
+
+    fn condense(&self, plan: &CondensationPlan, requests: &[BodyRequest]) -> Vec<SolvedBody> {
         let bodies: Vec<Body> = requests.iter().map(|request| request.body).collect();
-        let mut compliances = self.plans[plan].condense(&bodies);
+        let mut compliances = plan.condense(&bodies);
         for (request, compliance) in requests.iter().zip(&mut compliances) {
             self.shared.correct(request, compliance);
         }
         requests.iter().map(BodyRequest::key).zip(compliances).collect()
     }
+}
 
-    /// The plans of the requests; returns the requests in batches that fill the lanes of one plan.
-    fn prepare_meshes(&mut self, requests: &[BodyRequest]) -> Vec<(TopologyKey, Vec<BodyRequest>)> {
-        let mut groups: HashMap<TopologyKey, Vec<BodyRequest>> = HashMap::new();
-        for request in requests {
-            groups.entry(TopologyKey::of(request)).or_default().push(*request);
+/// Bodies of one topology.
+type Group = (TopologyKey, Vec<BodyRequest>);
+
+type SolvedBody = (RequestKey, PressureCompliance);
+
+struct SolvedGroup {
+    key: TopologyKey,
+    /// To be kept.
+    plan: Option<CondensationPlan>,
+    plan_time: Duration,
+    batches: Vec<(Vec<SolvedBody>, Duration)>,
+}
+
+/// The requests by topology, in portions each of which ends where its near fields take more than `PORTION_BYTES`.
+fn portions(requests: &[BodyRequest]) -> Vec<Vec<Group>> {
+    let mut groups: HashMap<TopologyKey, Vec<BodyRequest>> = HashMap::new();
+    for request in requests {
+        groups.entry(TopologyKey::of(request)).or_default().push(*request);
+    }
+    let mut portions: Vec<Vec<Group>> = Vec::new();
+    let (mut portion, mut bytes) = (Vec::new(), 0);
+    let mut near_fields: HashSet<NearFieldKey> = HashSet::new();
+    for (key, group) in groups {
+        for near_field in group.iter().flat_map(|request| near_field_keys(request).0) {
+            if near_fields.insert(near_field) {
+                bytes += near_field_bytes(&near_field);
+            }
         }
-        let new_plans: Vec<(TopologyKey, CondensationPlan)> = groups
-            .par_iter()
-            .filter(|(key, _)| !self.plans.contains_key(*key))
-            .map(|(key, group)| {
-                let Space { space, rings, .. } = self.shared.space(key.space);
-                let grading = key.grading(&group[0].body);
-                (key.clone(), CondensationPlan::new(&group[0].body, grading, space, rings))
-            })
-            .collect();
-        self.plans.extend(new_plans);
-        let batches = groups.into_iter().flat_map(|(key, group)| {
-            let pieces: Vec<_> = group.chunks(LANES).map(|piece| (key.clone(), piece.to_vec())).collect();
-            pieces
-        });
-        batches.collect()
+        portion.push((key, group));
+        if bytes > PORTION_BYTES {
+            portions.push(std::mem::take(&mut portion));
+            near_fields.clear();
+            bytes = 0;
+        }
+    }
+    portions.push(portion);
+    portions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::body::annulus;
+    use crate::mechanics::material::Idealization;
+
+    /// Bodies of ever new topologies and near fields take no more memory the more there are, and each is answered.
+    #[test]
+    fn what_is_kept_is_bounded() {
+        let space = SpaceKey { half_ring: false, terms: 24 };
+        let request = |index: usize| BodyRequest {
+            body: Body {
+                shape: &annulus::SHAPE,
+                parameters: [(0.05 + 0.05 * index as f64).exp(), 0.0, 0.0],
+                support: 0,
+                poissons_ratio: if index.is_multiple_of(2) { 0.3 } else { -0.3 },
+                idealization: Idealization::PlaneStress,
+            },
+            fidelity: Fidelity::Mesh { level: index % 4 },
+            space,
+        };
+        let requests: Vec<BodyRequest> = (0..240).map(request).collect();
+        let mut library = BodyLibrary::default();
+        let mut keys: HashSet<NearFieldKey> = HashSet::new();
+        for batch in requests.chunks(24) {
+            library.solve(batch);
+            keys.extend(batch.iter().flat_map(|request| near_field_keys(request).0));
+            for request in batch {
+                assert!(library.compliance(&request.key()).values.iter().all(|value| value.is_finite()));
+            }
+            let plans: usize = library.plans.values().map(CondensationPlan::bytes).sum();
+            // What is at hand comes on top.
+            let most = KEPT_BYTES + PORTION_BYTES;
+            assert!(plans <= KEPT_BYTES && library.shared.bytes() <= most);
+        }
+        let all: usize = keys.iter().map(near_field_bytes).sum();
+        assert!(all > 2 * KEPT_BYTES, "{all} bytes show nothing");
     }
 }

@@ -6,11 +6,13 @@ use std::collections::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::engine::request::{BodyRequest, ELEMENT, Fidelity, SpaceKey, concentric};
+use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::near_field::{NearField, NearFieldClass};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
 use crate::mechanics::compliance::ring_loads::RingLoads;
 use crate::mechanics::compliance::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::grading::GradingClass;
+use crate::mechanics::real::LANES;
 
 /// Bodies with one of these share a near field.
 pub type NearFieldKey = (NearFieldClass, SpaceKey);
@@ -22,6 +24,9 @@ pub struct Space {
     pub highest: usize,
     pub rings: RingLoads,
 }
+
+/// Near fields beyond these many bytes are dropped before the next ones are made.
+const KEPT_BYTES: usize = 64 << 20;
 
 #[derive(Default)]
 pub struct NearFieldLibrary {
@@ -47,8 +52,21 @@ impl NearFieldLibrary {
         &self.near_fields[key]
     }
 
-    /// Makes all that `requests` need and that is not there yet.
+    /// What the near fields take.
+    pub fn bytes(&self) -> usize {
+        self.near_fields.keys().map(near_field_bytes).sum()
+    }
+
+    /// Whether a near field is at hand.
+    pub fn has(&self, key: &NearFieldKey) -> bool {
+        self.near_fields.contains_key(key)
+    }
+
+    /// Makes all that `requests` need and that is not there yet. What others needed may be gone then.
     pub fn prepare(&mut self, requests: &[BodyRequest]) {
+        if self.bytes() > KEPT_BYTES {
+            self.near_fields.clear();
+        }
         let mut near_fields: HashSet<NearFieldKey> = HashSet::new();
         let mut needs: HashMap<SpaceKey, usize> = HashMap::new();
         for request in requests {
@@ -56,7 +74,7 @@ impl NearFieldLibrary {
                 Fidelity::Series => concentric(&request.body).modes_needed(),
                 Fidelity::Mesh { .. } => {
                     let new = near_field_keys(request).0.into_iter();
-                    let new = new.filter(|key| !self.near_fields.contains_key(key));
+                    let new = new.filter(|key| !self.has(key));
                     let highest = |key: NearFieldKey| {
                         near_fields.insert(key);
                         key.0.highest_mode()
@@ -100,6 +118,11 @@ impl NearFieldLibrary {
             .collect();
         self.spaces.extend(made);
     }
+}
+
+/// What a near field takes.
+pub fn near_field_bytes((_, space): &NearFieldKey) -> usize {
+    LANES * NODE_COUNT * packed_count(space.terms) * size_of::<f64>()
 }
 
 /// The two near fields between which that of a body on a mesh lies, and how far from the first to the second.

@@ -44,7 +44,7 @@ impl fmt::Display for Refusal {
         match *self {
             Refusal::NotConcentric => write!(out, "series needs a rigid-core pin in an annulus"),
             Refusal::ThinWall { name, wall, thinnest, has_modes } => {
-                let (wall, thinnest) = (one_digit(100.0 * wall), one_digit(100.0 * thinnest));
+                let (wall, thinnest) = beside(100.0 * wall, 100.0 * thinnest, "just under");
                 let way_out = if has_modes { "; method auto needs no mesh for it" } else { "" };
                 write!(
                     out,
@@ -52,7 +52,7 @@ impl fmt::Display for Refusal {
                 )
             }
             Refusal::Deep { name, side, ratio } => {
-                let (ratio, most) = (one_digit(ratio), one_digit(DEEPEST_MESHED.exp()));
+                let (ratio, most) = beside(ratio, DEEPEST_MESHED.exp(), "just over");
                 match side {
                     Side::Plate => write!(
                         out,
@@ -60,12 +60,18 @@ impl fmt::Display for Refusal {
                     ),
                     Side::Pin => write!(
                         out,
-                        "the core is 1/{ratio} of the pin; the smallest that meshes carry is 1/{most}"
+                        "the pin is {ratio} times as large as its core; the largest that meshes carry is {most} times"
                     ),
                 }
             }
         }
     }
+}
+
+/// A value beyond a limit, and the limit, so that they never read the same.
+fn beside(value: f64, limit: f64, beyond: &str) -> (String, String) {
+    let (value, limit) = (one_digit(value), one_digit(limit));
+    (if value == limit { format!("{beyond} {limit}") } else { value }, limit)
 }
 
 /// With one digit, so that a sweep has few different statuses.
@@ -87,5 +93,23 @@ pub fn is_bounded(request: &BodyRequest) -> bool {
             let size = mesh_size(&request.body, level);
             size.unknowns * (size.unknowns / size.layers) * 8 * LANES as u64 <= MOST_BAND_BYTES
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_value_never_reads_like_the_limit() {
+        let of_wall = |wall| {
+            let refusal = Refusal::ThinWall { name: "the wall", wall, thinnest: 0.02, has_modes: false };
+            refusal.to_string()
+        };
+        assert_eq!(
+            of_wall(0.0199),
+            "the wall is just under 2 % of the radius; the thinnest that meshes carry is 2 %"
+        );
+        assert_eq!(of_wall(1e-4), "the wall is 0.01 % of the radius; the thinnest that meshes carry is 2 %");
     }
 }

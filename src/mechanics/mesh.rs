@@ -51,6 +51,11 @@ pub struct Grading {
 }
 
 impl RingTopology {
+    /// What it takes, but for what is small beside it.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.connectivity[..]) + size_of_val(&self.grid[..]) + size_of_val(&self.unknowns[..])
+    }
+
     /// The topology of `body` divided by `grading`.
     pub fn new(body: &Body, grading: &Grading) -> RingTopology {
         let quadratic = grading.element == ElementKind::Quad8;

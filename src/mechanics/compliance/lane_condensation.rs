@@ -68,6 +68,12 @@ impl CondensationPlan {
         self.topology.unknown_count
     }
 
+    /// What the plan takes, but for what is small beside it.
+    pub fn bytes(&self) -> usize {
+        let loads: usize = self.loads.iter().map(|loads| size_of_val(&loads.values[..])).sum();
+        loads + self.structure.bytes() + self.topology.bytes()
+    }
+
     /// What one body costs.
     pub fn operations(&self) -> Operations {
         let of_arc = |loads: &PlacedLoads| {

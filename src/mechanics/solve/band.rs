@@ -92,6 +92,11 @@ impl BandStructure {
         structure
     }
 
+    /// What it takes, but for what is small beside it.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.scatter[..]) + size_of_val(&self.positions[..]) + size_of_val(&self.rows[..])
+    }
+
     /// Positions of an element's dofs, `None` where supported.
     fn element_positions(&self, topology: &RingTopology, element: usize) -> Vec<Option<usize>> {
         let count = topology.element.node_count();

@@ -150,6 +150,11 @@ impl GramShared {
         Ok(shared)
     }
 
+    /// What it takes on the device.
+    pub fn bytes(&self) -> u64 {
+        self.loads.size() + self.near_fields.size()
+    }
+
     /// Takes in the near fields of more requests like those before.
     pub fn cover(
         &mut self,
@@ -159,16 +164,17 @@ impl GramShared {
     ) -> Result<(), GpuError> {
         let TrialKernels { gpu, precision, .. } = kernels;
         let wanted = requests.iter().flat_map(|request| near_field_keys(request).0);
-        let wanted: BTreeSet<u32> =
-            wanted.map(|(class, _)| class.growth).chain(self.growths.iter().copied()).collect();
-        if wanted.len() == self.growths.len() {
+        let wanted: BTreeSet<u32> = wanted.map(|(class, _)| class.growth).collect();
+        if wanted.iter().all(|growth| self.growths.binary_search(growth).is_ok()) {
             return Ok(());
         }
-        self.growths = wanted.into_iter().collect();
         let (class, space) = self.key;
-        let near_field =
-            |growth: &u32| library.near_field(&(NearFieldClass { growth: *growth, ..class }, space));
-        let numbers = near_field_numbers(class.range, self.growths.iter().map(near_field));
+        let key = |growth: u32| (NearFieldClass { growth, ..class }, space);
+        // Those of before, too, where the library still has them.
+        let before = self.growths.iter().copied().filter(|growth| library.has(&key(*growth)));
+        self.growths = before.collect::<BTreeSet<u32>>().union(&wanted).copied().collect();
+        let near_fields = self.growths.iter().map(|growth| library.near_field(&key(*growth)));
+        let numbers = near_field_numbers(class.range, near_fields);
         self.near_fields =
             gpu.checked("near fields", || gpu.filled("near_fields", &precision.encode(&numbers)))?;
         Ok(())

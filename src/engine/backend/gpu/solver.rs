@@ -1,8 +1,8 @@
 //! A batch of designs on a device: the distinct bodies first, topology by topology, then the contact of every design.
 //! What comes back is the answer to each load and nothing else. What the device cannot do the processor does.
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ use super::stages::SystemBatch;
 use super::trial::{TrialKernels, slot_size};
 use crate::engine::backend::cpu::CpuBackend;
 use crate::engine::backend::{Backend, add_stages};
-use crate::engine::near_fields::NearFieldLibrary;
+use crate::engine::near_fields::{NearFieldLibrary, near_field_keys};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::{Estimate, JointPlan, Want};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey, TopologyKey};
@@ -92,6 +92,12 @@ const BATCH: usize = 16_384;
 
 /// The same on software, whose user waits.
 const SOFTWARE_BATCH: usize = 256;
+
+/// What groups share on the device is dropped beyond these many bytes, before more is made.
+const KEPT_BYTES: u64 = 256 << 20;
+
+/// Of joints that are solved together.
+const MOST_NEAR_FIELDS: usize = 1000;
 
 /// Steps of conjugate gradients on Q8 meshes over the root of the unknowns, to a residual of 1e-6.
 const STEPS_PER_ROOT: f64 = 8.0;
@@ -186,6 +192,9 @@ impl<'a> GpuBackend<'a> {
         self.cpu.library.solve(&exact);
         let library = &mut self.cpu.library.shared;
         library.prepare(&meshed);
+        if self.groups.values().map(|group| group.shared.bytes()).sum::<u64>() > KEPT_BYTES {
+            self.groups.clear();
+        }
         for group in &bodies.groups {
             let trial = &self.trials[&space.terms];
             let requests = &bodies.requests[group.slots.clone()];
@@ -200,7 +209,8 @@ impl<'a> GpuBackend<'a> {
         Ok(())
     }
 
-    /// The end of the joints, from `first` on, whose slots and whose answers fit into a buffer each; one at least.
+    /// The end of the joints, from `first` on, whose slots and whose answers fit into a buffer each, and whose near fields are
+    /// not too many at a time; one at least.
     fn end_of_piece(
         &self,
         space: SpaceKey,
@@ -209,10 +219,13 @@ impl<'a> GpuBackend<'a> {
         first: usize,
     ) -> usize {
         let (mut of_slots, mut of_answers) = (0, 0);
-        let fits = |(index, _): &&(usize, JointPlan)| {
+        let mut near_fields = HashSet::new();
+        let fits = |(index, plan): &&(usize, JointPlan)| {
             of_slots += 4 * slot_size(space.terms) as u64;
             of_answers += answer_numbers(&cases[*index]);
-            of_slots.max(of_answers) <= self.buffer_numbers()
+            let meshed = plan.requests().filter(|body| body.fidelity != Fidelity::Series);
+            near_fields.extend(meshed.flat_map(|body| near_field_keys(&body).0));
+            of_slots.max(of_answers) <= self.buffer_numbers() && near_fields.len() <= MOST_NEAR_FIELDS
         };
         first + joints[first..].iter().take_while(fits).count().max(1)
     }
