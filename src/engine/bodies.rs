@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use crate::engine::near_fields::{NearFieldKey, NearFieldLibrary, Space, near_field_bytes, near_field_keys};
+use crate::engine::near_fields::{NearFieldKey, NearFieldKeys, NearFieldLibrary, Space, near_field_bytes};
 use crate::engine::request::{BodyRequest, Fidelity, RequestKey, SpaceKey, TopologyKey, concentric};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::PressureCompliance;
@@ -33,9 +33,12 @@ pub struct BodyTimes {
     pub series: Duration,
 }
 
-/// Bodies and plans beyond these many bytes each are dropped before the next ones are made: a list of a million different
-/// blocks takes no more memory than one of a thousand.
-const KEPT_BYTES: usize = 64 << 20;
+/// Solved bodies beyond these many bytes are dropped before the next ones are solved, but for those asked for: some four
+/// thousand with six trial pressures.
+const KEPT_BODIES: usize = 24 << 20;
+
+/// And plans: a list of a million different blocks takes no more memory than one of a thousand.
+const KEPT_PLANS: usize = 64 << 20;
 
 /// No more bodies are solved at a time than have near fields of so many bytes.
 const PORTION_BYTES: usize = 64 << 20;
@@ -63,7 +66,7 @@ impl BodyLibrary {
             return;
         }
         let bytes: usize = self.solved.values().map(|body| size_of_val(&body.values[..])).sum();
-        if bytes > KEPT_BYTES {
+        if bytes > KEPT_BODIES {
             self.solved.retain(|key, _| asked.contains(key));
         }
         let (series, meshed): (Vec<_>, Vec<_>) =
@@ -74,7 +77,7 @@ impl BodyLibrary {
 
     fn solve_series(&mut self, series: &[BodyRequest]) {
         let started = Instant::now();
-        self.shared.prepare(series);
+        self.shared.prepare_series(series);
         self.times.shared += started.elapsed();
         let exact: Vec<(RequestKey, PressureCompliance, Duration)> = series
             .par_iter()
@@ -93,14 +96,13 @@ impl BodyLibrary {
 
     fn solve_meshed(&mut self, groups: Vec<Group>) {
         let started = Instant::now();
-        let requests: Vec<BodyRequest> = groups.iter().flat_map(|(_, group)| group).copied().collect();
-        self.shared.prepare(&requests);
+        self.shared.prepare(groups.iter().flat_map(|(_, group)| group).flat_map(|(_, keys)| keys.around));
         self.times.shared += started.elapsed();
         let bytes: usize = self.plans.values().map(CondensationPlan::bytes).sum();
-        if bytes > KEPT_BYTES / 2 {
+        if bytes > KEPT_PLANS / 2 {
             self.plans.clear();
         }
-        let room = AtomicUsize::new(KEPT_BYTES / 2);
+        let room = AtomicUsize::new(KEPT_PLANS / 2);
         let solved: Vec<SolvedGroup> =
             groups.into_par_iter().map(|(key, group)| self.solve_group(key, &group, &room)).collect();
         for SolvedGroup { key, plan, plan_time, batches } in solved {
@@ -114,17 +116,17 @@ impl BodyLibrary {
     }
 
     /// Bodies of one topology; a plan that is new is kept while there is `room` for it, in bytes.
-    fn solve_group(&self, key: TopologyKey, group: &[BodyRequest], room: &AtomicUsize) -> SolvedGroup {
+    fn solve_group(&self, key: TopologyKey, group: &[Meshed], room: &AtomicUsize) -> SolvedGroup {
         let started = Instant::now();
         let known = self.plans.get(&key);
         let new = known.is_none().then(|| {
             let Space { space, rings, .. } = self.shared.space(key.space);
-            let body = &group[0].body;
+            let body = &group[0].0.body;
             CondensationPlan::new(body, key.grading(body), space, rings)
         });
         let plan_time = started.elapsed();
         let batches = known.or(new.as_ref()).map_or_else(Vec::new, |plan| {
-            let condense = |batch: &[BodyRequest]| {
+            let condense = |batch: &[Meshed]| {
                 let started = Instant::now();
                 (self.condense(plan, batch), started.elapsed())
             };
@@ -137,18 +139,21 @@ impl BodyLibrary {
         SolvedGroup { key, plan: new.filter(fits), plan_time, batches }
     }
 
-    fn condense(&self, plan: &CondensationPlan, requests: &[BodyRequest]) -> Vec<SolvedBody> {
-        let bodies: Vec<Body> = requests.iter().map(|request| request.body).collect();
+    fn condense(&self, plan: &CondensationPlan, batch: &[Meshed]) -> Vec<SolvedBody> {
+        let bodies: Vec<Body> = batch.iter().map(|(request, _)| request.body).collect();
         let mut compliances = plan.condense(&bodies);
-        for (request, compliance) in requests.iter().zip(&mut compliances) {
-            self.shared.correct(request, compliance);
+        for ((request, keys), compliance) in batch.iter().zip(&mut compliances) {
+            self.shared.correct(&request.body, keys, compliance);
         }
-        requests.iter().map(BodyRequest::key).zip(compliances).collect()
+        batch.iter().map(|(request, _)| request.key()).zip(compliances).collect()
     }
 }
 
+/// A body on a mesh, and its near fields.
+type Meshed = (BodyRequest, NearFieldKeys);
+
 /// Bodies of one topology.
-type Group = (TopologyKey, Vec<BodyRequest>);
+type Group = (TopologyKey, Vec<Meshed>);
 
 type SolvedBody = (RequestKey, PressureCompliance);
 
@@ -162,15 +167,17 @@ struct SolvedGroup {
 
 /// The requests by topology, in portions each of which ends where its near fields take more than `PORTION_BYTES`.
 fn portions(requests: &[BodyRequest]) -> Vec<Vec<Group>> {
-    let mut groups: HashMap<TopologyKey, Vec<BodyRequest>> = HashMap::new();
+    let mut groups: HashMap<TopologyKey, Vec<Meshed>> = HashMap::new();
     for request in requests {
-        groups.entry(TopologyKey::of(request)).or_default().push(*request);
+        let topology = TopologyKey::of(request);
+        let keys = NearFieldKeys::new(&request.body, topology.class, request.space);
+        groups.entry(topology).or_default().push((*request, keys));
     }
     let mut portions: Vec<Vec<Group>> = Vec::new();
     let (mut portion, mut bytes) = (Vec::new(), 0);
     let mut near_fields: HashSet<NearFieldKey> = HashSet::new();
     for (key, group) in groups {
-        for near_field in group.iter().flat_map(|request| near_field_keys(request).0) {
+        for near_field in group.iter().flat_map(|(_, keys)| keys.around) {
             if near_fields.insert(near_field) {
                 bytes += near_field_bytes(&near_field);
             }
@@ -212,16 +219,15 @@ mod tests {
         let mut keys: HashSet<NearFieldKey> = HashSet::new();
         for batch in requests.chunks(24) {
             library.solve(batch);
-            keys.extend(batch.iter().flat_map(|request| near_field_keys(request).0));
+            keys.extend(batch.iter().flat_map(|request| NearFieldKeys::of(request).around));
             for request in batch {
                 assert!(library.compliance(&request.key()).values.iter().all(|value| value.is_finite()));
             }
             let plans: usize = library.plans.values().map(CondensationPlan::bytes).sum();
             // What is at hand comes on top.
-            let most = KEPT_BYTES + PORTION_BYTES;
-            assert!(plans <= KEPT_BYTES && library.shared.bytes() <= most);
+            assert!(plans <= KEPT_PLANS && library.shared.bytes() <= 2 * PORTION_BYTES);
         }
         let all: usize = keys.iter().map(near_field_bytes).sum();
-        assert!(all > 2 * KEPT_BYTES, "{all} bytes show nothing");
+        assert!(all > 2 * PORTION_BYTES, "{all} bytes show nothing");
     }
 }

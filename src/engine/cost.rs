@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, RandomState};
 
 use crate::engine::interpolation::plan::InterpolationPlan;
-use crate::engine::near_fields::{NearFieldKey, near_field_keys};
+use crate::engine::near_fields::{NearFieldKey, NearFieldKeys};
 use crate::engine::plan::{Estimate as HowKnown, JointPlan, Trust};
 use crate::engine::request::{BodyRequest, Fidelity, MeshSize, SpaceKey, TopologyKey, concentric, mesh_size};
 use crate::engine::unit_costs::{
@@ -99,7 +99,7 @@ impl Needs {
         if times == 1.0 {
             self.unknowns += size.unknowns;
         }
-        for key in near_field_keys(request).0 {
+        for key in NearFieldKeys::of(request).around {
             // The reference has some of the body's layers; around half a ring it is that of the whole.
             let rings = if key.0.half_ring { 2 } else { 1 };
             let layers = key.0.layer_count() as u64;

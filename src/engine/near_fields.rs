@@ -6,6 +6,7 @@ use std::collections::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::engine::request::{BodyRequest, ELEMENT, Fidelity, SpaceKey, concentric};
+use crate::mechanics::body::Body;
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::near_field::{NearField, NearFieldClass};
 use crate::mechanics::compliance::pressure_space::PressureSpace;
@@ -40,11 +41,10 @@ impl NearFieldLibrary {
         &self.spaces[&key]
     }
 
-    /// Adds the near field of a body, which was prepared, to its condensed compliance.
-    pub fn correct(&self, request: &BodyRequest, compliance: &mut PressureCompliance) {
-        let (around, between) = near_field_keys(request);
-        let around = around.each_ref().map(|key| self.near_field(key));
-        NearField::correct(around, between, request.body.poissons_ratio, compliance);
+    /// Adds the near field of a body to its condensed compliance; `keys` are its own, and were prepared.
+    pub fn correct(&self, body: &Body, keys: &NearFieldKeys, compliance: &mut PressureCompliance) {
+        let around = keys.around.each_ref().map(|key| self.near_field(key));
+        NearField::correct(around, keys.between, body.poissons_ratio, compliance);
     }
 
     /// A near field that was prepared.
@@ -62,33 +62,19 @@ impl NearFieldLibrary {
         self.near_fields.contains_key(key)
     }
 
-    /// Makes all that `requests` need and that is not there yet. What others needed may be gone then.
-    pub fn prepare(&mut self, requests: &[BodyRequest]) {
+    /// Makes the spaces of exact bodies, with the moments they need, as far as they are not there yet.
+    pub fn prepare_series(&mut self, requests: &[BodyRequest]) {
+        let needs = requests.iter().map(|request| (request.space, concentric(&request.body).modes_needed()));
+        self.prepare_spaces(needs);
+    }
+
+    /// Makes near fields, with their spaces, as far as they are not there yet. Others may be gone then.
+    pub fn prepare(&mut self, keys: impl Iterator<Item = NearFieldKey>) {
         if self.bytes() > KEPT_BYTES {
             self.near_fields.clear();
         }
-        let mut near_fields: HashSet<NearFieldKey> = HashSet::new();
-        let mut needs: HashMap<SpaceKey, usize> = HashMap::new();
-        for request in requests {
-            let highest = match request.fidelity {
-                Fidelity::Series => concentric(&request.body).modes_needed(),
-                Fidelity::Mesh { .. } => {
-                    let new = near_field_keys(request).0.into_iter();
-                    let new = new.filter(|key| !self.has(key));
-                    let highest = |key: NearFieldKey| {
-                        near_fields.insert(key);
-                        key.0.highest_mode()
-                    };
-                    match new.map(highest).max() {
-                        Some(highest) => highest,
-                        None => continue,
-                    }
-                }
-            };
-            let most = needs.entry(request.space).or_default();
-            *most = highest.max(*most);
-        }
-        self.prepare_spaces(needs);
+        let near_fields: HashSet<NearFieldKey> = keys.filter(|key| !self.has(key)).collect();
+        self.prepare_spaces(near_fields.iter().map(|(class, space)| (*space, class.highest_mode())));
         let made: Vec<(NearFieldKey, NearField)> = near_fields
             .into_par_iter()
             .map(|key| {
@@ -100,7 +86,12 @@ impl NearFieldLibrary {
     }
 
     /// Spaces with their moments up to a mode.
-    fn prepare_spaces(&mut self, mut needs: HashMap<SpaceKey, usize>) {
+    fn prepare_spaces(&mut self, modes: impl Iterator<Item = (SpaceKey, usize)>) {
+        let mut needs: HashMap<SpaceKey, usize> = HashMap::new();
+        for (space, highest) in modes {
+            let most = needs.entry(space).or_default();
+            *most = highest.max(*most);
+        }
         let known = |key: &SpaceKey| self.spaces.get(key).map(|space| space.highest);
         needs.retain(|key, highest| known(key).is_none_or(|known| known < *highest));
         let stale: Vec<(SpaceKey, usize, Option<Space>)> =
@@ -125,13 +116,26 @@ pub fn near_field_bytes((_, space): &NearFieldKey) -> usize {
     LANES * NODE_COUNT * packed_count(space.terms) * size_of::<f64>()
 }
 
-/// The two near fields between which that of a body on a mesh lies, and how far from the first to the second.
-pub fn near_field_keys(request: &BodyRequest) -> ([NearFieldKey; 2], f64) {
-    let level = match request.fidelity {
-        Fidelity::Mesh { level } => level,
-        Fidelity::Series => unreachable!("an exact body has no near field"),
-    };
-    let grading = GradingClass::of(&request.body, ELEMENT, level);
-    let (around, between) = NearFieldClass::around(&request.body, grading);
-    (around.map(|class| (class, request.space)), between)
+/// The two near fields between which that of a body on a mesh lies.
+pub struct NearFieldKeys {
+    pub around: [NearFieldKey; 2],
+    /// How far from the first to the second, 0 to 1.
+    pub between: f64,
+}
+
+impl NearFieldKeys {
+    /// Of a body whose mesh is of a class.
+    pub fn new(body: &Body, class: GradingClass, space: SpaceKey) -> NearFieldKeys {
+        let (around, between) = NearFieldClass::around(body, class);
+        NearFieldKeys { around: around.map(|class| (class, space)), between }
+    }
+
+    pub fn of(request: &BodyRequest) -> NearFieldKeys {
+        let level = match request.fidelity {
+            Fidelity::Mesh { level } => level,
+            Fidelity::Series => unreachable!("an exact body has no near field"),
+        };
+        let class = GradingClass::of(&request.body, ELEMENT, level);
+        NearFieldKeys::new(&request.body, class, request.space)
+    }
 }

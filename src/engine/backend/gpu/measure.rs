@@ -17,7 +17,7 @@ use super::stages::{Rounds, SystemBatch};
 use super::trial::{TrialKernels, slot_size};
 use super::work::{Joints, Sizes, Work};
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::near_fields::NearFieldLibrary;
+use crate::engine::near_fields::{NearFieldKeys, NearFieldLibrary};
 use crate::engine::plan::JointPlan;
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey, mesh_size};
 use crate::engine::respond::loads_in_contact;
@@ -87,7 +87,7 @@ pub fn body_kernels(
     let (key, requests, bodies) = (&group.key, &bodies.requests[group.slots.clone()], bodies.of(group));
     let trials = TrialKernels::new(gpu, precision, INVOCATIONS, space.terms)?;
     let mut library = NearFieldLibrary::default();
-    library.prepare(requests);
+    library.prepare(requests.iter().flat_map(|request| NearFieldKeys::of(request).around));
     let kernels = Kernels::new(gpu, precision, INVOCATIONS)?;
     let group = Group::new(&key.0, requests, kernels.facts(FIRST_GUESS), &trials, &library)?;
     let times = of_bodies(&kernels, &trials, group, &bodies)?;

@@ -10,7 +10,7 @@ use super::dispatch::Dispatch;
 use super::layout::is_plane_strain;
 use super::stages::SystemBatch;
 use super::trial::{SLOT_HEADER, TrialKernels, slot_size};
-use crate::engine::near_fields::{NearFieldKey, NearFieldLibrary, near_field_keys};
+use crate::engine::near_fields::{NearFieldKey, NearFieldKeys, NearFieldLibrary};
 use crate::engine::request::BodyRequest;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
@@ -142,7 +142,7 @@ impl GramShared {
         let loads = trial_loads(&library.space(requests[0].space).space, topology);
         let mut shared = gpu.checked("trial loads", || GramShared {
             loads: gpu.filled("loads", &precision.encode(&loads)),
-            key: near_field_keys(&requests[0]).0[0],
+            key: NearFieldKeys::of(&requests[0]).around[0],
             growths: Vec::new(),
             near_fields: gpu.empty("near_fields", precision.wide_bytes()),
         })?;
@@ -163,7 +163,7 @@ impl GramShared {
         requests: &[BodyRequest],
     ) -> Result<(), GpuError> {
         let TrialKernels { gpu, precision, .. } = kernels;
-        let wanted = requests.iter().flat_map(|request| near_field_keys(request).0);
+        let wanted = requests.iter().flat_map(|request| NearFieldKeys::of(request).around);
         let wanted: BTreeSet<u32> = wanted.map(|(class, _)| class.growth).collect();
         if wanted.iter().all(|growth| self.growths.binary_search(growth).is_ok()) {
             return Ok(());

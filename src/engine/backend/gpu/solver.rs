@@ -18,7 +18,7 @@ use super::stages::SystemBatch;
 use super::trial::{TrialKernels, slot_size};
 use crate::engine::backend::cpu::CpuBackend;
 use crate::engine::backend::{Backend, add_stages};
-use crate::engine::near_fields::{NearFieldLibrary, near_field_keys};
+use crate::engine::near_fields::{NearFieldKeys, NearFieldLibrary};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::{Estimate, JointPlan, Want};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey, TopologyKey};
@@ -191,7 +191,7 @@ impl<'a> GpuBackend<'a> {
             bodies.requests.iter().partition(|request| request.fidelity == Fidelity::Series);
         self.cpu.library.solve(&exact);
         let library = &mut self.cpu.library.shared;
-        library.prepare(&meshed);
+        library.prepare(meshed.iter().flat_map(|request| NearFieldKeys::of(request).around));
         if self.groups.values().map(|group| group.shared.bytes()).sum::<u64>() > KEPT_BYTES {
             self.groups.clear();
         }
@@ -224,7 +224,7 @@ impl<'a> GpuBackend<'a> {
             of_slots += 4 * slot_size(space.terms) as u64;
             of_answers += answer_numbers(&cases[*index]);
             let meshed = plan.requests().filter(|body| body.fidelity != Fidelity::Series);
-            near_fields.extend(meshed.flat_map(|body| near_field_keys(&body).0));
+            near_fields.extend(meshed.flat_map(|body| NearFieldKeys::of(&body).around));
             of_slots.max(of_answers) <= self.buffer_numbers() && near_fields.len() <= MOST_NEAR_FIELDS
         };
         first + joints[first..].iter().take_while(fits).count().max(1)
