@@ -14,6 +14,7 @@ mod greatest;
 mod random;
 
 use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
 
 use greatest::greatest;
 use jointsweep::engine::backend::cpu::CpuBackend;
@@ -84,9 +85,21 @@ fn extreme(random: &mut Random, index: u64) -> DesignCase {
     DesignCase { index, joint, steps }
 }
 
+/// Designs that are solved, and timed, together.
+const TOGETHER: usize = 16;
+
 fn solve(cases: &[DesignCase], method: MethodChoice, accuracy: f64) -> Vec<DesignOutcome> {
     let mut backend = CpuBackend::new(SolveOptions { accuracy, method });
-    cases.chunks(1024).flat_map(|cases| backend.solve(cases)).collect()
+    let mut slowest = Duration::ZERO;
+    let solve = |cases: &[DesignCase]| {
+        let started = Instant::now();
+        let outcomes = backend.solve(cases);
+        slowest = slowest.max(started.elapsed());
+        outcomes
+    };
+    let outcomes = cases.chunks(TOGETHER).flat_map(solve).collect();
+    println!("the slowest {TOGETHER} designs took {:.2} s", slowest.as_secs_f64());
+    outcomes
 }
 
 /// The relative error of the force at the same indentation; where the force is given, by way of the stiffness.

@@ -72,7 +72,10 @@ impl BodyLibrary {
         let (series, meshed): (Vec<_>, Vec<_>) =
             missing.iter().partition::<Vec<BodyRequest>, _>(|request| request.fidelity == Fidelity::Series);
         self.solve_series(&series);
-        portions(&meshed).into_iter().for_each(|portion| self.solve_meshed(portion));
+        let started = Instant::now();
+        let portions = portions(&meshed);
+        self.times.shared += started.elapsed();
+        portions.into_iter().for_each(|portion| self.solve_meshed(portion));
     }
 
     fn solve_series(&mut self, series: &[BodyRequest]) {
@@ -118,20 +121,21 @@ impl BodyLibrary {
     /// Bodies of one topology; a plan that is new is kept while there is `room` for it, in bytes.
     fn solve_group(&self, key: TopologyKey, group: &[Meshed], room: &AtomicUsize) -> SolvedGroup {
         let started = Instant::now();
-        let known = self.plans.get(&key);
-        let new = known.is_none().then(|| {
-            let Space { space, rings, .. } = self.shared.space(key.space);
-            let body = &group[0].0.body;
-            CondensationPlan::new(body, key.grading(body), space, rings)
-        });
+        let mut new = None;
+        let plan = match self.plans.get(&key) {
+            Some(known) => known,
+            None => {
+                let Space { space, rings, .. } = self.shared.space(key.space);
+                let body = &group[0].0.body;
+                new.insert(CondensationPlan::new(body, key.grading(body), space, rings))
+            }
+        };
         let plan_time = started.elapsed();
-        let batches = known.or(new.as_ref()).map_or_else(Vec::new, |plan| {
-            let condense = |batch: &[Meshed]| {
-                let started = Instant::now();
-                (self.condense(plan, batch), started.elapsed())
-            };
-            group.par_chunks(LANES).map(condense).collect()
-        });
+        let condense = |batch: &[Meshed]| {
+            let started = Instant::now();
+            (self.condense(plan, batch), started.elapsed())
+        };
+        let batches = group.par_chunks(LANES).map(condense).collect();
         let fits = |plan: &CondensationPlan| {
             let take = |left: usize| left.checked_sub(plan.bytes());
             room.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok()

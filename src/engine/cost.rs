@@ -31,12 +31,19 @@ pub struct Estimate {
     pub seconds: f64,
 }
 
-/// Share of the designs that go on to the next finer mesh, from each to the next; more of those whose meshes are trusted little.
-fn climbers(plan: &JointPlan) -> f64 {
+/// Share of the designs that go on to the next finer mesh, from each to the next; more of those whose meshes are trusted little,
+/// above all where much is asked.
+fn climbers(plan: &JointPlan, accuracy: f64) -> f64 {
     match plan.estimate {
         HowKnown::Exact => 0.0,
         HowKnown::Known | HowKnown::Change(Trust::Concentric | Trust::Full) => 0.1,
-        HowKnown::Change(Trust::Wary) => 0.3,
+        HowKnown::Change(Trust::Wary) => {
+            if accuracy >= 5e-3 {
+                0.2
+            } else {
+                0.3
+            }
+        }
         HowKnown::Change(Trust::SqueezedFilm) => 0.0,
     }
 }
@@ -156,7 +163,7 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
         let mut rung = Some((first, 1.0));
         while let Some((plan, share)) = rung.filter(|(_, share)| *share > FEW) {
             plan.requests().for_each(|request| needs.add(&request, share));
-            rung = plan.finer().map(|finer| (finer, share * climbers(&plan)));
+            rung = plan.finer().map(|finer| (finer, share * climbers(&plan, accuracy)));
         }
     }
     estimate.distinct_bodies = needs.bodies.len() as u64;

@@ -157,6 +157,14 @@ impl JointPlan {
         if plan.estimate == Estimate::Exact {
             return Ok(plan);
         }
+        let foresight = Foresight::of(case);
+        let is_enough =
+            |plan: &JointPlan| plan.foreseen_error(&foresight).is_some_and(|error| error <= accuracy);
+        let mut known =
+            (0..KNOWN_LEVELS).map(|level| JointPlan { estimate: Estimate::Known, ..plan.on_level(level) });
+        if let Some(known) = known.find(|plan| is_enough(plan) && plan.is_bounded()) {
+            return Ok(known);
+        }
         // The first level whose own estimate can be good enough.
         let can_do = |plan: &JointPlan| match plan.estimate {
             Estimate::Change(trust) => trust.error(plan.level, 0.0) <= accuracy,
@@ -166,12 +174,7 @@ impl JointPlan {
         while !plan.is_bounded() && plan.level > 1 {
             plan = plan.on_level(plan.level - 1);
         }
-        let foresight = Foresight::of(case);
-        let is_enough =
-            |plan: &JointPlan| plan.foreseen_error(&foresight).is_some_and(|error| error <= accuracy);
-        let known =
-            (0..KNOWN_LEVELS).map(|level| JointPlan { estimate: Estimate::Known, ..plan.on_level(level) });
-        Ok(known.into_iter().filter(JointPlan::is_bounded).find(is_enough).unwrap_or(plan))
+        Ok(plan)
     }
 
     /// Whether no mesh takes too much memory or time.

@@ -121,11 +121,9 @@ impl ResultFolder {
         })
     }
 
-    /// The first of a result's files that is not as long as its manifest says.
+    /// The first of a result's files that is not what its manifest says.
     fn changed(&self, origin: &Origin) -> Option<String> {
-        let is_changed = |(name, print): &&(String, Fingerprint)| {
-            !self.dir.join(name).metadata().is_ok_and(|file| file.len() == print.bytes)
-        };
+        let is_changed = |(name, print): &&(String, Fingerprint)| !is_still(&self.dir.join(name), print);
         origin.files.iter().find(is_changed).map(|(name, _)| name.clone())
     }
 
@@ -188,13 +186,11 @@ impl ResultFolder {
         let Some(origin) = Origin::of(&text).filter(|origin| origin.state == Some(State::Complete)) else {
             return Ok(());
         };
-        let place = |name: &str, print: u64| {
+        let place = |(name, print): &(String, Fingerprint)| {
             let path = self.dir.join(name);
-            let is_whole = |path: &Path| path.metadata().is_ok_and(|file| file.len() == print);
-            if is_whole(&partial(&path)) { Some(partial(&path)) } else { is_whole(&path).then_some(path) }
+            [partial(&path), path].into_iter().find(|path| is_still(path, print))
         };
-        let places: Option<Vec<PathBuf>> =
-            origin.files.iter().map(|(name, print)| place(name, print.bytes)).collect();
+        let places: Option<Vec<PathBuf>> = origin.files.iter().map(place).collect();
         let Some(places) = places else { return Ok(()) };
         for ((name, _), found) in origin.files.iter().zip(places) {
             let path = self.dir.join(name);
@@ -255,6 +251,12 @@ impl Drop for Claim {
 /// The name of a file that is not whole yet.
 fn partial(path: &Path) -> PathBuf {
     with_suffix(path, ".partial")
+}
+
+/// Whether a file is what it was; its length alone tells of most that are not.
+fn is_still(path: &Path, print: &Fingerprint) -> bool {
+    let is_as_long = path.metadata().is_ok_and(|file| file.len() == print.bytes);
+    is_as_long && Fingerprint::of_file(path).is_ok_and(|now| now == *print)
 }
 
 fn rename(from: &Path, to: &Path) -> Result<(), Error> {

@@ -1,7 +1,9 @@
 //! What tells whether a file is still the one it was: its length and a hash of its bytes.
 
 use std::fmt;
-use std::io::Read;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
 
 use xxhash_rust::xxh3::Xxh3;
 
@@ -17,6 +19,13 @@ impl Fingerprint {
         let mut printer = Fingerprinter::default();
         printer.update(bytes);
         printer.fingerprint()
+    }
+
+    /// Of a file as it is now.
+    pub fn of_file(path: &Path) -> std::io::Result<Fingerprint> {
+        let mut reader = Fingerprinted::new(BufReader::with_capacity(1 << 20, File::open(path)?));
+        std::io::copy(&mut reader, &mut std::io::sink())?;
+        Ok(reader.fingerprint())
     }
 
     /// The hash in 32 hexadecimal digits.

@@ -21,6 +21,7 @@ fn shipped_configs_load() {
         ("quickstart", 10, 100),
         ("random", 10_000, 100_000),
         ("thin-liners", 200, 2000),
+        ("thin-walls", 32, 96),
     ] {
         loaded.push(name);
         let path = configs.join(format!("{name}.toml"));

@@ -18,7 +18,7 @@ use super::stages::SystemBatch;
 use super::trial::{TrialKernels, slot_size};
 use crate::engine::backend::cpu::CpuBackend;
 use crate::engine::backend::{Backend, add_stages};
-use crate::engine::near_fields::{NearFieldKeys, NearFieldLibrary};
+use crate::engine::near_fields::{NearFieldKey, NearFieldKeys, NearFieldLibrary};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::{Estimate, JointPlan, Want};
 use crate::engine::request::{BodyRequest, Fidelity, SpaceKey, TopologyKey};
@@ -96,7 +96,7 @@ const SOFTWARE_BATCH: usize = 256;
 /// What groups share on the device is dropped beyond these many bytes, before more is made.
 const KEPT_BYTES: u64 = 256 << 20;
 
-/// Of joints that are solved together.
+/// Joints that need more of them are solved one half after the other.
 const MOST_NEAR_FIELDS: usize = 1000;
 
 /// Steps of conjugate gradients on Q8 meshes over the root of the unknowns, to a residual of 1e-6.
@@ -127,7 +127,16 @@ impl<'a> GpuBackend<'a> {
     ) -> Result<Vec<Option<(DesignOutcome, Want)>>, GpuError> {
         let started = Instant::now();
         let (bodies, design_slots) = distinct(joints);
-        self.prepare(space, &bodies)?;
+        let meshed = bodies.requests.iter().filter(|request| request.fidelity != Fidelity::Series);
+        let near_fields: HashSet<NearFieldKey> =
+            meshed.flat_map(|request| NearFieldKeys::of(request).around).collect();
+        if near_fields.len() > MOST_NEAR_FIELDS && joints.len() > 1 {
+            let (first, second) = joints.split_at(joints.len() / 2);
+            let mut solved = self.solve_joints(space, first)?;
+            solved.extend(self.solve_joints(space, second)?);
+            return Ok(solved);
+        }
+        self.prepare(space, &bodies, near_fields)?;
         let (kernels, library) = (&self.trials[&space.terms], &self.cpu.library);
         let slots = Slots::new(kernels, bodies.requests.len())?;
         let exact = (0..).zip(&bodies.requests).filter(|(_, request)| request.fidelity == Fidelity::Series);
@@ -182,16 +191,21 @@ impl<'a> GpuBackend<'a> {
     }
 
     /// Makes what the bodies share, and those that are exact.
-    fn prepare(&mut self, space: SpaceKey, bodies: &DistinctBodies) -> Result<(), GpuError> {
+    fn prepare(
+        &mut self,
+        space: SpaceKey,
+        bodies: &DistinctBodies,
+        near_fields: HashSet<NearFieldKey>,
+    ) -> Result<(), GpuError> {
         let GpuChoice { device, precision } = self.choice;
         if let Entry::Vacant(entry) = self.trials.entry(space.terms) {
             entry.insert(TrialKernels::new(device, precision, INVOCATIONS, space.terms)?);
         }
-        let (exact, meshed): (Vec<BodyRequest>, Vec<BodyRequest>) =
-            bodies.requests.iter().partition(|request| request.fidelity == Fidelity::Series);
+        let is_exact = |request: &&BodyRequest| request.fidelity == Fidelity::Series;
+        let exact: Vec<BodyRequest> = bodies.requests.iter().filter(is_exact).copied().collect();
         self.cpu.library.solve(&exact);
         let library = &mut self.cpu.library.shared;
-        library.prepare(meshed.iter().flat_map(|request| NearFieldKeys::of(request).around));
+        library.prepare(near_fields.into_iter());
         if self.groups.values().map(|group| group.shared.bytes()).sum::<u64>() > KEPT_BYTES {
             self.groups.clear();
         }
@@ -209,8 +223,7 @@ impl<'a> GpuBackend<'a> {
         Ok(())
     }
 
-    /// The end of the joints, from `first` on, whose slots and whose answers fit into a buffer each, and whose near fields are
-    /// not too many at a time; one at least.
+    /// The end of the joints, from `first` on, whose slots and whose answers fit into a buffer each; one at least.
     fn end_of_piece(
         &self,
         space: SpaceKey,
@@ -219,13 +232,10 @@ impl<'a> GpuBackend<'a> {
         first: usize,
     ) -> usize {
         let (mut of_slots, mut of_answers) = (0, 0);
-        let mut near_fields = HashSet::new();
-        let fits = |(index, plan): &&(usize, JointPlan)| {
+        let fits = |(index, _): &&(usize, JointPlan)| {
             of_slots += 4 * slot_size(space.terms) as u64;
             of_answers += answer_numbers(&cases[*index]);
-            let meshed = plan.requests().filter(|body| body.fidelity != Fidelity::Series);
-            near_fields.extend(meshed.flat_map(|body| NearFieldKeys::of(&body).around));
-            of_slots.max(of_answers) <= self.buffer_numbers() && near_fields.len() <= MOST_NEAR_FIELDS
+            of_slots.max(of_answers) <= self.buffer_numbers()
         };
         first + joints[first..].iter().take_while(fits).count().max(1)
     }
