@@ -11,10 +11,10 @@ use common::rings::{MeshedBody, body, concentric_grading};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
-use jointsweep::mechanics::contact::active_set::{
+use jointsweep::mechanics::contact::node_contact::active_set::{
     ActiveSetOutcome, RingContact, ring_contact, solve_nodal_contact,
 };
-use jointsweep::mechanics::contact::ring_joint::{RingsDiffer, normal_compliance};
+use jointsweep::mechanics::contact::node_contact::ring_joint::{RingsDiffer, normal_compliance};
 use jointsweep::mechanics::contact_grading::contact_grading;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::element::stiffness::Elasticity;

@@ -10,7 +10,7 @@ use jointsweep::engine::agreement::worst_difference;
 use jointsweep::engine::backend::gpu::context::{AdapterChoice, AdapterKind, Adapters, GpuDevice, GpuError};
 use jointsweep::engine::backend::gpu::kernels::Precision;
 use jointsweep::engine::backend::gpu::measure::SWEEP_ACCURACY;
-use jointsweep::engine::backend::gpu::measure::{KernelTime, body_kernels, joint_kernels};
+use jointsweep::engine::backend::gpu::measure::{KernelTime, body_kernels};
 use jointsweep::engine::backend::gpu::roofline::{Peaks, peaks, preferred_precision};
 use jointsweep::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::engine::outcome::DesignOutcome;
@@ -188,9 +188,6 @@ impl Bench<'_> {
                 kernels.extend(body_kernels(choice, &cases, level).map_err(into_error)?);
                 say(&format!("kernels of bodies, {}, mesh level {level}", precision.name()));
             }
-            // Contact meets no mesh.
-            kernels.extend(joint_kernels(choice, &cases, self.effort.levels[0]).map_err(into_error)?);
-            say(&format!("kernels of contact, {}", precision.name()));
         }
         files.save_kernels(&kernels, &peaks_of)?;
 

@@ -3,15 +3,18 @@
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, RandomState};
 
+use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::interpolation::plan::InterpolationPlan;
-use crate::engine::near_fields::{NearFieldKey, NearFieldKeys};
-use crate::engine::plan::{Estimate as HowKnown, JointPlan, Trust};
-use crate::engine::request::{BodyRequest, Fidelity, MeshSize, SpaceKey, TopologyKey, concentric, mesh_size};
+use crate::engine::plan::{Estimate as HowKnown, JointPlan};
+use crate::engine::request::{BodyRequest, Fidelity, MeshSize, TopologyKey, concentric, mesh_size};
+use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{
     DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, ROW_SECONDS, START_SECONDS,
-    TOPOLOGY_SECONDS, batch_seconds, request_seconds, series_seconds, space_seconds,
+    TOPOLOGY_SECONDS, batch_seconds, request_seconds, series_seconds, space_seconds, spread_seconds,
 };
 use crate::error::Error;
+use crate::mechanics::compliance::near_field::NearFieldClass;
+use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::real::LANES;
 use crate::study::config::{MethodChoice, Study};
 
@@ -55,14 +58,14 @@ const FEW: f64 = 0.05;
 #[derive(Default)]
 struct Group {
     size: MeshSize,
-    terms: usize,
+    modes: usize,
     bodies: f64,
 }
 
 impl Group {
     fn seconds(&self) -> f64 {
         let batches = (self.bodies / LANES as f64).ceil();
-        likely(self.bodies) * (TOPOLOGY_SECONDS + batches * batch_seconds(self.size, self.terms))
+        likely(self.bodies) * (TOPOLOGY_SECONDS + batches * batch_seconds(self.size, self.modes))
     }
 }
 
@@ -80,7 +83,7 @@ struct Needs {
     solved: HashSet<u64>,
     groups: HashMap<u64, Group>,
     /// With the size of the reference's mesh, and how many bodies need it.
-    near_fields: HashMap<NearFieldKey, (MeshSize, f64)>,
+    near_fields: HashMap<NearFieldClass, (MeshSize, f64)>,
     /// Highest mode by space.
     spaces: HashMap<SpaceKey, usize>,
     unknowns: u64,
@@ -95,42 +98,47 @@ impl Needs {
             return;
         }
         let Fidelity::Mesh { level } = request.fidelity else {
-            self.need_modes(request.space, concentric(&request.body).modes_needed());
             self.seconds += times * request_seconds(request);
             return;
         };
         let size = mesh_size(&request.body, level);
-        let group = self.groups.entry(self.hasher.hash_one(TopologyKey::of(request))).or_default();
-        (group.size, group.terms) = (size, request.space.terms);
+        let topology = TopologyKey::of(request);
+        let group = self.groups.entry(self.hasher.hash_one(&topology)).or_default();
+        (group.size, group.modes) = (size, RingModes::of(&topology.class).count);
         group.bodies += times;
         if times == 1.0 {
             self.unknowns += size.unknowns;
         }
-        for key in NearFieldKeys::of(request).around {
+        for class in NearFieldClass::around(&request.body, topology.class).0 {
             // The reference has some of the body's layers; around half a ring it is that of the whole.
-            let rings = if key.0.half_ring { 2 } else { 1 };
-            let layers = key.0.layer_count() as u64;
+            let rings = if class.half_ring { 2 } else { 1 };
+            let layers = class.layer_count() as u64;
             let unknowns = rings * size.unknowns * layers / size.layers;
-            let (mesh, bodies) = self.near_fields.entry(key).or_default();
+            let (mesh, bodies) = self.near_fields.entry(class).or_default();
             *mesh = MeshSize { unknowns, layers };
             *bodies += times;
-            self.need_modes(request.space, key.0.highest_mode());
         }
     }
 
-    fn need_modes(&mut self, space: SpaceKey, modes: usize) {
-        let highest = self.spaces.entry(space).or_default();
-        *highest = modes.max(*highest);
+    /// Adds a space in which a joint of these bodies is solved `times` a design.
+    fn add_space(&mut self, space: SpaceKey, plan: &JointPlan, times: f64) {
+        let exact = plan.requests().filter(|request| request.fidelity == Fidelity::Series);
+        for modes in exact.map(|request| concentric(&request.body).modes_needed()) {
+            self.seconds += times * spread_seconds(modes, space);
+            let highest = self.spaces.entry(space).or_default();
+            *highest = modes.max(*highest);
+        }
+        self.spaces.entry(space).or_default();
     }
 
     fn total_seconds(&self) -> f64 {
-        let of_near_field = |(key, (size, bodies)): (&NearFieldKey, &(MeshSize, f64))| {
-            let terms = key.1.terms;
-            let exact = LANES as f64 * series_seconds(terms, key.0.highest_mode());
-            likely(*bodies) * (exact + batch_seconds(*size, terms))
+        let of_near_field = |(class, (size, bodies)): (&NearFieldClass, &(MeshSize, f64))| {
+            let modes = RingModes::of(&class.grading).count;
+            let exact = LANES as f64 * series_seconds(class.reference().highest_mode());
+            likely(*bodies) * (exact + batch_seconds(*size, modes))
         };
         self.seconds
-            + self.spaces.iter().map(|(space, highest)| space_seconds(space.terms, *highest)).sum::<f64>()
+            + self.spaces.iter().map(|(space, highest)| space_seconds(*space, *highest)).sum::<f64>()
             + self.groups.values().map(Group::seconds).sum::<f64>()
             + self.near_fields.iter().map(of_near_field).sum::<f64>()
     }
@@ -163,6 +171,7 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
         let mut rung = Some((first, 1.0));
         while let Some((plan, share)) = rung.filter(|(_, share)| *share > FEW) {
             plan.requests().for_each(|request| needs.add(&request, share));
+            needs.add_space(plan.space, &plan, share);
             rung = plan.finer().map(|finer| (finer, share * climbers(&plan, accuracy)));
         }
     }

@@ -3,10 +3,11 @@
 
 use std::collections::BTreeMap;
 
+use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
+use crate::engine::accuracy::mesh_change::mesh_error;
 use crate::engine::foresight::Foresight;
 use crate::engine::interpolation::plan::InterpolationPlan;
-use crate::engine::known_errors::{KNOWN_LEVELS, known_error};
-use crate::engine::plan::{Estimate, JointPlan, first_level, mesh_error};
+use crate::engine::plan::{Estimate, JointPlan, first_level};
 use crate::engine::request::{BodyRequest, Fidelity, mesh_size};
 use crate::engine::unit_costs::{
     DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, ROW_SECONDS, request_seconds,
@@ -178,7 +179,7 @@ impl<'a> Explainer<'a> {
         Explanation {
             chosen,
             why,
-            bodies: requests.iter().map(describe).collect(),
+            bodies: requests.iter().map(|request| describe(request, plan.space.terms)).collect(),
             ruled_out,
             error,
             seconds: seconds + DESIGN_SECONDS + case.steps.len() as f64 * ROW_SECONDS,
@@ -199,8 +200,8 @@ fn not_known_enough(plan: &JointPlan, foresight: &Foresight, accuracy: f64) -> S
     }
 }
 
-fn describe(request: &BodyRequest) -> String {
-    let (name, terms) = (request.body.shape.name, request.space.terms);
+fn describe(request: &BodyRequest, terms: usize) -> String {
+    let name = request.body.shape.name;
     match request.fidelity {
         Fidelity::Series => format!("{name}: exact modes, {terms} trial pressures"),
         Fidelity::Mesh { level } => {

@@ -1,4 +1,4 @@
-//! What is asked of a body: how finely, in which pressure space, and what it then shares with others.
+//! What is asked of a body: how finely, and what it then shares with others.
 
 use crate::mechanics::body::{Body, BodyKey};
 use crate::mechanics::compliance::series::ConcentricBody;
@@ -6,22 +6,6 @@ use crate::mechanics::element::ElementKind;
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::material::Idealization;
 use crate::mechanics::mesh::{Grading, held_columns};
-
-/// Which `PressureSpace` a body is solved in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct SpaceKey {
-    /// Whether the pin's ring ends at pi/2.
-    pub half_ring: bool,
-    pub terms: usize,
-}
-
-impl SpaceKey {
-    /// The largest contact half angle, rad: just short of a half ring's end, where its face is held, and beyond any
-    /// free contact of a whole ring.
-    pub fn limit(self) -> f64 {
-        if self.half_ring { 1.54 } else { 2.4 }
-    }
-}
 
 /// How a body's compliance is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -37,20 +21,24 @@ pub enum Fidelity {
 pub struct BodyRequest {
     pub body: Body,
     pub fidelity: Fidelity,
-    pub space: SpaceKey,
 }
 
 /// Equal for requests with the same answer.
-pub type RequestKey = (BodyKey, Fidelity, SpaceKey);
+pub type RequestKey = (BodyKey, Fidelity);
 
 impl BodyRequest {
     pub fn key(&self) -> RequestKey {
-        (self.body.key(), self.fidelity, self.space)
+        (self.body.key(), self.fidelity)
     }
 }
 
 /// The elements of every mesh: the error of a compliance is of fourth order with Q8, of second with Q4 (tests/lame.rs).
 pub const ELEMENT: ElementKind = ElementKind::Quad8;
+
+/// The class of a body's mesh at a level.
+pub fn mesh_class(body: &Body, level: usize) -> GradingClass {
+    GradingClass::of(body, ELEMENT, level)
+}
 
 /// How large a body's mesh is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,7 +49,7 @@ pub struct MeshSize {
 
 /// The size of a body's mesh at a level.
 pub fn mesh_size(body: &Body, level: usize) -> MeshSize {
-    let class = GradingClass::of(body, ELEMENT, level);
+    let class = mesh_class(body, level);
     let columns = class.grading(body.shape.end_angle).angles.len() as u64 - 1;
     let layers = class.layer_count as u64;
     // Two unknowns a node: corner rows of 2 columns + 1 nodes, mid-side rows of columns + 1; supports are few.
@@ -75,8 +63,10 @@ pub struct TopologyKey {
     idealization: Idealization,
     held: Vec<bool>,
     pub class: GradingClass,
-    pub space: SpaceKey,
 }
+
+/// Bodies of one topology.
+pub type Group = (TopologyKey, Vec<BodyRequest>);
 
 impl TopologyKey {
     /// Of a body on a mesh.
@@ -86,20 +76,14 @@ impl TopologyKey {
             Fidelity::Mesh { level } => level,
             Fidelity::Series => unreachable!("an exact body has no mesh"),
         };
-        let class = GradingClass::of(body, ELEMENT, level);
+        let class = mesh_class(body, level);
         // Only where the far boundary is partly held does the topology depend on the body's own ratios.
         let held = if body.shape.sides.is_empty() {
             Vec::new()
         } else {
             held_columns(body, &class.grading(body.shape.end_angle))
         };
-        TopologyKey {
-            shape: body.shape.name,
-            idealization: body.idealization,
-            held,
-            class,
-            space: request.space,
-        }
+        TopologyKey { shape: body.shape.name, idealization: body.idealization, held, class }
     }
 
     /// The division of the ring of a body of this topology.

@@ -5,8 +5,7 @@ use std::f64::consts::PI;
 use std::hash::Hash;
 
 use crate::engine::foresight::half_angle;
-use crate::engine::plan::space_of;
-use crate::engine::request::SpaceKey;
+use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::{Body, BodyKey};
 use crate::mechanics::laws::{HertzContact, Pair};
 use crate::study::design::{DesignCase, JointDesign, Load};
@@ -53,7 +52,7 @@ impl Terms {
     /// The pressure space of a joint.
     pub fn space(self, joint: &JointDesign) -> SpaceKey {
         let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
-        let by_depth = space_of(&pin, &plate, 0.0, PI);
+        let by_depth = SpaceKey::coarsest(&pin, &plate, 0.0, PI);
         match self {
             Terms::ByDepth => by_depth,
             Terms::Fixed(terms) => SpaceKey { terms, ..by_depth },

@@ -13,7 +13,6 @@ pub mod moving_edge;
 pub mod ring_mesh;
 pub mod rings;
 pub mod meshed;
-pub mod direct_edge;
 pub mod nodal;
 pub mod families;
 pub mod oracle;

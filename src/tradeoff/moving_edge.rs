@@ -1,52 +1,51 @@
 //! From the compliances of a design's bodies to its states, by contact with a moving edge.
 
-use crate::mechanics::compliance::PressureCompliance;
-use crate::mechanics::compliance::pressure_space::PressureSpace;
-use crate::mechanics::contact::arc_state::ArcState;
-use crate::mechanics::contact::loading::{DimensionlessLoad, JointCurve};
-use crate::mechanics::contact::pressure::JointCompliance;
-use crate::study::design::{DesignCase, Load};
+use crate::engine::row::dimensionless;
+use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::mechanics::compliance::BodyCompliance;
+use crate::mechanics::contact::curve::ContactCurve;
+use crate::mechanics::contact::load::DimensionlessLoad;
+use crate::mechanics::contact::state::ContactState;
+use crate::study::design::{DesignCase, JointDesign, Load};
 use crate::tradeoff::state::State;
 
-/// The states of one design, one for each step.
+/// The states of one design, one for each step, in a space that was prepared for both bodies.
 pub fn states(
     case: &DesignCase,
-    space: &PressureSpace,
-    pin: &PressureCompliance,
-    plate: &PressureCompliance,
+    (key, spaces): (SpaceKey, &Spaces),
+    pin: &BodyCompliance,
+    plate: &BodyCompliance,
 ) -> Vec<Option<State>> {
     let joint = &case.joint;
-    let moduli = [joint.pin.material.youngs_modulus, joint.plate.material.youngs_modulus];
-    let joined = JointCompliance::new(space, (pin, moduli[0]), (plate, moduli[1]));
-    let Ok(curve) = JointCurve::new(joined) else { return vec![None; case.steps.len()] };
-    let (radius, thickness) = (joint.hole_radius, joint.thickness);
-    let clearance = joint.radial_clearance / radius;
-    let dimensionless = |load: &Load| match *load {
-        Load::Indentation(delta) => DimensionlessLoad::Indentation(delta / radius),
-        Load::Force(force) => DimensionlessLoad::Force(force / (thickness * radius)),
-    };
-    let is_loaded = |load: &&Load| !matches!(load, Load::Indentation(0.0) | Load::Force(0.0));
-    let loads: Vec<DimensionlessLoad> = case.steps.iter().filter(is_loaded).map(dimensionless).collect();
-    let mut found = curve.states(clearance, &loads).into_iter();
+    let space = spaces.get(key);
+    let shares = [&joint.pin, &joint.plate].map(|part| 1.0 / part.material.youngs_modulus);
+    let joined = space.pressures.joint(&[(pin, shares[0]), (plate, shares[1])]);
+    let Some(curve) = ContactCurve::new(space, &joined) else { return vec![None; case.steps.len()] };
+    let clearance = joint.radial_clearance / joint.hole_radius;
+    let is_loaded = |load: &Load| !matches!(load, Load::Indentation(0.0) | Load::Force(0.0));
+    let load_over = |load: &Load| dimensionless(joint, *load).filter(|_| is_loaded(load));
+    let mut found = curve.states(clearance, case.steps.iter().filter_map(load_over)).into_iter();
     let state = |load: &Load| {
-        let state = Some(load).filter(is_loaded).and_then(|_| found.next())?.ok()?;
-        let offset = match dimensionless(load) {
+        let load = load_over(load)?;
+        let (state, _) = found.next()?.ok()?;
+        let offset = match load {
             DimensionlessLoad::Indentation(delta) => clearance + delta,
             DimensionlessLoad::Force(force) => force / state.force,
         };
-        whole(&state, offset, radius, thickness).sound()
+        whole(&state, offset, joint).sound()
     };
     case.steps.iter().map(state).collect()
 }
 
 /// A state with its sizes: `offset` is e over the hole's radius.
-pub fn whole(state: &ArcState, offset: f64, radius: f64, thickness: f64) -> State {
+fn whole(state: &ContactState, offset: f64, joint: &JointDesign) -> State {
+    let (radius, thickness) = (joint.hole_radius, joint.thickness);
     State {
         indentation: radius * offset * state.indentation,
         force: thickness * radius * offset * state.force,
         tangent_stiffness: thickness * state.tangent_stiffness,
-        contact_half_angle: Some(state.arc.half_angle),
-        peak_pressure: Some(offset * state.peak_pressure()),
+        contact_half_angle: Some(state.half_angle),
+        peak_pressure: Some(offset * state.peak_pressure),
         iterations: None,
     }
 }

@@ -2,12 +2,14 @@
 
 use std::time::Instant;
 
-use crate::mechanics::contact::active_set::{ActiveSetOutcome, NodalContact, solve_nodal_contact};
-use crate::mechanics::contact::augmented_lagrangian::{
+use crate::mechanics::contact::node_contact::active_set::{
+    ActiveSetOutcome, NodalContact, solve_nodal_contact,
+};
+use crate::mechanics::contact::node_contact::augmented_lagrangian::{
     AugmentedOutcome, AugmentedSettings, solve_augmented_lagrangian,
 };
-use crate::mechanics::contact::penalty::{solve_penalty, springs};
-use crate::mechanics::contact::ring_joint::RingJoint;
+use crate::mechanics::contact::node_contact::penalty::{solve_penalty, springs};
+use crate::mechanics::contact::node_contact::ring_joint::RingJoint;
 use crate::mechanics::material::effective_modulus;
 use crate::study::design::{DesignCase, JointDesign, Load};
 use crate::tradeoff::choice::Solution;

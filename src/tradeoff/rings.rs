@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crate::mechanics::compliance::RingCompliance;
-use crate::mechanics::contact::ring_joint::RingBody;
+use crate::mechanics::contact::node_contact::ring_joint::RingBody;
 use crate::study::design::{DesignCase, JointDesign};
 use crate::tradeoff::joints::Joints;
 use crate::tradeoff::ring_mesh::{Division, RingMesh, RingSolver, groups};

@@ -1,8 +1,8 @@
 //! Bodies whose compliance is one smooth function of a few coordinates.
 
+use crate::engine::spaces::{SpaceKey, THIN};
 use crate::mechanics::body::{Body, DEEPEST_MESHED, MAX_PARAMETERS, Shape};
 use crate::mechanics::compliance::near_field::PoissonRange;
-use crate::mechanics::compliance::thin_wall::THIN;
 use crate::mechanics::material::Idealization;
 
 /// Shape ratios and Poisson's ratio.
@@ -30,6 +30,11 @@ impl FamilyKey {
         let thick = least > THIN && greatest < DEEPEST_MESHED;
         (trusted && thick).then_some(FamilyKey { shape: shape.name, support, idealization, range, half_ring })
     }
+}
+
+/// The space that compliances are fitted in: what thin bodies would need more for, `ContactState::truncation` tells.
+pub fn fit_space(half_ring: bool) -> SpaceKey {
+    SpaceKey { half_ring, terms: 10, nodes: 16 }
 }
 
 /// A body as a point: measures in which its compliance is close to a polynomial.

@@ -1,19 +1,18 @@
 //! The fit of a family, with its checked error.
 
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::interpolation::family::Family;
+use crate::engine::interpolation::family::{Family, fit_space};
 use crate::engine::interpolation::held_out::{HeldOut, bounds_near, quantile, worst_near};
 use crate::engine::interpolation::points::DEGREES;
 use crate::engine::interpolation::samples::{Expense, FINEST, Meshes};
+use crate::engine::spaces::Spaces;
 use crate::mechanics::compliance::body_fit::BodyFit;
-use crate::mechanics::contact::smooth_curve::CURVE_NODES;
-use crate::mechanics::contact::smooth_curve::nodes::CurveNodes;
 
 /// A fit with its error.
 pub struct FittedFamily {
     pub fit: BodyFit,
     /// Bound of the relative error of the force at each node of a curve, of fit and meshes together.
-    pub bound: [f64; CURVE_NODES],
+    pub bound: Vec<f64>,
     /// Bodies solved for it, on every mesh.
     pub solved: u64,
 }
@@ -41,14 +40,14 @@ impl Family {
         accuracy: f64,
         budget: f64,
         library: &mut BodyLibrary,
-        nodes: &CurveNodes,
+        spaces: &mut Spaces,
     ) -> Option<FittedFamily> {
         let Meshes { first, known } = self.meshes(accuracy);
         let levels = if self.exact { first..=first } else { first..=FINEST };
         let mut expense = Expense::default();
         let mut held_out = HeldOut::new(self, known);
         if !known {
-            held_out.solve(self, first - 1, library, nodes, &mut expense);
+            held_out.solve(self, first - 1, library, spaces, &mut expense);
         }
         let mut best: Option<(f64, FittedFamily)> = None;
         // What is only fair is good enough where a better one would cost much.
@@ -57,8 +56,11 @@ impl Family {
             least <= GOOD || (least <= FAIR && expense.seconds > FAIR_BUDGET * budget)
         };
         for level in levels {
-            held_out.solve(self, level, library, nodes, &mut expense);
-            if worst_near(nodes, &quantile(&held_out.of_mesh)) > MESH_SHARE * accuracy && level < FINEST {
+            held_out.solve(self, level, library, spaces, &mut expense);
+            let space = fit_space(self.key.half_ring);
+            if worst_near(spaces.get(space), &quantile(&held_out.of_mesh)) > MESH_SHARE * accuracy
+                && level < FINEST
+            {
                 continue;
             }
             let mut samples: Vec<Vec<f64>> = Vec::new();
@@ -71,12 +73,12 @@ impl Family {
                 if expense.seconds > budget || is_enough(&best, &expense) {
                     break;
                 }
-                samples.extend(self.solve(library, nodes, new, self.fidelity(level)));
+                samples.extend(self.solve(library, spaces, new, self.fidelity(level)));
                 let Some(fit) = BodyFit::new(polynomials, &points, &samples, MODE_SHARE * accuracy) else {
                     continue;
                 };
-                let bound = held_out.bound(&fit, nodes);
-                let worst = worst_near(nodes, &bound);
+                let bound = held_out.bound(&fit, spaces.get(space));
+                let worst = worst_near(spaces.get(space), &bound);
                 if best.as_ref().is_none_or(|(least, _)| worst < *least) {
                     best = Some((worst, FittedFamily { fit, bound, solved: 0 }));
                 }
@@ -90,7 +92,7 @@ impl Family {
         }
         let (_, fitted) = best?;
         // A design at an arc whose bound is too large goes on to the meshes; not too many may.
-        let near: Vec<f64> = bounds_near(nodes, &fitted.bound).collect();
+        let near: Vec<f64> = bounds_near(spaces.get(fit_space(self.key.half_ring)), &fitted.bound).collect();
         let fair = near.iter().filter(|bound| **bound <= FAIR * accuracy).count();
         (2 * fair >= near.len()).then_some(FittedFamily { solved: expense.bodies, ..fitted })
     }

@@ -2,15 +2,17 @@
 
 use rayon::prelude::*;
 
+use crate::engine::accuracy::known_errors::known_error;
+use crate::engine::accuracy::mesh_change::mesh_error;
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::interpolation::family::{Family, body_at};
+use crate::engine::interpolation::family::{Family, body_at, fit_space};
 use crate::engine::interpolation::samples::Expense;
-use crate::engine::known_errors::known_error;
-use crate::engine::plan::mesh_error;
+use crate::engine::spaces::Spaces;
 use crate::mechanics::compliance::body_fit::BodyFit;
-use crate::mechanics::contact::smooth_curve::CURVE_NODES;
-use crate::mechanics::contact::smooth_curve::at_nodes::relative_changes;
-use crate::mechanics::contact::smooth_curve::nodes::CurveNodes;
+use crate::mechanics::compliance::infinite;
+use crate::mechanics::compliance::pressure_space::JointCompliance;
+use crate::mechanics::contact::curve::CurveSpace;
+use crate::mechanics::contact::edge::EdgeStates;
 
 /// Share of the bodies held out whose error is below the bound: what two bodies have is averaged in a joint, so far more
 /// of the joints are (`tests/interpolation.rs`).
@@ -29,7 +31,7 @@ pub(super) struct HeldOut {
     /// Their compliances on the finest mesh so far.
     expected: Vec<Vec<f64>>,
     /// The error of that mesh.
-    pub(super) of_mesh: Vec<[f64; CURVE_NODES]>,
+    pub(super) of_mesh: Vec<Vec<f64>>,
     /// Whether it is known, without a coarser one.
     known: bool,
 }
@@ -37,10 +39,7 @@ pub(super) struct HeldOut {
 impl HeldOut {
     pub(super) fn new(family: &Family, known: bool) -> HeldOut {
         let points = family.held_out_points();
-        let amplitude = |point: &Vec<f64>| {
-            let body = body_at(&family.example, point);
-            2.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio)
-        };
+        let amplitude = |point: &Vec<f64>| infinite(&body_at(&family.example, point))[0];
         let amplitudes = points.iter().map(amplitude).collect();
         HeldOut { points, amplitudes, expected: Vec::new(), of_mesh: Vec::new(), known }
     }
@@ -51,36 +50,39 @@ impl HeldOut {
         family: &Family,
         level: usize,
         library: &mut BodyLibrary,
-        nodes: &CurveNodes,
+        spaces: &mut Spaces,
         expense: &mut Expense,
     ) {
         let coarse = std::mem::take(&mut self.expected);
-        self.expected = family.solve(library, nodes, &self.points, family.fidelity(level));
+        self.expected = family.solve(library, spaces, &self.points, family.fidelity(level));
         expense.add(family, self.points.len(), level);
+        let space = spaces.get(fit_space(family.key.half_ring));
         self.of_mesh = if family.exact {
-            vec![[0.0; CURVE_NODES]; self.points.len()]
+            vec![vec![0.0; space.arcs().len()]; self.points.len()]
         } else if self.known {
             let known = |point: &Vec<f64>| {
                 let body = body_at(&family.example, point);
-                nodes.arcs.map(|arc| known_error(&body, level, arc.half_angle).unwrap_or(f64::INFINITY))
+                let at = |half_angle| known_error(&body, level, half_angle).unwrap_or(f64::INFINITY);
+                space.arcs().iter().map(|arc| at(arc.half_angle)).collect()
             };
             self.points.iter().map(known).collect()
         } else {
             (self.expected.par_iter().zip(&coarse).zip(&self.amplitudes))
                 .map(|((fine, coarse), amplitude)| {
-                    changes(nodes, *amplitude, fine, coarse).map(|change| mesh_error(level, change))
+                    let changes = changes(space, *amplitude, fine, coarse).into_iter();
+                    changes.map(|change| mesh_error(level, change)).collect()
                 })
                 .collect()
         };
     }
 
     /// Of the errors of a fit and of the meshes together.
-    pub(super) fn bound(&self, fit: &BodyFit, nodes: &CurveNodes) -> [f64; CURVE_NODES] {
-        let errors: Vec<[f64; CURVE_NODES]> = (self.points.par_iter().zip(&self.expected))
+    pub(super) fn bound(&self, fit: &BodyFit, space: &CurveSpace) -> Vec<f64> {
+        let errors: Vec<Vec<f64>> = (self.points.par_iter().zip(&self.expected))
             .zip(self.of_mesh.par_iter().zip(&self.amplitudes))
             .map(|((point, expected), (of_mesh, amplitude))| {
-                let changes = changes(nodes, *amplitude, expected, &fit.at(point));
-                std::array::from_fn(|node| SAFETY * changes[node] + of_mesh[node])
+                let changes = changes(space, *amplitude, expected, &fit.at(point));
+                changes.iter().zip(of_mesh).map(|(change, of_mesh)| SAFETY * change + of_mesh).collect()
             })
             .collect();
         quantile(&errors)
@@ -88,28 +90,32 @@ impl HeldOut {
 }
 
 /// Relative changes of the work of a body alone at each node; infinite where they have no value.
-fn changes(nodes: &CurveNodes, amplitude: f64, expected: &[f64], found: &[f64]) -> [f64; CURVE_NODES] {
-    let difference: Vec<f64> = found.iter().zip(expected).map(|(found, expected)| found - expected).collect();
-    relative_changes(nodes, amplitude, expected, &difference)
-        .map(|change| if change.is_finite() { change.abs() } else { f64::INFINITY })
+fn changes(space: &CurveSpace, amplitude: f64, expected: &[f64], found: &[f64]) -> Vec<f64> {
+    let alone = JointCompliance { even: amplitude, bed: 0.0, values: expected.into() };
+    let difference = found.iter().zip(expected).map(|(found, expected)| found - expected).collect();
+    let change = JointCompliance { even: 0.0, bed: 0.0, values: difference };
+    let changes = EdgeStates::new(&space.pressures, &alone).work_shares(&space.pressures, &change);
+    changes.into_iter().map(|change| if change.is_finite() { change.abs() } else { f64::INFINITY }).collect()
 }
 
 /// At each node what few of the bounds exceed.
-pub(super) fn quantile(bounds: &[[f64; CURVE_NODES]]) -> [f64; CURVE_NODES] {
-    std::array::from_fn(|node| {
+pub(super) fn quantile(bounds: &[Vec<f64>]) -> Vec<f64> {
+    let count = bounds.first().map_or(0, Vec::len);
+    let of_node = |node: usize| {
         let mut of_node: Vec<f64> = bounds.iter().map(|of_body| of_body[node]).collect();
         of_node.sort_by(f64::total_cmp);
         let place = (BOUNDED * of_node.len() as f64) as usize;
         of_node.get(place.min(of_node.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY)
-    })
+    };
+    (0..count).map(of_node).collect()
 }
 
 /// Those of the arcs that contact comes to.
-pub(super) fn bounds_near(nodes: &CurveNodes, bound: &[f64; CURVE_NODES]) -> impl Iterator<Item = f64> {
-    let near = nodes.arcs.iter().zip(bound).filter(|(arc, _)| arc.half_angle < WIDEST);
+pub(super) fn bounds_near(space: &CurveSpace, bound: &[f64]) -> impl Iterator<Item = f64> {
+    let near = space.arcs().iter().zip(bound).filter(|(arc, _)| arc.half_angle < WIDEST);
     near.map(|(_, bound)| *bound)
 }
 
-pub(super) fn worst_near(nodes: &CurveNodes, bound: &[f64; CURVE_NODES]) -> f64 {
-    bounds_near(nodes, bound).fold(0.0, f64::max)
+pub(super) fn worst_near(space: &CurveSpace, bound: &[f64]) -> f64 {
+    bounds_near(space, bound).fold(0.0, f64::max)
 }

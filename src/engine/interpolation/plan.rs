@@ -5,10 +5,10 @@
 
 use std::collections::{HashMap, HashSet};
 
+use crate::engine::accuracy::known_errors::known_level;
 use crate::engine::interpolation::family::{
     Family, FamilyKey, MOST_COORDINATES, Point, coordinate_count, coordinates,
 };
-use crate::engine::known_errors::known_level;
 use crate::engine::plan::first_level;
 use crate::engine::request::Fidelity;
 use crate::engine::unit_costs::body_seconds;
@@ -27,9 +27,6 @@ const GAIN: f64 = 2.0;
 
 /// What contact costs less on the curve of interpolated bodies, s a design.
 const CONTACT_SECONDS: f64 = 15e-6;
-
-/// Trial pressures that most designs have without interpolation.
-const TERMS_WITHOUT: usize = 6;
 
 /// What is fitted for a study, and for which designs.
 #[derive(Clone, Debug)]
@@ -147,7 +144,7 @@ impl InterpolationPlan {
             let mut cost = 0.0;
             for (key, members) in [both.0, both.1].iter().zip(of_pair) {
                 let Some(family) = families.get(key) else { continue };
-                let of = |fidelity| body_seconds(&members.example, fidelity, TERMS_WITHOUT);
+                let of = |fidelity| body_seconds(&members.example, fidelity);
                 let on_mesh = |level| of(Fidelity::Mesh { level });
                 let seconds = if family.exact {
                     of(Fidelity::Series)

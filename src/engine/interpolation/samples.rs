@@ -2,15 +2,14 @@
 
 use rayon::prelude::*;
 
+use crate::engine::accuracy::known_errors::known_level;
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::interpolation::family::{Family, MOST_COORDINATES, body_at};
+use crate::engine::interpolation::family::{Family, MOST_COORDINATES, body_at, fit_space};
 use crate::engine::interpolation::points::DEGREES;
-use crate::engine::known_errors::known_level;
 use crate::engine::plan::first_level;
-use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
+use crate::engine::request::{BodyRequest, Fidelity};
+use crate::engine::spaces::Spaces;
 use crate::engine::unit_costs::{TOPOLOGY_SECONDS, body_seconds};
-use crate::mechanics::contact::smooth_curve::CURVE_TERMS;
-use crate::mechanics::contact::smooth_curve::nodes::CurveNodes;
 
 /// Share of the lanes that samples of a box with so many coordinates fill, about.
 const LANES_FILLED: [f64; MOST_COORDINATES + 1] = [0.2, 0.8, 0.7, 0.6, 0.4];
@@ -50,27 +49,29 @@ impl Expense {
 }
 
 impl Family {
-    /// The compliances of bodies at points, at the nodes of curves, with their amplitudes.
+    /// The compliances of bodies at points, in the space of fits.
     pub(super) fn solve(
         &self,
         library: &mut BodyLibrary,
-        nodes: &CurveNodes,
+        spaces: &mut Spaces,
         points: &[Vec<f64>],
         fidelity: Fidelity,
     ) -> Vec<Vec<f64>> {
-        let space = SpaceKey { half_ring: self.key.half_ring, terms: CURVE_TERMS };
+        let space = fit_space(self.key.half_ring);
         let mut solved = Vec::with_capacity(points.len());
         for points in points.chunks(BATCH) {
             let requests: Vec<BodyRequest> = points
                 .iter()
-                .map(|point| BodyRequest { body: body_at(&self.example, point), fidelity, space })
+                .map(|point| BodyRequest { body: body_at(&self.example, point), fidelity })
                 .collect();
             library.solve(&requests);
-            let shared = &*library;
-            let resample = |request: &BodyRequest| {
-                nodes.resample(shared.space(space), &shared.compliance(&request.key()).values)
-            };
-            solved.par_extend(requests.par_iter().map(resample));
+            let library = &*library;
+            let compliance = |request: &BodyRequest| &*library.solved(request).compliance;
+            spaces.prepare(requests.iter().map(|request| (space, compliance(request))));
+            let pressures = &spaces.get(space).pressures;
+            let values =
+                |request: &BodyRequest| pressures.joint(&[(compliance(request), 1.0)]).values.into_owned();
+            solved.par_extend(requests.par_iter().map(values));
         }
         solved
     }
@@ -97,7 +98,7 @@ impl Family {
     /// Estimated time of one sample.
     fn sample_seconds(&self, level: usize) -> f64 {
         let filled = if self.exact { 1.0 } else { LANES_FILLED[self.free()] };
-        body_seconds(&self.example, self.fidelity(level), CURVE_TERMS) / filled
+        body_seconds(&self.example, self.fidelity(level)) / filled
     }
 
     /// Estimated time of the first fit, s.

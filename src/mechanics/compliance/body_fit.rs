@@ -147,6 +147,11 @@ impl BodyFit {
         sound.then_some(BodyFit { polynomials, mode_count, coefficients, modes })
     }
 
+    /// Numbers of a sample.
+    pub fn sample_length(&self) -> usize {
+        self.modes.len() / self.mode_count
+    }
+
     /// Appends the amplitudes of the modes at a point of the box, times `scale`; what is beyond `mode_count` is zero.
     pub fn amplitudes(&self, point: &[f64], scale: f64, scratch: &mut FitScratch, amplitudes: &mut Vec<f64>) {
         let FitScratch { work, products } = scratch;
@@ -162,7 +167,7 @@ impl BodyFit {
     /// Adds the compliances of up to `BODIES` bodies, given by their amplitudes, to `values`, as samples are, one behind
     /// the other.
     pub fn add_modes(&self, amplitudes: &[&[f64]], values: &mut [f64]) {
-        let stride = self.modes.len() / self.mode_count;
+        let stride = self.sample_length();
         if amplitudes.len() == BODIES {
             let weights: Vec<[f64; BODIES]> =
                 (0..self.mode_count).map(|mode| std::array::from_fn(|body| amplitudes[body][mode])).collect();
@@ -178,7 +183,7 @@ impl BodyFit {
     pub fn at(&self, point: &[f64]) -> Vec<f64> {
         let mut amplitudes = Vec::new();
         self.amplitudes(point, 1.0, &mut FitScratch::default(), &mut amplitudes);
-        let mut values = vec![0.0; self.modes.len() / self.mode_count];
+        let mut values = vec![0.0; self.sample_length()];
         self.add_modes(&[&amplitudes], &mut values);
         values
     }

@@ -1,38 +1,30 @@
-//! Finite-element compliance to the trial pressures, for several bodies of one topology at a time.
+//! Finite-element works of the ring modes, for several bodies of one topology at a time.
 //!
-//! Coordinates, element stiffness, band Cholesky down to the ring, then for each arc the Gram matrix of L^-1 f: all in
-//! the lanes of `Lanes`, one body a lane, in code compiled for the widest vectors of the processor.
+//! Coordinates, element stiffness, band Cholesky down to the ring, then the Gram matrix of L^-1 f: all in the lanes of
+//! `Lanes`, one body a lane, in code compiled for the widest vectors of the processor.
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::arc::{MAX_TERMS, TERM_CHOICES, packed_count};
-use super::pressure_space::PressureSpace;
-use super::ring_loads::{ArcLoads, RingLoads};
-use super::{NODE_COUNT, PressureCompliance};
+use super::arc::{packed, packed_count};
+use super::ring_modes::RingModes;
 use crate::mechanics::body::Body;
 use crate::mechanics::element::MAX_NODES;
 use crate::mechanics::element::stiffness::{
     Elasticity, ElementRule, element_stiffness, stiffness_operations,
 };
-use crate::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
+use crate::mechanics::mesh::{Grading, RingTopology, coordinates};
 use crate::mechanics::real::{LANES, Lanes, Real};
 use crate::mechanics::solve::band::{BandStructure, TILE, Tile};
 
-/// What bodies of one topology share: mesh, order of elimination, loads of the trial pressures.
+/// What bodies of one topology share: mesh, order of elimination, loads of the ring modes.
 pub struct CondensationPlan {
     grading: Grading,
     topology: RingTopology,
     structure: BandStructure,
     rule: ElementRule,
-    terms: usize,
-    loads: Vec<PlacedLoads>,
-}
-
-/// Loads of one arc in the order of elimination: from tile row `start` of the ring on, `[tile row][row in it][k]`.
-struct PlacedLoads {
-    start: usize,
-    rows: usize,
-    values: Vec<f64>,
+    modes: RingModes,
+    /// In the order of elimination: `[ring unknown][m]`.
+    loads: Vec<f64>,
 }
 
 /// Floating-point operations of condensing one body, a multiply-add counted as two.
@@ -42,26 +34,31 @@ pub struct Operations {
     pub elements: u64,
     /// The band's Cholesky factor.
     pub factorise: u64,
-    /// Substitution and Gram matrix at every arc.
-    pub arcs: u64,
+    /// Substitution and Gram matrix of the ring modes.
+    pub modes: u64,
 }
 
 impl Operations {
     pub fn total(&self) -> u64 {
-        self.elements + self.factorise + self.arcs
+        self.elements + self.factorise + self.modes
     }
 }
 
+/// Modes that are substituted side by side: some blocks of them are a plan's.
+const BLOCKS: [usize; 2] = [12, 8];
+
 impl CondensationPlan {
-    /// For bodies like `body` (same shape family, supports and class), divided by `grading`; `rings` are those of `space`.
-    pub fn new(body: &Body, grading: Grading, space: &PressureSpace, rings: &RingLoads) -> CondensationPlan {
+    /// For bodies like `body` (same shape family, supports and class), divided by `grading`.
+    pub fn new(body: &Body, grading: Grading, modes: RingModes) -> CondensationPlan {
         let topology = RingTopology::new(body, &grading);
         let structure = BandStructure::new(&topology);
-        let loads = rings.with(space, grading.element, &topology.ring_angles, |arcs| {
-            arcs.iter().map(|loads| place(&topology, &structure, loads, space.terms)).collect()
-        });
+        let mut loads = vec![0.0; (structure.size - structure.ring_start) * modes.count];
+        for (place, load) in modes.unknown_loads(&topology) {
+            let position = structure.positions[topology.ring_start + place] as usize - structure.ring_start;
+            loads[position * modes.count..][..modes.count].copy_from_slice(&load);
+        }
         let rule = ElementRule::new(grading.element);
-        CondensationPlan { grading, topology, structure, rule, terms: space.terms, loads }
+        CondensationPlan { grading, topology, structure, rule, modes, loads }
     }
 
     pub fn unknown_count(&self) -> usize {
@@ -70,53 +67,28 @@ impl CondensationPlan {
 
     /// What the plan takes, but for what is small beside it.
     pub fn bytes(&self) -> usize {
-        let loads: usize = self.loads.iter().map(|loads| size_of_val(&loads.values[..])).sum();
-        loads + self.structure.bytes() + self.topology.bytes()
+        size_of_val(&self.loads[..]) + self.structure.bytes() + self.topology.bytes()
     }
 
     /// What one body costs.
     pub fn operations(&self) -> Operations {
-        let of_arc = |loads: &PlacedLoads| {
-            let products = (2 * loads.rows * TILE * packed_count(self.terms)) as u64;
-            self.structure.substitute_operations(loads.rows, self.terms) + products
-        };
+        let rows = self.loads.len() / self.modes.count / TILE;
+        let products = (2 * rows * TILE * packed_count(self.modes.count)) as u64;
         Operations {
             elements: self.topology.element_count() as u64 * stiffness_operations(self.topology.element),
             factorise: self.structure.factorise_operations(),
-            arcs: self.loads.iter().map(of_arc).sum(),
+            modes: self.structure.substitute_operations(rows, self.modes.count) + products,
         }
     }
 
-    /// Up to `LANES` bodies at a time; the order is kept. A body whose mesh is turned inside out or
-    /// whose stiffness is not positive definite gives NaN. The part -pi/2 c ln b of entry (0, 0), which
-    /// `PressureCompliance` leaves out, is still in: the near field takes it out.
-    pub fn condense(&self, bodies: &[Body]) -> Vec<PressureCompliance> {
+    /// The works of the ring modes, packed, on each body; the order is kept. A body whose mesh is turned inside out or
+    /// whose stiffness is not positive definite gives NaN.
+    pub fn condense(&self, bodies: &[Body]) -> Vec<Vec<f64>> {
         bodies
             .chunks(LANES)
             .flat_map(|bodies| Arch::new().dispatch(Condense { plan: self, bodies }))
             .collect()
     }
-}
-
-fn place(topology: &RingTopology, structure: &BandStructure, loads: &ArcLoads, terms: usize) -> PlacedLoads {
-    let mut placed = Vec::new();
-    for node in 0..loads.node_count {
-        for component in 0..2 {
-            let unknown = topology.unknowns[2 * topology.ring_nodes[node] as usize + component];
-            if unknown != SUPPORTED {
-                placed.push((structure.positions[unknown as usize] as usize, (node * 2 + component) * terms));
-            }
-        }
-    }
-    let first = placed.iter().map(|(position, _)| *position).min().unwrap_or(structure.ring_start);
-    let start = (first - structure.ring_start) / TILE;
-    let rows = (structure.size - structure.ring_start) / TILE - start;
-    let mut values = vec![0.0; rows * TILE * terms];
-    for (position, from) in placed {
-        let to = (position - structure.ring_start - start * TILE) * terms;
-        values[to..to + terms].copy_from_slice(&loads.values[from..from + terms]);
-    }
-    PlacedLoads { start, rows, values }
 }
 
 struct Condense<'a> {
@@ -125,7 +97,7 @@ struct Condense<'a> {
 }
 
 impl WithSimd for Condense<'_> {
-    type Output = Vec<PressureCompliance>;
+    type Output = Vec<Vec<f64>>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
@@ -135,35 +107,23 @@ impl WithSimd for Condense<'_> {
 
 impl Condense<'_> {
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> Vec<PressureCompliance> {
+    fn run<const FUSED: bool>(self) -> Vec<Vec<f64>> {
         let mut tiles = self.plan.structure.empty::<Lanes<FUSED>>();
         let smallest_jacobian = self.assemble(&mut tiles);
         self.plan.structure.factorise(&mut tiles);
-        let entries = packed_count(self.plan.terms);
-        let mut compliances: Vec<PressureCompliance> = self
-            .bodies
-            .iter()
-            .map(|body| PressureCompliance {
-                terms: self.plan.terms,
-                amplitude: 2.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio),
-                bed: 0.0,
-                values: Vec::with_capacity(NODE_COUNT * entries),
-            })
-            .collect();
-        match self.plan.terms {
-            3 => self.gram::<FUSED, 3>(&tiles, &mut compliances),
-            6 => self.gram::<FUSED, 6>(&tiles, &mut compliances),
-            10 => self.gram::<FUSED, 10>(&tiles, &mut compliances),
-            16 => self.gram::<FUSED, 16>(&tiles, &mut compliances),
-            MAX_TERMS => self.gram::<FUSED, MAX_TERMS>(&tiles, &mut compliances),
-            other => unreachable!("no code for {other} trial pressures, only for {TERM_CHOICES:?}"),
+        let count = self.plan.modes.count;
+        let mut works = vec![vec![0.0; packed_count(count)]; self.bodies.len()];
+        if count.is_multiple_of(BLOCKS[0]) {
+            self.gram::<FUSED, { BLOCKS[0] }>(&tiles, &mut works);
+        } else {
+            self.gram::<FUSED, { BLOCKS[1] }>(&tiles, &mut works);
         }
-        for (lane, compliance) in compliances.iter_mut().enumerate() {
+        for (lane, works) in works.iter_mut().enumerate() {
             if smallest_jacobian.0[lane].is_nan() || smallest_jacobian.0[lane] <= 0.0 {
-                compliance.values.fill(f64::NAN);
+                works.fill(f64::NAN);
             }
         }
-        compliances
+        works
     }
 
     /// The stiffness of every body in its lane, and its least Jacobian; lanes without a body repeat the last one.
@@ -203,38 +163,45 @@ impl Condense<'_> {
         smallest_jacobian
     }
 
-    /// The Gram matrices of L^-1 f at every arc, with the part -pi/2 c ln b of entry (0, 0) still in them.
+    /// The Gram matrix of L^-1 f, in blocks of so many modes.
     #[inline(always)]
-    fn gram<const FUSED: bool, const TERMS: usize>(
+    fn gram<const FUSED: bool, const BLOCK: usize>(
         &self,
         tiles: &[Tile<Lanes<FUSED>>],
-        compliances: &mut [PressureCompliance],
+        works: &mut [Vec<f64>],
     ) {
-        let mut work = Vec::new();
-        for loads in &self.plan.loads {
-            work.clear();
-            work.resize(loads.rows, [[Lanes::<FUSED>::zero(); TERMS]; TILE]);
-            for (row, values) in work.iter_mut().flatten().zip(loads.values.chunks_exact(TERMS)) {
-                for (value, load) in row.iter_mut().zip(values) {
+        let CondensationPlan { structure, modes: RingModes { count, .. }, loads, .. } = self.plan;
+        let rows = loads.len() / count / TILE;
+        let zero = Lanes::<FUSED>::zero();
+        let mut solved: Vec<Vec<[[Lanes<FUSED>; BLOCK]; TILE]>> = Vec::with_capacity(count / BLOCK);
+        for first in (0..*count).step_by(BLOCK) {
+            let mut block = vec![[[zero; BLOCK]; TILE]; rows];
+            for (row, loads) in block.iter_mut().flatten().zip(loads.chunks_exact(*count)) {
+                for (value, load) in row.iter_mut().zip(&loads[first..]) {
                     *value = Lanes::from_f64(*load);
                 }
             }
-            self.plan.structure.substitute_ring(tiles, loads.start, &mut work);
-            let mut matrix = [[Lanes::<FUSED>::zero(); TERMS]; TERMS];
-            for rows in &work {
-                for j in 0..TERMS {
-                    for k in 0..=j {
-                        let mut sum = matrix[j][k];
-                        for row in rows {
-                            sum = sum.minus_product(row[j], -row[k]);
+            structure.substitute_ring(tiles, 0, &mut block);
+            solved.push(block);
+        }
+        for (i, of_rows) in solved.iter().enumerate() {
+            for (j, of_columns) in solved[..=i].iter().enumerate() {
+                let mut matrix = [[zero; BLOCK]; BLOCK];
+                for (rows, columns) in of_rows.iter().flatten().zip(of_columns.iter().flatten()) {
+                    for a in 0..BLOCK {
+                        for b in 0..BLOCK {
+                            matrix[a][b] = matrix[a][b].minus_product(rows[a], -columns[b]);
                         }
-                        matrix[j][k] = sum;
                     }
                 }
-            }
-            for (lane, compliance) in compliances.iter_mut().enumerate() {
-                for (j, row) in matrix.iter().enumerate() {
-                    compliance.values.extend(row[..=j].iter().map(|value| value.0[lane]));
+                for (a, of_row) in matrix.iter().enumerate() {
+                    let row = i * BLOCK + a;
+                    let columns = j * BLOCK..(j * BLOCK + BLOCK).min(row + 1);
+                    for (column, value) in columns.zip(of_row) {
+                        for (lane, works) in works.iter_mut().enumerate() {
+                            works[packed(row, column)] = value.0[lane];
+                        }
+                    }
                 }
             }
         }

@@ -2,11 +2,11 @@
 //!
 //! The error of a condensed compliance is local: it comes from elements at the ring that are as large as the contact
 //! arc. It is the same for every body with those elements, so it is measured once for a class of bodies, on the
-//! concentric body that stands for the class, as the difference of its exact compliance (`series`) and its condensed
-//! one, and added to each:
+//! concentric body that stands for the class, as the difference of its exact works (`series`) and its condensed ones, and
+//! added to each:
 //!
 //! ```text
-//!   A = A_mesh(body) + [A_series(reference) - A_mesh(reference)].
+//!   D = C_mesh(body) - C_infinite + [C_series(reference) - C_mesh(reference)].
 //! ```
 //!
 //! Equivalently: contact sees the exact kernel of the reference, and the mesh only the smooth difference of two bodies
@@ -16,13 +16,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use pulp::{Arch, Simd, WithSimd};
-
 use super::lane_condensation::CondensationPlan;
-use super::pressure_space::PressureSpace;
-use super::ring_loads::RingLoads;
+use super::ring_modes::RingModes;
 use super::series::ConcentricBody;
-use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::material::Idealization;
@@ -174,30 +170,19 @@ impl NearFieldClass {
         let fixed_radius = if self.side == Side::Plate { depth.exp() } else { (-depth).exp() };
         ConcentricBody { fixed_radius, poissons_ratio: 0.0, idealization: self.idealization }
     }
-
-    /// The highest mode whose moments the near field needs.
-    pub fn highest_mode(&self) -> usize {
-        self.reference().highest_mode()
-    }
 }
 
-/// The difference between the exact and the condensed compliance of a class's reference body.
+/// The difference between the exact and the condensed works of ring modes on a class's reference body.
 pub struct NearField {
-    pub range: PoissonRange,
-    /// `[node of Poisson's ratio][node in eps][packed lower triangle]`.
-    pub values: [Vec<f64>; LANES],
+    range: PoissonRange,
+    /// `[node of Poisson's ratio][packed]`.
+    works: [Vec<f64>; LANES],
 }
 
 impl NearField {
-    /// `moments` are `space.moments(highest)` with `highest` at least the class's `highest_mode()`, `rings` those of `space`.
-    pub fn new(
-        class: &NearFieldClass,
-        space: &PressureSpace,
-        moments: &[[f64; NODE_COUNT]],
-        highest: usize,
-        rings: &RingLoads,
-    ) -> NearField {
+    pub fn new(class: &NearFieldClass) -> NearField {
         let NearFieldClass { side, half_ring, idealization, range, .. } = *class;
+        let modes = RingModes::of(&class.grading);
         let reference = class.reference();
         let mut parameters = [0.0; MAX_PARAMETERS];
         parameters[0] = reference.fixed_radius;
@@ -209,19 +194,19 @@ impl NearField {
             idealization,
         });
         let end_angle = if half_ring { FRAC_PI_2 } else { PI };
-        let plan = CondensationPlan::new(&bodies[0], whole_ring(&class.layers(), end_angle), space, rings);
-        let mut condensed = plan.condense(&bodies).into_iter();
-        let values = bodies.map(|body| {
-            let exact = ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference };
-            let exact = exact.modal_compliance(space, moments, highest);
-            let Some(mesh) = condensed.next() else { unreachable!("one compliance a body") };
-            exact.values.iter().zip(&mesh.values).map(|(exact, mesh)| exact - mesh).collect()
-        });
-        NearField { range, values }
+        let plan = CondensationPlan::new(&bodies[0], whole_ring(&class.layers(), end_angle), modes);
+        let condensed = plan.condense(&bodies);
+        let exact = bodies
+            .map(|body| ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference }.boundary_modes());
+        let mut works = modes.works_of_modes(&exact);
+        for (works, mesh) in works.iter_mut().zip(condensed) {
+            works.iter_mut().zip(mesh).for_each(|(exact, mesh)| *exact -= mesh);
+        }
+        NearField { range, works }
     }
 
     /// Shares of the `LANES` nodes of Poisson's ratio in the near field of a body; they sum to one.
-    pub fn shares(range: PoissonRange, poissons_ratio: f64) -> [f64; LANES] {
+    fn shares(range: PoissonRange, poissons_ratio: f64) -> [f64; LANES] {
         let nodes = range.nodes();
         let coordinate = range.coordinate(poissons_ratio);
         if let Some(node) = nodes.iter().position(|(node, _)| *node == coordinate) {
@@ -232,45 +217,20 @@ impl NearField {
         weights.map(|weight| weight / sum)
     }
 
-    /// Adds a share of the near field to a condensed compliance of a body of the class.
-    ///
-    /// The exact compliance comes without its -pi/2 c ln b, so the sum does too: c is a polynomial of Poisson's ratio.
-    pub fn add(&self, share: f64, poissons_ratio: f64, compliance: &mut PressureCompliance) {
-        let shares = NearField::shares(self.range, poissons_ratio).map(|of_node| share * of_node);
-        Arch::new().dispatch(AddShares { shares, nodes: &self.values, values: &mut compliance.values });
-    }
-
-    /// Adds to a condensed compliance the near field of a body that lies `between` (0 to 1) the first and the second of two
+    /// Adds to the condensed works of a body the near field that lies `between` (0 to 1) the first and the second of two
     /// classes.
-    pub fn correct(
-        around: [&NearField; 2],
-        between: f64,
-        poissons_ratio: f64,
-        compliance: &mut PressureCompliance,
-    ) {
-        around[0].add(1.0 - between, poissons_ratio, compliance);
-        around[1].add(between, poissons_ratio, compliance);
-    }
-}
-
-/// Adds to `values` the shares of what belongs to each node of Poisson's ratio.
-struct AddShares<'a> {
-    shares: [f64; LANES],
-    nodes: &'a [Vec<f64>; LANES],
-    values: &'a mut [f64],
-}
-
-impl WithSimd for AddShares<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let AddShares { shares, nodes, values } = self;
-        for (share, of_node) in shares.iter().zip(nodes) {
-            for (value, near) in values.iter_mut().zip(of_node) {
-                *value += share * near;
+    pub fn correct(around: [&NearField; 2], between: f64, poissons_ratio: f64, works: &mut [f64]) {
+        for (near_field, share) in around.into_iter().zip([1.0 - between, between]) {
+            let shares = NearField::shares(near_field.range, poissons_ratio).map(|of_node| share * of_node);
+            for (share, of_node) in shares.iter().zip(&near_field.works) {
+                works.iter_mut().zip(of_node).for_each(|(work, near)| *work += share * near);
             }
         }
+    }
+
+    /// What it takes.
+    pub fn bytes(&self) -> usize {
+        self.works.iter().map(|works| size_of_val(&works[..])).sum()
     }
 }
 

@@ -8,17 +8,11 @@
 //!   lambda_n = c [n +- beta]/(n^2 - 1),   c = (kappa + 1)/(4 mu),   beta = (kappa - 1)/(kappa + 1),
 //! ```
 //!
-//! plus for a hole and minus for a disc, whose sums are known in closed form (`PressureSpace`); what is left of each
+//! plus for a hole and minus for a disc, whose sums are known in closed form (`kernels`); what is left of each
 //! mode falls like (ratio of radii)^(-2 n).
 
-use std::f64::consts::PI;
-
-use pulp::{Arch, Simd, WithSimd};
-
-use super::arc::{packed, packed_count};
-use super::pressure_space::PressureSpace;
 use super::thin_wall::bed_compliance;
-use super::{NODE_COUNT, PressureCompliance};
+use super::{BodyCompliance, Boundary};
 use crate::mechanics::body::{Side, THINNEST_RING};
 use crate::mechanics::material::Idealization;
 
@@ -187,83 +181,27 @@ impl ConcentricBody {
         }
     }
 
-    /// The compliance to the trial pressures of `space`, of a thin wall that of its bed. `moments` are `space.moments(highest)`
-    /// with `highest` at least `modes_needed()`.
-    pub fn compliance(
-        &self,
-        space: &PressureSpace,
-        moments: &[[f64; NODE_COUNT]],
-        highest: usize,
-    ) -> PressureCompliance {
+    /// How the ring yields, of a thin wall as that of a bed.
+    pub fn compliance(&self) -> BodyCompliance {
         if self.is_bed() {
             let bed = bed_compliance(self.fixed_radius, self.poissons_ratio, self.idealization);
-            let values = vec![0.0; NODE_COUNT * packed_count(space.terms)];
-            return PressureCompliance { terms: space.terms, amplitude: 0.0, bed, values };
+            return BodyCompliance { even: 0.0, odd: 0.0, boundary: Boundary::Bed(bed) };
         }
-        self.modal_compliance(space, moments, highest)
-    }
-
-    /// The exact Galerkin compliance at the nodes of `space`. `moments` are `space.moments(highest)` with `highest` at least
-    /// `highest_mode()`.
-    pub fn modal_compliance(
-        &self,
-        space: &PressureSpace,
-        moments: &[[f64; NODE_COUNT]],
-        highest: usize,
-    ) -> PressureCompliance {
-        let terms = space.terms;
-        let entries = packed_count(terms);
-        let amplitude = self.amplitude();
+        let even = self.amplitude();
         let kappa = self.kolosov();
-        let beta = (kappa - 1.0) / (kappa + 1.0) * if self.side() == Side::Plate { 1.0 } else { -1.0 };
-        let mut values: Vec<f64> = (0..NODE_COUNT * entries)
-            .map(|i| amplitude * (space.logarithm[i] + space.cubic[i] + beta * space.quadratic[i]))
-            .collect();
-        let finite: Vec<f64> = (0..=self.highest_mode().min(highest))
-            .map(|n| match n {
-                0 => 0.5 * self.mode(0),
-                1 => self.mode(1) - amplitude,
-                _ => self.finite_part(n),
-            })
-            .collect();
-        let mut sums = vec![[0.0; NODE_COUNT]; entries];
-        Arch::new().dispatch(AddModes { sums: &mut sums, moments, terms, modes: &finite });
-        for (entry, of_nodes) in sums.iter().enumerate() {
-            for (node, sum) in of_nodes.iter().enumerate() {
-                values[node * entries + entry] += sum;
-            }
-        }
-        PressureCompliance { terms, amplitude, bed: 0.0, values }
+        let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
+        let odd = sign * even * (kappa - 1.0) / (kappa + 1.0);
+        BodyCompliance { even, odd, boundary: Boundary::Modes(self.boundary_modes()) }
     }
-}
 
-/// Adds (2/pi) times the sum over the modes of lambda_n m_n m_n^T, packed, at all nodes side by side.
-struct AddModes<'a> {
-    sums: &'a mut [[f64; NODE_COUNT]],
-    moments: &'a [[f64; NODE_COUNT]],
-    terms: usize,
-    modes: &'a [f64],
-}
-
-impl WithSimd for AddModes<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let AddModes { sums, moments, terms, modes } = self;
-        for (mode, moments) in modes.iter().zip(moments.chunks_exact(terms)) {
-            let factor = simd.splat_f64s(mode * (2.0 / PI));
-            for (row, of_row) in moments.iter().enumerate() {
-                let of_row = S::as_simd_f64s(of_row).0;
-                let sums = &mut sums[packed(row, 0)..=packed(row, row)];
-                for (sum, of_column) in sums.iter_mut().zip(moments) {
-                    let (sum, of_column) = (S::as_mut_simd_f64s(sum).0, S::as_simd_f64s(of_column).0);
-                    for ((sum, a), b) in sum.iter_mut().zip(of_row).zip(of_column) {
-                        *sum = simd.mul_add_e_f64s(simd.mul_f64s(factor, *a), *b, *sum);
-                    }
-                }
-            }
-        }
+    /// What the fixed circle changes of each mode, as far as it is felt; half of it for mode 0.
+    pub fn boundary_modes(&self) -> Vec<f64> {
+        let mode = |n: usize| match n {
+            0 => 0.5 * self.mode(0),
+            1 => self.mode(1) - self.amplitude(),
+            _ => self.finite_part(n),
+        };
+        (0..=self.highest_mode()).map(mode).collect()
     }
 }
 

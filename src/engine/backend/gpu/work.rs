@@ -9,13 +9,10 @@
 //! without end, and what bodies share moves once for all of them.
 
 use super::batch::COLUMNS_ABREAST;
-use super::contact::RESPONSE_SIZE;
 use super::kernels::Precision;
 use super::layout::{MeshLayout, SLICE, SystemState};
-use super::trial::{SLOT_HEADER, slot_size};
-use crate::mechanics::compliance::NODE_COUNT;
+use super::works::WORKS_HEADER;
 use crate::mechanics::compliance::arc::packed_count;
-use crate::mechanics::real::LANES;
 
 /// Operations and bytes of one dispatch, or of several.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,21 +39,6 @@ pub struct Sizes {
     pub sides: u64,
     /// Numbers that make a body.
     pub body_numbers: u64,
-}
-
-/// What joints ask of the contact kernels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Joints {
-    /// Trial pressures.
-    pub terms: u64,
-    pub designs: u64,
-    /// Of all designs.
-    pub loads: u64,
-    /// Distinct slots of the bodies, and those of them on coarser meshes.
-    pub slots: u64,
-    pub coarse_slots: u64,
-    /// Evaluations of all searches.
-    pub evaluations: u64,
 }
 
 const POINTS: u64 = 4;
@@ -191,82 +173,15 @@ impl Sizes {
         Work { operations: bodies * self.ring_columns * self.ring_columns * entry, bytes: bodies * own }
     }
 
-    /// `gram`: of each arc C F, then F^T C F in its entries, and the near field, whose shares weigh nothing beside it.
-    pub fn gram(&self, terms: u64, bodies: u64, precision: Precision) -> Work {
+    /// `works`: C F, then F^T C F in its entries.
+    pub fn works(&self, modes: u64, bodies: u64, precision: Precision) -> Work {
         let wide = precision.wide_bytes();
-        let (nodes, entries, lanes) = (NODE_COUNT as u64, packed_count(terms as usize) as u64, LANES as u64);
-        let arc = 2 * self.ring_columns * self.ring_columns * terms
-            + 2 * self.ring_columns * entries
-            + 5 * lanes * entries;
-        // Near fields of two growths at least.
-        let shared = (nodes * (self.ring_columns * terms + 2 * lanes * entries) + 2 * lanes) * wide;
-        let own = (self.ring_columns * self.systems() + 3 + slot_size(terms as usize) as u64) * wide
+        let entries = packed_count(modes as usize) as u64;
+        let operations = 2 * self.ring_columns * self.ring_columns * modes + 2 * self.ring_columns * entries;
+        let own = (self.ring_columns * self.systems() + WORKS_HEADER as u64 + entries) * wide
             + self.system_bytes(precision);
-        Work { operations: bodies * nodes * arc, bytes: shared + bodies * own }
-    }
-}
-
-impl Joints {
-    /// A state at a half angle, from the matrix there: Cholesky, two right-hand sides, and what is read off.
-    fn evaluation(&self) -> u64 {
-        let terms = self.terms;
-        let entries = packed_count(terms as usize) as u64;
-        // Entry (row, column) takes 2 column operations and, below the diagonal, the scaling.
-        let factor: u64 = (0..terms).map(|row| row * (row + 1) + row + 2).sum();
-        let substitutions = 2 * 2 * (2 * (entries - terms) + terms);
-        let versines = 3 + 2 + 8 + 2 * (terms - 1);
-        3 + versines + factor + substitutions + 2 * terms + 1 + 17 * terms
-    }
-
-    /// Interpolation weights, then the sum over the nodes of both compliances with their shares.
-    fn interpolation(&self) -> u64 {
-        let nodes = NODE_COUNT as u64;
-        2 + 4 * nodes + packed_count(self.terms as usize) as u64 * nodes * 5
-    }
-
-    /// Logarithms of indentation and force, and dR/e.
-    const READINGS: u64 = 2 * LOGARITHM + 3 + 3;
-
-    fn numbers_bytes(&self, wide: u64) -> u64 {
-        // Space; then slots, shares and steps of the designs.
-        let space = (4 + 3 * NODE_COUNT as u64 + 4 * self.terms) * wide;
-        space + self.designs * (16 + 2 * wide)
-    }
-
-    /// `sample`: of each design an interpolated state and one at each node.
-    pub fn sample(&self, precision: Precision) -> Work {
-        let (wide, nodes) = (precision.wide_bytes(), NODE_COUNT as u64);
-        let entries = packed_count(self.terms as usize) as u64;
-        let each = TANGENT + 1 + LOGARITHM + 3 + self.evaluation() + Self::READINGS;
-        let design = (nodes + 1) * each + self.interpolation() + nodes * 3 * entries;
-        let own = self.slots - self.coarse_slots;
-        let bytes = self.numbers_bytes(wide)
-            + (own * slot_size(self.terms as usize) as u64 + self.coarse_slots * SLOT_HEADER as u64) * wide
-            + self.designs * (nodes + 1) * 4 * wide;
-        Work { operations: self.designs * design, bytes }
-    }
-
-    /// `find`: the evaluations of all searches, and of each load the change since the coarser meshes and the signs of
-    /// the pressure. The first guess is not counted.
-    pub fn find(&self, precision: Precision) -> Work {
-        let (wide, nodes, terms) = (precision.wide_bytes(), NODE_COUNT as u64, self.terms);
-        let entries = packed_count(terms as usize) as u64;
-        // The half angle, the state there, its excess, and inverse interpolation through three points.
-        let evaluation = (EXPONENTIAL + 2)
-            + (TANGENT + 1)
-            + LOGARITHM
-            + self.interpolation()
-            + self.evaluation()
-            + Self::READINGS
-            + 1
-            + 3 * (2 * 3 + 1);
-        let change = entries * (3 * nodes + 4);
-        let load = 2 * change + terms + 2 * terms * (2 * terms + 1);
-        let bytes = self.numbers_bytes(wide)
-            + self.slots * slot_size(terms as usize) as u64 * wide
-            + self.designs * (nodes + 1) * 4 * wide
-            + self.loads * (4 + wide + RESPONSE_SIZE as u64 * wide);
-        Work { operations: self.evaluations * evaluation + self.loads * load, bytes }
+        let shared = self.ring_columns * modes * wide;
+        Work { operations: bodies * operations, bytes: shared + bodies * own }
     }
 }
 

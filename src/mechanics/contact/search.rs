@@ -1,28 +1,24 @@
-//! From loads to states on a curve: searches of the half angle, as many abreast as a register has lanes, and the polynomials
-//! there.
-
-use std::f64::consts::{FRAC_PI_2, PI};
+//! From loads to states on a curve: searches of the half angle, as many abreast as a register has lanes.
 
 use pulp::{Simd, WithSimd};
 
-use super::{CURVE_NODES, CurveState, SmoothCurve};
-use crate::mechanics::contact::loading::{DimensionlessLoad, Target, inverse_interpolation};
-use crate::mechanics::real::{LANES, Lanes, Real};
+use super::curve::ContactCurve;
+use super::edge::FreeEdge;
+use super::load::{DimensionlessLoad, NoState, Target};
+use super::state::ContactState;
+use crate::mechanics::real::{LANES, Lanes};
 
 /// Where a search ends: the excess of a load.
-const TOLERANCE: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-11;
 
 /// Steps of one search at most; bisection alone would need fewer.
 const MOST_STEPS: usize = 100;
 
-/// Functions of a curve: the columns of `SmoothCurve::coefficients` that are used.
-const FUNCTIONS: usize = 7;
-
 pub(super) struct Loads<'a, I> {
-    pub(super) curve: &'a SmoothCurve<'a>,
+    pub(super) curve: &'a ContactCurve<'a>,
     pub(super) clearance: f64,
     pub(super) loads: I,
-    pub(super) states: &'a mut Vec<Option<CurveState>>,
+    pub(super) states: &'a mut Vec<Result<(ContactState, usize), NoState>>,
 }
 
 impl<I: Iterator<Item = DimensionlessLoad>> WithSimd for Loads<'_, I> {
@@ -43,10 +39,16 @@ impl<I: Iterator<Item = DimensionlessLoad>> Loads<'_, I> {
         loop {
             for lane in lanes.iter_mut().filter(|lane| lane.is_none()) {
                 for load in loads.by_ref() {
-                    states.push(None);
-                    *lane =
-                        curve.begin(Target::new(clearance, load)).map(|search| (states.len() - 1, search));
-                    if lane.is_some() {
+                    let search = curve.begin(Target::new(clearance, load));
+                    *lane = search.map(|search| (states.len(), search));
+                    // Where the search does not end there is none.
+                    let is_begun = lane.is_some();
+                    states.push(Err(if is_begun {
+                        NoState::BrokenCompliance
+                    } else {
+                        NoState::ContactTooWide
+                    }));
+                    if is_begun {
                         break;
                     }
                 }
@@ -63,8 +65,8 @@ impl<I: Iterator<Item = DimensionlessLoad>> Loads<'_, I> {
                 let Some((place, search)) = lane else { continue };
                 if !at.is_sound(number) {
                     *lane = None;
-                } else if search.ends(at.indentation.0[number], at.force.0[number]) {
-                    states[*place] = Some(curve.state(&at, number, search.above));
+                } else if search.ends(at.edge.indentation.0[number], at.edge.force.0[number]) {
+                    states[*place] = Ok((curve.state(&at, number, search.above), search.above));
                     *lane = None;
                 } else if search.steps == MOST_STEPS {
                     *lane = None;
@@ -115,14 +117,10 @@ impl Search {
     }
 }
 
-/// The joint at as many angles as there are lanes; units as in `CurveState`.
+/// The joint at as many angles as there are lanes.
 struct Abreast<const FUSED: bool> {
     b: Lanes<FUSED>,
-    indentation: Lanes<FUSED>,
-    force: Lanes<FUSED>,
-    tangent_stiffness: Lanes<FUSED>,
-    energy: Lanes<FUSED>,
-    peak_pressure: Lanes<FUSED>,
+    edge: FreeEdge<Lanes<FUSED>>,
     /// What must be positive of a compliance.
     singular: Lanes<FUSED>,
 }
@@ -130,23 +128,26 @@ struct Abreast<const FUSED: bool> {
 impl<const FUSED: bool> Abreast<FUSED> {
     #[inline(always)]
     fn is_sound(&self, lane: usize) -> bool {
-        self.singular.0[lane] > 0.0 && self.indentation.0[lane] > 0.0 && self.force.0[lane].is_finite()
+        let FreeEdge { indentation, force, .. } = &self.edge;
+        self.singular.0[lane] > 0.0 && indentation.0[lane] > 0.0 && force.0[lane].is_finite()
     }
 }
 
-impl SmoothCurve<'_> {
+impl ContactCurve<'_> {
     /// The bracket of a load among the nodes, and a first guess between them; `None` where it is beyond the curve.
     #[inline(always)]
     fn begin(&self, target: Target) -> Option<Search> {
+        let edges = &self.states.edges;
+        let count = edges.len();
         let point = |node: usize| {
-            let excess = target.excess(self.indentation[node], self.force[node]);
-            (self.nodes.ln_z[node], excess)
+            (self.space.ln_z[node], target.excess(edges[node].free.indentation, edges[node].free.force))
         };
         // Nodes go down with the angle: the last one that is not below the load.
-        let reached = |node: &usize| target.is_reached(self.indentation[*node], self.force[*node]);
-        let above = (self.first..CURVE_NODES).rev().find(reached)?;
+        let reached =
+            |node: &usize| target.is_reached(edges[*node].free.indentation, edges[*node].free.force);
+        let above = (self.first..count).rev().find(reached)?;
         let below = above + 1;
-        let last = (below + 1).min(CURVE_NODES - 1);
+        let last = (below + 1).min(count - 1);
         let mut points = [(0.0, 0.0); 4];
         let from = above.saturating_sub(1).max(self.first);
         for (place, node) in points.iter_mut().zip(from..=last) {
@@ -154,7 +155,7 @@ impl SmoothCurve<'_> {
         }
         let guess = inverse_interpolation(&points[..=last - from]);
         let b = points[above - from];
-        let (a, otherwise) = if below < CURVE_NODES {
+        let (a, otherwise) = if below < count {
             let a = points[below - from];
             (a, 0.5 * (a.0 + b.0))
         } else {
@@ -168,57 +169,44 @@ impl SmoothCurve<'_> {
 
     #[inline(always)]
     fn at<const FUSED: bool>(&self, ln_z: [f64; LANES]) -> Abreast<FUSED> {
-        let number = Lanes::<FUSED>::from_f64;
         let mut z = Lanes::<FUSED>(ln_z);
         z.0.iter_mut().for_each(|ln_z| *ln_z = ln_z.exp());
-        let turn = number(2.0) - number(4.0) * z;
-        // Clenshaw's sums, all functions side by side: no addition waits for the one before.
-        let mut current = [Lanes::<FUSED>::zero(); FUNCTIONS];
-        let mut previous = current;
-        for of_degree in self.coefficients[1..].iter().rev() {
-            for function in 0..FUNCTIONS {
-                let next =
-                    (number(of_degree[function]) - previous[function]).minus_product(turn, current[function]);
-                (current[function], previous[function]) = (next, current[function]);
-            }
-        }
-        let half = number(0.5) * turn;
-        for (function, sum) in current.iter_mut().enumerate() {
-            *sum = (number(self.coefficients[0][function]) - previous[function]).minus_product(half, *sum);
-        }
-        let [log_free, edge, edge_w, against, work, peak, peak_w] = current;
-        let b = self.nodes.b(z);
-        let b2 = b * b;
-        let singular = log_free.minus_product(number(PI * self.amplitude), Lanes(ln_z));
-        let first = b2 * edge_w / edge;
-        let (against, work) = (b2 * against, b2 * b2 * work);
-        let arm = number(FRAC_PI_2) - against;
-        Abreast {
-            b,
-            indentation: (singular * first + against) / number(FRAC_PI_2),
-            force: number(2.0) * (first * arm + work),
-            tangent_stiffness: number(2.0) * (arm * arm / singular + work),
-            energy: singular * first * first + work,
-            peak_pressure: (first * peak - b2 * peak_w) / (b + b),
-            singular,
-        }
+        let b = self.space.b(z);
+        let reduced = self.reduced(z, Lanes(ln_z), b);
+        Abreast { b, edge: reduced.free_edge(b), singular: reduced.singular }
     }
 
     /// One lane, with what is known node by node.
     #[inline(always)]
-    fn state<const FUSED: bool>(&self, at: &Abreast<FUSED>, lane: usize, above: usize) -> CurveState {
-        let below = (above + 1).min(CURVE_NODES - 1);
-        CurveState {
+    fn state<const FUSED: bool>(&self, at: &Abreast<FUSED>, lane: usize, above: usize) -> ContactState {
+        let edges = &self.states.edges;
+        let [above, below] = [above, (above + 1).min(edges.len() - 1)].map(|node| &edges[node]);
+        ContactState {
             half_angle: 2.0 * at.b.0[lane].atan(),
-            indentation: at.indentation.0[lane],
-            force: at.force.0[lane],
-            tangent_stiffness: at.tangent_stiffness.0[lane],
-            energy: at.energy.0[lane],
-            peak_pressure: at.peak_pressure.0[lane],
-            truncation: self.truncation[above].max(self.truncation[below]),
-            curvature: self.curvature,
-            pressure_is_positive: self.positive[above] && self.positive[below],
-            node: above,
+            indentation: at.edge.indentation.0[lane],
+            force: at.edge.force.0[lane],
+            tangent_stiffness: at.edge.tangent_stiffness.0[lane],
+            energy: at.edge.energy.0[lane],
+            peak_pressure: at.edge.peak_pressure.0[lane],
+            truncation: above.truncation.max(below.truncation),
+            curve_error: self.curve_error,
+            pressure_is_positive: above.pressure_is_positive && below.pressure_is_positive,
         }
     }
+}
+
+/// The position at which the polynomial through (position, value), taken as position of value, has the value zero.
+#[inline(always)]
+fn inverse_interpolation(points: &[(f64, f64)]) -> f64 {
+    let mut sum = 0.0;
+    for (i, (position, value)) in points.iter().enumerate() {
+        let mut product = *position;
+        for (j, (_, other)) in points.iter().enumerate() {
+            if j != i {
+                product *= other / (other - value);
+            }
+        }
+        sum += product;
+    }
+    sum
 }

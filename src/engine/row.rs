@@ -3,71 +3,18 @@
 
 use std::borrow::Cow;
 
+use crate::engine::accuracy::{ForceError, Want};
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
-use crate::engine::plan::{Estimate, JointPlan, Want};
-use crate::mechanics::contact::arc_state::ArcState;
-use crate::mechanics::contact::loading::{DimensionlessLoad, NoState};
+use crate::mechanics::contact::load::{DimensionlessLoad, NoState};
+use crate::mechanics::contact::state::ContactState;
 use crate::mechanics::laws;
 use crate::study::design::{DesignCase, JointDesign, Load};
-
-/// What a backend has found for one load: the state of `ArcState` in its unit of the centres' offset e, without the
-/// pressure itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LoadState {
-    /// rad.
-    pub half_angle: f64,
-    /// delta/e.
-    pub indentation: f64,
-    /// F/e.
-    pub force: f64,
-    /// dF/d delta.
-    pub tangent_stiffness: f64,
-    /// Strain energy over e^2.
-    pub energy: f64,
-    /// Over e.
-    pub peak_pressure: f64,
-    /// `ArcState::truncation`.
-    pub truncation: f64,
-    /// Relative change of the work by what the meshes of the bodies are compared with (`JointPlan::compared`), summed over
-    /// them; of interpolated bodies the bound of their error.
-    pub change: f64,
-    /// What thin walls leave as a relative error of the force (`thin_wall_error`), each body by its share of the work.
-    pub thin_walls: f64,
-    pub pressure_is_positive: bool,
-}
-
-impl LoadState {
-    /// `change` and `thin_walls` as the fields.
-    pub fn new(state: &ArcState, change: f64, thin_walls: f64) -> LoadState {
-        LoadState {
-            half_angle: state.arc.half_angle,
-            indentation: state.indentation,
-            force: state.force,
-            tangent_stiffness: state.tangent_stiffness,
-            energy: state.energy,
-            peak_pressure: state.peak_pressure(),
-            truncation: state.truncation(),
-            change,
-            thin_walls,
-            pressure_is_positive: state.pressure_is_positive(),
-        }
-    }
-}
-
-/// How the compliances of a design's bodies were found.
-#[derive(Clone, Copy, Debug)]
-pub enum Way {
-    /// Each body by itself.
-    Planned(JointPlan),
-    /// Between others: then `LoadState::change` is the error itself.
-    Interpolated,
-}
 
 /// How a design was solved.
 #[derive(Clone, Copy, Debug)]
 pub struct Solving {
     pub backend: BackendKind,
-    pub way: Way,
+    pub method: Method,
     /// The largest contact half angle, rad.
     pub limit: f64,
     /// Asked: relative, of the force.
@@ -77,51 +24,28 @@ pub struct Solving {
 /// The geometry is linearised: from this (dR + delta)/R2 on, the force is off by a part in a thousand and more.
 const LARGE_DISPLACEMENT: f64 = 0.05;
 
-/// Error of an exact compliance: quadrature, interpolation between half angles and rounding.
-const SERIES_ERROR: f64 = 1e-8;
-
 pub const NOT_A_PUSH: &str = "failed: the bodies do not push each other, the mesh is too coarse for them";
 
-fn is_a_push(state: &LoadState) -> bool {
-    [state.force, state.tangent_stiffness, state.energy, state.peak_pressure].iter().all(|value| *value > 0.0)
-}
-
 impl Solving {
-    fn method(&self) -> Method {
-        match self.way {
-            Way::Interpolated => Method::Interpolated,
-            Way::Planned(plan) if plan.estimate == Estimate::Exact => Method::Series,
-            Way::Planned(_) => Method::Fe,
-        }
-    }
-
-    /// The relative error of the force that finer meshes lessen.
-    fn mesh_error(&self, state: &LoadState) -> f64 {
-        match &self.way {
-            Way::Interpolated => state.change,
-            Way::Planned(plan) => plan.mesh_error(state.half_angle, state.change),
-        }
-    }
-
     /// The outcome of a design from the states of its `loads_in_contact`, in their order, and what it wants.
     pub fn respond(
         &self,
         case: &DesignCase,
-        states: impl IntoIterator<Item = Result<LoadState, NoState>>,
+        states: impl IntoIterator<Item = Result<(ContactState, ForceError), NoState>>,
     ) -> (DesignOutcome, Want) {
         let joint = &case.joint;
         let clearance = joint.radial_clearance / joint.hole_radius;
         let mut states = states.into_iter();
         let mut want = Want::Nothing;
         let step = |load: &Load| {
-            let Some(load_over) = dimensionless(joint, *load) else { return unloaded(self.method()) };
-            let state = match states.next().unwrap_or(Err(NoState::BrokenCompliance)) {
+            let Some(load_over) = dimensionless(joint, *load) else { return unloaded(self.method) };
+            let (state, error) = match states.next().unwrap_or(Err(NoState::BrokenCompliance)) {
                 // A mesh far too coarse for its body may answer with a pull.
-                Ok(state) if !is_a_push(&state) => {
+                Ok((state, _)) if !state.is_a_push() => {
                     want = Want::FinerMesh;
                     return StepOutcome { response: None, status: NOT_A_PUSH.into() };
                 }
-                Ok(state) => state,
+                Ok(found) => found,
                 Err(reason) => {
                     return StepOutcome { response: None, status: failure(reason, self.limit).into() };
                 }
@@ -132,17 +56,11 @@ impl Solving {
                     (_, DimensionlessLoad::Indentation(delta)) => clearance + delta,
                     (_, DimensionlessLoad::Force(force)) => force / state.force,
                 };
-            let mesh_error = self.mesh_error(&state);
-            let error = SERIES_ERROR + state.truncation + mesh_error + state.thin_walls;
+            want = want.max(error.want(self.accuracy, state.pressure_is_positive));
+            let error = error.total();
             let accurate = error <= self.accuracy;
-            // Of thin walls nothing more is known.
-            want = want.max(match state.pressure_is_positive {
-                _ if SERIES_ERROR + mesh_error > self.accuracy => Want::FinerMesh,
-                true if error - state.thin_walls <= self.accuracy => Want::Nothing,
-                _ => Want::MoreTerms,
-            });
             StepOutcome {
-                response: Some(response(joint, *load, &state, offset, error, self.method())),
+                response: Some(response(joint, *load, &state, offset, error, self.method)),
                 status: status(
                     offset > LARGE_DISPLACEMENT * joint.hole_radius,
                     state.pressure_is_positive,
@@ -175,7 +93,7 @@ pub fn loads_in_contact(case: &DesignCase) -> impl Iterator<Item = Dimensionless
 }
 
 /// A load over the joint's sizes, `None` where there is no contact yet.
-fn dimensionless(joint: &JointDesign, load: Load) -> Option<DimensionlessLoad> {
+pub fn dimensionless(joint: &JointDesign, load: Load) -> Option<DimensionlessLoad> {
     match load {
         // A neat fit has one state, which any load shows.
         Load::Indentation(0.0) | Load::Force(0.0) if joint.radial_clearance == 0.0 => {
@@ -211,7 +129,7 @@ fn failure(reason: NoState, limit: f64) -> String {
 fn response(
     joint: &JointDesign,
     load: Load,
-    state: &LoadState,
+    state: &ContactState,
     offset: f64,
     error: f64,
     method: Method,

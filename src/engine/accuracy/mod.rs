@@ -1,0 +1,48 @@
+//! How good a force is: every source of its error, and the sum of them.
+
+pub mod known_errors;
+pub mod mesh_change;
+
+use crate::mechanics::contact::state::ContactState;
+
+/// What the answer to a design still wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Want {
+    Nothing,
+    /// The meshes are good enough, but the pressure or the curve is not.
+    FinerSpace,
+    FinerMesh,
+}
+
+/// Relative error of a force by its sources, each a bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceError {
+    /// Of meshes, or of interpolation between bodies.
+    pub bodies: f64,
+    /// Of walls that are taken for beds: nothing lessens it.
+    pub beds: f64,
+    /// Of trial pressures and of the curve through its nodes.
+    pub space: f64,
+}
+
+/// Quadrature and rounding.
+const LEAST: f64 = 1e-8;
+
+impl ForceError {
+    pub fn new(state: &ContactState, bodies: f64, beds: f64) -> ForceError {
+        ForceError { bodies, beds, space: LEAST + state.truncation + state.curve_error }
+    }
+
+    pub fn total(&self) -> f64 {
+        self.bodies + self.beds + self.space
+    }
+
+    /// What brings it below an accuracy.
+    pub fn want(&self, accuracy: f64, pressure_is_positive: bool) -> Want {
+        match pressure_is_positive {
+            _ if LEAST + self.bodies > accuracy => Want::FinerMesh,
+            true if self.bodies + self.space <= accuracy => Want::Nothing,
+            _ => Want::FinerSpace,
+        }
+    }
+}

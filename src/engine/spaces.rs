@@ -1,0 +1,130 @@
+//! The pressure spaces of joints: how many trial pressures, at how many nodes of a curve. Each is made once and kept.
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
+use crate::mechanics::body::{Body, THINNEST_RING};
+use crate::mechanics::compliance::arc::TERM_CHOICES;
+use crate::mechanics::compliance::ring_modes::LARGEST_HELD;
+use crate::mechanics::compliance::{BodyCompliance, Boundary};
+use crate::mechanics::contact::curve::CurveSpace;
+
+/// Which pressure space a joint is solved in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SpaceKey {
+    /// Whether the pin's ring ends at pi/2.
+    pub half_ring: bool,
+    /// Trial pressures.
+    pub terms: usize,
+    /// Nodes of a curve.
+    pub nodes: usize,
+}
+
+/// Counts of nodes.
+pub const NODE_CHOICES: [usize; 5] = [16, 24, 32, 48, 64];
+
+/// Beyond any free contact of a whole ring, rad.
+const WIDEST: f64 = 2.4;
+
+impl SpaceKey {
+    /// The largest contact half angle, rad: just short of a half ring's end, where its face is held.
+    pub fn limit(self) -> f64 {
+        if self.half_ring { LARGEST_HELD } else { WIDEST }
+    }
+
+    /// The coarsest for an accuracy of the force and contacts up to a half angle, rad, beside a thinnest wall (|ln r|).
+    ///
+    /// The layer between contact and far boundary must be resolved, too. What few trial pressures leave of contacts up to a
+    /// half angle is measured in `tests/series.rs`, what few nodes leave in `tests/curves.rs`.
+    pub fn coarsest(pin: &Body, plate: &Body, accuracy: f64, half_angle: f64) -> SpaceKey {
+        let thinnest = pin.depth_range().0.min(plate.depth_range().0);
+        let of_accuracy = [
+            // Accuracy, and for deep, middling and thin walls terms and nodes.
+            (1e-2, [(6, 16), (6, 24), (10, 32)]),
+            (
+                1e-4,
+                if half_angle < WIDE { [(6, 24), (6, 24), (16, 48)] } else { [(10, 24), (10, 24), (16, 48)] },
+            ),
+            (0.0, [(10, 32), (16, 48), (24, 64)]),
+        ];
+        let of_depth = of_accuracy
+            .into_iter()
+            .find(|(least, _)| accuracy >= *least)
+            .map_or(of_accuracy[2].1, |(_, own)| own);
+        let (terms, nodes) = match thinnest {
+            depth if depth > DEEP => of_depth[0],
+            depth if depth > THIN => of_depth[1],
+            depth if depth >= THINNEST_RING => of_depth[2],
+            // Beds.
+            _ => (of_depth[2].0, NODE_CHOICES[NODE_CHOICES.len() - 1]),
+        };
+        SpaceKey { half_ring: pin.shape.end_angle < std::f64::consts::PI, terms, nodes }
+    }
+
+    /// The next finer one.
+    pub fn finer(self) -> Option<SpaceKey> {
+        let next = |choices: &[usize], now: usize| choices.iter().copied().find(|choice| *choice > now);
+        let (terms, nodes) = (next(&TERM_CHOICES, self.terms), next(&NODE_CHOICES, self.nodes));
+        let finer =
+            SpaceKey { terms: terms.unwrap_or(self.terms), nodes: nodes.unwrap_or(self.nodes), ..self };
+        (finer != self).then_some(finer)
+    }
+}
+
+/// From this contact half angle on, rad, few trial pressures leave something of the half angle and the peak pressure.
+const WIDE: f64 = 1.4;
+
+/// |ln r| from which on walls ask for more.
+const DEEP: f64 = 0.35;
+pub const THIN: f64 = 0.15;
+
+/// The spaces met so far.
+#[derive(Default)]
+pub struct Spaces {
+    spaces: HashMap<SpaceKey, CurveSpace>,
+}
+
+impl Spaces {
+    /// A space that was prepared.
+    pub fn get(&self, key: SpaceKey) -> &CurveSpace {
+        &self.spaces[&key]
+    }
+
+    /// Makes spaces with what these bodies need in them, as far as it is not there yet.
+    pub fn prepare<'a>(&mut self, bodies: impl Iterator<Item = (SpaceKey, &'a BodyCompliance)>) {
+        // Of each space the body with the highest mode, and one of each kind of ring modes.
+        let mut needs: HashMap<SpaceKey, Vec<&BodyCompliance>> = HashMap::new();
+        for (key, body) in bodies {
+            let own = needs.entry(key).or_default();
+            match own.iter_mut().find(|known| is_alike(known, body)) {
+                Some(known) if highest(body) > highest(known) => *known = body,
+                Some(_) => {}
+                None => own.push(body),
+            }
+        }
+        let open = needs.into_iter().map(|(key, bodies)| (key, bodies, self.spaces.remove(&key)));
+        let made: Vec<(SpaceKey, CurveSpace)> = open
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|(key, bodies, known)| {
+                let mut space = known.unwrap_or_else(|| CurveSpace::new(key.terms, key.nodes, key.limit()));
+                bodies.iter().for_each(|body| space.pressures.prepare(body));
+                (key, space)
+            })
+            .collect();
+        self.spaces.extend(made);
+    }
+}
+
+fn is_alike(one: &BodyCompliance, other: &BodyCompliance) -> bool {
+    match (&one.boundary, &other.boundary) {
+        (Boundary::Bed(_), Boundary::Bed(_)) | (Boundary::Modes(_), Boundary::Modes(_)) => true,
+        (Boundary::RingModes(one, _), Boundary::RingModes(other, _)) => one == other,
+        _ => false,
+    }
+}
+
+fn highest(body: &BodyCompliance) -> usize {
+    if let Boundary::Modes(modes) = &body.boundary { modes.len() } else { 0 }
+}

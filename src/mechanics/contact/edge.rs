@@ -1,0 +1,381 @@
+//! Contact with a free edge on given arcs: the state of a joint as a function of its contact half angle.
+//!
+//! With the pin's centre e = dR + delta off the hole's, the pressure on |phi| < eps closes the gap,
+//!
+//! ```text
+//!   u_pin[p] + u_plate[p] = e cos(phi) - dR = delta - e (1 - cos phi),
+//! ```
+//!
+//! in the weak sense: integral of p_j times both sides, for every trial pressure. The system is linear in e and delta, and the
+//! edge is free of singularity where the coefficients of the pressure sum to zero. Hence, without iteration, delta/e and F/e as
+//! functions of eps. All that is singular in the compliance A of an arc is -pi/2 c ln b in entry (0, 0). With that row
+//! eliminated last,
+//!
+//! ```text
+//!   A = | A_00  r^T |    y = B^-1 r,  w = B^-1 v',  S = A_00 - r.y,  V = v_0 - y.v',  Q = w.v',
+//!       |  r     B  |    D = 1 - sum(y),  N = sum(w),
+//! ```
+//!
+//! where v = (v_0, v') are the versines, the state with a free edge is
+//!
+//! ```text
+//!   W = N/D,  delta/e = (2/pi) (S W + V),  p_0 = W,  p' = -W y - w,
+//!   F/e = 2 [W (pi/2 - V) + Q],  dF/d delta = 2 [(pi/2 - V)^2/S + Q],  U/e^2 = S W^2 + Q.
+//! ```
+//!
+//! The stiffness is that of a punch that keeps its arc, because the pressure at a free edge does not change to first order as
+//! the edge moves (Barber, Contact Mechanics, section 9.3; Mossakovskii 1963).
+
+use std::f64::consts::FRAC_PI_2;
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::state::ContactState;
+use crate::mechanics::compliance::arc::{ContactArc, MAX_TERMS, TERM_CHOICES, packed};
+use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
+use crate::mechanics::real::{LANES, Lanes, Real};
+
+/// Tension that truncation may leave at the edge, over the peak pressure.
+const TENSION: f64 = 0.01;
+
+/// What the equations of one arc come to, without what goes to zero with the arc.
+#[derive(Clone, Copy, Debug)]
+pub struct Reduced<T> {
+    /// S.
+    pub singular: T,
+    /// D.
+    pub edge: T,
+    /// N/b^2.
+    pub edge_of_versine: T,
+    /// V/b^2.
+    pub versine: T,
+    /// Q/b^4.
+    pub work: T,
+    /// The pressure at the load line times 2 b is W `peak` - b^2 `peak_of_versine`.
+    pub peak: T,
+    pub peak_of_versine: T,
+}
+
+/// A state with a free edge, as the fields of `ContactState`.
+#[derive(Clone, Copy, Debug)]
+pub struct FreeEdge<T> {
+    pub indentation: T,
+    pub force: T,
+    pub tangent_stiffness: T,
+    pub energy: T,
+    pub peak_pressure: T,
+}
+
+impl<T: Real> Reduced<T> {
+    #[inline(always)]
+    pub fn free_edge(&self, b: T) -> FreeEdge<T> {
+        let (two, half_pi) = (T::from_f64(2.0), T::from_f64(FRAC_PI_2));
+        let b2 = b * b;
+        let first = b2 * self.edge_of_versine / self.edge;
+        let (versine, work) = (b2 * self.versine, b2 * b2 * self.work);
+        let arm = half_pi - versine;
+        FreeEdge {
+            indentation: (self.singular * first + versine) / half_pi,
+            // 2 makes the whole joint of both halves.
+            force: two * (first * arm + work),
+            tangent_stiffness: two * (arm * arm / self.singular + work),
+            energy: self.singular * first * first + work,
+            peak_pressure: (first * self.peak - b2 * self.peak_of_versine) / (b + b),
+        }
+    }
+}
+
+/// The joint at one arc.
+#[derive(Clone, Copy, Debug)]
+pub struct Edge {
+    pub reduced: Reduced<f64>,
+    pub free: FreeEdge<f64>,
+    pub truncation: f64,
+    pub pressure_is_positive: bool,
+    /// Work of the pressure over e^2 b^4.
+    work: f64,
+}
+
+impl Edge {
+    /// Whether the compliance is positive definite: the square root of a negative pivot makes everything after it NaN, and S
+    /// has no pivot of its own.
+    pub fn is_sound(&self) -> bool {
+        self.reduced.singular > 0.0
+    }
+
+    /// The state at the arc; `None` where there is none.
+    pub fn state(&self, arc: &ContactArc) -> Option<ContactState> {
+        let FreeEdge { indentation, force, tangent_stiffness, energy, peak_pressure } = self.free;
+        (self.is_sound() && indentation.is_finite() && force.is_finite()).then_some(ContactState {
+            half_angle: arc.half_angle,
+            indentation,
+            force,
+            tangent_stiffness,
+            energy,
+            peak_pressure,
+            truncation: self.truncation,
+            curve_error: 0.0,
+            pressure_is_positive: self.pressure_is_positive,
+        })
+    }
+}
+
+/// The joint at the arcs of a space.
+pub struct EdgeStates {
+    pub edges: Vec<Edge>,
+    /// Coefficients of the trial pressures over e b^2: `[arc / LANES][k]`, an arc a lane.
+    pressure: Vec<[f64; LANES]>,
+}
+
+impl EdgeStates {
+    /// `joint` is of `space`.
+    pub fn new(space: &PressureSpace, joint: &JointCompliance) -> EdgeStates {
+        Arch::new().dispatch(Solve { space, joint })
+    }
+
+    /// At each arc, the share by which a change of the joint's compliance changes the work of the pressure: since that is
+    /// stationary in the pressure, to first order the relative change of the energy at a given indentation, and of the force
+    /// where it changes evenly with the load. Of a whole body it is the share of the work that goes into it.
+    pub fn work_shares(&self, space: &PressureSpace, change: &JointCompliance) -> Vec<f64> {
+        let works = Arch::new().dispatch(Work { space, change, pressure: &self.pressure });
+        works.iter().zip(&self.edges).map(|(change, edge)| change / edge.work).collect()
+    }
+}
+
+struct Solve<'a> {
+    space: &'a PressureSpace,
+    joint: &'a JointCompliance<'a>,
+}
+
+impl WithSimd for Solve<'_> {
+    type Output = EdgeStates;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> EdgeStates {
+        if S::IS_SCALAR { self.run_terms::<false>() } else { self.run_terms::<true>() }
+    }
+}
+
+impl Solve<'_> {
+    #[inline(always)]
+    fn run_terms<const FUSED: bool>(self) -> EdgeStates {
+        match self.space.terms {
+            3 => self.run::<FUSED, 3>(),
+            6 => self.run::<FUSED, 6>(),
+            10 => self.run::<FUSED, 10>(),
+            16 => self.run::<FUSED, 16>(),
+            MAX_TERMS => self.run::<FUSED, MAX_TERMS>(),
+            other => unreachable!("no code for {other} trial pressures, only for {TERM_CHOICES:?}"),
+        }
+    }
+
+    #[inline(always)]
+    fn run<const FUSED: bool, const TERMS: usize>(self) -> EdgeStates {
+        let count = self.space.arcs.len();
+        let mut found = EdgeStates {
+            edges: Vec::with_capacity(count),
+            pressure: Vec::with_capacity(TERMS * count / LANES),
+        };
+        for chunk in 0..count / LANES {
+            self.run_chunk::<FUSED, TERMS>(chunk, &mut found);
+        }
+        found
+    }
+
+    #[inline(always)]
+    fn run_chunk<const FUSED: bool, const TERMS: usize>(&self, chunk: usize, found: &mut EdgeStates) {
+        let Solve { space: PressureSpace { arcs, turns, .. }, joint: JointCompliance { even, values, .. } } =
+            *self;
+        let (zero, one) = (Lanes::<FUSED>::zero(), Lanes::<FUSED>::from_f64(1.0));
+        let at = chunk * LANES;
+        let load = |row: usize, column: usize| {
+            let mut lanes = zero;
+            lanes.0.copy_from_slice(&values[packed(row, column) * arcs.len() + at..][..LANES]);
+            lanes
+        };
+        let mut matrix = [[zero; TERMS]; TERMS];
+        for row in 1..TERMS {
+            for column in 1..=row {
+                matrix[row][column] = load(row, column);
+            }
+        }
+        let coupling: [Lanes<FUSED>; TERMS] = std::array::from_fn(|row| load(row, 0));
+        let b = Lanes::<FUSED>(std::array::from_fn(|lane| arcs[at + lane].b));
+        let versine: [Lanes<FUSED>; TERMS] = ContactArc::versines(b);
+        let (mut y, mut w) = (coupling, versine);
+        solve_in_place(&mut matrix, &mut y, &mut w);
+        let logarithm = Lanes::<FUSED>(b.0.map(|b| FRAC_PI_2 * even * b.ln()));
+        let mut reduced = Reduced {
+            singular: coupling[0] - logarithm,
+            edge: one,
+            edge_of_versine: zero,
+            versine: versine[0],
+            work: zero,
+            peak: one,
+            peak_of_versine: zero,
+        };
+        for k in 1..TERMS {
+            reduced.singular = reduced.singular.minus_product(coupling[k], y[k]);
+            reduced.versine = reduced.versine.minus_product(y[k], versine[k]);
+            reduced.work = reduced.work.minus_product(-w[k], versine[k]);
+            reduced.edge -= y[k];
+            reduced.edge_of_versine += w[k];
+            if k % 2 == 0 {
+                reduced.peak -= y[k];
+                reduced.peak_of_versine += w[k];
+            } else {
+                reduced.peak += y[k];
+                reduced.peak_of_versine -= w[k];
+            }
+        }
+        // Over e b^2.
+        let first = reduced.edge_of_versine / reduced.edge;
+        let mut pressure = [first; TERMS];
+        for k in 1..TERMS {
+            pressure[k] = -(first * y[k] + w[k]);
+        }
+        let size = |lanes: Lanes<FUSED>| Lanes::<FUSED>(lanes.0.map(f64::abs));
+        let mut most = Lanes::<FUSED>::from_f64(f64::MIN_POSITIVE);
+        for value in pressure {
+            most = -(-most).least(-size(value));
+        }
+        let tail = (size(pressure[TERMS - 2]) + size(pressure[TERMS - 1])) / most;
+        let least = least_pressure::<FUSED, TERMS>(&pressure, turns);
+        let work = reduced.singular * first * first + reduced.work;
+        let free = reduced.free_edge(b);
+        for lane in 0..LANES {
+            found.edges.push(Edge {
+                reduced: Reduced {
+                    singular: reduced.singular.0[lane],
+                    edge: reduced.edge.0[lane],
+                    edge_of_versine: reduced.edge_of_versine.0[lane],
+                    versine: reduced.versine.0[lane],
+                    work: reduced.work.0[lane],
+                    peak: reduced.peak.0[lane],
+                    peak_of_versine: reduced.peak_of_versine.0[lane],
+                },
+                free: FreeEdge {
+                    indentation: free.indentation.0[lane],
+                    force: free.force.0[lane],
+                    tangent_stiffness: free.tangent_stiffness.0[lane],
+                    energy: free.energy.0[lane],
+                    peak_pressure: free.peak_pressure.0[lane],
+                },
+                truncation: tail.0[lane] * tail.0[lane],
+                pressure_is_positive: least.0[lane] >= 0.0,
+                work: work.0[lane],
+            });
+        }
+        found.pressure.extend(pressure.map(|lanes| lanes.0));
+    }
+}
+
+/// Solves for two right-hand sides by Cholesky, A = L L^T in the lower triangle, of rows and columns from 1 on.
+#[inline(always)]
+fn solve_in_place<T: Real, const TERMS: usize>(
+    matrix: &mut [[T; TERMS]; TERMS],
+    one: &mut [T; TERMS],
+    other: &mut [T; TERMS],
+) {
+    let mut inverse = [T::zero(); TERMS];
+    for row in 1..TERMS {
+        for column in 1..=row {
+            let mut value = matrix[row][column];
+            for k in 1..column {
+                value = value.minus_product(matrix[row][k], matrix[column][k]);
+            }
+            matrix[row][column] = if column < row { value * inverse[column] } else { value };
+        }
+        inverse[row] = T::from_f64(1.0) / matrix[row][row].sqrt();
+        for k in 1..row {
+            one[row] = one[row].minus_product(matrix[row][k], one[k]);
+            other[row] = other[row].minus_product(matrix[row][k], other[k]);
+        }
+        one[row] = one[row] * inverse[row];
+        other[row] = other[row] * inverse[row];
+    }
+    for row in (1..TERMS).rev() {
+        for k in row + 1..TERMS {
+            one[row] = one[row].minus_product(matrix[k][row], one[k]);
+            other[row] = other[row].minus_product(matrix[k][row], other[k]);
+        }
+        one[row] = one[row] * inverse[row];
+        other[row] = other[row] * inverse[row];
+    }
+}
+
+/// Places that are looked at side by side: each waits for itself alone.
+const ABREAST: usize = 4;
+
+/// The least pressure between the zeros of the highest trial pressure, above the tension allowed.
+#[inline(always)]
+fn least_pressure<const FUSED: bool, const TERMS: usize>(
+    pressure: &[Lanes<FUSED>; TERMS],
+    turns: &[f64],
+) -> Lanes<FUSED> {
+    let mut peak = Lanes::<FUSED>::zero();
+    for (k, value) in pressure.iter().enumerate() {
+        if k % 2 == 0 { peak += *value } else { peak -= *value }
+    }
+    let mut least = peak;
+    for turns in turns.chunks(ABREAST) {
+        let turns: [f64; ABREAST] = std::array::from_fn(|place| turns[place.min(turns.len() - 1)]);
+        let mut current = [Lanes::<FUSED>::zero(); ABREAST];
+        let mut previous = current;
+        for coefficient in pressure[1..].iter().rev() {
+            for place in 0..ABREAST {
+                let turn = Lanes::from_f64(-turns[place]);
+                let next = (*coefficient - previous[place]).minus_product(turn, current[place]);
+                (current[place], previous[place]) = (next, current[place]);
+            }
+        }
+        for place in 0..ABREAST {
+            let half = Lanes::from_f64(-0.5 * turns[place]);
+            least = least.least((pressure[0] - previous[place]).minus_product(half, current[place]));
+        }
+    }
+    least - peak * Lanes::from_f64(-TENSION)
+}
+
+/// p^T A p at each arc.
+struct Work<'a> {
+    space: &'a PressureSpace,
+    change: &'a JointCompliance<'a>,
+    pressure: &'a [[f64; LANES]],
+}
+
+impl WithSimd for Work<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<f64> {
+        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
+    }
+}
+
+impl Work<'_> {
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> Vec<f64> {
+        let Work { space: PressureSpace { arcs, terms, .. }, change, pressure } = self;
+        let mut works = Vec::with_capacity(arcs.len());
+        for (chunk, pressure) in pressure.chunks_exact(*terms).enumerate() {
+            let at = chunk * LANES;
+            let mut work = Lanes::<FUSED>::zero();
+            for row in 0..*terms {
+                let mut sum = Lanes::<FUSED>::zero();
+                for column in 0..=row {
+                    let mut entry = Lanes::<FUSED>::zero();
+                    entry.0.copy_from_slice(&change.values[packed(row, column) * arcs.len() + at..][..LANES]);
+                    let own = Lanes::<FUSED>(pressure[column]);
+                    sum = sum.minus_product(if column < row { -(own + own) } else { -own }, entry);
+                }
+                work = work.minus_product(-sum, Lanes(pressure[row]));
+            }
+            let first = Lanes::<FUSED>(pressure[0]);
+            let logarithm = |lane: usize| FRAC_PI_2 * change.even * arcs[at + lane].b.ln();
+            let work = work.minus_product(Lanes(std::array::from_fn(logarithm)), first * first);
+            works.extend(work.0);
+        }
+        works
+    }
+}

@@ -1,0 +1,38 @@
+//! The state of contact of a joint under one load.
+
+/// Of the whole joint (both halves), per unit thickness, hole radius 1, and per unit of the centres' offset e; forces in the
+/// unit of the moduli.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactState {
+    /// rad.
+    pub half_angle: f64,
+    /// delta/e: 0 without load, 1 for a neat fit.
+    pub indentation: f64,
+    /// F/e.
+    pub force: f64,
+    /// dF/d delta.
+    pub tangent_stiffness: f64,
+    /// Strain energy of both bodies over e^2.
+    pub energy: f64,
+    /// Contact pressure over e at the load line.
+    pub peak_pressure: f64,
+    /// The last two trial pressures over the largest, squared: of that order is what leaving out further ones costs in the
+    /// force.
+    pub truncation: f64,
+    /// Bound of the relative error of force and energy that interpolation between arcs leaves.
+    pub curve_error: f64,
+    /// Whether there is no tension.
+    pub pressure_is_positive: bool,
+}
+
+impl ContactState {
+    /// dR/e; negative beyond the angle of a neat fit, where no clearance reaches.
+    pub fn clearance(&self) -> f64 {
+        1.0 - self.indentation
+    }
+
+    /// Whether the bodies push each other: a mesh far too coarse for its body may answer with a pull.
+    pub fn is_a_push(&self) -> bool {
+        [self.force, self.tangent_stiffness, self.energy, self.peak_pressure].iter().all(|value| *value > 0.0)
+    }
+}
