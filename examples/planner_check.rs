@@ -21,7 +21,7 @@ use std::process::Command;
 use std::time::{Duration, Instant, SystemTime};
 
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
-use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::request::Fidelity;
 use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::compliance::arc::{FEW_TERMS, TERM_CHOICES};
@@ -257,7 +257,7 @@ fn measure(name: &'static str, cases: &[DesignCase], oracle: &States, runs: usiz
         .collect();
     let planned = measured.split_off(measured.len() - ACCURACIES.len());
     let planner = planned.into_iter().zip(ACCURACIES).map(|(measured, accuracy)| {
-        let outcomes = CpuBackend::new(SolveOptions { accuracy, method: MethodChoice::Auto }).solve(cases);
+        let outcomes = Ladder::new(SolveOptions { accuracy, method: MethodChoice::Auto }).solve(cases);
         let rows: Vec<_> = judged.iter().map(|case| &outcomes[*case].steps[0]).collect();
         let estimate = |response: Option<jointsweep::engine::outcome::Response>| {
             response.map_or(f64::INFINITY, |response| response.force_error)

@@ -10,17 +10,21 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use greatest::greatest;
-use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::accuracy::Want;
+use jointsweep::engine::accuracy::known_errors::KNOWN_LEVELS;
+use jointsweep::engine::accuracy::mesh_change::{Trust, mesh_error};
+use jointsweep::engine::backend::Device;
 use jointsweep::engine::backend::gpu::context::GpuError;
-use jointsweep::engine::backend::{Backend, Solver};
 use jointsweep::engine::cost;
 use jointsweep::engine::foresight::Foresight;
-use jointsweep::engine::known_errors::KNOWN_LEVELS;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
-use jointsweep::engine::plan::{Estimate, JointPlan, Trust, Want, first_level, mesh_error};
-use jointsweep::engine::request::{Fidelity, mesh_size};
+use jointsweep::engine::plan::{Estimate, JointPlan, first_level};
+use jointsweep::engine::request::{Fidelity, Group, mesh_size};
 use jointsweep::engine::sweep::{self, Statistics, SweepOptions};
 use jointsweep::mechanics::body::{Body, Shape, annulus, block, cored_disc, half_disc};
+use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
+use jointsweep::mechanics::compliance::ring_modes::RingModes;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::{GradingClass, LEVEL_COUNT};
 use jointsweep::mechanics::material::{Idealization, Material};
@@ -65,7 +69,7 @@ fn case(joint: JointDesign, steps: &[Load]) -> DesignCase {
 }
 
 fn alone(case: &DesignCase, method: MethodChoice, accuracy: f64) -> Vec<StepOutcome> {
-    CpuBackend::new(SolveOptions { accuracy, method }).solve(std::slice::from_ref(case)).remove(0).steps
+    Ladder::new(SolveOptions { accuracy, method }).solve(std::slice::from_ref(case)).remove(0).steps
 }
 
 fn statuses(joint: JointDesign, method: MethodChoice, accuracy: f64, steps: &[Load]) -> Vec<String> {
@@ -262,7 +266,7 @@ fn thin_bodies_get_more_trial_pressures() {
         ] {
             for (case, terms) in [(&narrow, of_narrow), (&wide, of_wide)] {
                 let plan = JointPlan::new(case, MethodChoice::Fe, accuracy, 1).unwrap();
-                assert_eq!((plan.pin.space, plan.pin.space.terms), (plan.plate.space, terms));
+                assert_eq!(plan.space.terms, terms);
             }
         }
     }
@@ -285,7 +289,7 @@ fn finer_meshes_are_taken_where_they_are_needed() {
     assert_eq!([accuracy, 0.99 * foreseen].map(|accuracy| plan(&slender, accuracy).level), [0, 1]);
     // In company that is content with the first mesh.
     let options = SolveOptions { accuracy, method: MethodChoice::Auto };
-    let outcomes = CpuBackend::new(options).solve(&[stiff.clone(), slender.clone(), stiff.clone()]);
+    let outcomes = Ladder::new(options).solve(&[stiff.clone(), slender.clone(), stiff.clone()]);
     let climbed = &outcomes[1].steps;
     assert!(climbed.iter().all(|step| step.status == "ok") && worst(climbed) <= accuracy);
     assert_eq!(*climbed, alone(&slender, MethodChoice::Auto, 0.99 * foreseen));
@@ -321,7 +325,7 @@ fn a_batch_is_what_its_designs_are_alone() {
         cases.push(case(other, &cases[cases.len() - 1].steps.clone()));
     }
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
-    let outcomes = CpuBackend::new(options).solve(&cases);
+    let outcomes = Ladder::new(options).solve(&cases);
     assert_eq!(outcomes.len(), 36);
     for (index, (outcome, case)) in outcomes.iter().zip(&cases).enumerate() {
         assert_eq!(outcome.steps, alone(case, MethodChoice::Fe, 0.01), "design {index}: {case:?}");
@@ -341,7 +345,7 @@ fn forgetting_bodies_changes_nothing() {
         let pin = part(&cored_disc::SHAPE, [0.1 + 1e-4 * (index / 7) as f64, 0.0, 0.0]);
         case(joint(pin, ring(1.5 + 1e-3 * index as f64)), &[Load::Indentation(0.02)])
     };
-    let mut backend = CpuBackend::new(SolveOptions { accuracy: 0.01, method: MethodChoice::Series });
+    let mut backend = Ladder::new(SolveOptions { accuracy: 0.01, method: MethodChoice::Series });
     for start in (0..6000).step_by(BATCH - 150).chain([0]) {
         let outcomes = backend.solve(&(start..start + BATCH).map(design).collect::<Vec<_>>());
         assert_eq!(outcomes.len(), BATCH);
@@ -435,23 +439,31 @@ fn unknowns_are_those_of_the_mesh() {
     }
 }
 
-/// An accelerator that gives up at its second batch.
-struct GivesUp(CpuBackend, u32);
+/// Condenses as the processor does, and gives up when it is asked a second time.
+struct GivesUp(u32);
 
-impl Backend for GivesUp {
-    fn solve(&mut self, cases: &[DesignCase]) -> Result<Vec<DesignOutcome>, GpuError> {
-        self.1 += 1;
-        if self.1 == 2 {
+impl Device for GivesUp {
+    fn condense(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
+        self.0 += 1;
+        if self.0 == 2 {
             return Err(GpuError::NoAdapter);
         }
-        assert!(self.1 < 2, "asked again after it gave up");
-        let mut outcomes = self.0.solve(cases);
-        outcomes.iter_mut().for_each(|outcome| outcome.backend = BackendKind::Gpu);
-        Ok(outcomes)
+        assert!(self.0 < 2, "asked again after it gave up");
+        let condense = |(key, requests): &Group| {
+            let bodies: Vec<Body> = requests.iter().map(|request| request.body).collect();
+            let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), RingModes::of(&key.class));
+            let mut works: Vec<_> = plan.condense(&bodies).into_iter().map(Some).collect();
+            // The last of each group is left to the processor.
+            if let Some(last) = works.last_mut() {
+                *last = None;
+            }
+            works
+        };
+        Ok(groups.iter().map(condense).collect())
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {
-        vec![("contact", Duration::from_secs(1000)), ("its own", Duration::from_secs(1))]
+        vec![("its own", Duration::from_secs(1))]
     }
 
     fn worst_residual(&self) -> f64 {
@@ -463,36 +475,38 @@ impl Backend for GivesUp {
     }
 }
 
-/// The processor takes over with the batch at hand: every design once, in order, and the reason told once.
+/// The processor takes over with the batch at hand, and before that what the device leaves: every design once, in order, as
+/// without a device.
 #[test]
-fn an_accelerator_that_gives_up_loses_no_design() {
-    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Auto };
-    let design = |index: u64| DesignCase {
-        index,
-        ..case(joint(disc(), ring(2.0 + index as f64)), &[Load::Indentation(0.01)])
+fn a_device_that_gives_up_loses_no_design() {
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    let design = |index: u64| {
+        let pin = part(&cored_disc::SHAPE, [0.3 + 1e-3 * index as f64, 0.0, 0.0]);
+        let plate = ring(2.0 + 1e-3 * index as f64);
+        DesignCase { index, ..case(joint(pin, plate), &[Load::Indentation(0.01)]) }
     };
     let cases: Vec<DesignCase> = (0..8).map(design).collect();
-    let mut solver = Solver::with(Box::new(GivesUp(CpuBackend::new(options), 0)), options);
-    assert_eq!(solver.worst_residual(), Some(1e-5));
-    let mut outcomes = Vec::new();
-    let mut reasons = Vec::new();
-    for batch in cases.chunks(3) {
-        let (solved, reason) = solver.solve(batch);
-        outcomes.extend(solved);
-        reasons.extend(reason);
-    }
-    assert_eq!(reasons, [GpuError::NoAdapter]);
-    let expected = CpuBackend::new(options).solve(&cases);
+    let mut ladder = Ladder::new(options).on(Box::new(GivesUp(0)));
+    assert!(ladder.library.lost().is_none());
+    let mut outcomes = ladder.solve(&cases[..4]);
+    assert!(ladder.library.lost().is_none());
+    outcomes.extend(ladder.solve(&cases[4..6]));
+    assert_eq!(ladder.library.lost(), Some(&GpuError::NoAdapter));
+    outcomes.extend(ladder.solve(&cases[6..]));
+    let expected = Ladder::new(options).solve(&cases);
     assert_eq!((outcomes.len(), expected.len()), (cases.len(), cases.len()));
+    let mut of_device = 0;
     for (index, (outcome, expected)) in outcomes.iter().zip(&expected).enumerate() {
         assert_eq!((outcome.case.index, &outcome.steps), (index as u64, &expected.steps));
-        assert_eq!(outcome.steps[0].status, "ok");
-        assert_eq!(outcome.backend, if index < 3 { BackendKind::Gpu } else { BackendKind::Cpu });
+        assert_eq!((outcome.steps[0].status.as_ref(), expected.backend), ("ok", BackendKind::Cpu));
+        assert!(index < 4 || outcome.backend == BackendKind::Cpu, "design {index}");
+        of_device += usize::from(outcome.backend == BackendKind::Gpu);
     }
-    // Times of both, those of one stage together.
-    assert!(solver.stages().iter().any(|(name, time)| *name == "contact" && time.as_secs() == 1000));
-    assert!(solver.stages().contains(&("its own", Duration::from_secs(1))));
-    assert_eq!((solver.worst_residual(), solver.solves()), (Some(1e-5), 7));
+    // The four of the first batch share two groups, and each group has one that is left.
+    assert_eq!(of_device, 3);
+    assert!(ladder.stages().contains(&("its own", Duration::from_secs(1))));
+    let device = ladder.library.device().unwrap();
+    assert_eq!((device.worst_residual(), device.solves()), (1e-5, 7));
 }
 
 /// Where meshes are good enough but trial pressures are not, more of these are taken on the same meshes; without more of them
@@ -508,15 +522,17 @@ fn what_trial_pressures_leave_is_answered_with_more() {
         .unwrap()
     };
     let rough = plan(half(), ring(2.0), 0.01);
-    let next = rough.next(Want::MoreTerms).unwrap();
-    assert_eq!((rough.pin.space.terms, next.pin.space.terms, next.plate.space.terms), (6, 10, 10));
+    let next = rough.next(Want::FinerSpace).unwrap();
+    let sizes = |plan: &JointPlan| (plan.space.terms, plan.space.nodes);
+    assert_eq!((sizes(&rough), sizes(&next)), ((6, 24), (10, 32)));
     assert_eq!((next.level, next.estimate), (rough.level, rough.estimate));
     assert_eq!(rough.next(Want::Nothing).map(|plan| plan.level), None);
-    let all = std::iter::successors(Some(rough), |plan| plan.next(Want::MoreTerms));
-    assert_eq!(all.map(|plan| plan.pin.space.terms).take(5).collect::<Vec<_>>(), [6, 10, 16, 24, 24]);
+    let all = std::iter::successors(Some(rough), |plan| plan.next(Want::FinerSpace));
+    let to_the_end = [(6, 24), (10, 32), (16, 48), (24, 64), (24, 96)];
+    assert_eq!(all.map(|plan| sizes(&plan)).take(5).collect::<Vec<_>>(), to_the_end);
     let exact = plan(disc(), ring(2.0), 0.01);
-    let all = std::iter::successors(Some(exact), |plan| plan.next(Want::MoreTerms));
-    assert_eq!(all.map(|plan| plan.pin.space.terms).collect::<Vec<_>>(), [6, 10, 16, 24]);
+    let all = std::iter::successors(Some(exact), |plan| plan.next(Want::FinerSpace));
+    assert_eq!(all.map(|plan| sizes(&plan)).collect::<Vec<_>>(), to_the_end);
     assert!(exact.next(Want::FinerMesh).is_none());
 
     // A wide contact, where what is known of the coarsest mesh leaves a little less room than six trial pressures ask for.

@@ -8,7 +8,7 @@ mod draws;
 mod random;
 
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
-use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::Response;
 use jointsweep::study::config::{MethodChoice, SolveOptions};
 use jointsweep::study::design::{DesignCase, Part};
@@ -22,7 +22,7 @@ const COUNT: u64 = 300;
 const COUNT_FINEST: u64 = 150;
 
 fn solve(cases: &[DesignCase], method: MethodChoice, accuracy: f64) -> Vec<Option<Response>> {
-    let outcomes = CpuBackend::new(SolveOptions { accuracy, method }).solve(cases);
+    let outcomes = Ladder::new(SolveOptions { accuracy, method }).solve(cases);
     outcomes.into_iter().map(|outcome| outcome.steps[0].response).collect()
 }
 

@@ -9,9 +9,9 @@ mod draws;
 mod random;
 
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
-use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use jointsweep::engine::foresight::Foresight;
-use jointsweep::engine::known_errors::{KNOWN_LEVELS, known_error};
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{DesignOutcome, Method, Response};
 use jointsweep::engine::plan::{Estimate, JointPlan, first_level};
 use jointsweep::engine::request::Fidelity;
@@ -35,7 +35,7 @@ fn cases(count: u64, blocks: u64) -> Vec<DesignCase> {
 
 /// The only row of each design.
 fn planned(cases: &[DesignCase], accuracy: f64) -> Vec<Option<Response>> {
-    let outcomes = CpuBackend::new(SolveOptions { accuracy, method: MethodChoice::Auto }).solve(cases);
+    let outcomes = Ladder::new(SolveOptions { accuracy, method: MethodChoice::Auto }).solve(cases);
     outcomes.into_iter().map(|outcome| outcome.steps[0].response).collect()
 }
 
@@ -159,7 +159,7 @@ fn what_is_planned_is_what_is_solved() {
     for accuracy in [0.1, 1e-2] {
         let exact: Vec<DesignCase> =
             cases.iter().filter(|case| is_concentric(&case.joint)).cloned().collect();
-        let mut backend = CpuBackend::new(SolveOptions { accuracy, method: MethodChoice::Auto });
+        let mut backend = Ladder::new(SolveOptions { accuracy, method: MethodChoice::Auto });
         let outcomes = backend.solve(&exact);
         let of_series =
             |outcome: &&DesignOutcome| outcome.steps[0].response.unwrap().method == Method::Series;

@@ -6,7 +6,7 @@ mod greatest;
 use std::ops::ControlFlow;
 
 use greatest::greatest;
-use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{DesignOutcome, Response};
 use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
@@ -46,7 +46,7 @@ fn joints() -> [(JointDesign, MethodChoice); 3] {
 
 fn solve(joint: &JointDesign, method: MethodChoice, steps: Vec<Load>) -> Vec<Response> {
     let case = DesignCase { index: 0, joint: *joint, steps };
-    let outcomes = CpuBackend::new(SolveOptions { accuracy: 0.01, method }).solve(&[case]);
+    let outcomes = Ladder::new(SolveOptions { accuracy: 0.01, method }).solve(&[case]);
     outcomes[0].steps.iter().map(|step| step.response.unwrap_or_else(|| panic!("{}", step.status))).collect()
 }
 

@@ -12,15 +12,14 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use draws::{concentric as concentric_bodies, disc_in_block, draw, half_disc_in_annulus};
-use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::plan::JointPlan;
-use jointsweep::engine::request::{BodyRequest, ELEMENT, Fidelity, SpaceKey, concentric};
+use jointsweep::engine::request::{BodyRequest, ELEMENT, Fidelity, concentric};
+use jointsweep::engine::spaces::SpaceKey;
 use jointsweep::mechanics::body::BodyKey;
-use jointsweep::mechanics::compliance::NODE_COUNT;
 use jointsweep::mechanics::compliance::arc::packed_count;
 use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
-use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
-use jointsweep::mechanics::compliance::ring_loads::RingLoads;
+use jointsweep::mechanics::compliance::ring_modes::RingModes;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::GradingClass;
 use jointsweep::study::config::{MethodChoice, SolveOptions, Study};
@@ -118,27 +117,23 @@ fn the_planner_has_the_errors_that_are_recorded_of_it() {
 /// Counts the operations that bodies take, once for each.
 #[derive(Default)]
 struct Work {
-    spaces: HashMap<SpaceKey, (PressureSpace, RingLoads)>,
-    of_meshes: HashMap<(BodyKey, GradingClass, SpaceKey), u64>,
+    of_meshes: HashMap<(BodyKey, GradingClass), u64>,
 }
 
 impl Work {
-    fn of_body(&mut self, request: &BodyRequest, element: ElementKind) -> u64 {
-        let BodyRequest { body, fidelity, space } = request;
+    /// Of a body, and of what it is to the trial pressures of a space.
+    fn of_body(&mut self, request: &BodyRequest, space: SpaceKey, element: ElementKind) -> u64 {
+        let BodyRequest { body, fidelity } = request;
+        let at_nodes = 2 * packed_count(space.terms) * space.nodes;
         let Fidelity::Mesh { level } = *fidelity else {
-            // A multiply-add for each mode, arc and pair of trial pressures.
-            return (2 * concentric(body).highest_mode() * NODE_COUNT * packed_count(space.terms)) as u64;
+            return (concentric(body).highest_mode() * at_nodes) as u64;
         };
         let class = GradingClass::of(body, element, level);
-        let count = || {
-            let (pressures, rings) = self
-                .spaces
-                .entry(*space)
-                .or_insert_with(|| (PressureSpace::new(space.terms, space.limit()), RingLoads::default()));
-            let grading = class.grading(body.shape.end_angle);
-            CondensationPlan::new(body, grading, pressures, rings).operations().total()
-        };
-        *self.of_meshes.entry((body.key(), class, *space)).or_insert_with(count)
+        let modes = RingModes::of(&class);
+        let grading = class.grading(body.shape.end_angle);
+        let count = || CondensationPlan::new(body, grading, modes).operations().total();
+        let of_mesh = *self.of_meshes.entry((body.key(), class)).or_insert_with(count);
+        of_mesh + (2 * modes.count * at_nodes) as u64
     }
 
     /// Of what is planned for designs.
@@ -146,7 +141,7 @@ impl Work {
         let mut work = 0;
         for case in cases {
             let plan = JointPlan::cheapest(case, MethodChoice::Auto, accuracy).unwrap();
-            work += plan.requests().map(|request| self.of_body(&request, ELEMENT)).sum::<u64>();
+            work += plan.requests().map(|request| self.of_body(&request, plan.space, ELEMENT)).sum::<u64>();
         }
         work
     }
@@ -161,7 +156,7 @@ impl Work {
                 let is_exact = body.shape.concentric && choice.exact_where_concentric;
                 let mesh = || Fidelity::Mesh { level: choice.level.unwrap() };
                 let fidelity = if is_exact { Fidelity::Series } else { mesh() };
-                work += self.of_body(&BodyRequest { body, fidelity, space }, choice.element);
+                work += self.of_body(&BodyRequest { body, fidelity }, space, choice.element);
             }
         }
         work
@@ -300,7 +295,7 @@ fn the_planner_keeps_its_recorded_promises_on_concentric_designs() {
     let folder = root().join("results/planner");
     let (rows, choices) = (read(&folder.join("planner.csv")), read(&folder.join("choices.csv")));
     for accuracy in [0.1, 1e-2, 1e-3] {
-        let outcomes = CpuBackend::new(SolveOptions { accuracy, method: MethodChoice::Auto }).solve(&cases);
+        let outcomes = Ladder::new(SolveOptions { accuracy, method: MethodChoice::Auto }).solve(&cases);
         let judged = outcomes.iter().zip(&exact).map(|(outcome, exact)| {
             let response = outcome.steps[0].response.unwrap();
             (force_error(&State::of(&response).unwrap(), &exact[0].unwrap()), response.force_error)

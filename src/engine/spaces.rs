@@ -8,7 +8,7 @@ use crate::mechanics::body::{Body, THINNEST_RING};
 use crate::mechanics::compliance::arc::TERM_CHOICES;
 use crate::mechanics::compliance::ring_modes::LARGEST_HELD;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
-use crate::mechanics::contact::curve::CurveSpace;
+use crate::mechanics::contact::curve::{CurveSpace, Variable};
 
 /// Which pressure space a joint is solved in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -17,12 +17,16 @@ pub struct SpaceKey {
     pub half_ring: bool,
     /// Trial pressures.
     pub terms: usize,
-    /// Nodes of a curve.
+    /// Nodes of a curve, and what it is a polynomial of.
     pub nodes: usize,
+    pub variable: Variable,
 }
 
 /// Counts of nodes.
-pub const NODE_CHOICES: [usize; 5] = [16, 24, 32, 48, 64];
+pub const NODE_CHOICES: [usize; 5] = [24, 32, 48, 64, 96];
+
+/// Beside beds.
+const NODES_OF_BEDS: usize = 64;
 
 /// Beyond any free contact of a whole ring, rad.
 const WIDEST: f64 = 2.4;
@@ -41,25 +45,32 @@ impl SpaceKey {
         let thinnest = pin.depth_range().0.min(plate.depth_range().0);
         let of_accuracy = [
             // Accuracy, and for deep, middling and thin walls terms and nodes.
-            (1e-2, [(6, 16), (6, 24), (10, 32)]),
+            (1e-2, [(6, 24), (6, 32), (10, 48)]),
             (
                 1e-4,
-                if half_angle < WIDE { [(6, 24), (6, 24), (16, 48)] } else { [(10, 24), (10, 24), (16, 48)] },
+                if half_angle < WIDE { [(6, 24), (6, 32), (16, 48)] } else { [(10, 24), (10, 32), (16, 48)] },
             ),
-            (0.0, [(10, 32), (16, 48), (24, 64)]),
+            (0.0, [(10, 48), (16, 48), (24, 64)]),
         ];
         let of_depth = of_accuracy
             .into_iter()
             .find(|(least, _)| accuracy >= *least)
             .map_or(of_accuracy[2].1, |(_, own)| own);
+        let half_ring = pin.shape.end_angle < std::f64::consts::PI;
+        if thinnest < THINNEST_RING {
+            return SpaceKey {
+                half_ring,
+                terms: of_depth[2].0,
+                nodes: NODES_OF_BEDS,
+                variable: Variable::Logarithm,
+            };
+        }
         let (terms, nodes) = match thinnest {
             depth if depth > DEEP => of_depth[0],
             depth if depth > THIN => of_depth[1],
-            depth if depth >= THINNEST_RING => of_depth[2],
-            // Beds.
-            _ => (of_depth[2].0, NODE_CHOICES[NODE_CHOICES.len() - 1]),
+            _ => of_depth[2],
         };
-        SpaceKey { half_ring: pin.shape.end_angle < std::f64::consts::PI, terms, nodes }
+        SpaceKey { half_ring, terms, nodes, variable: Variable::Root }
     }
 
     /// The next finer one.
@@ -108,7 +119,8 @@ impl Spaces {
             .collect::<Vec<_>>()
             .into_par_iter()
             .map(|(key, bodies, known)| {
-                let mut space = known.unwrap_or_else(|| CurveSpace::new(key.terms, key.nodes, key.limit()));
+                let mut space =
+                    known.unwrap_or_else(|| CurveSpace::new(key.variable, key.terms, key.nodes, key.limit()));
                 bodies.iter().for_each(|body| space.pressures.prepare(body));
                 (key, space)
             })

@@ -1,143 +1,143 @@
 //! What a mesh level is worth, measured: where that is enough, one mesh does, and no second one must tell how good it is.
 //!
-//! `examples/mesh_errors.rs` solved 650 to 1,500 bodies of each shape on every level, of stiff ones 400 half discs and 200
-//! to 260 blocks of each support, and compared the work of the contact pressure with `series`, or with the finest mesh, under
-//! loads of eight decades, the partner being rigid. The numbers are above what 99 of 100 had, most by a quarter. The error
-//! of a joint's force is that of its bodies, each by its share of the work.
+//! `known_errors.csv` is what `cargo run --release --example mesh_errors` prints: of random bodies of every kind the error of the work of the
+//! contact pressure on each level, against `series` or the finest mesh, the partner being rigid. The error of a joint's force
+//! is that of its bodies, each by its share of the work.
 
-use crate::mechanics::body::{Body, Shape, annulus, block, cored_disc, half_disc};
-use crate::mechanics::compliance::near_field::NEARLY_INCOMPRESSIBLE;
-use crate::mechanics::grading::STIFF;
-use crate::mechanics::material::Idealization;
+use std::sync::LazyLock;
+
+use crate::engine::accuracy::compressibility::Stiffness;
+use crate::engine::spaces::THIN;
+use crate::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
 
 /// Levels that are known of any shape, coarsest first.
 pub const KNOWN_LEVELS: usize = 5;
 
 /// Contact half angles at which the next column begins, deg.
-const COLUMNS: [f64; 3] = [10.0, 45.0, 75.0];
+pub const COLUMNS: [f64; 3] = [10.0, 45.0, 75.0];
+
+/// Least depths, |ln r|, at which the next kind of body begins; and the deepest that was drawn.
+pub const DEPTHS: [f64; 7] = [0.0198, 0.1, 0.2, 0.35, 0.7, 1.5, 5.71];
+
+/// Shapes whose meshes err alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    Concentric,
+    HalfDisc,
+    BlockOnBase,
+    BlockHeldAround,
+}
+
+impl Group {
+    pub const ALL: [Group; 4] =
+        [Group::Concentric, Group::HalfDisc, Group::BlockOnBase, Group::BlockHeldAround];
+
+    /// The name in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Group::Concentric => "concentric",
+            Group::HalfDisc => "half disc",
+            Group::BlockOnBase => "block on its base",
+            Group::BlockHeldAround => "block held around",
+        }
+    }
+
+    /// `None` for shapes that were not measured.
+    fn of(body: &Body) -> Option<Group> {
+        let is = |name: &str| body.shape.name == name;
+        if is(annulus::SHAPE.name) || is(cored_disc::SHAPE.name) {
+            Some(Group::Concentric)
+        } else if is(half_disc::SHAPE.name) {
+            Some(Group::HalfDisc)
+        } else if is(block::SHAPE.name) {
+            Some(if body.support == 0 { Group::BlockOnBase } else { Group::BlockHeldAround })
+        } else {
+            None
+        }
+    }
+
+    /// The least and the greatest depth that were drawn.
+    pub fn depths(self) -> [f64; 2] {
+        match self {
+            Group::Concentric | Group::HalfDisc => [DEPTHS[0], DEPTHS[DEPTHS.len() - 1]],
+            Group::BlockOnBase | Group::BlockHeldAround => [DEPTHS[2], 2.65],
+        }
+    }
+}
+
+/// A kind of body whose meshes were measured: group, stiffness, and the place of its least depth among `DEPTHS`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    pub group: Group,
+    pub stiffness: Stiffness,
+    pub depth: usize,
+}
+
+impl Kind {
+    /// `None` for bodies that were not measured, or behave otherwise.
+    pub fn of(body: &Body) -> Option<Kind> {
+        let group = Group::of(body)?;
+        let stiffness = Stiffness::of(body)?;
+        let (least, greatest) = body.depth_range();
+        let depth = DEPTHS.iter().rposition(|depth| least >= *depth)?;
+        // Thin walls squeeze what is nearly incompressible along them.
+        let may_be_film =
+            stiffness == Stiffness::NearlyIncompressible && (group == Group::Concentric || least < THIN);
+        let [shallowest, deepest] = group.depths();
+        let is_measured =
+            least >= shallowest && greatest <= deepest && depth < DEPTHS.len() - 1 && !may_be_film;
+        is_measured.then_some(Kind { group, stiffness, depth })
+    }
+
+    fn number(self) -> usize {
+        let (group, stiffness) = (self.group as usize, self.stiffness as usize);
+        (group * Stiffness::ALL.len() + stiffness) * DEPTHS.len() + self.depth
+    }
+}
 
 /// A row a level, coarsest first.
 type Table = [[f64; COLUMNS.len() + 1]; KNOWN_LEVELS];
 
-const CONCENTRIC: Table = [
-    [9.8e-4, 2.3e-3, 2.7e-3, 3.0e-3],
-    [5.2e-4, 9.2e-4, 1.1e-3, 1.2e-3],
-    [1.9e-4, 3.1e-4, 3.6e-4, 3.8e-4],
-    [6.2e-5, 9.7e-5, 1.2e-4, 1.1e-4],
-    [2.9e-5, 2.5e-5, 2.9e-5, 2.7e-5],
-];
+/// By the numbers of kinds; `None` for those that were not drawn often enough.
+static TABLES: LazyLock<Vec<Option<Table>>> = LazyLock::new(|| {
+    let mut tables = vec![None; Group::ALL.len() * Stiffness::ALL.len() * DEPTHS.len()];
+    for row in include_str!("known_errors.csv").lines().skip(1) {
+        let (kind, level, errors) = parsed(row);
+        let table: &mut Option<Table> = &mut tables[kind.number()];
+        table.get_or_insert([[f64::NAN; 4]; KNOWN_LEVELS])[level] = errors;
+    }
+    tables
+});
 
-const HALF_DISC: Table = [
-    [1.2e-3, 1.6e-3, 1.5e-3, 3.4e-3],
-    [4.0e-4, 5.5e-4, 5.0e-4, 9.9e-4],
-    [1.9e-4, 3.0e-4, 2.7e-4, 5.1e-4],
-    [8.6e-5, 1.5e-4, 2.9e-4, 1.7e-4],
-    [2.9e-5, 5.2e-5, 9.6e-5, 7.4e-5],
-];
-
-const STIFF_HALF_DISC: Table = [
-    [1.3e-3, 1.4e-3, 3.0e-4, 4.5e-3],
-    [6.2e-4, 8.0e-4, 9.2e-4, 1.4e-3],
-    [3.3e-4, 5.2e-4, 5.9e-4, 6.6e-4],
-    [1.5e-4, 2.9e-4, 5.8e-4, 2.8e-4],
-    [5.5e-5, 1.1e-4, 2.3e-4, 1.6e-4],
-];
-
-const VERY_STIFF_HALF_DISC: Table = [
-    [1.3e-3, 1.4e-3, 2.3e-3, 1.8e-2],
-    [7.4e-4, 9.3e-4, 1.1e-3, 4.7e-3],
-    [4.4e-4, 7.3e-4, 1.4e-3, 1.8e-3],
-    [2.4e-4, 4.8e-4, 1.2e-3, 4.5e-4],
-    [9.0e-5, 1.8e-4, 5.3e-4, 2.5e-4],
-];
-
-const NEARLY_INCOMPRESSIBLE_HALF_DISC: Table = [
-    [1.2e-3, 1.5e-3, 7.9e-3, 3.5e-2],
-    [1.1e-3, 9.3e-4, 1.1e-3, 9.9e-3],
-    [4.5e-4, 7.3e-4, 1.6e-3, 4.4e-3],
-    [3.2e-4, 6.2e-4, 2.3e-3, 4.2e-4],
-    [1.2e-4, 2.4e-4, 8.8e-4, 3.5e-4],
-];
-
-const BLOCK_HELD_AROUND: Table = [
-    [2.6e-3, 3.2e-3, 4.2e-3, 3.2e-3],
-    [1.1e-3, 1.6e-3, 1.6e-3, 1.5e-3],
-    [4.5e-4, 6.8e-4, 8.2e-4, 8.7e-4],
-    [9.4e-5, 2.4e-4, 6.1e-4, 6.8e-4],
-    [2.3e-5, 6.5e-5, 1.4e-4, 1.5e-4],
-];
-
-const BLOCK_ON_BASE: Table = [
-    [7.2e-3, 9.9e-3, 7.9e-3, 6.0e-3],
-    [2.7e-3, 2.8e-3, 3.4e-3, 3.1e-3],
-    [9.3e-4, 8.2e-4, 9.3e-4, 9.0e-4],
-    [2.7e-4, 4.2e-4, 4.5e-4, 4.3e-4],
-    [6.0e-5, 1.0e-4, 1.2e-4, 1.0e-4],
-];
-
-const STIFF_BLOCK_HELD_AROUND: Table = [
-    [1.0e-2, 3.3e-3, 6.3e-3, 7.6e-3],
-    [3.4e-3, 2.3e-3, 2.7e-3, 1.6e-3],
-    [6.0e-4, 1.0e-3, 1.4e-3, 1.3e-3],
-    [2.0e-4, 4.4e-4, 1.2e-3, 4.6e-4],
-    [4.3e-5, 9.8e-5, 3.8e-4, 2.0e-4],
-];
-
-const STIFF_BLOCK_ON_BASE: Table = [
-    [1.3e-2, 1.2e-2, 1.2e-2, 1.2e-2],
-    [6.1e-3, 8.0e-3, 8.0e-3, 8.0e-3],
-    [1.7e-3, 1.0e-3, 1.0e-3, 1.0e-3],
-    [4.8e-4, 4.5e-4, 4.9e-4, 4.9e-4],
-    [1.2e-4, 2.1e-4, 2.2e-4, 2.2e-4],
-];
-
-const VERY_STIFF_BLOCK_ON_BASE: Table = [
-    [2.0e-2, 1.9e-2, 2.0e-2, 2.0e-2],
-    [9.5e-3, 1.3e-2, 1.3e-2, 1.3e-2],
-    [3.0e-3, 2.1e-3, 2.1e-3, 2.1e-3],
-    [7.5e-4, 1.0e-3, 1.0e-3, 1.0e-3],
-    [3.1e-4, 4.6e-4, 4.7e-4, 4.7e-4],
-];
-
-const NEARLY_INCOMPRESSIBLE_BLOCK_ON_BASE: Table = [
-    [2.6e-2, 2.6e-2, 2.6e-2, 2.6e-2],
-    [1.4e-2, 1.7e-2, 1.8e-2, 1.8e-2],
-    [3.5e-3, 4.1e-3, 4.2e-3, 4.2e-3],
-    [1.4e-3, 1.9e-3, 2.1e-3, 2.1e-3],
-    [5.8e-4, 8.5e-4, 8.8e-4, 8.8e-4],
-];
-
-/// |ln r| of the shallowest and the deepest place that were drawn.
-const DEPTHS: [f64; 2] = [0.0198, 5.71];
-const DEPTHS_OF_BLOCKS: [f64; 2] = [0.182, 2.65];
-
-/// Corners between held and free sides are the worse the stiffer a body is in plane strain beside its shear modulus.
-#[derive(Clone, Copy)]
-enum Stiffness {
-    Ordinary,
-    Stiff,
-    VeryStiff,
-    NearlyIncompressible,
+/// A row of the file: group, stiffness, least depth, level, errors.
+///
+/// # Panics
+/// Where the file is broken; a test reads it.
+fn parsed(row: &str) -> (Kind, usize, [f64; 4]) {
+    let cells: Vec<&str> = row.split(',').collect();
+    let number = |place: usize| cells[place].parse::<f64>().unwrap_or(f64::NAN);
+    let group = Group::ALL.into_iter().find(|group| group.name() == cells[0]);
+    let stiffness = Stiffness::ALL.into_iter().find(|stiffness| stiffness.name() == cells[1]);
+    let depth = DEPTHS.iter().position(|depth| *depth == number(2));
+    let (Some(group), Some(stiffness), Some(depth)) = (group, stiffness, depth) else {
+        panic!("known_errors.csv: {row}")
+    };
+    (Kind { group, stiffness, depth }, number(3) as usize, std::array::from_fn(|column| number(4 + column)))
 }
 
-impl Stiffness {
-    /// `None` where it is so little stiff, or so much, that meshes behave otherwise.
-    fn of(body: &Body) -> Option<Stiffness> {
-        match (body.idealization, body.poissons_ratio) {
-            (Idealization::PlaneStress, ratio) => (ratio > -0.75).then_some(Stiffness::Ordinary),
-            (Idealization::PlaneStrain, ratio) if ratio <= STIFF => Some(Stiffness::Ordinary),
-            (Idealization::PlaneStrain, ratio) if ratio < 0.45 => Some(Stiffness::Stiff),
-            (Idealization::PlaneStrain, ratio) if ratio < 0.48 => Some(Stiffness::VeryStiff),
-            (Idealization::PlaneStrain, ratio) => (ratio < 0.49).then_some(Stiffness::NearlyIncompressible),
-        }
-    }
+/// Of a half angle, rad.
+pub fn column(half_angle: f64) -> usize {
+    COLUMNS.iter().take_while(|begin| half_angle.to_degrees() >= **begin).count()
+}
+
+fn table(body: &Body) -> Option<&'static Table> {
+    TABLES[Kind::of(body)?.number()].as_ref()
 }
 
 /// The error of the force, relative, at a contact half angle (rad) on a mesh level at most; `None` for bodies and levels
 /// that were not measured, or behave otherwise: nearly incompressible, nearly conformal.
 pub fn known_error(body: &Body, level: usize, half_angle: f64) -> Option<f64> {
-    let column = COLUMNS.iter().take_while(|begin| half_angle.to_degrees() >= **begin).count();
-    Some(table(body)?.get(level)?[column])
+    Some(table(body)?.get(level)?[column(half_angle)])
 }
 
 /// The worst of all half angles.
@@ -150,37 +150,22 @@ pub fn known_level(body: &Body, accuracy: f64) -> Option<usize> {
     (0..KNOWN_LEVELS).find(|level| worst_known_error(body, *level).is_some_and(|error| error <= accuracy))
 }
 
-fn table(body: &Body) -> Option<&'static Table> {
-    let is = |shape: &Shape| shape.name == body.shape.name;
-    let stiffness = Stiffness::of(body)?;
-    let (table, [shallowest, deepest]) = if is(&half_disc::SHAPE) {
-        let table = match stiffness {
-            Stiffness::Ordinary => &HALF_DISC,
-            Stiffness::Stiff => &STIFF_HALF_DISC,
-            Stiffness::VeryStiff => &VERY_STIFF_HALF_DISC,
-            Stiffness::NearlyIncompressible => &NEARLY_INCOMPRESSIBLE_HALF_DISC,
-        };
-        (table, DEPTHS)
-    } else if is(&block::SHAPE) {
-        let table = match (stiffness, body.support) {
-            (Stiffness::Ordinary, 0) => &BLOCK_ON_BASE,
-            (Stiffness::Ordinary, _) => &BLOCK_HELD_AROUND,
-            (Stiffness::Stiff, 0) => &STIFF_BLOCK_ON_BASE,
-            (Stiffness::VeryStiff, 0) => &VERY_STIFF_BLOCK_ON_BASE,
-            (Stiffness::NearlyIncompressible, 0) => &NEARLY_INCOMPRESSIBLE_BLOCK_ON_BASE,
-            (_, _) => &STIFF_BLOCK_HELD_AROUND,
-        };
-        (table, DEPTHS_OF_BLOCKS)
-    } else if is(&annulus::SHAPE) || is(&cored_disc::SHAPE) {
-        (&CONCENTRIC, DEPTHS)
-    } else {
-        return None;
-    };
-    // Thin walls squeeze what is nearly incompressible along them.
-    let may_be_film = body.shape.concentric && body.poissons_ratio > NEARLY_INCOMPRESSIBLE;
-    if may_be_film && body.idealization == Idealization::PlaneStrain {
-        return None;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every row is read, every kind has all levels, and a finer one is never said to be worse.
+    #[test]
+    fn the_file_is_whole_and_monotone() {
+        let rows = include_str!("known_errors.csv").lines().count() - 1;
+        let tables: Vec<&Table> = TABLES.iter().flatten().collect();
+        assert_eq!(rows, tables.len() * KNOWN_LEVELS);
+        assert!(tables.len() > 40, "{}", tables.len());
+        for table in tables {
+            assert!(table.iter().flatten().all(|error| *error > 0.0 && *error < 0.2), "{table:?}");
+            for pair in table.windows(2) {
+                assert!(pair[0].iter().zip(&pair[1]).all(|(coarse, fine)| fine <= coarse), "{table:?}");
+            }
+        }
     }
-    let (least, greatest) = body.depth_range();
-    (least >= shallowest && greatest <= deepest).then_some(table)
 }

@@ -1,5 +1,6 @@
 //! How good a force is: every source of its error, and the sum of them.
 
+pub mod compressibility;
 pub mod known_errors;
 pub mod mesh_change;
 

@@ -3,6 +3,7 @@
 use crate::engine::spaces::{SpaceKey, THIN};
 use crate::mechanics::body::{Body, DEEPEST_MESHED, MAX_PARAMETERS, Shape};
 use crate::mechanics::compliance::near_field::PoissonRange;
+use crate::mechanics::contact::curve::Variable;
 use crate::mechanics::material::Idealization;
 
 /// Shape ratios and Poisson's ratio.
@@ -34,7 +35,7 @@ impl FamilyKey {
 
 /// The space that compliances are fitted in: what thin bodies would need more for, `ContactState::truncation` tells.
 pub fn fit_space(half_ring: bool) -> SpaceKey {
-    SpaceKey { half_ring, terms: 10, nodes: 16 }
+    SpaceKey { half_ring, terms: 10, nodes: 16, variable: Variable::Root }
 }
 
 /// A body as a point: measures in which its compliance is close to a polynomial.

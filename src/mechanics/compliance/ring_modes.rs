@@ -41,8 +41,8 @@ enum Ring {
 /// The largest arc on a ring that ends held, rad.
 pub const LARGEST_HELD: f64 = 1.54;
 
-/// Functions on a ring that ends held.
-const COUNT_HELD: usize = 8;
+/// Functions on a ring that ends held, for levels 0 and 1, 2 and 3, and finer ones.
+const COUNT_HELD: [usize; 3] = [12, 12, 24];
 
 /// Quarters of stretch and count of a whole ring by its class of depth, for levels 0 and 1, 2 and 3, and finer ones: the fewest
 /// that leave the errors of the mesh as they are (docs/theory.md, section 6).
@@ -97,10 +97,11 @@ pub const MOST_MODES: usize = 48;
 impl RingModes {
     /// Of the meshes of a class.
     pub fn of(class: &GradingClass) -> RingModes {
+        let fineness = (class.level / 2).min(WHOLE.len() - 1);
         if class.ends_held {
-            return RingModes { ring: Ring::EndsHeld, count: COUNT_HELD };
+            return RingModes { ring: Ring::EndsHeld, count: COUNT_HELD[fineness] };
         }
-        let of_level = &WHOLE[(class.level / 2).min(WHOLE.len() - 1)];
+        let of_level = &WHOLE[fineness];
         let (quarters, count) = of_level[(class.depth_class as usize).min(of_level.len() - 1)];
         RingModes::whole(quarters, count)
     }

@@ -93,8 +93,7 @@ impl ConcentricBody {
     }
 
     /// lambda_n of the body whose fixed circle is infinitely far (or small), n >= 2.
-    #[cfg(test)]
-    fn far_mode(&self, n: usize) -> f64 {
+    pub fn far_mode(&self, n: usize) -> f64 {
         let (kappa, n) = (self.kolosov(), n as f64);
         let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
         ((kappa + 1.0) * n + sign * (kappa - 1.0)) / (2.0 * self.twice_shear_modulus() * (n * n - 1.0))

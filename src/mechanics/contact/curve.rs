@@ -1,51 +1,77 @@
 //! The curve of a joint: its states between a few arcs.
 //!
-//! What `edge` finds at an arc is smooth down to the angle zero once S is without its logarithm (of z, whose square is b but for
-//! a smooth factor), and N/b^2, V/b^2 and Q/b^4 are taken in place of N, V and Q. So the equations are solved at a few nodes,
-//! and between them these functions are polynomials: a load costs no system of equations.
+//! What `edge` finds at an arc is smooth once S is without its logarithm, and N/b^2, V/b^2 and Q/b^4 are taken in place of N, V
+//! and Q. So the equations are solved at a few nodes, and between them these functions are polynomials: a load costs no system
+//! of equations. They are polynomials of z, tan(eps/4) = tan(limit/4) z^2, down to the angle zero.
 //!
-//! A bed adds to the compliance what grows like 1/b. With s = b (c + lambda)/(c b + lambda) the functions s S, N/(s b^2) and
-//! Q/(s b^4) are smooth beside beds, too; without one s is 1.
+//! A bed adds to the compliance what grows like 1/b: as contact becomes wider than lambda/c the elastic part takes over from the
+//! bed, at b of any smallness. Beside beds the functions are polynomials of ln b, and with s = b (c + lambda)/(c b + lambda) it is
+//! s S, N/(s b^2) and Q/(s b^4) that are bounded.
 
 use pulp::{Arch, Simd, WithSimd};
 
 use super::edge::{Edge, EdgeStates, Reduced};
-use super::load::{DimensionlessLoad, NoState};
-use super::search::Loads;
-use super::state::ContactState;
 use crate::mechanics::compliance::arc::ContactArc;
 use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
-/// The arcs of curves up to a limit: Chebyshev nodes in z, tan(eps/4) = tan(limit/4) z^2, which needs no logarithm and no
-/// angle to go from z to b.
+/// What the functions of a curve are polynomials of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Variable {
+    /// z.
+    Root,
+    /// ln b, down to `NARROWEST` of its limit.
+    Logarithm,
+}
+
+/// The narrowest contact beside beds over the widest.
+const NARROWEST: f64 = 1e-9;
+
+/// The arcs of curves up to a limit: Chebyshev nodes in a variable.
 pub struct CurveSpace {
     pub pressures: PressureSpace,
     /// The largest contact half angle, rad.
     pub limit: f64,
-    /// tan(limit/4).
-    steepest: f64,
-    pub(super) ln_z: Vec<f64>,
+    variable: Variable,
+    /// tan(limit/4), or ln tan(limit/2).
+    widest: f64,
+    /// Logarithm of z, or of b, at the nodes: where loads are searched.
+    pub(super) logarithms: Vec<f64>,
     /// Of the Chebyshev transform: `[degree][node]`.
     transform: Vec<Vec<f64>>,
 }
 
 impl CurveSpace {
     /// `terms` trial pressures at so many nodes, a multiple of `LANES`, up to a half angle, rad.
-    pub fn new(terms: usize, nodes: usize, limit: f64) -> CurveSpace {
-        let steepest = (0.25 * limit).tan();
+    pub fn new(variable: Variable, terms: usize, nodes: usize, limit: f64) -> CurveSpace {
         let angle = |node: usize| std::f64::consts::PI * (node as f64 + 0.5) / nodes as f64;
-        let z: Vec<f64> = (0..nodes).map(|node| 0.5 * (1.0 + angle(node).cos())).collect();
-        let arcs = z.iter().map(|z| ContactArc::new(4.0 * (steepest * z * z).atan())).collect();
+        // From 0 to 1.
+        let units = (0..nodes).map(|node| 0.5 * (1.0 + angle(node).cos()));
+        let widest = match variable {
+            Variable::Root => (0.25 * limit).tan(),
+            Variable::Logarithm => (0.5 * limit).tan().ln(),
+        };
+        let logarithms: Vec<f64> = match variable {
+            Variable::Root => units.map(f64::ln).collect(),
+            Variable::Logarithm => units.map(|unit| widest + (1.0 - unit) * NARROWEST.ln()).collect(),
+        };
         let of_degree = |degree: usize| {
             let scale = if degree == 0 { 1.0 } else { 2.0 } / nodes as f64;
             (0..nodes).map(|node| scale * (degree as f64 * angle(node)).cos()).collect()
         };
+        let half_angle = |logarithm: &f64| match variable {
+            Variable::Root => 4.0 * (widest * (2.0 * logarithm).exp()).atan(),
+            Variable::Logarithm => 2.0 * logarithm.exp().atan(),
+        };
         CurveSpace {
-            pressures: PressureSpace::new(terms, arcs),
+            pressures: PressureSpace::new(
+                terms,
+                logarithms.iter().map(|logarithm| ContactArc::new(half_angle(logarithm))).collect(),
+            ),
             limit,
-            steepest,
-            ln_z: z.iter().map(|z| z.ln()).collect(),
+            variable,
+            widest,
+            logarithms,
             transform: (0..nodes).map(of_degree).collect(),
         }
     }
@@ -55,15 +81,37 @@ impl CurveSpace {
         &self.pressures.arcs
     }
 
+    /// Whether a curve goes on below its narrowest node, to the angle zero.
+    pub(super) fn goes_to_zero(&self) -> bool {
+        self.variable == Variable::Root
+    }
+
+    /// From logarithms to what polynomials are of, from 0 to 1, and b.
     #[inline(always)]
-    pub(super) fn b<const FUSED: bool>(&self, z: Lanes<FUSED>) -> Lanes<FUSED> {
-        let quarter = Lanes::from_f64(self.steepest) * z * z;
-        (quarter + quarter) / Lanes::from_f64(1.0).minus_product(quarter, quarter)
+    pub(super) fn places<const FUSED: bool>(&self, logarithms: [f64; LANES]) -> [Lanes<FUSED>; 2] {
+        let number = Lanes::<FUSED>::from_f64;
+        let powers = Lanes::<FUSED>(logarithms.map(f64::exp));
+        match self.variable {
+            Variable::Root => {
+                let quarter = number(self.widest) * powers * powers;
+                let b = (quarter + quarter) / number(1.0).minus_product(quarter, quarter);
+                [powers, b]
+            }
+            Variable::Logarithm => {
+                let scale = 1.0 / NARROWEST.ln();
+                [Lanes(logarithms.map(|logarithm| 1.0 - scale * (logarithm - self.widest))), powers]
+            }
+        }
+    }
+
+    /// What of S is left out of its polynomials goes with this times the logarithm: a logarithm is a polynomial of itself.
+    fn logarithm_share(&self, even: f64) -> f64 {
+        match self.variable {
+            Variable::Root => std::f64::consts::PI * even,
+            Variable::Logarithm => 0.0,
+        }
     }
 }
-
-/// What leaving out further polynomials costs, over what the highest have, where that is above 1e-5: `tests/curves.rs` holds it.
-const CURVE_SHARE: f64 = 0.5;
 
 /// Functions whose polynomials tell the error of force and energy: all but those of the peak pressure.
 const DECISIVE: usize = 5;
@@ -73,7 +121,7 @@ pub struct ContactCurve<'a> {
     pub(super) space: &'a CurveSpace,
     even: f64,
     bed: f64,
-    /// In z: `[degree][function]`, in the order of `Reduced`.
+    /// `[degree][function]`, in the order of `Reduced`.
     pub(super) coefficients: Vec<[f64; LANES]>,
     pub(super) curve_error: f64,
     /// What is known node by node.
@@ -89,10 +137,13 @@ impl<'a> ContactCurve<'a> {
         let count = states.edges.len();
         let (even, bed) = (joint.even, joint.bed);
         let mut functions = Vec::with_capacity(count);
-        for ((Edge { reduced, .. }, arc), ln_z) in states.edges.iter().zip(space.arcs()).zip(&space.ln_z) {
+        let share = space.logarithm_share(even);
+        for ((Edge { reduced, .. }, arc), logarithm) in
+            states.edges.iter().zip(space.arcs()).zip(&space.logarithms)
+        {
             let scale = scale(even, bed, arc.b);
             functions.push([
-                scale * (reduced.singular + std::f64::consts::PI * even * ln_z),
+                scale * (reduced.singular + share * logarithm),
                 reduced.edge,
                 reduced.edge_of_versine / scale,
                 reduced.versine,
@@ -106,12 +157,7 @@ impl<'a> ContactCurve<'a> {
             return None;
         }
         let coefficients = Arch::new().dispatch(Transform { rows: &space.transform, values: &functions });
-        let share = |function: usize| {
-            let of_degrees = coefficients.iter().map(|of_degree| of_degree[function].abs());
-            let most = of_degrees.clone().fold(f64::MIN_POSITIVE, f64::max);
-            of_degrees.skip(count - 2).sum::<f64>() / most
-        };
-        let curve_error = CURVE_SHARE * (0..DECISIVE).map(share).fold(0.0, f64::max);
+        let curve_error = (0..DECISIVE).map(|function| left_out(&coefficients, function)).fold(0.0, f64::max);
         // Up to the first beyond a neat fit, and no further than the contact grows with the load: the pressure is the sum of what
         // punches of all smaller arcs add as the contact grows, each of them positive. Where it grows with the load the pressure
         // is positive and the gap beyond it open, and only there.
@@ -131,17 +177,16 @@ impl<'a> ContactCurve<'a> {
         Some(ContactCurve { space, even, bed, coefficients, curve_error, states, first })
     }
 
-    /// What polynomials come to at z, b being the arc's.
+    /// What polynomials come to at logarithms, with b.
     #[inline(always)]
     pub(super) fn reduced<const FUSED: bool>(
         &self,
-        z: Lanes<FUSED>,
-        ln_z: Lanes<FUSED>,
-        b: Lanes<FUSED>,
-    ) -> Reduced<Lanes<FUSED>> {
+        logarithms: [f64; LANES],
+    ) -> (Reduced<Lanes<FUSED>>, Lanes<FUSED>) {
         const FUNCTIONS: usize = 7;
         let number = Lanes::<FUSED>::from_f64;
-        let turn = number(2.0) - number(4.0) * z;
+        let [place, b] = self.space.places(logarithms);
+        let turn = number(2.0) - number(4.0) * place;
         // Clenshaw's sums, all functions side by side: no addition waits for the one before.
         let mut current = [Lanes::<FUSED>::zero(); FUNCTIONS];
         let mut previous = current;
@@ -157,33 +202,18 @@ impl<'a> ContactCurve<'a> {
             *sum = (number(self.coefficients[0][function]) - previous[function]).minus_product(half, *sum);
         }
         let [smooth, edge, edge_of_versine, versine, work, peak, peak_of_versine] = current;
-        let logarithm = number(std::f64::consts::PI * self.even);
-        if self.bed == 0.0 {
-            let singular = smooth.minus_product(logarithm, ln_z);
-            return Reduced { singular, edge, edge_of_versine, versine, work, peak, peak_of_versine };
-        }
+        let share = number(self.space.logarithm_share(self.even));
         let scale = scale(self.even, self.bed, b);
-        Reduced {
-            singular: (smooth / scale).minus_product(logarithm, ln_z),
+        let reduced = Reduced {
+            singular: (smooth / scale).minus_product(share, Lanes(logarithms)),
             edge,
             edge_of_versine: edge_of_versine * scale,
             versine,
             work: work * scale,
             peak,
             peak_of_versine: peak_of_versine * scale,
-        }
-    }
-
-    /// The states under loads (> 0), for a radial clearance over the hole's radius, >= 0, each with the widest node that is not
-    /// wider: what is known node by node holds between it and the next.
-    pub fn states(
-        &self,
-        clearance: f64,
-        loads: impl Iterator<Item = DimensionlessLoad>,
-    ) -> Vec<Result<(ContactState, usize), NoState>> {
-        let mut states = Vec::new();
-        Arch::new().dispatch(Loads { curve: self, clearance, loads, states: &mut states });
-        states
+        };
+        (reduced, b)
     }
 
     /// The greater of what is known at the nodes around a state.
@@ -228,3 +258,18 @@ impl Transform<'_> {
         coefficients
     }
 }
+
+/// What further polynomials would add to a function, over the most it has of any: they go on falling as the last four do.
+fn left_out(coefficients: &[[f64; LANES]], function: usize) -> f64 {
+    let size = |from_last: usize| coefficients[coefficients.len() - from_last][function].abs();
+    let most =
+        coefficients.iter().map(|of_degree| of_degree[function].abs()).fold(f64::MIN_POSITIVE, f64::max);
+    let (last, before) = (size(1) + size(2), size(3) + size(4));
+    let ratio = (last / before.max(f64::MIN_POSITIVE)).clamp(LEAST_RATIO, GREATEST_RATIO);
+    last / most * ratio / (1.0 - ratio)
+}
+
+/// How much faster or slower than this the coefficients of a function fall, two by two, is not told by four of them
+/// (`tests/curves.rs` holds what follows).
+const LEAST_RATIO: f64 = 0.3;
+const GREATEST_RATIO: f64 = 0.9;

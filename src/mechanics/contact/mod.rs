@@ -5,5 +5,5 @@ pub mod load;
 pub mod state;
 pub mod edge;
 pub mod curve;
-mod search;
+pub mod search;
 pub mod node_contact;

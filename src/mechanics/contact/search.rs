@@ -1,6 +1,6 @@
 //! From loads to states on a curve: searches of the half angle, as many abreast as a register has lanes.
 
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 use super::curve::ContactCurve;
 use super::edge::FreeEdge;
@@ -14,11 +14,11 @@ const TOLERANCE: f64 = 1e-11;
 /// Steps of one search at most; bisection alone would need fewer.
 const MOST_STEPS: usize = 100;
 
-pub(super) struct Loads<'a, I> {
-    pub(super) curve: &'a ContactCurve<'a>,
-    pub(super) clearance: f64,
-    pub(super) loads: I,
-    pub(super) states: &'a mut Vec<Result<(ContactState, usize), NoState>>,
+struct Loads<'a, I> {
+    curve: &'a ContactCurve<'a>,
+    clearance: f64,
+    loads: I,
+    states: &'a mut Vec<Result<(ContactState, usize), NoState>>,
 }
 
 impl<I: Iterator<Item = DimensionlessLoad>> WithSimd for Loads<'_, I> {
@@ -56,11 +56,11 @@ impl<I: Iterator<Item = DimensionlessLoad>> Loads<'_, I> {
             if lanes.iter().all(Option::is_none) {
                 return;
             }
-            let mut ln_z = [0.0; LANES];
-            for (next, lane) in ln_z.iter_mut().zip(&lanes) {
+            let mut logarithms = [0.0; LANES];
+            for (next, lane) in logarithms.iter_mut().zip(&lanes) {
                 *next = lane.as_ref().map_or(0.0, |(_, search)| search.next);
             }
-            let at = curve.at::<FUSED>(ln_z);
+            let at = curve.at::<FUSED>(logarithms);
             for (number, lane) in lanes.iter_mut().enumerate() {
                 let Some((place, search)) = lane else { continue };
                 if !at.is_sound(number) {
@@ -76,7 +76,7 @@ impl<I: Iterator<Item = DimensionlessLoad>> Loads<'_, I> {
     }
 }
 
-/// One search in ln z: a bracket with the excess at its ends, and the next point.
+/// One search in the logarithm of the curve's space: a bracket with the excess at its ends, and the next point.
 #[derive(Clone, Copy)]
 struct Search {
     target: Target,
@@ -134,13 +134,25 @@ impl<const FUSED: bool> Abreast<FUSED> {
 }
 
 impl ContactCurve<'_> {
+    /// The states under loads (> 0), for a radial clearance over the hole's radius, >= 0, each with the widest node that is not
+    /// wider: what is known node by node holds between it and the next.
+    pub fn states(
+        &self,
+        clearance: f64,
+        loads: impl Iterator<Item = DimensionlessLoad>,
+    ) -> Vec<Result<(ContactState, usize), NoState>> {
+        let mut states = Vec::new();
+        Arch::new().dispatch(Loads { curve: self, clearance, loads, states: &mut states });
+        states
+    }
+
     /// The bracket of a load among the nodes, and a first guess between them; `None` where it is beyond the curve.
     #[inline(always)]
     fn begin(&self, target: Target) -> Option<Search> {
         let edges = &self.states.edges;
         let count = edges.len();
         let point = |node: usize| {
-            (self.space.ln_z[node], target.excess(edges[node].free.indentation, edges[node].free.force))
+            (self.space.logarithms[node], target.excess(edges[node].free.indentation, edges[node].free.force))
         };
         // Nodes go down with the angle: the last one that is not below the load.
         let reached =
@@ -158,6 +170,8 @@ impl ContactCurve<'_> {
         let (a, otherwise) = if below < count {
             let a = points[below - from];
             (a, 0.5 * (a.0 + b.0))
+        } else if !self.space.goes_to_zero() {
+            return None;
         } else {
             // Below all nodes the load is a power of the angle: more than the fourth, with the logarithm.
             let a = (b.0 - 0.5 * b.1 - 1.0, f64::NEG_INFINITY);
@@ -168,11 +182,8 @@ impl ContactCurve<'_> {
     }
 
     #[inline(always)]
-    fn at<const FUSED: bool>(&self, ln_z: [f64; LANES]) -> Abreast<FUSED> {
-        let mut z = Lanes::<FUSED>(ln_z);
-        z.0.iter_mut().for_each(|ln_z| *ln_z = ln_z.exp());
-        let b = self.space.b(z);
-        let reduced = self.reduced(z, Lanes(ln_z), b);
+    fn at<const FUSED: bool>(&self, logarithms: [f64; LANES]) -> Abreast<FUSED> {
+        let (reduced, b) = self.reduced(logarithms);
         Abreast { b, edge: reduced.free_edge(b), singular: reduced.singular }
     }
 

@@ -7,7 +7,6 @@ use wgpu::ShaderStages;
 
 use super::batch::{KernelFacts, OnChip};
 use super::context::{GpuDevice, GpuError};
-use super::works::WORKS_HEADER;
 use crate::mechanics::compliance::ring_modes::MOST_MODES;
 use crate::mechanics::solve::pcg::ALLOWED_DRIFT;
 use crate::mechanics::solve::refine::RefineSettings;
@@ -155,6 +154,9 @@ pub const CONDENSE: KernelFile = KernelFile {
     written: &[false, true],
     summand: None,
 };
+
+/// Numbers of a body before its works: whether it is sound, and its worst true residual.
+pub const WORKS_HEADER: usize = 2;
 
 pub const WORKS: KernelFile = KernelFile {
     name: "works",

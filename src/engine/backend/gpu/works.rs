@@ -4,14 +4,11 @@ use bytemuck::{Pod, Zeroable};
 
 use super::context::GpuError;
 use super::dispatch::Dispatch;
-use super::kernels::Kernels;
+use super::kernels::{Kernels, WORKS_HEADER};
 use super::stages::SystemBatch;
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::mesh::RingTopology;
-
-/// Numbers of a body before its works: whether it is sound, and its worst true residual.
-pub const WORKS_HEADER: usize = 2;
 
 /// What `works` is told.
 #[repr(C)]
