@@ -78,7 +78,8 @@ fn a_config_gives_the_same_table_on_both_backends() {
     let work = Workdir::new("backends");
     work.write("sweep.toml", &config(&SWEEP));
     work.run(&["run", "sweep.toml", "--out", "cpu", "--backend", "cpu"]).expect(0);
-    for (precision, allowed) in [("f32", 1e-4), ("f64", 2e-9), ("mixed", 1e-7)] {
+    // Seen: 2.4e-6, nothing, 1.6e-9; the last digit of the table is 1e-9 at most.
+    for (precision, allowed) in [("f32", 3.2e-6), ("f64", 1e-9), ("mixed", 2.1e-9)] {
         let arguments = ["run", "sweep.toml", "--out", precision, "--precision", precision];
         let ended = work.run(&[&arguments[..], &ANY].concat()).expect(0);
         assert!(!ended.stderr.contains("warning") && !ended.stderr.contains("XDG"), "{}", ended.stderr);
@@ -151,9 +152,21 @@ fn a_sweep_is_interpolated_on_both_backends() {
 
     let [alike, other] = [&on_cpu, &on_meshes].map(|table| worst_force(&on_gpu, table));
     println!("{count} interpolated: {alike:.1e}, against meshes {other:.1e}");
-    assert!(alike < 1e-4, "{alike:e}");
+    // Seen: 5.1e-6, and 4.7e-4 against meshes.
+    assert!(alike < 6.7e-6, "{alike:e}");
     // Control: interpolated forces are not those of the meshes. Each side has 1 %.
-    assert!(other > 2.0 * alike && other < 0.02, "{other:e}");
+    assert!(other > 10.0 * alike && other < 0.02, "{other:e}");
+}
+
+/// The greatest relative difference of the forces of the same designs.
+fn worst_force(found: &Rows, expected: &Rows) -> f64 {
+    assert_eq!(found.column("core_radius_ratio"), expected.column("core_radius_ratio"));
+    let forces = |rows: &Rows| -> Vec<f64> {
+        rows.column("force_n").into_iter().map(|force| force.parse().unwrap()).collect()
+    };
+    let (found, expected) = (forces(found), forces(expected));
+    assert_eq!((found.len(), expected.len()), (2500, 2500));
+    greatest(found.iter().zip(&expected).map(|(a, b)| a / b - 1.0))
 }
 
 #[test]
