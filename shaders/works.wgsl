@@ -18,7 +18,7 @@ struct WorksParameters {
 @group(0) @binding(0) var<uniform> parameters: WorksParameters;
 // [body][ring unknown][block]: four columns of C
 @group(0) @binding(1) var<storage, read> compliance: array<wide4>;
-// [ring unknown][mode]
+// [ring unknown, with zeros up to a whole block][mode]
 @group(0) @binding(2) var<storage, read> loads: array<wide>;
 // [body][system]
 @group(0) @binding(3) var<storage, read> states: array<SystemState>;
@@ -29,17 +29,16 @@ struct WorksParameters {
 
 // Entries that one invocation sums.
 const OWN = (MOST_MODES * (MOST_MODES + 1u) / 2u + INVOCATIONS - 1u) / INVOCATIONS;
-const TILE_ROWS = INVOCATIONS / 16u;
+// The host's twin is `batch::works_tile`.
+const TILE_ROWS = max(INVOCATIONS / 16u, 1u);
 const BEYOND = wide(1e30);
 
 var<workgroup> products: array<wide, TILE_ROWS * MOST_MODES>;
 
-// Row and column of a packed entry.
+// Row and column of a packed entry: the first one of a row has sqrt(8 entry + 1) = 2 row + 1. What is added under the root is
+// far more than its rounding, and too little for the next row. A loop would take too many trips (`MOST_TRIPS`).
 fn place_of(entry: u32) -> vec2<u32> {
-    var row = 0u;
-    while (row + 1u) * (row + 2u) / 2u <= entry {
-        row += 1u;
-    }
+    let row = u32(0.5 * (sqrt(f32(8u * entry + 3u)) - 1.0));
     return vec2<u32>(row, entry - row * (row + 1u) / 2u);
 }
 
@@ -81,12 +80,9 @@ fn sum_works(
             var sum = wide(0.0);
             for (var block = 0u; block < parameters.block_count; block++) {
                 let columns = compliance[(body * ring_count + row) * parameters.block_count + block];
-                for (var i = 0u; i < 4u; i++) {
-                    let column = 4u * block + i;
-                    if column < ring_count {
-                        sum += columns[i] * loads[column * modes + mode];
-                    }
-                }
+                let at = 4u * block * modes + mode;
+                sum += columns.x * loads[at] + columns.y * loads[at + modes];
+                sum += columns.z * loads[at + 2u * modes] + columns.w * loads[at + 3u * modes];
             }
             products[item] = sum;
         }

@@ -25,6 +25,9 @@ use crate::study::design::DesignCase;
 /// Designs of one joint that a thread solves.
 const TOGETHER: usize = 64;
 
+/// An attempt, with the place of its design among those tried together.
+type Placed = (usize, (DesignOutcome, Want));
+
 /// Solves batches of designs; keeps the bodies it has met.
 pub struct Ladder<'a> {
     options: SolveOptions,
@@ -108,7 +111,7 @@ impl<'a> Ladder<'a> {
         }
         let joints: Vec<Vec<usize>> = joints.into_values().collect();
         let (library, spaces, accuracy) = (&self.library, &self.spaces, self.options.accuracy);
-        let solved: Vec<(Vec<(usize, (DesignOutcome, Want))>, Duration)> = joints
+        let solved: Vec<(Vec<Placed>, Duration)> = joints
             .par_iter()
             .with_min_len(16)
             .flat_map_iter(|places| places.chunks(TOGETHER))

@@ -72,7 +72,7 @@ const BATCH: usize = 16_384;
 /// The same on software, whose user waits.
 const SOFTWARE_BATCH: usize = 256;
 
-/// What groups share on the device is dropped beyond these many bytes, before more is made.
+/// What the bodies of topologies share, here and on the device, is dropped beyond these many bytes before more is made.
 const KEPT_BYTES: u64 = 256 << 20;
 
 /// Steps of conjugate gradients on Q8 meshes over the root of the unknowns, to a residual of 1e-6.
@@ -94,7 +94,7 @@ impl<'a> GpuCondenser<'a> {
 
 impl Device for GpuCondenser<'_> {
     fn condense(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
-        if self.topologies.values().map(|topology| topology.loads.bytes()).sum::<u64>() > KEPT_BYTES {
+        if self.topologies.values().map(Topology::bytes).sum::<u64>() > KEPT_BYTES {
             self.topologies.clear();
         }
         let mut condensed = Vec::with_capacity(groups.len());
@@ -141,6 +141,10 @@ impl Topology {
         })?;
         let loads = ModeLoads::new(kernels, &RingModes::of(&key.class), &RingTopology::new(body, &grading))?;
         Ok(Topology { counts: layout.counts(), layout, loads, facts: kernels.facts(FIRST_GUESS) })
+    }
+
+    fn bytes(&self) -> u64 {
+        self.layout.bytes() + self.loads.bytes()
     }
 }
 

@@ -179,7 +179,7 @@ impl Sizes {
         let operations = 2 * self.ring_columns * self.ring_columns * modes + 2 * self.ring_columns * entries;
         let own = (self.ring_columns * self.systems() + WORKS_HEADER as u64 + entries) * wide
             + self.system_bytes(precision);
-        let shared = self.ring_columns * modes * wide;
+        let shared = self.systems() * modes * wide;
         Work { operations: bodies * operations, bytes: shared + bodies * own }
     }
 }
@@ -236,6 +236,12 @@ mod tests {
         assert_eq!(of(SIZES.refine(1, Precision::F64)), refined);
         // Nine entries of two products of length 5, a sum and a half; x and residuals in, three rows of four out.
         assert_eq!(of(SIZES.condense(1, Precision::F32)), (9 * 22, 4 * (2 * 5 + 3) * 4));
+        // Two modes, three entries: C F 2 x 9 x 2, F^T C F 2 x 3 x 3. Three rows of four, norms and states in; a header of two and
+        // the entries out; the loads of four rows, once for both bodies.
+        let works = (2 * (36 + 18), 4 * 2 * 4 + 2 * ((3 * 4 + 2 + 3) * 4 + 4 * (3 * 4 + 8)));
+        assert_eq!(of(SIZES.works(2, 2, Precision::F32)), works);
+        let wide = (2 * (36 + 18), 4 * 2 * 8 + 2 * ((3 * 4 + 2 + 3) * 8 + 4 * (3 * 8 + 8)));
+        assert_eq!(of(SIZES.works(2, 2, Precision::Mixed)), wide);
     }
 
     #[test]

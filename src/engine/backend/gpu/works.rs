@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::batch::COLUMNS_ABREAST;
 use super::context::GpuError;
 use super::dispatch::Dispatch;
 use super::kernels::{Kernels, WORKS_HEADER};
@@ -43,7 +44,9 @@ pub(super) struct WorksBuffer {
 impl ModeLoads {
     pub fn new(kernels: &Kernels, modes: &RingModes, topology: &RingTopology) -> Result<ModeLoads, GpuError> {
         let Kernels { gpu, precision, .. } = *kernels;
-        let mut loads = vec![0.0; topology.ring_unknown_count() * modes.count];
+        // Columns of C come in blocks.
+        let rows = topology.ring_unknown_count().next_multiple_of(COLUMNS_ABREAST as usize);
+        let mut loads = vec![0.0; rows * modes.count];
         for (unknown, load) in modes.unknown_loads(topology) {
             loads[unknown * modes.count..][..modes.count].copy_from_slice(&load);
         }
