@@ -6,9 +6,9 @@
 
 use std::sync::LazyLock;
 
-use crate::engine::accuracy::compressibility::Stiffness;
 use crate::engine::spaces::THIN;
 use crate::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
+use crate::mechanics::material::Compressibility;
 
 /// Levels that are known of any shape, coarsest first.
 pub const KNOWN_LEVELS: usize = 5;
@@ -18,6 +18,53 @@ pub const COLUMNS: [f64; 3] = [10.0, 45.0, 75.0];
 
 /// Least depths, |ln r|, at which the next kind of body begins; and the deepest that was drawn.
 pub const DEPTHS: [f64; 7] = [0.0198, 0.1, 0.2, 0.35, 0.7, 1.5, 5.71];
+
+/// Corners between held and free sides are the worse the stiffer a body is in plane strain beside its shear modulus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stiffness {
+    Ordinary,
+    Stiff,
+    VeryStiff,
+    NearlyIncompressible,
+}
+
+impl Stiffness {
+    pub const ALL: [Stiffness; 4] =
+        [Stiffness::Ordinary, Stiffness::Stiff, Stiffness::VeryStiff, Stiffness::NearlyIncompressible];
+
+    /// Least and greatest Poisson's ratio in plane strain.
+    pub fn range(self) -> [f64; 2] {
+        match self {
+            Stiffness::Ordinary => [-1.0, Compressibility::STIFF],
+            Stiffness::Stiff => [Compressibility::STIFF, Compressibility::VERY_STIFF],
+            Stiffness::VeryStiff => [Compressibility::VERY_STIFF, Compressibility::NEARLY_INCOMPRESSIBLE],
+            Stiffness::NearlyIncompressible => {
+                [Compressibility::NEARLY_INCOMPRESSIBLE, Compressibility::LOCKING]
+            }
+        }
+    }
+
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stiffness::Ordinary => "ordinary",
+            Stiffness::Stiff => "stiff",
+            Stiffness::VeryStiff => "very stiff",
+            Stiffness::NearlyIncompressible => "nearly incompressible",
+        }
+    }
+
+    /// `None` where it is so little stiff, or so much, that meshes behave otherwise.
+    pub fn of(body: &Body) -> Option<Stiffness> {
+        match Compressibility::of(body.poissons_ratio, body.idealization) {
+            Compressibility::NearlyConformal | Compressibility::Locking => None,
+            Compressibility::Stiff => Some(Stiffness::Stiff),
+            Compressibility::VeryStiff => Some(Stiffness::VeryStiff),
+            Compressibility::NearlyIncompressible => Some(Stiffness::NearlyIncompressible),
+            _ => Some(Stiffness::Ordinary),
+        }
+    }
+}
 
 /// Shapes whose meshes err alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,5 @@
 //! How good a force is: every source of its error, and the sum of them.
 
-pub mod compressibility;
 pub mod known_errors;
 pub mod mesh_change;
 

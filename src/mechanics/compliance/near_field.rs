@@ -21,7 +21,7 @@ use super::ring_modes::RingModes;
 use super::series::ConcentricBody;
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
 use crate::mechanics::grading::GradingClass;
-use crate::mechanics::material::Idealization;
+use crate::mechanics::material::{Compressibility, Idealization};
 use crate::mechanics::mesh::Grading;
 use crate::mechanics::real::LANES;
 
@@ -45,36 +45,28 @@ pub enum PoissonRange {
     Incompressible,
 }
 
-/// From this Poisson's ratio on, plane strain is nearly incompressible: the error of a mesh, with poles just beyond 1/2, is a smooth
-/// function of ln(1 - 2 nu) there. Below, it is one of a root of 1 - 2 nu, far enough from the poles and near enough to
-/// what is a polynomial of Poisson's ratio.
-pub const NEARLY_INCOMPRESSIBLE: f64 = 0.47;
-
 /// Of 1 - 2 nu: below it nothing changes any more.
 const LEAST_COMPRESSIBILITY: f64 = 1e-5;
-
-/// Up to this Poisson's ratio a mesh in plane stress resists shear as one in plane strain does compression close to 1/2: its
-/// error is a smooth function of ln(1 + nu).
-const NEARLY_CONFORMAL: f64 = -0.75;
 
 /// Of 1 + nu: below it nothing changes any more.
 const LEAST_SHEAR: f64 = 1e-3;
 
 impl PoissonRange {
     pub fn of(poissons_ratio: f64, idealization: Idealization) -> PoissonRange {
-        match idealization {
-            Idealization::PlaneStress if poissons_ratio < NEARLY_CONFORMAL => PoissonRange::Conformal,
-            Idealization::PlaneStress if poissons_ratio < 0.0 => PoissonRange::Auxetic,
-            Idealization::PlaneStress => PoissonRange::Positive,
-            Idealization::PlaneStrain if poissons_ratio < 0.0 => PoissonRange::Negative,
-            Idealization::PlaneStrain if poissons_ratio > NEARLY_INCOMPRESSIBLE => {
-                PoissonRange::Incompressible
+        match Compressibility::of(poissons_ratio, idealization) {
+            Compressibility::NearlyConformal => PoissonRange::Conformal,
+            Compressibility::Auxetic => PoissonRange::Auxetic,
+            Compressibility::Positive => PoissonRange::Positive,
+            Compressibility::Negative => PoissonRange::Negative,
+            Compressibility::Moderate | Compressibility::Stiff | Compressibility::VeryStiff => {
+                PoissonRange::Compressible
             }
-            Idealization::PlaneStrain => PoissonRange::Compressible,
+            Compressibility::NearlyIncompressible | Compressibility::Locking => PoissonRange::Incompressible,
         }
     }
 
-    /// What is interpolated in.
+    /// What is interpolated in: the error of a mesh is a smooth function of ln(1 - 2 nu) close to 1/2, with poles just beyond, of a root
+    /// of 1 - 2 nu below, and of ln(1 + nu) close to -1 in plane stress.
     pub fn coordinate(self, poissons_ratio: f64) -> f64 {
         match self {
             PoissonRange::Conformal => (1.0 + poissons_ratio).max(LEAST_SHEAR).ln(),
@@ -97,13 +89,15 @@ impl PoissonRange {
     /// Chebyshev nodes of the range, as coordinates, and their barycentric weights.
     pub fn nodes(self) -> [(f64, f64); LANES] {
         let (low, high) = match self {
-            PoissonRange::Conformal => (LEAST_SHEAR.ln(), (1.0 + NEARLY_CONFORMAL).ln()),
-            PoissonRange::Auxetic => (NEARLY_CONFORMAL, 0.0),
+            PoissonRange::Conformal => (LEAST_SHEAR.ln(), (1.0 + Compressibility::NEARLY_CONFORMAL).ln()),
+            PoissonRange::Auxetic => (Compressibility::NEARLY_CONFORMAL, 0.0),
             PoissonRange::Negative => (-1.0, 0.0),
             PoissonRange::Positive => (0.0, 0.5),
-            PoissonRange::Compressible => ((1.0 - 2.0 * NEARLY_INCOMPRESSIBLE).powf(0.25), 1.0),
+            PoissonRange::Compressible => {
+                ((1.0 - 2.0 * Compressibility::NEARLY_INCOMPRESSIBLE).powf(0.25), 1.0)
+            }
             PoissonRange::Incompressible => {
-                (LEAST_COMPRESSIBILITY.ln(), (1.0 - 2.0 * NEARLY_INCOMPRESSIBLE).ln())
+                (LEAST_COMPRESSIBILITY.ln(), (1.0 - 2.0 * Compressibility::NEARLY_INCOMPRESSIBLE).ln())
             }
         };
         std::array::from_fn(|i| {
