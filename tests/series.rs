@@ -2,6 +2,8 @@
 
 #[path = "common/greatest.rs"]
 mod greatest;
+#[path = "common/nodal_ring.rs"]
+mod nodal_ring;
 #[path = "common/random.rs"]
 mod random;
 
@@ -12,6 +14,7 @@ use jointsweep::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
 use jointsweep::mechanics::contact::load::DimensionlessLoad;
 use jointsweep::mechanics::contact::state::ContactState;
 use jointsweep::mechanics::material::Idealization;
+use nodal_ring::Ring;
 use random::Random;
 
 /// A pin and a plate with the plate's modulus over the pin's, and delta/dR.
@@ -115,6 +118,49 @@ fn six_trial_pressures_are_enough_but_for_wide_contacts() {
     // Seen: 1.7e-7, 8.1e-5, 1.9e-4, 0.040 and 1.2e-4, 2.7e-4, 6.6e-3, 2.3.
     for (worst, limits) in worst.iter().zip([[2.2e-7, 1e-4, 2.5e-4, 0.052], [1.5e-4, 3.5e-4, 8.6e-3, 3.0]]) {
         assert!(worst.iter().zip(limits).all(|(worst, limit)| *worst < limit), "{worst:?}");
+    }
+}
+
+/// Each mode against a wall that is stepped through from the held circle to the ring.
+#[test]
+fn modes_are_those_of_a_wall_stepped_through() {
+    let mut errors = Vec::new();
+    for fixed_radius in [0.02, 0.5, 0.95, 1.03, 3.0, 40.0] {
+        for idealization in Idealization::ALL {
+            for poissons_ratio in [-0.5, 0.0, 0.3, 0.49] {
+                let body = ConcentricBody { fixed_radius, poissons_ratio, idealization };
+                let ring = Ring { fixed_radius, youngs_modulus: 1.0, poissons_ratio, idealization };
+                let found = body.boundary_modes();
+                for n in 0..12.min(found.len()) {
+                    let far = match n {
+                        0 => found[0],
+                        1 => body.amplitude(),
+                        _ => body.far_mode(n),
+                    };
+                    errors.push((found[n] + far) / ring.mode(n) - 1.0);
+                }
+            }
+        }
+    }
+    let (count, worst) = (errors.len(), greatest(errors));
+    println!("{count} modes: {worst:.1e}");
+    // Seen: 2.7e-13. A far circle has fewer than twelve modes.
+    assert!(count == 560 && worst < 4e-13, "{count}: {worst:e}");
+}
+
+/// Far circles do not overflow, and change the compliance no more.
+#[test]
+fn far_circles_are_no_circles() {
+    let of = |fixed_radius| {
+        let idealization = Idealization::PlaneStrain;
+        ConcentricBody { fixed_radius, poissons_ratio: 0.3, idealization }.boundary_modes()
+    };
+    for [near, far] in [[1e8, 1e300], [1e-8, 1e-300]] {
+        let [near, far] = [of(near), of(far)];
+        assert!(far.iter().all(|mode| mode.is_finite()));
+        assert!((far[0] / near[0] - 1.0).abs() < 1e-12, "{near:?} {far:?}");
+        // The translation grows with the logarithm alone.
+        assert!(far[1] > near[1] && far[1] < 45.0 * near[1], "{near:?} {far:?}");
     }
 }
 

@@ -16,6 +16,9 @@ use crate::error::Error;
 use crate::study::config::{MethodChoice, Study};
 use crate::study::design::DesignCase;
 
+/// What the curve of exact bodies leaves at most, but for beds.
+const EXACT: f64 = 3e-5;
+
 /// Why a design is solved as it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
@@ -150,7 +153,7 @@ impl<'a> Explainer<'a> {
             Estimate::Exact => (
                 "series".to_string(),
                 "both bodies have exact modes, which cost less than any mesh".into(),
-                1e-5_f64.min(accuracy),
+                EXACT.min(accuracy),
             ),
             Estimate::Known => {
                 let known = worst_known(&plan, foresight.half_angle).unwrap_or(f64::INFINITY);

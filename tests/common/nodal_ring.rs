@@ -28,7 +28,7 @@ const DEEP: f64 = 30.0;
 
 impl Ring {
     /// Displacement of the ring's edge away from the other body, over the pressure cos(n phi) that makes it.
-    fn mode(&self, n: usize) -> f64 {
+    pub fn mode(&self, n: usize) -> f64 {
         let wall = self.fixed_radius.ln();
         let (shear, lame) = self.lame();
         if n as f64 * wall.abs() > DEEP {

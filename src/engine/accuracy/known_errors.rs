@@ -17,7 +17,7 @@ pub const KNOWN_LEVELS: usize = 5;
 pub const COLUMNS: [f64; 3] = [10.0, 45.0, 75.0];
 
 /// Least depths, |ln r|, at which the next kind of body begins; and the deepest that was drawn.
-pub const DEPTHS: [f64; 7] = [0.0198, 0.1, 0.2, 0.35, 0.7, 1.5, 5.71];
+pub const DEPTHS: [f64; 7] = [0.0198, 0.1, 0.18, 0.35, 0.7, 1.5, 5.71];
 
 /// Corners between held and free sides are the worse the stiffer a body is in plane strain beside its shear modulus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

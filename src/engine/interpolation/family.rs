@@ -35,7 +35,7 @@ impl FamilyKey {
 
 /// The space that compliances are fitted in: what thin bodies would need more for, `ContactState::truncation` tells.
 pub fn fit_space(half_ring: bool) -> SpaceKey {
-    SpaceKey { half_ring, terms: 10, nodes: 16, variable: Variable::Root }
+    SpaceKey { half_ring, terms: 10, nodes: 24, variable: Variable::Root }
 }
 
 /// A body as a point: measures in which its compliance is close to a polynomial.

@@ -19,7 +19,7 @@ use crate::mechanics::contact::edge::EdgeStates;
 const BOUNDED: f64 = 0.98;
 
 /// The fit's own error is raised by this: bodies held out are not the worst.
-const SAFETY: f64 = 1.25;
+const SAFETY: f64 = 1.5;
 
 /// Arcs beyond which contact with free edges hardly goes, rad: what a fit does there decides nothing.
 const WIDEST: f64 = 1.8;

