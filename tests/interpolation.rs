@@ -156,7 +156,7 @@ struct Seen {
 }
 
 /// Above what was seen: room for other roundings, not for a worse fit.
-const MARGIN: f64 = 1e3;
+const MARGIN: f64 = 1.3;
 
 fn check(what: &str, found: &[DesignOutcome], exact: &[DesignOutcome], seen: &Seen) {
     let Compared { steps, unanswered, force, estimate, stiffness } = compare(found, exact);
@@ -176,8 +176,8 @@ fn check(what: &str, found: &[DesignOutcome], exact: &[DesignOutcome], seen: &Se
         unanswered <= seen.unanswered && steps + unanswered == seen.steps,
         "{what}: {steps} {unanswered}"
     );
-    // The rest are contacts at the end of a curve, and designs whose estimate is above the accuracy. Seen: 0.991 at the least.
-    assert!(share > 0.988, "{what}: {share}");
+    // The rest are contacts at the end of a curve, and designs whose estimate is above the accuracy. Seen: 0.978 at the least.
+    assert!(share > 0.975, "{what}: {share}");
     assert!(
         worst_force <= seen.accuracy && worst_estimate <= seen.accuracy,
         "{what}: {worst_force:e} {worst_estimate:e}"
@@ -185,7 +185,7 @@ fn check(what: &str, found: &[DesignOutcome], exact: &[DesignOutcome], seen: &Se
     assert!(worst_force <= MARGIN * seen.force, "{what}: {worst_force:e}");
     assert!(worst_stiffness <= MARGIN * seen.stiffness, "{what}: {worst_stiffness:e}");
     assert!(excess <= MARGIN * seen.excess, "{what}: {excess}");
-    // Seen: 0.9992 at the least.
+    // Seen: 0.9988 at the least.
     assert!(bounded >= 0.998, "{what}: {bounded}");
 }
 
@@ -195,10 +195,10 @@ fn concentric_joints_meet_the_accuracy_against_series() {
     let series = SolveOptions { accuracy: 1e-2, method: MethodChoice::Series };
     let exact = Ladder::new(series).solve(&cases);
     for (method, accuracy, force, stiffness, excess) in [
-        (MethodChoice::Fe, 1e-2, 1.8e-3, 1.8e-3, 10.1),
-        (MethodChoice::Auto, 1e-2, 1.7e-3, 2.9e-3, 12.6),
-        (MethodChoice::Fe, 3e-3, 1.8e-3, 1.8e-3, 9.5),
-        (MethodChoice::Auto, 3e-3, 1.6e-3, 1.6e-3, 12.0),
+        (MethodChoice::Fe, 1e-2, 2.8e-3, 2.8e-3, 7.8),
+        (MethodChoice::Auto, 1e-2, 1.7e-3, 1.7e-3, 12.4),
+        (MethodChoice::Fe, 3e-3, 1.8e-3, 1.7e-3, 7.4),
+        (MethodChoice::Auto, 3e-3, 1.7e-3, 1.7e-3, 9.8),
     ] {
         let options = SolveOptions { accuracy, method };
         let found = interpolating(options, &cases).solve(&cases);
@@ -212,9 +212,9 @@ fn concentric_joints_meet_the_accuracy_against_series() {
 fn other_shapes_meet_the_accuracy_against_finer_meshes() {
     let accuracy = 1e-2;
     let of_blocks =
-        Seen { accuracy, steps: 1200, unanswered: 0, force: 4.0e-3, stiffness: 4.6e-3, excess: 14.4 };
+        Seen { accuracy, steps: 1200, unanswered: 0, force: 3.9e-3, stiffness: 3.9e-3, excess: 17.1 };
     let of_half_discs =
-        Seen { accuracy, steps: 1200, unanswered: 4, force: 3.3e-3, stiffness: 4.7e-3, excess: 17.9 };
+        Seen { accuracy, steps: 1200, unanswered: 4, force: 3.3e-3, stiffness: 3.4e-3, excess: 16.3 };
     let shapes: [(&str, Shapes, Seen); 2] = [
         ("disc in block", disc_in_block, of_blocks),
         ("half disc in ring", half_disc_in_ring, of_half_discs),
@@ -229,7 +229,7 @@ fn other_shapes_meet_the_accuracy_against_finer_meshes() {
 }
 
 /// Where it is known what a mesh is worth, no coarser one is solved to tell it: each of the 141 blocks held out once, beside
-/// 481 samples, or 873 of higher degrees. Farther away than any block that was measured it is not known.
+/// 481 samples, or 873 or 1453 of higher degrees. Farther away than any block that was measured it is not known.
 #[test]
 fn what_is_known_of_meshes_spares_coarser_ones() {
     let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Auto };
@@ -243,7 +243,10 @@ fn what_is_known_of_meshes_spares_coarser_ones() {
         of_blocks.map(|family| family.solved).collect()
     };
     let known = solved(6.0);
-    assert!(known.len() == 4 && known.iter().all(|solved| [481, 873].contains(&(solved - 141))), "{known:?}");
+    assert!(
+        known.len() == 4 && known.iter().all(|solved| [481, 873, 1453].contains(&(solved - 141))),
+        "{known:?}"
+    );
     let unknown = solved(15.0);
     assert!(unknown.iter().any(|solved| *solved >= 481 + 2 * 141), "{unknown:?}");
 }
@@ -335,7 +338,7 @@ fn a_study_decides_for_all_of_its_designs() {
     let found = run(&meshes, 2);
     assert_eq!(steps_by(&found, Method::Fe), 18_000);
     let seen =
-        Seen { accuracy: 1e-2, steps: 12_000, unanswered: 0, force: 5.4e-4, stiffness: 6.4e-4, excess: 6.0 };
+        Seen { accuracy: 1e-2, steps: 12_000, unanswered: 0, force: 5.2e-4, stiffness: 6.7e-4, excess: 5.4 };
     check("a study", &whole, &found, &seen);
 }
 

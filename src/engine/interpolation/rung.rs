@@ -18,6 +18,7 @@ use crate::mechanics::compliance::body_fit::{BODIES, FitScratch};
 use crate::mechanics::compliance::infinite;
 use crate::mechanics::compliance::pressure_space::JointCompliance;
 use crate::mechanics::contact::curve::{ContactCurve, CurveSpace};
+use crate::mechanics::contact::state::ContactState;
 use crate::study::design::DesignCase;
 
 /// The rung: fits of a plan, made when the first designs come.
@@ -194,6 +195,8 @@ impl Interpolation {
         // Each body's error counts by its share of the work: together no more than that of the worse one.
         let states = states.into_iter().map(|state| {
             let (state, node) = state?;
+            // What fits leave does not fall with the degree, and is in their bounds.
+            let state = ContactState { curve_error: curve.highest, ..state };
             let of_bodies = families.iter().map(|family| ContactCurve::around(node, &family.bound));
             Ok((state, ForceError::new(&state, of_bodies.fold(0.0, f64::max), 0.0)))
         });

@@ -124,6 +124,9 @@ pub struct ContactCurve<'a> {
     /// `[degree][function]`, in the order of `Reduced`.
     pub(super) coefficients: Vec<[f64; LANES]>,
     pub(super) curve_error: f64,
+    /// The last two coefficients over the greatest, of the worst function: what is left of `curve_error` where they do not fall because
+    /// the compliance is itself not exact.
+    pub highest: f64,
     /// What is known node by node.
     pub states: EdgeStates,
     /// The widest node that a load can reach, and no node from there on.
@@ -157,7 +160,10 @@ impl<'a> ContactCurve<'a> {
             return None;
         }
         let coefficients = Arch::new().dispatch(Transform { rows: &space.transform, values: &functions });
-        let curve_error = (0..DECISIVE).map(|function| left_out(&coefficients, function)).fold(0.0, f64::max);
+        let of_functions = |of: fn(&[[f64; LANES]], usize) -> f64| {
+            (0..DECISIVE).map(|function| of(&coefficients, function)).fold(0.0, f64::max)
+        };
+        let (highest, curve_error) = (of_functions(last), of_functions(left_out));
         // Up to the first beyond a neat fit, and no further than the contact grows with the load: the pressure is the sum of what
         // punches of all smaller arcs add as the contact grows, each of them positive. Where it grows with the load the pressure
         // is positive and the gap beyond it open, and only there.
@@ -174,7 +180,7 @@ impl<'a> ContactCurve<'a> {
                 break;
             }
         }
-        Some(ContactCurve { space, even, bed, coefficients, curve_error, states, first })
+        Some(ContactCurve { space, even, bed, coefficients, curve_error, highest, states, first })
     }
 
     /// What polynomials come to at logarithms, with b.
@@ -259,14 +265,19 @@ impl Transform<'_> {
     }
 }
 
-/// What further polynomials would add to a function, over the most it has of any: they go on falling as the last four do.
+/// The last two coefficients of a function over the greatest.
+fn last(coefficients: &[[f64; LANES]], function: usize) -> f64 {
+    let sizes = coefficients.iter().map(|of_degree| of_degree[function].abs());
+    let most = sizes.clone().fold(f64::MIN_POSITIVE, f64::max);
+    sizes.skip(coefficients.len() - 2).sum::<f64>() / most
+}
+
+/// What further polynomials would add to a function, over the greatest: they go on falling as the last four do.
 fn left_out(coefficients: &[[f64; LANES]], function: usize) -> f64 {
-    let size = |from_last: usize| coefficients[coefficients.len() - from_last][function].abs();
-    let most =
-        coefficients.iter().map(|of_degree| of_degree[function].abs()).fold(f64::MIN_POSITIVE, f64::max);
-    let (last, before) = (size(1) + size(2), size(3) + size(4));
-    let ratio = (last / before.max(f64::MIN_POSITIVE)).clamp(LEAST_RATIO, GREATEST_RATIO);
-    last / most * ratio / (1.0 - ratio)
+    let last_two = last(coefficients, function);
+    let before = last(&coefficients[..coefficients.len() - 2], function).max(f64::MIN_POSITIVE);
+    let ratio = (last_two / before).clamp(LEAST_RATIO, GREATEST_RATIO);
+    last_two * ratio / (1.0 - ratio)
 }
 
 /// How much faster or slower than this the coefficients of a function fall, two by two, is not told by four of them
