@@ -106,7 +106,7 @@ fn what_is_ruled_out_has_its_reason() {
     assert!(is_ruled_out(&alone, "interpolation", "too few distinct bodies in 1 designs"));
     let (block, _) = explained(&study(DISC, SLENDER, "accuracy = \"0.2 %\"", None));
     assert!(is_ruled_out(&block, "series for the block", "no exact modes"));
-    assert!(is_ruled_out(&block, "mesh level 0 alone", "may be off by 0.4 %"));
+    assert!(is_ruled_out(&block, "mesh level 0 alone", "0.2 % is asked"));
     assert!(!block.ruled_out.iter().any(|(what, _)| what.contains("rigid-core")));
     let (fine, _) = explained(&study(DISC, RING, "accuracy = \"0.01 %\"", None));
     assert!(is_ruled_out(&fine, "interpolation", "0.1 % at best"));

@@ -48,7 +48,7 @@ pub struct BodyTimes {
 }
 
 /// Solved bodies beyond these many bytes are dropped before the next ones are solved, but for those asked for.
-const KEPT_BODIES: usize = 24 << 20;
+const KEPT_BODIES: usize = 4 << 20;
 
 /// And plans: a list of a million different blocks takes no more memory than one of a thousand.
 const KEPT_PLANS: usize = 64 << 20;

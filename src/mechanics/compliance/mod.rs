@@ -60,9 +60,11 @@ impl BodyCompliance {
         [self.even, self.odd].iter().chain(values).all(|value| value.is_finite())
     }
 
-    /// What it takes, in bytes.
+    /// What it takes, in bytes, with what keeps it.
     pub fn bytes(&self) -> usize {
-        size_of::<BodyCompliance>()
+        const KEEPING: usize = 160;
+        KEEPING
+            + size_of::<BodyCompliance>()
             + match &self.boundary {
                 Boundary::Bed(_) => 0,
                 Boundary::Modes(values) | Boundary::RingModes(_, values) => size_of_val(&values[..]),
