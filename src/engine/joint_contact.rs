@@ -63,7 +63,10 @@ pub fn solve_designs<'a>(
     let answer = |case: &DesignCase| {
         let clearance = case.joint.radial_clearance / case.joint.hole_radius;
         let states = curve.states(clearance, loads_in_contact(case)).into_iter().map(|state| {
-            let (state, node) = state?;
+            let (mut state, node) = state?;
+            if plan.estimate != Estimate::Exact {
+                state.curve_error = curve.rough_error;
+            }
             let [bodies, beds] = errors.at(plan, state.half_angle, node);
             Ok((state, ForceError::new(&state, bodies, beds)))
         });

@@ -196,7 +196,7 @@ impl Interpolation {
         let states = states.into_iter().map(|state| {
             let (state, node) = state?;
             // What fits leave does not fall with the degree, and is in their bounds.
-            let state = ContactState { curve_error: curve.highest, ..state };
+            let state = ContactState { curve_error: curve.rough_error, ..state };
             let of_bodies = families.iter().map(|family| ContactCurve::around(node, &family.bound));
             Ok((state, ForceError::new(&state, of_bodies.fold(0.0, f64::max), 0.0)))
         });

@@ -124,9 +124,8 @@ pub struct ContactCurve<'a> {
     /// `[degree][function]`, in the order of `Reduced`.
     pub(super) coefficients: Vec<[f64; LANES]>,
     pub(super) curve_error: f64,
-    /// The last two coefficients over the greatest, of the worst function: what is left of `curve_error` where they do not fall because
-    /// the compliance is itself not exact.
-    pub highest: f64,
+    /// `ContactState::curve_error` where the compliance is itself not exact: what meshes and fits leave does not fall with the degree.
+    pub rough_error: f64,
     /// What is known node by node.
     pub states: EdgeStates,
     /// The widest node that a load can reach, and no node from there on.
@@ -163,7 +162,7 @@ impl<'a> ContactCurve<'a> {
         let of_functions = |of: fn(&[[f64; LANES]], usize) -> f64| {
             (0..DECISIVE).map(|function| of(&coefficients, function)).fold(0.0, f64::max)
         };
-        let (highest, curve_error) = (of_functions(last), of_functions(left_out));
+        let (rough_error, curve_error) = (ROUGH * of_functions(last), of_functions(left_out));
         // Up to the first beyond a neat fit, and no further than the contact grows with the load: the pressure is the sum of what
         // punches of all smaller arcs add as the contact grows, each of them positive. Where it grows with the load the pressure
         // is positive and the gap beyond it open, and only there.
@@ -180,7 +179,7 @@ impl<'a> ContactCurve<'a> {
                 break;
             }
         }
-        Some(ContactCurve { space, even, bed, coefficients, curve_error, highest, states, first })
+        Some(ContactCurve { space, even, bed, coefficients, curve_error, rough_error, states, first })
     }
 
     /// What polynomials come to at logarithms, with b.
@@ -284,3 +283,6 @@ fn left_out(coefficients: &[[f64; LANES]], function: usize) -> f64 {
 /// (`tests/curves.rs` holds what follows).
 const LEAST_RATIO: f64 = 0.5;
 const GREATEST_RATIO: f64 = 0.95;
+
+/// Nodes between which noise is interpolated make this of it, about.
+const ROUGH: f64 = 2.0;
