@@ -35,21 +35,18 @@ pub struct Estimate {
 }
 
 /// Share of the designs that go on to the next finer mesh, from each to the next; more of those whose meshes are trusted little,
-/// above all where much is asked.
+/// above all where much is asked: as lists of blocks and `configs/thin-walls.toml` have it.
 fn climbers(plan: &JointPlan, accuracy: f64) -> f64 {
     match plan.estimate {
-        HowKnown::Exact => 0.0,
+        HowKnown::Exact | HowKnown::Change(Trust::SqueezedFilm) => 0.0,
         HowKnown::Known | HowKnown::Change(Trust::Concentric | Trust::Full) => 0.1,
-        HowKnown::Change(Trust::Wary) => {
-            if accuracy >= 5e-3 {
-                0.2
-            } else {
-                0.3
-            }
-        }
-        HowKnown::Change(Trust::SqueezedFilm) => 0.0,
+        HowKnown::Change(Trust::Wary) if accuracy >= MUCH_ASKED => 0.2,
+        HowKnown::Change(Trust::Wary) => 0.3,
     }
 }
+
+/// Below this accuracy meshes that are trusted little are often not enough.
+const MUCH_ASKED: f64 = 5e-3;
 
 /// Rungs of the ladder that fewer designs come to are left out.
 const FEW: f64 = 0.05;
