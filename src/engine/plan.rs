@@ -24,6 +24,9 @@ pub struct JointPlan {
     pub estimate: Estimate,
 }
 
+/// Nodes from which on the curve of bodies on meshes gets no better.
+const NODES_OF_NOISE: usize = 48;
+
 /// How the error of the force is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Estimate {
@@ -90,7 +93,11 @@ impl JointPlan {
     pub fn next(&self, want: Want) -> Option<JointPlan> {
         match want {
             Want::Nothing => None,
-            Want::FinerSpace => match self.space.finer() {
+            // Between the nodes of a mesh's curve there is its noise, which further nodes do not lessen.
+            Want::MoreNodes if self.estimate != Estimate::Exact && self.space.nodes >= NODES_OF_NOISE => {
+                self.finer()
+            }
+            Want::MoreNodes | Want::MoreTerms => match self.space.finer(want) {
                 Some(space) => Some(JointPlan { space, ..*self }),
                 None => self.finer(),
             },

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
+use crate::engine::accuracy::Want;
 use crate::mechanics::body::{Body, THINNEST_RING};
 use crate::mechanics::compliance::arc::TERM_CHOICES;
 use crate::mechanics::compliance::ring_modes::LARGEST_HELD;
@@ -73,13 +74,14 @@ impl SpaceKey {
         SpaceKey { half_ring, terms, nodes, variable: Variable::Root }
     }
 
-    /// The next finer one.
-    pub fn finer(self) -> Option<SpaceKey> {
+    /// The next finer one for what is wanted: more trial pressures, or more nodes of the curve; `None` where there is none.
+    pub fn finer(self, want: Want) -> Option<SpaceKey> {
         let next = |choices: &[usize], now: usize| choices.iter().copied().find(|choice| *choice > now);
-        let (terms, nodes) = (next(&TERM_CHOICES, self.terms), next(&NODE_CHOICES, self.nodes));
-        let finer =
-            SpaceKey { terms: terms.unwrap_or(self.terms), nodes: nodes.unwrap_or(self.nodes), ..self };
-        (finer != self).then_some(finer)
+        match want {
+            Want::MoreTerms => next(&TERM_CHOICES, self.terms).map(|terms| SpaceKey { terms, ..self }),
+            Want::MoreNodes => next(&NODE_CHOICES, self.nodes).map(|nodes| SpaceKey { nodes, ..self }),
+            Want::Nothing | Want::FinerMesh => None,
+        }
     }
 }
 

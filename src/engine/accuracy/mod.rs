@@ -9,8 +9,10 @@ use crate::mechanics::contact::state::ContactState;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Want {
     Nothing,
-    /// The meshes are good enough, but the pressure or the curve is not.
-    FinerSpace,
+    /// The meshes are good enough, but the curve between its nodes is not.
+    MoreNodes,
+    /// Or the pressure is not.
+    MoreTerms,
     FinerMesh,
 }
 
@@ -21,8 +23,10 @@ pub struct ForceError {
     pub bodies: f64,
     /// Of walls that are taken for beds: nothing lessens it.
     pub beds: f64,
-    /// Of trial pressures and of the curve through its nodes.
-    pub space: f64,
+    /// Of trial pressures.
+    pub pressure: f64,
+    /// Of the curve between its nodes, with quadrature and rounding.
+    pub curve: f64,
 }
 
 /// Quadrature and rounding.
@@ -30,19 +34,20 @@ const LEAST: f64 = 1e-8;
 
 impl ForceError {
     pub fn new(state: &ContactState, bodies: f64, beds: f64) -> ForceError {
-        ForceError { bodies, beds, space: LEAST + state.truncation + state.curve_error }
+        ForceError { bodies, beds, pressure: state.truncation, curve: LEAST + state.curve_error }
     }
 
     pub fn total(&self) -> f64 {
-        self.bodies + self.beds + self.space
+        self.bodies + self.beds + self.pressure + self.curve
     }
 
     /// What brings it below an accuracy.
     pub fn want(&self, accuracy: f64, pressure_is_positive: bool) -> Want {
         match pressure_is_positive {
             _ if LEAST + self.bodies > accuracy => Want::FinerMesh,
-            true if self.bodies + self.space <= accuracy => Want::Nothing,
-            _ => Want::FinerSpace,
+            true if self.bodies + self.pressure + self.curve <= accuracy => Want::Nothing,
+            true if self.curve > self.pressure => Want::MoreNodes,
+            _ => Want::MoreTerms,
         }
     }
 }

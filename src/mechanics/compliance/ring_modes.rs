@@ -42,7 +42,7 @@ enum Ring {
 pub const LARGEST_HELD: f64 = 1.54;
 
 /// Functions on a ring that ends held, for levels 0 and 1, 2 and 3, and finer ones.
-const COUNT_HELD: [usize; 3] = [12, 12, 24];
+const COUNT_HELD: [usize; 3] = [8, 12, 16];
 
 /// Quarters of stretch and count of a whole ring by its class of depth, for levels 0 and 1, 2 and 3, and finer ones: the fewest
 /// that leave the errors of the mesh as they are (docs/theory.md, section 6).

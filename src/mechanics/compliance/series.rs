@@ -26,7 +26,7 @@ pub struct ConcentricBody {
 }
 
 /// Modes whose finite-size part is below this share of the mode are left out.
-const NEGLIGIBLE: f64 = 1e-17;
+const NEGLIGIBLE: f64 = 1e-13;
 
 impl ConcentricBody {
     fn side(&self) -> Side {
