@@ -522,17 +522,36 @@ fn what_trial_pressures_leave_is_answered_with_more() {
         .unwrap()
     };
     let rough = plan(half(), ring(2.0), 0.01);
-    let next = rough.next(Want::FinerSpace).unwrap();
     let sizes = |plan: &JointPlan| (plan.space.terms, plan.space.nodes);
-    assert_eq!((sizes(&rough), sizes(&next)), ((6, 24), (10, 32)));
-    assert_eq!((next.level, next.estimate), (rough.level, rough.estimate));
-    assert_eq!(rough.next(Want::Nothing).map(|plan| plan.level), None);
-    let all = std::iter::successors(Some(rough), |plan| plan.next(Want::FinerSpace));
-    let to_the_end = [(6, 24), (10, 32), (16, 48), (24, 64), (24, 96)];
-    assert_eq!(all.map(|plan| sizes(&plan)).take(5).collect::<Vec<_>>(), to_the_end);
+    let next = |plan: &JointPlan, want: Want| plan.next(want).map(|plan| sizes(&plan));
+    assert_eq!(sizes(&rough), (6, 24));
+    assert_eq!(
+        (next(&rough, Want::MoreTerms), next(&rough, Want::MoreNodes)),
+        (Some((10, 24)), Some((6, 32)))
+    );
+    let finer = rough.next(Want::MoreTerms).unwrap();
+    assert_eq!((finer.level, finer.estimate), (rough.level, rough.estimate));
+    assert!(rough.next(Want::Nothing).is_none());
+    let to_the_end = |plan: JointPlan, want: Want| -> Vec<((usize, usize), usize)> {
+        let all = std::iter::successors(Some(plan), |plan| plan.next(want));
+        all.map(|plan| (sizes(&plan), plan.level)).collect()
+    };
+    // Of meshes there are finer ones after all trial pressures, and after as many nodes as lessen their noise.
+    let level = rough.level;
+    let terms = [(6, 24), (10, 24), (16, 24), (24, 24)];
+    assert_eq!(
+        to_the_end(rough, Want::MoreTerms)[..5],
+        [terms.map(|sizes| (sizes, level)).to_vec(), vec![((24, 24), level + 1)]].concat()
+    );
+    let nodes = [(6, 24), (6, 32), (6, 48)];
+    assert_eq!(
+        to_the_end(rough, Want::MoreNodes)[..4],
+        [nodes.map(|sizes| (sizes, level)).to_vec(), vec![((6, 48), level + 1)]].concat()
+    );
     let exact = plan(disc(), ring(2.0), 0.01);
-    let all = std::iter::successors(Some(exact), |plan| plan.next(Want::FinerSpace));
-    assert_eq!(all.map(|plan| sizes(&plan)).collect::<Vec<_>>(), to_the_end);
+    let of_sizes = |want| to_the_end(exact, want).into_iter().map(|(sizes, _)| sizes).collect::<Vec<_>>();
+    assert_eq!(of_sizes(Want::MoreTerms), terms);
+    assert_eq!(of_sizes(Want::MoreNodes), [(6, 24), (6, 32), (6, 48), (6, 64), (6, 96)]);
     assert!(exact.next(Want::FinerMesh).is_none());
 
     // A wide contact, where what is known of the coarsest mesh leaves a little less room than six trial pressures ask for.

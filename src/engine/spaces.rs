@@ -44,34 +44,35 @@ impl SpaceKey {
     /// half angle is measured in `tests/series.rs`, what few nodes leave in `tests/curves.rs`.
     pub fn coarsest(pin: &Body, plate: &Body, accuracy: f64, half_angle: f64) -> SpaceKey {
         let thinnest = pin.depth_range().0.min(plate.depth_range().0);
-        let of_accuracy = [
-            // Accuracy, and for deep, middling and thin walls terms and nodes.
-            (1e-2, [(6, 24), (6, 32), (10, 48)]),
-            (
-                1e-4,
-                if half_angle < WIDE { [(6, 24), (6, 32), (16, 48)] } else { [(10, 24), (10, 32), (16, 48)] },
-            ),
-            (0.0, [(10, 48), (16, 48), (24, 64)]),
-        ];
-        let of_depth = of_accuracy
-            .into_iter()
-            .find(|(least, _)| accuracy >= *least)
-            .map_or(of_accuracy[2].1, |(_, own)| own);
-        let half_ring = pin.shape.end_angle < std::f64::consts::PI;
-        if thinnest < THINNEST_RING {
-            return SpaceKey {
-                half_ring,
-                terms: of_depth[2].0,
-                nodes: NODES_OF_BEDS,
-                variable: Variable::Logarithm,
-            };
-        }
+        SpaceKey::beside(thinnest, pin.shape.end_angle < std::f64::consts::PI, accuracy, half_angle)
+    }
+
+    /// The same for a depth of the thinnest wall.
+    pub fn beside(thinnest: f64, half_ring: bool, accuracy: f64, half_angle: f64) -> SpaceKey {
+        // For deep, middling and thin walls terms and nodes.
+        let of_depth = match accuracy {
+            _ if accuracy >= 1e-2 => [(6, 24), (6, 32), (10, 48)],
+            _ if accuracy >= 1e-4 && half_angle < WIDE => [(6, 24), (6, 32), (16, 48)],
+            _ if accuracy >= 1e-4 => [(10, 24), (10, 32), (16, 48)],
+            _ => [(10, 48), (16, 48), (24, 64)],
+        };
         let (terms, nodes) = match thinnest {
             depth if depth > DEEP => of_depth[0],
             depth if depth > THIN => of_depth[1],
             _ => of_depth[2],
         };
+        if thinnest < THINNEST_RING {
+            return SpaceKey { half_ring, terms, nodes: NODES_OF_BEDS, variable: Variable::Logarithm };
+        }
         SpaceKey { half_ring, terms, nodes, variable: Variable::Root }
+    }
+
+    /// Of all contacts between walls no thinner than `THIN`.
+    pub fn beside_thick_walls(half_ring: bool, accuracy: f64) -> impl Iterator<Item = SpaceKey> {
+        let of_angle = move |half_angle| {
+            [2.0 * DEEP, DEEP].map(|depth| SpaceKey::beside(depth, half_ring, accuracy, half_angle))
+        };
+        [0.0, WIDE].into_iter().flat_map(of_angle)
     }
 
     /// The next finer one for what is wanted: more trial pressures, or more nodes of the curve; `None` where there is none.

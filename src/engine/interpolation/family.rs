@@ -1,9 +1,8 @@
 //! Bodies whose compliance is one smooth function of a few coordinates.
 
-use crate::engine::spaces::{SpaceKey, THIN};
+use crate::engine::spaces::THIN;
 use crate::mechanics::body::{Body, DEEPEST_MESHED, MAX_PARAMETERS, Shape};
 use crate::mechanics::compliance::near_field::PoissonRange;
-use crate::mechanics::contact::curve::Variable;
 use crate::mechanics::material::Idealization;
 
 /// Shape ratios and Poisson's ratio.
@@ -31,11 +30,6 @@ impl FamilyKey {
         let thick = least > THIN && greatest < DEEPEST_MESHED;
         (trusted && thick).then_some(FamilyKey { shape: shape.name, support, idealization, range, half_ring })
     }
-}
-
-/// The space that compliances are fitted in: what thin bodies would need more for, `ContactState::truncation` tells.
-pub fn fit_space(half_ring: bool) -> SpaceKey {
-    SpaceKey { half_ring, terms: 10, nodes: 24, variable: Variable::Root }
 }
 
 /// A body as a point: measures in which its compliance is close to a polynomial.

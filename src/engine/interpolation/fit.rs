@@ -1,27 +1,38 @@
 //! The fit of a family, with its checked error.
 
+use std::collections::HashMap;
+
+use crate::engine::accuracy::known_errors::known_error;
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::interpolation::family::{Family, fit_space};
-use crate::engine::interpolation::held_out::{HeldOut, bounds_near, quantile, worst_near};
+use crate::engine::interpolation::basis::Basis;
+use crate::engine::interpolation::family::{Family, body_at};
+use crate::engine::interpolation::held_out::{HeldOut, WIDEST, quantile, worst_near};
 use crate::engine::interpolation::points::DEGREES;
 use crate::engine::interpolation::samples::{Expense, FINEST, Meshes};
-use crate::engine::spaces::Spaces;
-use crate::mechanics::compliance::body_fit::BodyFit;
+use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::mechanics::body::Body;
+use crate::mechanics::compliance::body_fit::{BodyFit, MemberCompliances};
+use crate::mechanics::compliance::{BodyCompliance, infinite};
 
 /// A fit with its error.
 pub struct FittedFamily {
     pub fit: BodyFit,
-    /// Bound of the relative error of the force at each node of a curve, of fit and meshes together.
-    pub bound: Vec<f64>,
+    /// Of its members.
+    basis: Basis,
+    members: HashMap<SpaceKey, MemberCompliances>,
+    /// Contact half angles, descending, rad, each with a bound of the relative error of the force, by the fit; and by the meshes,
+    /// where they are not of a `known_level`.
+    bound: Vec<(f64, f64)>,
+    known_level: Option<usize>,
     /// Bodies solved for it, on every mesh.
     pub solved: u64,
 }
 
-/// Modes end where what is left is below this share of the accuracy.
-const MODE_SHARE: f64 = 0.1;
+/// Members end where what is left is below this share of the accuracy.
+const MEMBER_SHARE: f64 = 0.1;
 
 /// A fit whose bound is below this share of the accuracy is good enough.
-const GOOD: f64 = 0.6;
+const GOOD: f64 = 0.5;
 
 /// One below this share is used where a better one would cost much: the rest is for what a design adds.
 const FAIR: f64 = 0.9;
@@ -47,7 +58,9 @@ impl Family {
         let mut expense = Expense::default();
         let mut held_out = HeldOut::new(self, known);
         if !known {
-            held_out.solve(self, first - 1, library, spaces, &mut expense);
+            // What tells the error of a mesh is told in terms of it.
+            let basis = Basis::of(self, first);
+            held_out.solve(self, first - 1, &basis, library, spaces, &mut expense);
         }
         let mut best: Option<(f64, FittedFamily)> = None;
         // What is only fair is good enough where a better one would cost much.
@@ -56,13 +69,14 @@ impl Family {
             least <= GOOD || (least <= FAIR && expense.seconds > FAIR_BUDGET * budget)
         };
         for level in levels {
-            held_out.solve(self, level, library, spaces, &mut expense);
-            let space = fit_space(self.key.half_ring);
-            if worst_near(spaces.get(space), &quantile(&held_out.of_mesh)) > MESH_SHARE * accuracy
-                && level < FINEST
-            {
+            let basis = Basis::of(self, level);
+            held_out.solve(self, level, &basis, library, spaces, &mut expense);
+            let space = held_out.space(spaces);
+            let of_mesh = worst_near(space, &quantile(&held_out.of_mesh));
+            if of_mesh > MESH_SHARE * accuracy && level < FINEST {
                 continue;
             }
+            let of_meshes = if known { of_mesh } else { 0.0 };
             let mut samples: Vec<Vec<f64>> = Vec::new();
             for degrees in DEGREES[self.free()] {
                 let polynomials = self.polynomials(*degrees);
@@ -73,14 +87,26 @@ impl Family {
                 if expense.seconds > budget || is_enough(&best, &expense) {
                     break;
                 }
-                samples.extend(self.solve(library, spaces, new, self.fidelity(level)));
-                let Some(fit) = BodyFit::new(polynomials, &points, &samples, MODE_SHARE * accuracy) else {
+                samples.extend(self.solve(library, new, self.fidelity(level), &basis));
+                let scales: Vec<f64> = (points.iter().zip(&samples))
+                    .map(|(point, sample)| {
+                        let [even, _] = infinite(&body_at(&self.example, point));
+                        even + sample.iter().map(|value| value * value).sum::<f64>().sqrt()
+                    })
+                    .collect();
+                let tolerance = MEMBER_SHARE * accuracy;
+                let Some(fit) = BodyFit::new(polynomials, &points, &samples, &scales, tolerance) else {
                     continue;
                 };
-                let bound = held_out.bound(&fit, spaces.get(space));
-                let worst = worst_near(spaces.get(space), &bound);
+                let bound = held_out.bound(&fit, &basis, spaces);
+                let worst = worst_near(space, &bound).hypot(of_meshes);
                 if best.as_ref().is_none_or(|(least, _)| worst < *least) {
-                    best = Some((worst, FittedFamily { fit, bound, solved: 0 }));
+                    let angles = space.arcs().iter().map(|arc| arc.half_angle);
+                    let bound = angles.zip(bound).collect();
+                    let known_level = (known && !self.exact).then_some(level);
+                    let fitted =
+                        FittedFamily { fit, basis, members: HashMap::new(), bound, known_level, solved: 0 };
+                    best = Some((worst, fitted));
                 }
                 if worst <= GOOD * accuracy {
                     break;
@@ -92,8 +118,49 @@ impl Family {
         }
         let (_, fitted) = best?;
         // A design at an arc whose bound is too large goes on to the meshes; not too many may.
-        let near: Vec<f64> = bounds_near(spaces.get(fit_space(self.key.half_ring)), &fitted.bound).collect();
+        let near: Vec<f64> =
+            fitted.bound.iter().filter(|(angle, _)| *angle < WIDEST).map(|(_, bound)| *bound).collect();
         let fair = near.iter().filter(|bound| **bound <= FAIR * accuracy).count();
         (2 * fair >= near.len()).then_some(FittedFamily { solved: expense.bodies, ..fitted })
+    }
+}
+
+impl FittedFamily {
+    /// Makes what joints in these spaces need.
+    pub fn prepare(&mut self, keys: impl Iterator<Item = SpaceKey>, spaces: &mut Spaces) {
+        let of_member = |numbers: &Vec<f64>| {
+            let boundary = self.basis.boundary(numbers.clone());
+            BodyCompliance { even: 0.0, odd: 0.0, boundary }
+        };
+        for key in keys {
+            spaces.prepare(
+                self.fit.members.iter().map(of_member).collect::<Vec<_>>().iter().map(|member| (key, member)),
+            );
+            let space = &spaces.get(key).pressures;
+            let compliance =
+                |numbers: &Vec<f64>| space.joint(&[(&of_member(numbers), 1.0)]).values.into_owned();
+            self.members.insert(key, self.fit.in_space(space.entry_count(), compliance));
+        }
+    }
+
+    pub fn is_prepared(&self, key: SpaceKey) -> bool {
+        self.members.contains_key(&key)
+    }
+
+    /// Its members in a space that was prepared.
+    pub fn members(&self, key: SpaceKey) -> &MemberCompliances {
+        &self.members[&key]
+    }
+
+    /// Bound of the relative error of the force at a contact half angle, rad, of a body of the family: of the fit the greater of
+    /// those around it.
+    pub fn bound(&self, body: &Body, half_angle: f64) -> f64 {
+        let below = self.bound.partition_point(|(angle, _)| *angle > half_angle);
+        let around = &self.bound[below.saturating_sub(1)..(below + 1).min(self.bound.len())];
+        let of_fit = around.iter().fold(0.0, |worst: f64, (_, bound)| worst.max(*bound));
+        let of_mesh =
+            self.known_level.map(|level| known_error(body, level, half_angle).unwrap_or(f64::INFINITY));
+        // What meshes leave of the samples and what the fit leaves between them have nothing to do with each other.
+        of_fit.hypot(of_mesh.unwrap_or(0.0))
     }
 }

@@ -6,6 +6,7 @@
 //! fitted, or whose error is not known to be small enough, goes on to the meshes.
 
 pub mod family;
+pub mod basis;
 mod points;
 mod samples;
 mod held_out;

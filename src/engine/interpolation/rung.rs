@@ -1,4 +1,4 @@
-//! Designs with interpolated bodies: two points, a few modes, one curve.
+//! Designs with interpolated bodies: two points, a few members, one curve.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -8,12 +8,14 @@ use rayon::prelude::*;
 
 use crate::engine::accuracy::{ForceError, Want};
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::interpolation::family::{FamilyKey, coordinate_count, coordinates, fit_space};
+use crate::engine::foresight::Foresight;
+use crate::engine::interpolation::family::{FamilyKey, coordinate_count, coordinates};
 use crate::engine::interpolation::fit::FittedFamily;
 use crate::engine::interpolation::plan::{InterpolationPlan, pair};
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method};
 use crate::engine::row::{Solving, loads_in_contact};
-use crate::engine::spaces::Spaces;
+use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::mechanics::body::Body;
 use crate::mechanics::compliance::body_fit::{BODIES, FitScratch};
 use crate::mechanics::compliance::infinite;
 use crate::mechanics::compliance::pressure_space::JointCompliance;
@@ -31,7 +33,7 @@ pub struct Interpolation {
     pub design_time: Duration,
 }
 
-/// Designs that are solved together, so that those of one pair read its modes together.
+/// Designs that are solved together, so that those of one pair read its members together.
 const TOGETHER: usize = 64;
 
 /// What some designs leave for the next.
@@ -40,20 +42,23 @@ struct Scratch {
     fit: FitScratch,
     /// Of the bodies of all designs, one behind the other.
     amplitudes: Vec<f64>,
-    values: Vec<f64>,
+    /// Of the pins of a few designs, and of their plates, one behind the other.
+    values: [Vec<f64>; 2],
 }
 
 /// A design with its bodies as points of fits.
+#[derive(Clone)]
 struct Placed<'a> {
     /// Among those solved together.
     number: usize,
-    pair: (FamilyKey, FamilyKey),
+    bodies: [Body; 2],
     families: [&'a FittedFamily; 2],
-    space: &'a CurveSpace,
-    /// Of the singular part of the joint's compliance.
-    amplitude: f64,
-    /// Where the amplitudes of the bodies' modes are.
-    modes: [Range<usize>; 2],
+    /// Of those with one of these members are read together.
+    key: (FamilyKey, FamilyKey, SpaceKey),
+    /// `even` and `odd` of each body, over its modulus.
+    infinite: [[f64; 2]; 2],
+    /// Where the amplitudes of the bodies' members are.
+    members: [Range<usize>; 2],
 }
 
 impl Interpolation {
@@ -69,7 +74,12 @@ impl Interpolation {
         let started = Instant::now();
         let mut fitted = HashMap::new();
         for (family, budget) in &self.plan.families {
-            if let Some(fit) = family.fit(self.plan.accuracy, *budget, library, spaces) {
+            if let Some(mut fit) = family.fit(self.plan.accuracy, *budget, library, spaces) {
+                let coarsest = SpaceKey::beside_thick_walls(family.key.half_ring, self.plan.accuracy);
+                fit.prepare(
+                    coarsest.flat_map(|key| [Some(key), key.finer(Want::MoreTerms)]).flatten(),
+                    spaces,
+                );
                 fitted.insert(family.key, fit);
             }
         }
@@ -115,37 +125,49 @@ impl Interpolation {
     ) -> Vec<Option<DesignOutcome>> {
         let mut outcomes = vec![None; cases.len()];
         scratch.amplitudes.clear();
-        let mut placed: Vec<Placed> = cases
-            .iter()
-            .enumerate()
-            .filter_map(|(number, case)| self.place(spaces, number, case, scratch))
-            .collect();
+        let mut placed: Vec<Placed> =
+            cases.iter().enumerate().filter_map(|(number, case)| self.place(number, case, scratch)).collect();
         while let Some(first) = placed.first() {
-            let pair = first.pair;
-            let (alike, others): (Vec<Placed>, Vec<Placed>) =
-                placed.into_iter().partition(|one| one.pair == pair);
-            placed = others;
+            let (key, families) = (first.key, first.families);
+            let alike: Vec<Placed>;
+            (alike, placed) = placed.into_iter().partition(|one| one.key == key);
+            let space = spaces.get(key.2);
             for alike in alike.chunks(BODIES) {
-                let count = alike[0].families[0].fit.sample_length();
-                scratch.values.clear();
-                scratch.values.resize(alike.len() * count, 0.0);
-                for side in 0..2 {
+                let count = space.pressures.entry_count();
+                for (side, values) in scratch.values.iter_mut().enumerate() {
+                    values.resize(alike.len() * count, 0.0);
+                    for (one, values) in alike.iter().zip(values.chunks_exact_mut(count)) {
+                        space.pressures.infinite(one.infinite[side], values);
+                    }
                     let amplitudes: Vec<&[f64]> =
-                        alike.iter().map(|one| &scratch.amplitudes[one.modes[side].clone()]).collect();
-                    alike[0].families[side].fit.add_modes(&amplitudes, &mut scratch.values);
+                        alike.iter().map(|one| &scratch.amplitudes[one.members[side].clone()]).collect();
+                    families[side].members(key.2).add(&amplitudes, values);
                 }
-                for (one, values) in alike.iter().zip(scratch.values.chunks_exact(count)) {
-                    outcomes[one.number] = self.solve_design(&cases[one.number], one, values);
+                for (place, one) in alike.iter().enumerate() {
+                    let parts = [0, 1].map(|side| JointCompliance {
+                        even: one.infinite[side][0],
+                        bed: 0.0,
+                        values: scratch.values[side][place * count..][..count].into(),
+                    });
+                    let Some((outcome, want)) = self.solve_design(&cases[one.number], one, space, &parts)
+                    else {
+                        continue;
+                    };
+                    let finer = key.2.finer(want).filter(|finer| families[0].is_prepared(*finer));
+                    match finer {
+                        _ if want == Want::Nothing => outcomes[one.number] = Some(outcome),
+                        Some(finer) => placed.push(Placed { key: (key.0, key.1, finer), ..one.clone() }),
+                        None => {}
+                    }
                 }
             }
         }
         outcomes
     }
 
-    /// A design whose bodies are in the boxes of fits; appends the amplitudes of their modes.
+    /// A design whose bodies are in the boxes of fits; appends the amplitudes of their members.
     fn place<'a>(
         &'a self,
-        spaces: &'a Spaces,
         number: usize,
         case: &DesignCase,
         Scratch { fit: scratch, amplitudes, .. }: &mut Scratch,
@@ -167,38 +189,52 @@ impl Interpolation {
         if !(is_inside(0) && is_inside(1)) {
             return None;
         }
-        let mut amplitude = 0.0;
-        let modes = [0, 1].map(|side| {
+        let mut of_side = |side: usize| {
             let (body, part) = &bodies[side];
-            let modulus = part.material.youngs_modulus;
-            amplitude += infinite(body)[0] / modulus;
+            let share = 1.0 / part.material.youngs_modulus;
             let from = amplitudes.len();
             let point = &points[side][..coordinate_count(body.shape)];
-            families[side].fit.amplitudes(point, 1.0 / modulus, scratch, amplitudes);
-            from..amplitudes.len()
-        });
-        let space = spaces.get(fit_space(keys.0.half_ring));
-        Some(Placed { number, pair: keys, families, space, amplitude, modes })
+            families[side].fit.amplitudes(point, share, scratch, amplitudes);
+            (infinite(body).map(|own| share * own), from..amplitudes.len())
+        };
+        let [(pin_infinite, pin_members), (plate_infinite, plate_members)] = [of_side(0), of_side(1)];
+        let space = SpaceKey::coarsest(&pin.1, &plate.1, self.plan.accuracy, Foresight::of(case).half_angle);
+        Some(Placed {
+            number,
+            bodies: bodies.map(|(body, _)| body),
+            key: (keys.0, keys.1, space),
+            families,
+            infinite: [pin_infinite, plate_infinite],
+            members: [pin_members, plate_members],
+        })
     }
 
-    /// From the joint's compliance to the outcome, `None` where that is not known well enough.
-    fn solve_design(&self, case: &DesignCase, placed: &Placed, values: &[f64]) -> Option<DesignOutcome> {
-        let Placed { families, space, amplitude, .. } = placed;
+    /// From the joint's compliance to the outcome and what that wants; `None` where there is no state.
+    fn solve_design(
+        &self,
+        case: &DesignCase,
+        placed: &Placed,
+        space: &CurveSpace,
+        parts: &[JointCompliance; 2],
+    ) -> Option<(DesignOutcome, Want)> {
         let joint = &case.joint;
-        let compliance = JointCompliance { even: *amplitude, bed: 0.0, values: values.into() };
-        let curve = ContactCurve::new(space, &compliance)?;
+        let curve = ContactCurve::new(space, &JointCompliance::of_both(&parts[0], &parts[1]))?;
+        let of_pin = curve.states.work_shares(&space.pressures, &parts[0]);
         let clearance = joint.radial_clearance / joint.hole_radius;
         let states = curve.states(clearance, loads_in_contact(case));
         if states.iter().any(Result::is_err) {
             return None;
         }
-        // Each body's error counts by its share of the work: together no more than that of the worse one.
+        let of_plate: Vec<f64> = of_pin.iter().map(|share| 1.0 - share).collect();
         let states = states.into_iter().map(|state| {
             let (state, node) = state?;
             // What fits leave does not fall with the degree, and is in their bounds.
             let state = ContactState { curve_error: curve.rough_error, ..state };
-            let of_bodies = families.iter().map(|family| ContactCurve::around(node, &family.bound));
-            Ok((state, ForceError::new(&state, of_bodies.fold(0.0, f64::max), 0.0)))
+            let error = |side: usize, shares: &[f64]| {
+                ContactCurve::around(node, shares)
+                    * placed.families[side].bound(&placed.bodies[side], state.half_angle)
+            };
+            Ok((state, ForceError::new(&state, error(0, &of_pin) + error(1, &of_plate), 0.0)))
         });
         let solving = Solving {
             backend: BackendKind::Cpu,
@@ -206,7 +242,6 @@ impl Interpolation {
             limit: space.limit,
             accuracy: self.plan.accuracy,
         };
-        let (outcome, want) = solving.respond(case, states);
-        (want == Want::Nothing).then_some(outcome)
+        Some(solving.respond(case, states))
     }
 }

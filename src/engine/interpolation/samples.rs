@@ -1,14 +1,12 @@
 //! Samples of a family: solved, and what they cost.
 
-use rayon::prelude::*;
-
 use crate::engine::accuracy::known_errors::known_level;
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::interpolation::family::{Family, MOST_COORDINATES, body_at, fit_space};
+use crate::engine::interpolation::basis::Basis;
+use crate::engine::interpolation::family::{Family, MOST_COORDINATES, body_at};
 use crate::engine::interpolation::points::DEGREES;
 use crate::engine::plan::first_level;
 use crate::engine::request::{BodyRequest, Fidelity};
-use crate::engine::spaces::Spaces;
 use crate::engine::unit_costs::{TOPOLOGY_SECONDS, body_seconds};
 
 /// Share of the lanes that samples of a box with so many coordinates fill, about.
@@ -49,15 +47,14 @@ impl Expense {
 }
 
 impl Family {
-    /// The compliances of bodies at points, in the space of fits.
+    /// What bodies at points change at their boundary, in terms of a basis.
     pub(super) fn solve(
         &self,
         library: &mut BodyLibrary,
-        spaces: &mut Spaces,
         points: &[Vec<f64>],
         fidelity: Fidelity,
+        basis: &Basis,
     ) -> Vec<Vec<f64>> {
-        let space = fit_space(self.key.half_ring);
         let mut solved = Vec::with_capacity(points.len());
         for points in points.chunks(BATCH) {
             let requests: Vec<BodyRequest> = points
@@ -65,13 +62,7 @@ impl Family {
                 .map(|point| BodyRequest { body: body_at(&self.example, point), fidelity })
                 .collect();
             library.solve(&requests);
-            let library = &*library;
-            let compliance = |request: &BodyRequest| &*library.solved(request).compliance;
-            spaces.prepare(requests.iter().map(|request| (space, compliance(request))));
-            let pressures = &spaces.get(space).pressures;
-            let values =
-                |request: &BodyRequest| pressures.joint(&[(compliance(request), 1.0)]).values.into_owned();
-            solved.par_extend(requests.par_iter().map(values));
+            solved.extend(basis.numbers(requests.iter().map(|request| &*library.solved(request).compliance)));
         }
         solved
     }

@@ -24,14 +24,14 @@ use crate::mechanics::element::{ElementKind, side_functions};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::mesh::{RingTopology, SUPPORTED};
 
-/// Functions on a ring.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// Functions on a ring, ordered by how finely they resolve a ring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RingModes {
-    ring: Ring,
     pub count: usize,
+    ring: Ring,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 enum Ring {
     /// Stretched at the load line by so many quarters.
     Whole(u32),
@@ -238,6 +238,51 @@ impl RingModes {
         })
     }
 
+    /// Integrals of these functions, du, with those of other modes over that of the square of the latter: `[other][own]`.
+    fn moments_of(&self, other: &RingModes) -> Vec<f64> {
+        let (mut own, mut of_other) = (vec![0.0; self.count], vec![0.0; other.count]);
+        let mut moments = vec![0.0; self.count * other.count];
+        let points = 64 + 2 * (self.count + other.count);
+        let weight = self.end() / points as f64;
+        for i in 0..points {
+            let stretched = (i as f64 + 0.5) * weight;
+            self.values(stretched, &mut own);
+            other.values(other.stretched(self.angle(stretched)), &mut of_other);
+            for (m, (psi, moments)) in of_other.iter().zip(moments.chunks_exact_mut(self.count)).enumerate() {
+                let scale = weight * psi / other.norm(m);
+                moments.iter_mut().zip(&own).for_each(|(moment, own)| *moment += scale * own);
+            }
+        }
+        moments
+    }
+
+    /// The works of these modes, packed, of bodies that are told in other ones.
+    pub fn works_of_others(&self, other: &RingModes) -> impl Fn(&[f64]) -> Vec<f64> + use<> {
+        let (count, moments) = (self.count, self.moments_of(other));
+        let others = other.count;
+        move |works| {
+            let mut sum = vec![0.0; packed_count(count)];
+            let mut row = vec![0.0; count];
+            for (m, of_m) in moments.chunks_exact(count).enumerate() {
+                row.fill(0.0);
+                for (n, of_n) in moments.chunks_exact(count).enumerate().take(others) {
+                    let work = works[packed(m.max(n), m.min(n))];
+                    row.iter_mut().zip(of_n).for_each(|(sum, moment)| *sum += work * moment);
+                }
+                for (k, moment) in of_m.iter().enumerate() {
+                    let sum = &mut sum[packed(k, 0)..=packed(k, k)];
+                    sum.iter_mut().zip(&row).for_each(|(sum, value)| *sum += moment * value);
+                }
+            }
+            sum
+        }
+    }
+
+    /// The integral of psi_m^2 du.
+    fn norm(&self, m: usize) -> f64 {
+        if m == 0 { self.end() } else { 0.5 * self.end() }
+    }
+
     /// Adds M_mk of the trial pressures of an arc: `[m][k]`.
     pub fn moments(&self, arc: &ContactArc, terms: usize, moments: &mut [f64]) {
         let mut psi = vec![0.0; self.count];
@@ -248,8 +293,7 @@ impl RingModes {
             self.values(self.stretched(arc.angle(tau)), &mut psi);
             let trials = cosines((2.0 * tau).cos());
             for (m, (psi, moments)) in psi.iter().zip(moments.chunks_exact_mut(terms)).enumerate() {
-                let norm = if m == 0 { self.end() } else { 0.5 * self.end() };
-                let scale = weight * psi / norm;
+                let scale = weight * psi / self.norm(m);
                 moments.iter_mut().zip(&trials).for_each(|(moment, trial)| *moment += scale * trial);
             }
         }
