@@ -276,7 +276,7 @@ fn thin_bodies_get_more_trial_pressures() {
 /// what it would have come to from the level above.
 #[test]
 fn finer_meshes_are_taken_where_they_are_needed() {
-    let slender = joint(disc(), part(&block::SHAPE, [1.5, 4.0, 2.0]));
+    let slender = joint(disc(), part(&block::SHAPE, [1.3, 5.0, 1.5]));
     let mut stiff = slender;
     stiff.plate.material.youngs_modulus *= 100.0;
     let [slender, stiff] = [slender, stiff].map(|joint| case(joint, &[1e-3, 0.2].map(Load::Indentation)));
@@ -285,7 +285,8 @@ fn finer_meshes_are_taken_where_they_are_needed() {
     let foreseen = plan(&slender, 0.01).foreseen_error(&Foresight::of(&slender)).unwrap();
     let found = worst(&alone(&slender, MethodChoice::Auto, 0.01));
     assert!(found > 1.05 * foreseen, "{found} {foreseen}");
-    let accuracy = 0.5 * (found + foreseen);
+    // The estimate has a part of the curve, too, which finer meshes do not lessen.
+    let accuracy = foreseen + 0.1 * (found - foreseen);
     assert_eq!([accuracy, 0.99 * foreseen].map(|accuracy| plan(&slender, accuracy).level), [0, 1]);
     // In company that is content with the first mesh.
     let options = SolveOptions { accuracy, method: MethodChoice::Auto };
