@@ -26,9 +26,9 @@ impl Joint {
     fn new((terms, nodes): (usize, usize)) -> Joint {
         let mut space = CurveSpace::new(Variable::Root, terms, nodes, 2.4);
         let modes = RingModes::whole(5, 8);
-        let bodies = [0.3, 3.0].map(|fixed_radius| {
+        let bodies = [0.3, 3.0].map(|fixed_radius_ratio| {
             let idealization = Idealization::PlaneStress;
-            let body = ConcentricBody { fixed_radius, poissons_ratio: 0.3, idealization };
+            let body = ConcentricBody { fixed_radius_ratio, poissons_ratio: 0.3, idealization };
             let [works] = modes.works_of_modes(&[body.boundary_modes()]);
             BodyCompliance { boundary: Boundary::RingModes(modes, works), ..body.compliance() }
         });

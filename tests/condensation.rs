@@ -98,7 +98,7 @@ fn the_near_field_removes_the_error_of_the_ring() {
     for (name, ratio) in [("annulus", 2.3), ("rigid-core", 0.4)] {
         let body = body(name, &[ratio], Idealization::PlaneStress, 0.3);
         let concentric = ConcentricBody {
-            fixed_radius: ratio,
+            fixed_radius_ratio: ratio,
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStress,
         };
@@ -158,7 +158,7 @@ fn the_near_field_makes_its_own_reference_exact() {
         let growth = 7;
         let class = NearFieldClass { side, half_ring: false, grading, idealization, range, growth };
         let near_field = NearField::new(&class);
-        let ratio = class.reference().fixed_radius;
+        let ratio = class.reference().fixed_radius_ratio;
         let plan = plan(&of(ratio, 0.0), &grading);
         let modes = RingModes::of(&grading);
         let (low, high): (f64, f64) = match range {
@@ -189,7 +189,7 @@ fn the_near_field_makes_its_own_reference_exact() {
         for (poissons_ratio, tolerance) in [(node(0.0), 1e-12), (node(3.0), 1e-12), (node(3.5), between)] {
             let mut corrected = plan.condense(&[of(ratio, poissons_ratio)]).remove(0);
             NearField::correct([&near_field, &near_field], 0.0, poissons_ratio, &mut corrected);
-            let concentric = ConcentricBody { fixed_radius: ratio, poissons_ratio, idealization };
+            let concentric = ConcentricBody { fixed_radius_ratio: ratio, poissons_ratio, idealization };
             let [exact] = modes.works_of_modes(&[concentric.boundary_modes()]);
             let difference = difference(&corrected, &exact);
             println!("{name} at {poissons_ratio}: {difference:.0e}");

@@ -14,8 +14,8 @@ use jointsweep::mechanics::contact::load::DimensionlessLoad;
 use jointsweep::mechanics::material::Idealization;
 use random::Random;
 
-fn concentric(fixed_radius: f64, poissons_ratio: f64, idealization: Idealization) -> ConcentricBody {
-    ConcentricBody { fixed_radius, poissons_ratio, idealization }
+fn concentric(fixed_radius_ratio: f64, poissons_ratio: f64, idealization: Idealization) -> ConcentricBody {
+    ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization }
 }
 
 /// Persson's table (Ciavarella & Decuzzi 2001): similar materials, the plate of ratio 1e4, a core of 1e-3.

@@ -2,10 +2,10 @@
 
 #[path = "common/greatest.rs"]
 mod greatest;
-#[path = "common/nodal_ring.rs"]
-mod nodal_ring;
 #[path = "common/random.rs"]
 mod random;
+#[path = "common/stepped_ring.rs"]
+mod stepped_ring;
 
 use greatest::greatest;
 use jointsweep::mechanics::compliance::arc::packed_count;
@@ -14,8 +14,8 @@ use jointsweep::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
 use jointsweep::mechanics::contact::load::DimensionlessLoad;
 use jointsweep::mechanics::contact::state::ContactState;
 use jointsweep::mechanics::material::Idealization;
-use nodal_ring::Ring;
 use random::Random;
+use stepped_ring::Ring;
 
 /// A pin and a plate with the plate's modulus over the pin's, and delta/dR.
 struct Joint {
@@ -29,9 +29,9 @@ fn draw(random: &mut Random) -> Joint {
     let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
     let core = random.linear(0.03, 0.8);
     let ratio = random.log(1.2, 50.0);
-    let mut body = |fixed_radius: f64| {
+    let mut body = |fixed_radius_ratio: f64| {
         let poissons_ratio = random.linear(0.0, 0.49);
-        ConcentricBody { fixed_radius, poissons_ratio, idealization }
+        ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization }
     };
     let (pin, plate) = (body(core), body(ratio));
     Joint { pin, plate, modulus: random.log(0.01, 100.0), indentation: random.log(0.01, 100.0) }
@@ -99,8 +99,8 @@ fn six_trial_pressures_are_enough_but_for_wide_contacts() {
     let mut all = [const { [const { Vec::new() }; 4] }; 2];
     for _ in 0..300 {
         let mut joint = draw(&mut random);
-        joint.pin.fixed_radius = (-random.log(0.15, 3.0)).exp();
-        joint.plate.fixed_radius = random.log(0.15, 3.0).exp();
+        joint.pin.fixed_radius_ratio = (-random.log(0.15, 3.0)).exp();
+        joint.plate.fixed_radius_ratio = random.log(0.15, 3.0).exp();
         let (found, expected) = (state(&mut few, &joint), state(&mut many, &joint));
         let errors = [
             found.force / expected.force - 1.0,
@@ -125,11 +125,11 @@ fn six_trial_pressures_are_enough_but_for_wide_contacts() {
 #[test]
 fn modes_are_those_of_a_wall_stepped_through() {
     let mut errors = Vec::new();
-    for fixed_radius in [0.02, 0.5, 0.95, 1.03, 3.0, 40.0] {
+    for fixed_radius_ratio in [0.02, 0.5, 0.95, 1.03, 3.0, 40.0] {
         for idealization in Idealization::ALL {
             for poissons_ratio in [-0.5, 0.0, 0.3, 0.49] {
-                let body = ConcentricBody { fixed_radius, poissons_ratio, idealization };
-                let ring = Ring { fixed_radius, youngs_modulus: 1.0, poissons_ratio, idealization };
+                let body = ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization };
+                let ring = Ring { fixed_radius_ratio, youngs_modulus: 1.0, poissons_ratio, idealization };
                 let found = body.boundary_modes();
                 for n in 0..12.min(found.len()) {
                     let far = match n {
@@ -151,9 +151,9 @@ fn modes_are_those_of_a_wall_stepped_through() {
 /// Far circles do not overflow, and change the compliance no more.
 #[test]
 fn far_circles_are_no_circles() {
-    let of = |fixed_radius| {
+    let of = |fixed_radius_ratio| {
         let idealization = Idealization::PlaneStrain;
-        ConcentricBody { fixed_radius, poissons_ratio: 0.3, idealization }.boundary_modes()
+        ConcentricBody { fixed_radius_ratio, poissons_ratio: 0.3, idealization }.boundary_modes()
     };
     for [near, far] in [[1e8, 1e300], [1e-8, 1e-300]] {
         let [near, far] = [of(near), of(far)];

@@ -5,6 +5,8 @@
 mod nodal_ring;
 #[path = "common/random.rs"]
 mod random;
+#[path = "common/stepped_ring.rs"]
+mod stepped_ring;
 
 use std::ops::ControlFlow;
 
@@ -16,8 +18,9 @@ use jointsweep::mechanics::body::{annulus, cored_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
 use jointsweep::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
-use nodal_ring::{NodalState, Ring, nodal_state};
+use nodal_ring::{NodalState, nodal_state};
 use random::Random;
+use stepped_ring::Ring;
 
 /// dR/R2, so small that the outlines do not matter.
 const CLEARANCE: f64 = 1e-4;
@@ -64,8 +67,8 @@ impl Joint {
     }
 
     fn nodal(&self, delta: f64, reach: f64, panels: usize) -> NodalState {
-        let ring = |fixed_radius, youngs_modulus| Ring {
-            fixed_radius,
+        let ring = |fixed_radius_ratio, youngs_modulus| Ring {
+            fixed_radius_ratio,
             youngs_modulus,
             poissons_ratio: self.poissons_ratio,
             idealization: self.idealization,

@@ -3,10 +3,11 @@
 use crate::engine::accuracy::known_errors::known_error;
 use crate::engine::accuracy::{ForceError, Want};
 use crate::engine::bodies::BodyLibrary;
+use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::{Estimate, JointPlan};
 use crate::engine::request::{BodyRequest, Fidelity, RequestKey};
-use crate::engine::row::{Solving, loads_in_contact};
+use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::compliance::pressure_space::JointCompliance;
 use crate::mechanics::compliance::thin_wall::bed_error;
@@ -61,15 +62,16 @@ pub fn solve_designs<'a>(
     };
     let errors = BodyErrors::new(library, plan, space, &curve, &members);
     let answer = |case: &DesignCase| {
-        let clearance = case.joint.radial_clearance / case.joint.hole_radius;
-        let states = curve.states(clearance, loads_in_contact(case)).into_iter().map(|state| {
-            let (mut state, node) = state?;
-            if plan.estimate != Estimate::Exact {
-                state.curve_error = curve.rough_error;
-            }
-            let [bodies, beds] = errors.at(plan, state.half_angle, node);
-            Ok((state, ForceError::new(&state, bodies, beds)))
-        });
+        let scale = JointScale::of(&case.joint);
+        let states =
+            curve.states(scale.clearance, scale.loads_in_contact(&case.steps)).into_iter().map(|state| {
+                let (mut state, node) = state?;
+                if plan.estimate != Estimate::Exact {
+                    state.curve_error = curve.rough_error;
+                }
+                let [bodies, beds] = errors.at(plan, state.half_angle, node);
+                Ok((state, ForceError::new(&state, bodies, beds)))
+            });
         solving.respond(case, states)
     };
     cases.map(answer).collect()

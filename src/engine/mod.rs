@@ -7,6 +7,7 @@ pub mod near_fields;
 pub mod accuracy;
 pub mod foresight;
 pub mod plan;
+pub mod joint_scale;
 pub mod row;
 pub mod backend;
 pub mod bodies;

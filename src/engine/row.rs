@@ -1,14 +1,15 @@
-//! From the states of a joint under its loads to the rows of the table: sizes put back, the error estimated, and what a
-//! reader must know said. The same for every backend.
+//! From the states of a joint under its loads to the rows of the table, each with what a reader must know of it. The same for
+//! every backend.
 
 use std::borrow::Cow;
 
 use crate::engine::accuracy::{ForceError, Want};
+use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
-use crate::mechanics::contact::load::{DimensionlessLoad, NoState};
+use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::state::ContactState;
 use crate::mechanics::laws;
-use crate::study::design::{DesignCase, JointDesign, Load};
+use crate::study::design::{DesignCase, Load};
 
 /// How a design was solved.
 #[derive(Clone, Copy, Debug)]
@@ -33,12 +34,13 @@ impl Solving {
         case: &DesignCase,
         states: impl IntoIterator<Item = Result<(ContactState, ForceError), NoState>>,
     ) -> (DesignOutcome, Want) {
-        let joint = &case.joint;
-        let clearance = joint.radial_clearance / joint.hole_radius;
+        let scale = JointScale::of(&case.joint);
         let mut states = states.into_iter();
         let mut want = Want::Nothing;
         let step = |load: &Load| {
-            let Some(load_over) = dimensionless(joint, *load) else { return unloaded(self.method) };
+            if scale.load(*load).is_none() {
+                return unloaded(self.method);
+            }
             let (state, error) = match states.next().unwrap_or(Err(NoState::BrokenCompliance)) {
                 // A mesh far too coarse for its body may answer with a pull.
                 Ok((state, _)) if !state.is_a_push() => {
@@ -50,19 +52,13 @@ impl Solving {
                     return StepOutcome { response: None, status: failure(reason, self.limit).into() };
                 }
             };
-            let offset = joint.hole_radius
-                * match (*load, load_over) {
-                    (Load::Indentation(0.0) | Load::Force(0.0), _) => 0.0,
-                    (_, DimensionlessLoad::Indentation(delta)) => clearance + delta,
-                    (_, DimensionlessLoad::Force(force)) => force / state.force,
-                };
             want = want.max(error.want(self.accuracy, state.pressure_is_positive));
             let error = error.total();
             let accurate = error <= self.accuracy;
             StepOutcome {
-                response: Some(response(joint, *load, &state, offset, error, self.method)),
+                response: Some(scale.response(*load, &state, error, self.method)),
                 status: status(
-                    offset > LARGE_DISPLACEMENT * joint.hole_radius,
+                    scale.offset(*load, &state) > LARGE_DISPLACEMENT,
                     state.pressure_is_positive,
                     accurate,
                 ),
@@ -87,24 +83,6 @@ pub fn all_failed(case: &DesignCase, backend: BackendKind, status: &str) -> Desi
     DesignOutcome { case: case.clone(), backend, steps }
 }
 
-/// The loads of a design under which there is contact, over the joint's sizes.
-pub fn loads_in_contact(case: &DesignCase) -> impl Iterator<Item = DimensionlessLoad> {
-    case.steps.iter().filter_map(|load| dimensionless(&case.joint, *load))
-}
-
-/// A load over the joint's sizes, `None` where there is no contact yet.
-pub fn dimensionless(joint: &JointDesign, load: Load) -> Option<DimensionlessLoad> {
-    match load {
-        // A neat fit has one state, which any load shows.
-        Load::Indentation(0.0) | Load::Force(0.0) if joint.radial_clearance == 0.0 => {
-            Some(DimensionlessLoad::Indentation(1.0))
-        }
-        Load::Indentation(0.0) | Load::Force(0.0) => None,
-        Load::Indentation(delta) => Some(DimensionlessLoad::Indentation(delta / joint.hole_radius)),
-        Load::Force(force) => Some(DimensionlessLoad::Force(force / (joint.thickness * joint.hole_radius))),
-    }
-}
-
 fn unloaded(method: Method) -> StepOutcome {
     let response = Response {
         indentation: 0.0,
@@ -123,31 +101,6 @@ fn failure(reason: NoState, limit: f64) -> String {
     match reason {
         NoState::ContactTooWide => format!("failed: contact wider than {:.0} deg", limit.to_degrees()),
         NoState::BrokenCompliance => "failed: compliance not positive definite".into(),
-    }
-}
-
-fn response(
-    joint: &JointDesign,
-    load: Load,
-    state: &ContactState,
-    offset: f64,
-    error: f64,
-    method: Method,
-) -> Response {
-    let scale = joint.thickness * offset;
-    let (indentation, force) = match load {
-        Load::Indentation(indentation) => (indentation, scale * state.force),
-        Load::Force(force) => (offset * state.indentation, force),
-    };
-    Response {
-        indentation,
-        force,
-        tangent_stiffness: joint.thickness * state.tangent_stiffness,
-        contact_half_angle: Some(state.half_angle),
-        peak_pressure: Some(offset / joint.hole_radius * state.peak_pressure),
-        energy: Some(scale * offset * state.energy),
-        force_error: error,
-        method,
     }
 }
 

@@ -12,8 +12,9 @@ use crate::engine::foresight::Foresight;
 use crate::engine::interpolation::family::{FamilyKey, coordinate_count, coordinates};
 use crate::engine::interpolation::fit::FittedFamily;
 use crate::engine::interpolation::plan::{InterpolationPlan, pair};
+use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method};
-use crate::engine::row::{Solving, loads_in_contact};
+use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::body_fit::{BODIES, FitScratch};
@@ -217,11 +218,10 @@ impl Interpolation {
         space: &CurveSpace,
         parts: &[JointCompliance; 2],
     ) -> Option<(DesignOutcome, Want)> {
-        let joint = &case.joint;
         let curve = ContactCurve::new(space, &JointCompliance::of_both(&parts[0], &parts[1]))?;
         let of_pin = curve.states.work_shares(&space.pressures, &parts[0]);
-        let clearance = joint.radial_clearance / joint.hole_radius;
-        let states = curve.states(clearance, loads_in_contact(case));
+        let scale = JointScale::of(&case.joint);
+        let states = curve.states(scale.clearance, scale.loads_in_contact(&case.steps));
         if states.iter().any(Result::is_err) {
             return None;
         }

@@ -161,8 +161,8 @@ impl NearFieldClass {
     /// The concentric body that stands for the class, but for its Poisson's ratio.
     pub fn reference(&self) -> ConcentricBody {
         let depth = self.layers().depth_at_growth(self.growth());
-        let fixed_radius = if self.side == Side::Plate { depth.exp() } else { (-depth).exp() };
-        ConcentricBody { fixed_radius, poissons_ratio: 0.0, idealization: self.idealization }
+        let fixed_radius_ratio = if self.side == Side::Plate { depth.exp() } else { (-depth).exp() };
+        ConcentricBody { fixed_radius_ratio, poissons_ratio: 0.0, idealization: self.idealization }
     }
 }
 
@@ -179,7 +179,7 @@ impl NearField {
         let modes = RingModes::of(&class.grading);
         let reference = class.reference();
         let mut parameters = [0.0; MAX_PARAMETERS];
-        parameters[0] = reference.fixed_radius;
+        parameters[0] = reference.fixed_radius_ratio;
         let bodies = range.nodes().map(|(coordinate, _)| Body {
             shape: if side == Side::Plate { &annulus::SHAPE } else { &cored_disc::SHAPE },
             parameters,

@@ -315,7 +315,7 @@ mod tests {
         let arcs = (1..=2 * LANES).map(|i| ContactArc::new(0.15 * i as f64)).collect();
         let mut space = PressureSpace::new(6, arcs);
         let body = ConcentricBody {
-            fixed_radius: 2.0,
+            fixed_radius_ratio: 2.0,
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStrain,
         };

@@ -16,11 +16,11 @@ use super::{BodyCompliance, Boundary};
 use crate::mechanics::body::{Side, THINNEST_RING};
 use crate::mechanics::material::Idealization;
 
-/// A body between the ring (radius 1) and a concentric circle of radius `fixed_radius` on which it is fixed: above 1
+/// A body between the ring (radius 1) and a concentric circle of radius `fixed_radius_ratio` on which it is fixed: above 1
 /// for a plate, below 1 for a pin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConcentricBody {
-    pub fixed_radius: f64,
+    pub fixed_radius_ratio: f64,
     pub poissons_ratio: f64,
     pub idealization: Idealization,
 }
@@ -30,7 +30,7 @@ const NEGLIGIBLE: f64 = 1e-13;
 
 impl ConcentricBody {
     fn side(&self) -> Side {
-        if self.fixed_radius > 1.0 { Side::Plate } else { Side::Pin }
+        if self.fixed_radius_ratio > 1.0 { Side::Plate } else { Side::Pin }
     }
 
     /// 2 mu for Young's modulus 1.
@@ -60,7 +60,7 @@ impl ConcentricBody {
     fn finite_part(&self, n: usize) -> f64 {
         let (kappa, m) = (self.kolosov(), n as f64);
         let is_plate = self.side() == Side::Plate;
-        let q = if is_plate { self.fixed_radius } else { 1.0 / self.fixed_radius }.powf(-m);
+        let q = if is_plate { self.fixed_radius_ratio } else { 1.0 / self.fixed_radius_ratio }.powf(-m);
         // Nothing is left, and powers of radii like 1e300 are no numbers.
         if q < 1e-30 {
             return 0.0;
@@ -76,7 +76,7 @@ impl ConcentricBody {
         let falling = [[-(m - 1.0) * (m + 2.0), -m * (m + 1.0)], [-m * (m - 1.0), -m * (m + 1.0)]];
         let (near, far) = if is_plate { (falling, rising) } else { (rising, falling) };
         let (near_on_ring, far_on_ring) = displacements(1.0);
-        let (near_on_fixed, far_on_fixed) = displacements(self.fixed_radius);
+        let (near_on_fixed, far_on_fixed) = displacements(self.fixed_radius_ratio);
         // y = -q R x.
         let reflection = product(inverse(far_on_fixed), near_on_fixed);
         let back = product(far, reflection);
@@ -107,7 +107,7 @@ impl ConcentricBody {
         let point = -0.5 / (kappa + 1.0);
         let excess = 0.5 * (1.0 - kappa) * point;
         // u_r + u_theta = 0 on the fixed circle: kappa A rho^2 - L + D/rho^2 = 0. A and A rho^2, without powers that overflow.
-        let square = self.fixed_radius * self.fixed_radius;
+        let square = self.fixed_radius_ratio * self.fixed_radius_ratio;
         let [rising, risen] = match self.side() {
             Side::Plate => {
                 let risen = (point - excess / square) / (kappa + 1.0 / square / square);
@@ -119,7 +119,7 @@ impl ConcentricBody {
             }
         };
         // u_r - u_theta = 0 there: -4 A rho^2 + 4 kappa L ln rho + 2 T = 0.
-        let translation = 2.0 * risen - 2.0 * kappa * point * self.fixed_radius.ln();
+        let translation = 2.0 * risen - 2.0 * kappa * point * self.fixed_radius_ratio.ln();
         let displacement = (kappa - 1.0) * rising + excess - point + translation;
         let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
         sign * displacement / self.twice_shear_modulus() - self.amplitude()
@@ -127,7 +127,7 @@ impl ConcentricBody {
 
     /// Whether the body is so thin that it is taken for a Winkler bed, which needs no modes.
     fn is_bed(&self) -> bool {
-        self.fixed_radius.ln().abs() < THINNEST_RING
+        self.fixed_radius_ratio.ln().abs() < THINNEST_RING
     }
 
     /// The highest mode that `compliance` needs.
@@ -137,7 +137,7 @@ impl ConcentricBody {
 
     /// The highest mode that the fixed circle still reaches.
     pub fn highest_mode(&self) -> usize {
-        let decay = 2.0 * self.fixed_radius.ln().abs();
+        let decay = 2.0 * self.fixed_radius_ratio.ln().abs();
         // The finite-size part falls like n^2 exp(-decay n); the square costs a few modes more.
         ((-NEGLIGIBLE.ln() + 4.0) / decay).ceil() as usize + 4
     }
@@ -145,7 +145,7 @@ impl ConcentricBody {
     /// How the ring yields, of a thin wall as that of a bed.
     pub fn compliance(&self) -> BodyCompliance {
         if self.is_bed() {
-            let bed = bed_compliance(self.fixed_radius, self.poissons_ratio, self.idealization);
+            let bed = bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization);
             return BodyCompliance { even: 0.0, odd: 0.0, boundary: Boundary::Bed(bed) };
         }
         let even = self.amplitude();
@@ -158,7 +158,7 @@ impl ConcentricBody {
     /// What the fixed circle changes of each mode, as far as it is felt; half of it for mode 0.
     pub fn boundary_modes(&self) -> Vec<f64> {
         let mode = |n: usize| match n {
-            0 => 0.5 * bed_compliance(self.fixed_radius, self.poissons_ratio, self.idealization),
+            0 => 0.5 * bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization),
             1 => self.first_mode(),
             _ => self.finite_part(n),
         };

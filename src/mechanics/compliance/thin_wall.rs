@@ -49,10 +49,10 @@ pub fn bed_matrix(b: f64, terms: usize) -> Vec<f64> {
     matrix
 }
 
-/// lambda: displacement under uniform pressure, over the pressure, of a ring from radius 1 to `fixed_radius`, where it
+/// lambda: displacement under uniform pressure, over the pressure, of a ring from radius 1 to `fixed_radius_ratio`, where it
 /// is held, for Young's modulus 1. Lame's solution, lambda_0 of `series`, free of cancellation.
-pub fn bed_compliance(fixed_radius: f64, poissons_ratio: f64, idealization: Idealization) -> f64 {
-    // In plane stress u = A (1 - nu) r + B (1 + nu)/r and sigma_rr = A - B/r^2, with u(fixed_radius) = 0 and
+pub fn bed_compliance(fixed_radius_ratio: f64, poissons_ratio: f64, idealization: Idealization) -> f64 {
+    // In plane stress u = A (1 - nu) r + B (1 + nu)/r and sigma_rr = A - B/r^2, with u(fixed_radius_ratio) = 0 and
     // sigma_rr(1) = -1; plane strain has nu/(1 - nu) and E/(1 - nu^2) in their place.
     let ratio = match idealization {
         Idealization::PlaneStress => poissons_ratio,
@@ -60,10 +60,10 @@ pub fn bed_compliance(fixed_radius: f64, poissons_ratio: f64, idealization: Idea
     };
     let modulus = idealization.plane_modulus_ratio(poissons_ratio);
     // Over the square of the greater radius, which then cannot overflow.
-    let small = if fixed_radius > 1.0 { 1.0 / fixed_radius } else { fixed_radius };
+    let small = if fixed_radius_ratio > 1.0 { 1.0 / fixed_radius_ratio } else { fixed_radius_ratio };
     let width = (1.0 - small) * (1.0 + small);
     let square = small * small;
-    let [inner, outer] = if fixed_radius > 1.0 { [square, 1.0] } else { [1.0, square] };
+    let [inner, outer] = if fixed_radius_ratio > 1.0 { [square, 1.0] } else { [1.0, square] };
     (1.0 - ratio) * (1.0 + ratio) * width / ((1.0 + ratio) * inner + (1.0 - ratio) * outer) / modulus
 }
 
