@@ -93,14 +93,14 @@ impl JointPlan {
     pub fn next(&self, want: Want) -> Option<JointPlan> {
         match want {
             Want::Nothing => None,
-            // Between the nodes of a mesh's curve there is its noise, which further nodes do not lessen.
-            Want::MoreNodes if self.estimate != Estimate::Exact && self.space.nodes >= NODES_OF_NOISE => {
-                self.finer()
+            Want::MoreNodes | Want::MoreTerms => {
+                let finer = self.space.finer(want).map(|space| JointPlan { space, ..*self });
+                // Between the nodes of a mesh's curve there is its noise, which further nodes lessen little.
+                let is_noise = want == Want::MoreNodes
+                    && self.estimate != Estimate::Exact
+                    && self.space.nodes >= NODES_OF_NOISE;
+                if is_noise { self.finer().or(finer) } else { finer.or_else(|| self.finer()) }
             }
-            Want::MoreNodes | Want::MoreTerms => match self.space.finer(want) {
-                Some(space) => Some(JointPlan { space, ..*self }),
-                None => self.finer(),
-            },
             // No mesh there is makes up for what is held back of it.
             Want::FinerMesh if self.estimate == Estimate::Change(Trust::SqueezedFilm) => None,
             Want::FinerMesh => self.finer(),

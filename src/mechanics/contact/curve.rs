@@ -162,7 +162,8 @@ impl<'a> ContactCurve<'a> {
         let of_functions = |of: fn(&[[f64; LANES]], usize) -> f64| {
             (0..DECISIVE).map(|function| of(&coefficients, function)).fold(0.0, f64::max)
         };
-        let (rough_error, curve_error) = (ROUGH * of_functions(last), of_functions(left_out));
+        let last_two = |coefficients: &[[f64; LANES]], function| last(coefficients, 2, function);
+        let (rough_error, curve_error) = (ROUGH * of_functions(last_two), of_functions(left_out));
         // Up to the first beyond a neat fit, and no further than the contact grows with the load: the pressure is the sum of what
         // punches of all smaller arcs add as the contact grows, each of them positive. Where it grows with the load the pressure
         // is positive and the gap beyond it open, and only there.
@@ -264,25 +265,28 @@ impl Transform<'_> {
     }
 }
 
-/// The last two coefficients of a function over the greatest.
-fn last(coefficients: &[[f64; LANES]], function: usize) -> f64 {
+/// So many last coefficients of a function over the greatest.
+fn last(coefficients: &[[f64; LANES]], count: usize, function: usize) -> f64 {
     let sizes = coefficients.iter().map(|of_degree| of_degree[function].abs());
     let most = sizes.clone().fold(f64::MIN_POSITIVE, f64::max);
-    sizes.skip(coefficients.len() - 2).sum::<f64>() / most
+    sizes.skip(coefficients.len() - count).sum::<f64>() / most
 }
 
-/// What further polynomials would add to a function, over the greatest: they go on falling as the last four do.
+/// What further polynomials would add to a function, over the greatest: they go on falling as the last eight do.
 fn left_out(coefficients: &[[f64; LANES]], function: usize) -> f64 {
-    let last_two = last(coefficients, function);
-    let before = last(&coefficients[..coefficients.len() - 2], function).max(f64::MIN_POSITIVE);
-    let ratio = (last_two / before).clamp(LEAST_RATIO, GREATEST_RATIO);
-    last_two * ratio / (1.0 - ratio)
+    let last_four = last(coefficients, 4, function);
+    let before = last(&coefficients[..coefficients.len() - 4], 4, function).max(f64::MIN_POSITIVE);
+    let ratio = (last_four / before).clamp(LEAST_RATIO, GREATEST_RATIO);
+    SMALLER * last_four * ratio / (1.0 - ratio)
 }
 
-/// How much faster or slower than this the coefficients of a function fall, two by two, is not told by four of them
+/// How much faster or slower than this the coefficients of a function fall, four by four, is not told by eight of them
 /// (`tests/curves.rs` holds what follows).
 const LEAST_RATIO: f64 = 0.5;
-const GREATEST_RATIO: f64 = 0.95;
+const GREATEST_RATIO: f64 = 0.9;
+
+/// Where a function decides it may be smaller than the greatest it becomes.
+const SMALLER: f64 = 3.0;
 
 /// Nodes between which noise is interpolated make this of it, about.
 const ROUGH: f64 = 2.0;
