@@ -10,6 +10,7 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use greatest::greatest;
+use jointsweep::engine::accuracy::Estimate;
 use jointsweep::engine::accuracy::Want;
 use jointsweep::engine::accuracy::known_errors::KNOWN_LEVELS;
 use jointsweep::engine::accuracy::mesh_change::{Trust, mesh_error};
@@ -19,7 +20,7 @@ use jointsweep::engine::cost;
 use jointsweep::engine::foresight::Foresight;
 use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
-use jointsweep::engine::plan::{Estimate, JointPlan, first_level};
+use jointsweep::engine::plan::{JointPlan, first_level};
 use jointsweep::engine::request::{Fidelity, Group, mesh_size};
 use jointsweep::engine::sweep::{self, Statistics, SweepOptions};
 use jointsweep::mechanics::body::{Body, Shape, annulus, block, cored_disc, half_disc};

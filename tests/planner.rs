@@ -9,11 +9,12 @@ mod draws;
 mod random;
 
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
+use jointsweep::engine::accuracy::Estimate;
 use jointsweep::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use jointsweep::engine::foresight::Foresight;
 use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{DesignOutcome, Method, Response};
-use jointsweep::engine::plan::{Estimate, JointPlan, first_level};
+use jointsweep::engine::plan::{JointPlan, first_level};
 use jointsweep::engine::request::Fidelity;
 use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::grading::LEVEL_COUNT;

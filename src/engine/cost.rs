@@ -3,9 +3,10 @@
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, RandomState};
 
+use crate::engine::accuracy::Estimate as HowKnown;
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::interpolation::plan::InterpolationPlan;
-use crate::engine::plan::{Estimate as HowKnown, JointPlan};
+use crate::engine::plan::JointPlan;
 use crate::engine::request::{BodyRequest, Fidelity, MeshSize, TopologyKey, concentric, mesh_size};
 use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{

@@ -3,11 +3,12 @@
 
 use std::collections::BTreeMap;
 
+use crate::engine::accuracy::Estimate;
 use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::accuracy::mesh_change::mesh_error;
 use crate::engine::foresight::Foresight;
 use crate::engine::interpolation::plan::InterpolationPlan;
-use crate::engine::plan::{Estimate, JointPlan, first_level};
+use crate::engine::plan::{JointPlan, first_level};
 use crate::engine::request::{BodyRequest, Fidelity, mesh_size};
 use crate::engine::unit_costs::{
     DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, ROW_SECONDS, request_seconds,

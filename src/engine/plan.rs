@@ -1,8 +1,8 @@
 //! From the accuracy asked to what is computed: for each body exact modes or a mesh, and how fine.
 
-use crate::engine::accuracy::Want;
 use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::accuracy::mesh_change::Trust;
+use crate::engine::accuracy::{Estimate, Want};
 use crate::engine::foresight::Foresight;
 use crate::engine::outcome::Method;
 use crate::engine::refusal::{Refusal, is_bounded};
@@ -26,17 +26,6 @@ pub struct JointPlan {
 
 /// Nodes from which on the curve of bodies on meshes gets no better.
 const NODES_OF_NOISE: usize = 48;
-
-/// How the error of the force is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Estimate {
-    /// Both bodies are exact.
-    Exact,
-    /// What the mesh level is known to be worth (`known_errors`).
-    Known,
-    /// From the change since the next coarser mesh.
-    Change(Trust),
-}
 
 /// The mesh level to begin with for an accuracy (relative, of the force): the coarsest whose typical error, measured
 /// in `tests/oracle.rs`, is below it. Where a design's own estimate says otherwise, it moves up the ladder.
@@ -91,16 +80,15 @@ impl JointPlan {
 
     /// What a design is solved with next, `None` where it wants nothing or there is no more.
     pub fn next(&self, want: Want) -> Option<JointPlan> {
+        let in_space = |space: Option<SpaceKey>| Some(JointPlan { space: space?, ..*self });
         match want {
             Want::Nothing => None,
-            Want::MoreNodes | Want::MoreTerms => {
-                let finer = self.space.finer(want).map(|space| JointPlan { space, ..*self });
-                // Between the nodes of a mesh's curve there is its noise, which further nodes lessen little.
-                let is_noise = want == Want::MoreNodes
-                    && self.estimate != Estimate::Exact
-                    && self.space.nodes >= NODES_OF_NOISE;
-                if is_noise { self.finer().or(finer) } else { finer.or_else(|| self.finer()) }
+            Want::MoreTerms => in_space(self.space.with_more_terms()).or_else(|| self.finer()),
+            // Between the nodes of a mesh's curve there is its noise, which further nodes lessen little.
+            Want::MoreNodes if self.estimate != Estimate::Exact && self.space.nodes >= NODES_OF_NOISE => {
+                self.finer().or(in_space(self.space.with_more_nodes()))
             }
+            Want::MoreNodes => in_space(self.space.with_more_nodes()).or_else(|| self.finer()),
             // No mesh there is makes up for what is held back of it.
             Want::FinerMesh if self.estimate == Estimate::Change(Trust::SqueezedFilm) => None,
             Want::FinerMesh => self.finer(),

@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use crate::engine::accuracy::Want;
 use crate::mechanics::body::{Body, THINNEST_RING};
 use crate::mechanics::compliance::arc::TERM_CHOICES;
 use crate::mechanics::compliance::ring_modes::LARGEST_HELD;
@@ -75,15 +74,19 @@ impl SpaceKey {
         [0.0, WIDE].into_iter().flat_map(of_angle)
     }
 
-    /// The next finer one for what is wanted: more trial pressures, or more nodes of the curve; `None` where there is none.
-    pub fn finer(self, want: Want) -> Option<SpaceKey> {
-        let next = |choices: &[usize], now: usize| choices.iter().copied().find(|choice| *choice > now);
-        match want {
-            Want::MoreTerms => next(&TERM_CHOICES, self.terms).map(|terms| SpaceKey { terms, ..self }),
-            Want::MoreNodes => next(&NODE_CHOICES, self.nodes).map(|nodes| SpaceKey { nodes, ..self }),
-            Want::Nothing | Want::FinerMesh => None,
-        }
+    /// The next one with more trial pressures, `None` where there is none.
+    pub fn with_more_terms(self) -> Option<SpaceKey> {
+        next(&TERM_CHOICES, self.terms).map(|terms| SpaceKey { terms, ..self })
     }
+
+    /// The next one with more nodes of the curve.
+    pub fn with_more_nodes(self) -> Option<SpaceKey> {
+        next(&NODE_CHOICES, self.nodes).map(|nodes| SpaceKey { nodes, ..self })
+    }
+}
+
+fn next(choices: &[usize], now: usize) -> Option<usize> {
+    choices.iter().copied().find(|choice| *choice > now)
 }
 
 /// From this contact half angle on, rad, few trial pressures leave something of the half angle and the peak pressure.

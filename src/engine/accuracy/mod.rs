@@ -2,8 +2,23 @@
 
 pub mod known_errors;
 pub mod mesh_change;
+pub mod fit_bound;
+pub mod body_errors;
+
+use mesh_change::Trust;
 
 use crate::mechanics::contact::state::ContactState;
+
+/// How the error of meshes is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Estimate {
+    /// Both bodies are exact.
+    Exact,
+    /// What the mesh level is known to be worth (`known_errors`).
+    Known,
+    /// From the change since the next coarser mesh.
+    Change(Trust),
+}
 
 /// What the answer to a design still wants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

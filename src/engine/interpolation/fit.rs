@@ -2,15 +2,14 @@
 
 use std::collections::HashMap;
 
-use crate::engine::accuracy::known_errors::known_error;
+use crate::engine::accuracy::fit_bound::FitBound;
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::basis::Basis;
 use crate::engine::interpolation::family::{Family, body_at};
-use crate::engine::interpolation::held_out::{HeldOut, WIDEST, quantile, worst_near};
+use crate::engine::interpolation::held_out::HeldOut;
 use crate::engine::interpolation::points::DEGREES;
 use crate::engine::interpolation::samples::{Expense, FINEST, Meshes};
 use crate::engine::spaces::{SpaceKey, Spaces};
-use crate::mechanics::body::Body;
 use crate::mechanics::compliance::body_fit::{BodyFit, MemberCompliances};
 use crate::mechanics::compliance::{BodyCompliance, infinite};
 
@@ -20,10 +19,7 @@ pub struct FittedFamily {
     /// Of its members.
     basis: Basis,
     members: HashMap<SpaceKey, MemberCompliances>,
-    /// Contact half angles, descending, rad, each with a bound of the relative error of the force, by the fit; and by the meshes,
-    /// where they are not of a `known_level`.
-    bound: Vec<(f64, f64)>,
-    known_level: Option<usize>,
+    pub bound: FitBound,
     /// Bodies solved for it, on every mesh.
     pub solved: u64,
 }
@@ -71,12 +67,10 @@ impl Family {
         for level in levels {
             let basis = Basis::of(self, level);
             held_out.solve(self, level, &basis, library, spaces, &mut expense);
-            let space = held_out.space(spaces);
-            let of_mesh = worst_near(space, &quantile(&held_out.of_mesh));
+            let of_mesh = held_out.worst_of_mesh(spaces);
             if of_mesh > MESH_SHARE * accuracy && level < FINEST {
                 continue;
             }
-            let of_meshes = if known { of_mesh } else { 0.0 };
             let mut samples: Vec<Vec<f64>> = Vec::new();
             for degrees in DEGREES[self.free()] {
                 let polynomials = self.polynomials(*degrees);
@@ -98,15 +92,12 @@ impl Family {
                 let Some(fit) = BodyFit::new(polynomials, &points, &samples, &scales, tolerance) else {
                     continue;
                 };
-                let bound = held_out.bound(&fit, &basis, spaces);
-                let worst = worst_near(space, &bound).hypot(of_meshes);
+                let bound = held_out.bound(&fit, &basis, spaces, level);
+                let of_mesh = if known { of_mesh } else { 0.0 };
+                let worst = bound.near().fold(0.0, f64::max).hypot(of_mesh);
                 if best.as_ref().is_none_or(|(least, _)| worst < *least) {
-                    let angles = space.arcs().iter().map(|arc| arc.half_angle);
-                    let bound = angles.zip(bound).collect();
-                    let known_level = (known && !self.exact).then_some(level);
-                    let fitted =
-                        FittedFamily { fit, basis, members: HashMap::new(), bound, known_level, solved: 0 };
-                    best = Some((worst, fitted));
+                    best =
+                        Some((worst, FittedFamily { fit, basis, members: HashMap::new(), bound, solved: 0 }));
                 }
                 if worst <= GOOD * accuracy {
                     break;
@@ -118,8 +109,7 @@ impl Family {
         }
         let (_, fitted) = best?;
         // A design at an arc whose bound is too large goes on to the meshes; not too many may.
-        let near: Vec<f64> =
-            fitted.bound.iter().filter(|(angle, _)| *angle < WIDEST).map(|(_, bound)| *bound).collect();
+        let near: Vec<f64> = fitted.bound.near().collect();
         let fair = near.iter().filter(|bound| **bound <= FAIR * accuracy).count();
         (2 * fair >= near.len()).then_some(FittedFamily { solved: expense.bodies, ..fitted })
     }
@@ -150,17 +140,5 @@ impl FittedFamily {
     /// Its members in a space that was prepared.
     pub fn members(&self, key: SpaceKey) -> &MemberCompliances {
         &self.members[&key]
-    }
-
-    /// Bound of the relative error of the force at a contact half angle, rad, of a body of the family: of the fit the greater of
-    /// those around it.
-    pub fn bound(&self, body: &Body, half_angle: f64) -> f64 {
-        let below = self.bound.partition_point(|(angle, _)| *angle > half_angle);
-        let around = &self.bound[below.saturating_sub(1)..(below + 1).min(self.bound.len())];
-        let of_fit = around.iter().fold(0.0, |worst: f64, (_, bound)| worst.max(*bound));
-        let of_mesh =
-            self.known_level.map(|level| known_error(body, level, half_angle).unwrap_or(f64::INFINITY));
-        // What meshes leave of the samples and what the fit leaves between them have nothing to do with each other.
-        of_fit.hypot(of_mesh.unwrap_or(0.0))
     }
 }

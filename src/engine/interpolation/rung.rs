@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
+use crate::engine::accuracy::body_errors::{BodyErrors, ErrorSource, JudgedBody};
 use crate::engine::accuracy::{ForceError, Want};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::foresight::Foresight;
@@ -77,10 +78,7 @@ impl Interpolation {
         for (family, budget) in &self.plan.families {
             if let Some(mut fit) = family.fit(self.plan.accuracy, *budget, library, spaces) {
                 let coarsest = SpaceKey::beside_thick_walls(family.key.half_ring, self.plan.accuracy);
-                fit.prepare(
-                    coarsest.flat_map(|key| [Some(key), key.finer(Want::MoreTerms)]).flatten(),
-                    spaces,
-                );
+                fit.prepare(coarsest.flat_map(|key| [Some(key), key.with_more_terms()]).flatten(), spaces);
                 fitted.insert(family.key, fit);
             }
         }
@@ -154,11 +152,13 @@ impl Interpolation {
                     else {
                         continue;
                     };
-                    let finer = key.2.finer(want).filter(|finer| families[0].is_prepared(*finer));
-                    match finer {
-                        _ if want == Want::Nothing => outcomes[one.number] = Some(outcome),
-                        Some(finer) => placed.push(Placed { key: (key.0, key.1, finer), ..one.clone() }),
-                        None => {}
+                    let finer = key.2.with_more_terms().filter(|finer| families[0].is_prepared(*finer));
+                    match (want, finer) {
+                        (Want::Nothing, _) => outcomes[one.number] = Some(outcome),
+                        (Want::MoreTerms, Some(finer)) => {
+                            placed.push(Placed { key: (key.0, key.1, finer), ..one.clone() });
+                        }
+                        _ => {}
                     }
                 }
             }
@@ -219,22 +219,23 @@ impl Interpolation {
         parts: &[JointCompliance; 2],
     ) -> Option<(DesignOutcome, Want)> {
         let curve = ContactCurve::new(space, &JointCompliance::of_both(&parts[0], &parts[1]))?;
-        let of_pin = curve.states.work_shares(&space.pressures, &parts[0]);
+        let judged = [0, 1].map(|side| JudgedBody {
+            body: &placed.bodies[side],
+            source: ErrorSource::Fit(&placed.families[side].bound),
+            part: &parts[side],
+        });
+        let errors = BodyErrors::new(&curve, &judged, None);
         let scale = JointScale::of(&case.joint);
         let states = curve.states(scale.clearance, scale.loads_in_contact(&case.steps));
         if states.iter().any(Result::is_err) {
             return None;
         }
-        let of_plate: Vec<f64> = of_pin.iter().map(|share| 1.0 - share).collect();
         let states = states.into_iter().map(|state| {
             let (state, node) = state?;
             // What fits leave does not fall with the degree, and is in their bounds.
             let state = ContactState { curve_error: curve.rough_error, ..state };
-            let error = |side: usize, shares: &[f64]| {
-                ContactCurve::around(node, shares)
-                    * placed.families[side].bound(&placed.bodies[side], state.half_angle)
-            };
-            Ok((state, ForceError::new(&state, error(0, &of_pin) + error(1, &of_plate), 0.0)))
+            let [of_bodies, of_beds] = errors.at(state.half_angle, node);
+            Ok((state, ForceError::new(&state, of_bodies, of_beds)))
         });
         let solving = Solving {
             backend: BackendKind::Cpu,

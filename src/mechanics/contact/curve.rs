@@ -118,7 +118,7 @@ const DECISIVE: usize = 5;
 
 /// The curve of a joint.
 pub struct ContactCurve<'a> {
-    pub(super) space: &'a CurveSpace,
+    pub space: &'a CurveSpace,
     even: f64,
     bed: f64,
     /// `[degree][function]`, in the order of `Reduced`.
