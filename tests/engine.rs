@@ -166,7 +166,7 @@ fn methods_are_told_with_their_errors() {
     };
     let concentric = joint(disc(), ring(2.0));
     // At 1 % `auto` takes fewer trial pressures.
-    for (method, most) in [(MethodChoice::Series, 1e-7), (MethodChoice::Auto, 1e-5)] {
+    for (method, most) in [(MethodChoice::Series, 1e-7), (MethodChoice::Auto, 2e-5)] {
         let (method, error) = told(concentric, method);
         assert!(method == Method::Series && (1e-8..most).contains(&error), "{error:e}");
     }
@@ -236,8 +236,9 @@ fn what_is_known_of_a_mesh_saves_the_second() {
     let levels = [half_disc, soft_plate].map(|joint| cheapest(&joint, 1e-4).0.level);
     assert_eq!(levels, [4, 0]);
     // So may the stiffer body of a joint that touches hardly at all.
-    let narrow = JointPlan::cheapest(&case(half_disc, &[Load::Indentation(1e-4)]), MethodChoice::Auto, 7e-4);
-    assert_eq!((narrow.unwrap().level, cheapest(&half_disc, 7e-4).0.level), (0, 1));
+    let narrow =
+        JointPlan::cheapest(&case(half_disc, &[Load::Indentation(1e-4)]), MethodChoice::Auto, 1.9e-4);
+    assert_eq!((narrow.unwrap().level, cheapest(&half_disc, 1.9e-4).0.level), (1, 2));
     // A nearly incompressible body is not known.
     let mut soft = half_disc;
     soft.idealization = Idealization::PlaneStrain;
