@@ -394,14 +394,15 @@ fn process_seconds() -> f64 {
     let this = std::env::current_exe().expect("a path of this program");
     least(RUNS_OF_PROGRAM, || {
         let started = Instant::now();
-        Command::new(&this).arg(SMALLEST).status().expect("a run of this program");
+        let status = Command::new(&this).arg(SMALLEST).status().expect("a run of this program");
+        assert!(status.success(), "{status}");
         started.elapsed().as_secs_f64()
     })
 }
 
 fn main() {
     if std::env::args().nth(1).is_some_and(|argument| argument == SMALLEST) {
-        run_sweep(&study(1, 1, false));
+        run_sweep(&study(1, 2, false));
         black_box(Host::current());
         return;
     }
