@@ -10,9 +10,7 @@ use crate::engine::foresight::Foresight;
 use crate::engine::interpolation::plan::InterpolationPlan;
 use crate::engine::plan::{JointPlan, first_level};
 use crate::engine::request::{BodyRequest, Fidelity, mesh_size};
-use crate::engine::unit_costs::{
-    DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, ROW_SECONDS, request_seconds,
-};
+use crate::engine::unit_costs::{Unit, body_seconds, design, interpolated_design, joint_seconds};
 use crate::error::Error;
 use crate::study::config::{MethodChoice, Study};
 use crate::study::design::DesignCase;
@@ -81,7 +79,7 @@ impl<'a> Explainer<'a> {
                 bodies: Vec::new(),
                 ruled_out,
                 error: 1.0,
-                seconds: rows * ROW_SECONDS,
+                seconds: rows * Unit::Row.seconds(),
             };
         }
         let mut rule_out = |what: &str, why: String| ruled_out.push((what.to_string(), why));
@@ -95,7 +93,7 @@ impl<'a> Explainer<'a> {
                 bodies: Vec::new(),
                 ruled_out,
                 error: self.study.solve.accuracy,
-                seconds: INTERPOLATED_DESIGN_SECONDS + rows * INTERPOLATED_ROW_SECONDS,
+                seconds: interpolated_design(rows).seconds(),
             };
         }
         self.explain_bodies(case, ruled_out)
@@ -179,14 +177,14 @@ impl<'a> Explainer<'a> {
             }
         };
         let requests: Vec<BodyRequest> = plan.requests().collect();
-        let seconds: f64 = requests.iter().map(request_seconds).sum();
+        let seconds: f64 = requests.iter().map(body_seconds).sum();
         Explanation {
             chosen,
             why,
             bodies: requests.iter().map(|request| describe(request, plan.space.terms)).collect(),
             ruled_out,
             error,
-            seconds: seconds + DESIGN_SECONDS + case.steps.len() as f64 * ROW_SECONDS,
+            seconds: seconds + joint_seconds(&plan) + design(case.steps.len() as f64).seconds(),
         }
     }
 }

@@ -47,6 +47,13 @@ pub struct MeshSize {
     pub layers: u64,
 }
 
+impl MeshSize {
+    /// Unknowns of a layer.
+    pub fn width(self) -> f64 {
+        self.unknowns as f64 / self.layers as f64
+    }
+}
+
 /// The size of a body's mesh at a level.
 pub fn mesh_size(body: &Body, level: usize) -> MeshSize {
     let class = mesh_class(body, level);

@@ -10,8 +10,9 @@ use crate::engine::interpolation::family::{
     Family, FamilyKey, MOST_COORDINATES, Point, coordinate_count, coordinates,
 };
 use crate::engine::plan::first_level;
-use crate::engine::request::Fidelity;
-use crate::engine::unit_costs::body_seconds;
+use crate::engine::request::{BodyRequest, Fidelity};
+use crate::engine::spaces::SpaceKey;
+use crate::engine::unit_costs::{body_seconds, curve, design, interpolated_design, spread_seconds};
 use crate::mechanics::body::{Body, BodyKey};
 use crate::study::config::{MethodChoice, SolveOptions, Study};
 use crate::study::design::JointDesign;
@@ -24,9 +25,6 @@ const FINEST_ACCURACY: f64 = 1e-3;
 
 /// A fit must save this many times what it costs.
 const GAIN: f64 = 2.0;
-
-/// What contact costs less on the curve of interpolated bodies, s a design.
-const CONTACT_SECONDS: f64 = 15e-6;
 
 /// What is fitted for a study, and for which designs.
 #[derive(Clone, Debug)]
@@ -140,20 +138,25 @@ impl InterpolationPlan {
             InterpolationPlan { accuracy: solve.accuracy, families: Vec::new(), pairs: HashSet::new() };
         for (both, of_pair) in &pairs {
             let designs = count as f64 * of_pair[0].seen as f64 / joints.len() as f64;
-            let mut saved = designs * CONTACT_SECONDS;
+            let [pin, plate] = of_pair.each_ref().map(|members| members.example);
+            let space = SpaceKey::coarsest(&pin, &plate, solve.accuracy, 0.0);
+            let mut saved = designs
+                * (curve(space).seconds() + design(0.0).seconds() - interpolated_design(0.0).seconds());
             let mut cost = 0.0;
             for (key, members) in [both.0, both.1].iter().zip(of_pair) {
                 let Some(family) = families.get(key) else { continue };
-                let of = |fidelity| body_seconds(&members.example, fidelity);
-                let on_mesh = |level| of(Fidelity::Mesh { level });
-                let seconds = if family.exact {
-                    of(Fidelity::Series)
+                let request = |fidelity| BodyRequest { body: members.example, fidelity };
+                let requests = if family.exact {
+                    vec![request(Fidelity::Series)]
                 } else if let Some(level) = known_level(&members.example, solve.accuracy) {
-                    on_mesh(level)
+                    vec![request(Fidelity::Mesh { level })]
                 } else {
-                    on_mesh(level) + on_mesh(level - 1)
+                    [level, level - 1].map(|level| request(Fidelity::Mesh { level })).to_vec()
                 };
-                saved += members.distinct_of(designs) * seconds;
+                let distinct = members.distinct_of(designs);
+                for request in &requests {
+                    saved += distinct * body_seconds(request) + designs * spread_seconds(request, space);
+                }
                 cost += family.least_seconds(solve.accuracy);
             }
             if saved < GAIN * cost {
