@@ -3,7 +3,7 @@
 //! mesh elsewhere, the other body of the joint being rigid.
 //!
 //! ```text
-//! cargo run --release --example mesh_changes > mesh_changes.csv     # minutes; then over src/engine/accuracy/mesh_changes.csv
+//! cargo run --release --example mesh_changes > mesh_changes.csv     # two to six minutes; then over src/engine/accuracy/mesh_changes.csv
 //! ```
 //!
 //! The two numbers of a row: for each of some multiples of the change the floor is what the rest of the errors, each a quarter more, is
@@ -38,8 +38,8 @@ const RAISED: f64 = 1.25;
 /// Estimates below it are as good as it.
 const GOOD: f64 = 1e-5;
 
-/// Where both meshes may be wrong alike random bodies do not show the worst: neither number is below these, which have held for the
-/// designs of `tests/extremes.rs` ever since. By level, coarsest first.
+/// Where both meshes may be wrong alike random bodies do not show the worst: neither number is below these, which held for the
+/// designs of `tests/extremes.rs`. By level, coarsest first.
 const LEAST_OF_WARY: [[f64; 2]; LEVEL_COUNT] =
     [[12.0, 1.2e-2], [12.0, 1.2e-2], [6.0, 1.9e-3], [6.0, 1.2e-3], [4.0, 4.6e-4], [4.0, 2.3e-4]];
 const LEAST_OF_FILMS: [[f64; 2]; LEVEL_COUNT] =
