@@ -8,21 +8,21 @@
 //! A number of the file is the error that 99 of 100 arcs of a kind are below, a quarter more, rounded up to two digits; and no
 //! finer level is said to be worse than a coarser one.
 
+#[path = "common/mesh_works.rs"]
+mod mesh_works;
 #[path = "../tests/common/random.rs"]
 mod random;
-
-use std::f64::consts::PI;
 
 use jointsweep::engine::accuracy::known_errors::{
     COLUMNS, DEPTHS, Group, KNOWN_LEVELS, Kind, Stiffness, column,
 };
 use jointsweep::engine::bodies::BodyLibrary;
 use jointsweep::engine::request::{BodyRequest, Fidelity};
-use jointsweep::engine::spaces::{SpaceKey, Spaces};
+use jointsweep::engine::spaces::Spaces;
 use jointsweep::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
-use jointsweep::mechanics::contact::edge::EdgeStates;
 use jointsweep::mechanics::grading::LEVEL_COUNT;
 use jointsweep::mechanics::material::{Compressibility, Idealization};
+use mesh_works::{Measured, rounded_up};
 use random::Random;
 
 /// Bodies of each group and stiffness, and within them of each depth; more blocks, which differ more.
@@ -35,9 +35,6 @@ const LEAST: usize = 24;
 /// Share of the errors that a number is above, and how much it is raised.
 const SHARE: f64 = 0.99;
 const RAISED: f64 = 1.25;
-
-/// Narrower contacts, deg, are like this one.
-const NARROWEST: f64 = 0.01;
 
 /// A body of a group and stiffness whose least depth is in a range.
 fn draw(random: &mut Random, group: Group, stiffness: Stiffness, depths: [f64; 2]) -> Body {
@@ -75,34 +72,11 @@ fn draw(random: &mut Random, group: Group, stiffness: Stiffness, depths: [f64; 2
     Body { shape, parameters, support, poissons_ratio, idealization }
 }
 
-/// Of each arc up to the neat fit its column and the error of each level.
-fn errors(library: &BodyLibrary, spaces: &mut Spaces, body: &Body) -> Vec<(usize, [f64; KNOWN_LEVELS])> {
-    let key = SpaceKey::coarsest(body, body, 1e-6, PI);
-    let compliance = |fidelity| &*library.solved(&BodyRequest { body: *body, fidelity }).compliance;
-    let exact = compliance(judge(body));
-    let meshes: [_; KNOWN_LEVELS] = std::array::from_fn(|level| compliance(Fidelity::Mesh { level }));
-    spaces.prepare(meshes.into_iter().chain([exact]).map(|body| (key, body)));
-    let space = &spaces.get(key).pressures;
-    let states = EdgeStates::new(space, &space.joint(&[(exact, 1.0)]));
-    let changes = meshes.map(|mesh| states.work_shares(space, &space.joint(&[(mesh, 1.0), (exact, -1.0)])));
-    let places = (0..space.arcs.len()).filter(|place| {
-        states.edges[*place].free.indentation < 1.0 && space.arcs[*place].half_angle.to_degrees() > NARROWEST
-    });
-    let of_place = |place: usize| {
-        (column(space.arcs[place].half_angle), changes.each_ref().map(|changes| changes[place].abs()))
-    };
-    places.map(of_place).collect()
-}
-
-/// What errors are measured against.
-fn judge(body: &Body) -> Fidelity {
-    if body.shape.concentric { Fidelity::Series } else { Fidelity::Mesh { level: LEVEL_COUNT - 1 } }
-}
-
-/// Rounded up to two digits.
-fn rounded_up(error: f64) -> f64 {
-    let unit = 10.0_f64.powf(error.log10().floor() - 1.0);
-    (error / unit).ceil() * unit
+/// A body with the levels that are to be known and what they are measured against.
+fn measured(body: Body) -> Measured {
+    let meshes = (0..KNOWN_LEVELS).map(|level| Fidelity::Mesh { level }).collect();
+    let finest = Fidelity::Mesh { level: LEVEL_COUNT - 1 };
+    Measured { body, meshes, judge: if body.shape.concentric { Fidelity::Series } else { finest } }
 }
 
 fn main() {
@@ -122,24 +96,14 @@ fn main() {
                 let kind = |body: &&Body| {
                     Kind::of(body).filter(|kind| kind.group == group && DEPTHS[kind.depth] == depths[0])
                 };
-                let bodies: Vec<Body> = bodies.iter().filter(|body| kind(body).is_some()).copied().collect();
-                let mut found: [Vec<[f64; KNOWN_LEVELS]>; COLUMNS.len() + 1] = [const { Vec::new() }; 4];
+                let of_kind = bodies.iter().filter(|body| kind(body).is_some());
+                let bodies: Vec<Measured> = of_kind.copied().map(measured).collect();
+                let mut found: [Vec<Vec<f64>>; COLUMNS.len() + 1] = [const { Vec::new() }; 4];
                 for bodies in bodies.chunks(64) {
-                    let fidelities = |body: &Body| {
-                        let meshes = (0..KNOWN_LEVELS).map(|level| Fidelity::Mesh { level });
-                        meshes.chain([judge(body)])
-                    };
-                    let requests: Vec<BodyRequest> = bodies
-                        .iter()
-                        .flat_map(|body| {
-                            fidelities(body).map(|fidelity| BodyRequest { body: *body, fidelity })
-                        })
-                        .collect();
-                    library.solve(&requests);
-                    for body in bodies {
-                        for (column, errors) in errors(&library, &mut spaces, body) {
-                            found[column].push(errors);
-                        }
+                    library.solve(&bodies.iter().flat_map(Measured::requests).collect::<Vec<BodyRequest>>());
+                    let arcs = bodies.iter().flat_map(|body| body.arcs(&library, &mut spaces));
+                    for (half_angle, errors, _) in arcs {
+                        found[column(half_angle)].push(errors);
                     }
                 }
                 if found[0].len() < LEAST {

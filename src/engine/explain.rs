@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 
 use crate::engine::accuracy::Estimate;
 use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
-use crate::engine::accuracy::mesh_change::mesh_error;
 use crate::engine::foresight::Foresight;
 use crate::engine::interpolation::plan::InterpolationPlan;
 use crate::engine::plan::{JointPlan, first_level};
@@ -166,14 +165,14 @@ impl<'a> Explainer<'a> {
                 );
                 (format!("mesh level {}", plan.level), why, accuracy)
             }
-            Estimate::Change(_) => {
+            Estimate::Change(trust) => {
                 let (level, first) = (plan.level, first_level(accuracy));
                 let why = format!(
                     "the difference of two meshes tells the error of each design; level {first} is the coarsest that is \
                      typically within {}, and where it is not, finer ones follow",
                     percent(accuracy)
                 );
-                (format!("mesh levels {} and {level}", level - 1), why, accuracy.max(mesh_error(level, 0.0)))
+                (format!("mesh levels {} and {level}", level - 1), why, accuracy.max(trust.error(level, 0.0)))
             }
         };
         let requests: Vec<BodyRequest> = plan.requests().collect();
