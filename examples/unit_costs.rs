@@ -296,7 +296,7 @@ fn exact_bodies() -> [Vec<Measured>; 2] {
     let of_series =
         bodies().map(|body| Measured::new(&[&series(body.modes_needed()).0], time(|| body.compliance())));
     // Those of near fields are neither thinner nor deeper.
-    let references = bodies().filter(|body| (0.1..2.0).contains(&body.fixed_radius.ln().abs()));
+    let references = bodies().filter(|body| (0.1..2.0).contains(&body.fixed_radius_ratio.ln().abs()));
     let of_near_fields = references.flat_map(|body| {
         let lists: [Vec<f64>; LANES] = std::array::from_fn(|_| body.boundary_modes());
         RING_MODES.map(|count| {

@@ -117,35 +117,43 @@ pub struct NearFieldClass {
     pub grading: GradingClass,
     pub idealization: Idealization,
     pub range: PoissonRange,
-    /// By which layers grow, in units of `GROWTH_STEP`.
+    /// By which layers grow, in units of `GROWTH_UNIT`.
     pub growth: u32,
 }
 
 /// Between these steps of the layers' growth near fields are interpolated.
 pub const GROWTH_STEP: f64 = 0.25;
 
+/// So near to each other growths are the same.
+const GROWTH_UNIT: f64 = 1e-6;
+
 impl NearFieldClass {
     /// The two between which the near field of a body lies, by the growth of its layers where contact begins, and how far
-    /// from the first to the second (0 to 1).
+    /// from the first to the second (0 to 1); of a shape whose bodies all grow alike, its own twice.
     pub fn around(body: &Body, grading: GradingClass) -> ([NearFieldClass; 2], f64) {
         let Body { shape, parameters, poissons_ratio, idealization, .. } = body;
         let depth = (shape.depth)(parameters, 0.0);
-        let steps = grading.layers().growth(depth, 1.0) / GROWTH_STEP;
+        let own = grading.layers().growth(depth, 1.0);
         // A reference needs layers.
-        let below = steps.floor().max(1.0);
+        let steps = own.max(GROWTH_STEP) / GROWTH_STEP;
+        let around = if shape.parameters.is_empty() {
+            [own, own]
+        } else {
+            [steps.floor(), steps.floor() + 1.0].map(|steps| steps * GROWTH_STEP)
+        };
         let class = |growth: f64| NearFieldClass {
             side: shape.side,
             half_ring: shape.end_angle < PI,
             grading,
             idealization: *idealization,
             range: PoissonRange::of(*poissons_ratio, *idealization),
-            growth: growth as u32,
+            growth: (growth / GROWTH_UNIT).round() as u32,
         };
-        ([class(below), class(below + 1.0)], steps - below)
+        (around.map(class), steps.fract())
     }
 
     fn growth(&self) -> f64 {
-        f64::from(self.growth) * GROWTH_STEP
+        f64::from(self.growth) * GROWTH_UNIT
     }
 
     /// The layers of the reference.
