@@ -21,7 +21,7 @@ use jointsweep::engine::request::{BodyRequest, Fidelity};
 use jointsweep::engine::spaces::Spaces;
 use jointsweep::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
 use jointsweep::mechanics::grading::LEVEL_COUNT;
-use jointsweep::mechanics::material::{Compressibility, Idealization};
+use jointsweep::mechanics::material::Idealization;
 use mesh_works::{Measured, rounded_up};
 use random::Random;
 
@@ -39,17 +39,14 @@ const RAISED: f64 = 1.25;
 /// A body of a group and stiffness whose least depth is in a range.
 fn draw(random: &mut Random, group: Group, stiffness: Stiffness, depths: [f64; 2]) -> Body {
     let idealization = match stiffness {
-        Stiffness::Ordinary => Idealization::ALL[(random.unit() * 2.0) as usize],
+        Stiffness::Auxetic | Stiffness::Ordinary => Idealization::ALL[(random.unit() * 2.0) as usize],
         _ => Idealization::PlaneStrain,
     };
-    let poissons_ratio = match (stiffness, idealization) {
-        (Stiffness::Ordinary, _) if random.unit() < 0.2 => {
-            random.linear(Compressibility::NEARLY_CONFORMAL, 0.0)
-        }
-        (Stiffness::Ordinary, Idealization::PlaneStress) => random.linear(0.0, 0.5),
-        (Stiffness::Ordinary, Idealization::PlaneStrain) => random.linear(0.0, stiffness.range()[1]),
-        _ => random.linear(stiffness.range()[0], stiffness.range()[1]),
+    let [least, greatest] = match idealization {
+        Idealization::PlaneStress if stiffness == Stiffness::Ordinary => [0.0, 0.5],
+        _ => stiffness.range(),
     };
+    let poissons_ratio = random.linear(least, greatest);
     // Where two sides are as long as that, the corner between them is as far as anything that was measured.
     let longest = group.depths()[1] - 0.5 * 2.0_f64.ln();
     let depth = |random: &mut Random| random.log(depths[0], depths[1].min(longest)).exp();
@@ -80,7 +77,6 @@ fn measured(body: Body) -> Measured {
 }
 
 fn main() {
-    let mut random = Random::new(91);
     let (mut library, mut spaces) = (BodyLibrary::default(), Spaces::default());
     println!("group,stiffness,least_depth,level,below_10_deg,below_45_deg,below_75_deg,wider");
     for group in Group::ALL {
@@ -90,6 +86,7 @@ fn main() {
         };
         for stiffness in Stiffness::ALL {
             for depths in DEPTHS.windows(2).filter(|depths| depths[0] >= group.depths()[0]) {
+                let mut random = Random::new(91);
                 // By the depth of the body; blocks have others than they were drawn for where sides are alike.
                 let bodies: Vec<Body> =
                     (0..count).map(|_| draw(&mut random, group, stiffness, [depths[0], depths[1]])).collect();

@@ -19,9 +19,12 @@ pub const COLUMNS: [f64; 3] = [10.0, 45.0, 75.0];
 /// Least depths, |ln r|, at which the next kind of body begins; and the deepest that was drawn.
 pub const DEPTHS: [f64; 7] = [0.0198, 0.1, 0.18, 0.35, 0.7, 1.5, 5.71];
 
-/// Corners between held and free sides are the worse the stiffer a body is in plane strain beside its shear modulus.
+/// How stiff a body is beside its shear modulus. Corners between held and free sides are the worse the stiffer it is in plane strain,
+/// and coarse meshes are worse where it is auxetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stiffness {
+    /// A negative Poisson's ratio.
+    Auxetic,
     Ordinary,
     Stiff,
     VeryStiff,
@@ -29,13 +32,19 @@ pub enum Stiffness {
 }
 
 impl Stiffness {
-    pub const ALL: [Stiffness; 4] =
-        [Stiffness::Ordinary, Stiffness::Stiff, Stiffness::VeryStiff, Stiffness::NearlyIncompressible];
+    pub const ALL: [Stiffness; 5] = [
+        Stiffness::Auxetic,
+        Stiffness::Ordinary,
+        Stiffness::Stiff,
+        Stiffness::VeryStiff,
+        Stiffness::NearlyIncompressible,
+    ];
 
     /// Least and greatest Poisson's ratio in plane strain.
     pub fn range(self) -> [f64; 2] {
         match self {
-            Stiffness::Ordinary => [-1.0, Compressibility::STIFF],
+            Stiffness::Auxetic => [Compressibility::NEARLY_CONFORMAL, 0.0],
+            Stiffness::Ordinary => [0.0, Compressibility::STIFF],
             Stiffness::Stiff => [Compressibility::STIFF, Compressibility::VERY_STIFF],
             Stiffness::VeryStiff => [Compressibility::VERY_STIFF, Compressibility::NEARLY_INCOMPRESSIBLE],
             Stiffness::NearlyIncompressible => {
@@ -47,6 +56,7 @@ impl Stiffness {
     /// The name in files.
     pub fn name(self) -> &'static str {
         match self {
+            Stiffness::Auxetic => "auxetic",
             Stiffness::Ordinary => "ordinary",
             Stiffness::Stiff => "stiff",
             Stiffness::VeryStiff => "very stiff",
@@ -58,6 +68,7 @@ impl Stiffness {
     pub fn of(body: &Body) -> Option<Stiffness> {
         match Compressibility::of(body.poissons_ratio, body.idealization) {
             Compressibility::NearlyConformal | Compressibility::Locking => None,
+            Compressibility::Auxetic | Compressibility::Negative => Some(Stiffness::Auxetic),
             Compressibility::Stiff => Some(Stiffness::Stiff),
             Compressibility::VeryStiff => Some(Stiffness::VeryStiff),
             Compressibility::NearlyIncompressible => Some(Stiffness::NearlyIncompressible),
