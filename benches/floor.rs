@@ -6,8 +6,8 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use jointsweep::engine::body_request::{Fidelity, TopologyKey};
 use jointsweep::engine::plan::JointPlan;
-use jointsweep::engine::request::{Fidelity, TopologyKey};
 use jointsweep::engine::sweep::{SweepOptions, run};
 use jointsweep::mechanics::compliance::arc::packed_count;
 use jointsweep::mechanics::compliance::lane_condensation::{CondensationPlan, Operations};

@@ -17,8 +17,8 @@ mod random;
 
 use jointsweep::engine::accuracy::mesh_change::Trust;
 use jointsweep::engine::bodies::BodyLibrary;
+use jointsweep::engine::body_request::{BodyRequest, Fidelity};
 use jointsweep::engine::refusal::{Refusal, is_bounded};
-use jointsweep::engine::request::{BodyRequest, Fidelity};
 use jointsweep::engine::spaces::Spaces;
 use jointsweep::mechanics::body::{Body, DEEPEST_MESHED, annulus, block, cored_disc, half_disc};
 use jointsweep::mechanics::grading::LEVEL_COUNT;

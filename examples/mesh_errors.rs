@@ -17,7 +17,7 @@ use jointsweep::engine::accuracy::known_errors::{
     COLUMNS, DEPTHS, Group, KNOWN_LEVELS, Kind, Stiffness, column,
 };
 use jointsweep::engine::bodies::BodyLibrary;
-use jointsweep::engine::request::{BodyRequest, Fidelity};
+use jointsweep::engine::body_request::{BodyRequest, Fidelity};
 use jointsweep::engine::spaces::Spaces;
 use jointsweep::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
 use jointsweep::mechanics::grading::LEVEL_COUNT;

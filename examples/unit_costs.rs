@@ -15,9 +15,9 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
+use jointsweep::engine::body_request::{BodyRequest, Fidelity, concentric, mesh_class, mesh_size};
 use jointsweep::engine::plan::JointPlan;
 use jointsweep::engine::refusal::is_bounded;
-use jointsweep::engine::request::{BodyRequest, Fidelity, concentric, mesh_class, mesh_size};
 use jointsweep::engine::spaces::SpaceKey;
 use jointsweep::engine::sweep::{self, SweepOptions};
 use jointsweep::engine::unit_costs::{

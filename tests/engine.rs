@@ -16,12 +16,12 @@ use jointsweep::engine::accuracy::known_errors::KNOWN_LEVELS;
 use jointsweep::engine::accuracy::mesh_change::{Trust, mesh_error};
 use jointsweep::engine::backend::Device;
 use jointsweep::engine::backend::gpu::context::GpuError;
+use jointsweep::engine::body_request::{Fidelity, Group, mesh_size};
 use jointsweep::engine::cost;
-use jointsweep::engine::foresight::Foresight;
+use jointsweep::engine::expected_contact::ExpectedContact;
 use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
 use jointsweep::engine::plan::{JointPlan, first_level};
-use jointsweep::engine::request::{Fidelity, Group, mesh_size};
 use jointsweep::engine::sweep::{self, Statistics, SweepOptions};
 use jointsweep::mechanics::body::{Body, Shape, annulus, block, cored_disc, half_disc};
 use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
@@ -284,7 +284,7 @@ fn finer_meshes_are_taken_where_they_are_needed() {
     let [slender, stiff] = [slender, stiff].map(|joint| case(joint, &[1e-3, 0.2].map(Load::Indentation)));
     let worst = |steps: &[StepOutcome]| greatest(steps.iter().map(|step| step.response.unwrap().force_error));
     let plan = |case: &DesignCase, accuracy| JointPlan::cheapest(case, MethodChoice::Auto, accuracy).unwrap();
-    let foreseen = plan(&slender, 0.01).foreseen_error(&Foresight::of(&slender)).unwrap();
+    let foreseen = plan(&slender, 0.01).foreseen_error(&ExpectedContact::of(&slender)).unwrap();
     let found = worst(&alone(&slender, MethodChoice::Auto, 0.01));
     assert!(found > 1.05 * foreseen, "{found} {foreseen}");
     // The estimate has a part of the curve, too, which finer meshes do not lessen.

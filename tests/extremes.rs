@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use greatest::greatest;
-use jointsweep::engine::interpolation::plan::InterpolationPlan;
+use jointsweep::engine::interpolation::fit_plan::InterpolationPlan;
 use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{DesignOutcome, Method, Response};
 use jointsweep::mechanics::body::{annulus, block, cored_disc, half_disc};

@@ -9,7 +9,7 @@ mod random;
 use std::path::Path;
 
 use greatest::greatest;
-use jointsweep::engine::interpolation::plan::InterpolationPlan;
+use jointsweep::engine::interpolation::fit_plan::InterpolationPlan;
 use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{DesignOutcome, Method};
 use jointsweep::engine::sweep::{self, SweepOptions};

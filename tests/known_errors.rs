@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
 use jointsweep::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error, worst_known_error};
 use jointsweep::engine::bodies::BodyLibrary;
-use jointsweep::engine::request::{BodyRequest, Fidelity};
+use jointsweep::engine::body_request::{BodyRequest, Fidelity};
 use jointsweep::engine::spaces::{SpaceKey, Spaces};
 use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::contact::edge::EdgeStates;

@@ -12,9 +12,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use draws::{concentric as concentric_bodies, disc_in_block, draw, half_disc_in_annulus};
+use jointsweep::engine::body_request::{BodyRequest, ELEMENT, Fidelity, concentric};
 use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::plan::JointPlan;
-use jointsweep::engine::request::{BodyRequest, ELEMENT, Fidelity, concentric};
 use jointsweep::engine::spaces::SpaceKey;
 use jointsweep::mechanics::body::BodyKey;
 use jointsweep::mechanics::compliance::arc::packed_count;
@@ -24,12 +24,12 @@ use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::GradingClass;
 use jointsweep::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::study::design::{DesignCase, Part};
+use jointsweep::tradeoff::answer::State;
 use jointsweep::tradeoff::choice::Scope;
 use jointsweep::tradeoff::errors::{Errors, force_error};
 use jointsweep::tradeoff::families::{named, planner};
 use jointsweep::tradeoff::joints::{Terms, least_contact_angle};
 use jointsweep::tradeoff::oracle::Oracle;
-use jointsweep::tradeoff::state::State;
 use random::Random;
 
 /// Folder of the record, config, and how far apart the designs are that were taken of it.

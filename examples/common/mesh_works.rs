@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use jointsweep::engine::bodies::BodyLibrary;
-use jointsweep::engine::request::{BodyRequest, Fidelity};
+use jointsweep::engine::body_request::{BodyRequest, Fidelity};
 use jointsweep::engine::spaces::{SpaceKey, Spaces};
 use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::contact::edge::EdgeStates;

@@ -9,9 +9,9 @@ use rayon::prelude::*;
 
 use crate::engine::backend::Device;
 use crate::engine::backend::gpu::context::GpuError;
+use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
 use crate::engine::near_fields::NearFieldLibrary;
 use crate::engine::outcome::BackendKind;
-use crate::engine::request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::near_field::NearFieldClass;

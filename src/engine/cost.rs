@@ -5,12 +5,12 @@ use std::hash::{BuildHasher, RandomState};
 
 use crate::engine::accuracy::Estimate as HowKnown;
 use crate::engine::accuracy::mesh_change::Trust;
-use crate::engine::interpolation::plan::InterpolationPlan;
-use crate::engine::joint_contact::joint_key;
-use crate::engine::plan::JointPlan;
-use crate::engine::request::{
+use crate::engine::body_request::{
     BodyRequest, Fidelity, MeshSize, TopologyKey, concentric, mesh_class, mesh_size,
 };
+use crate::engine::interpolation::fit_plan::InterpolationPlan;
+use crate::engine::joint_contact::joint_key;
+use crate::engine::plan::JointPlan;
 use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{
     Unit, batch, body_seconds, design, interpolated_design, joint_seconds, near_field_works, series, space,

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 
 use crate::engine::accuracy::Estimate;
 use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
-use crate::engine::foresight::Foresight;
-use crate::engine::interpolation::plan::InterpolationPlan;
+use crate::engine::body_request::{BodyRequest, Fidelity, mesh_size};
+use crate::engine::expected_contact::ExpectedContact;
+use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::plan::{JointPlan, first_level};
-use crate::engine::request::{BodyRequest, Fidelity, mesh_size};
 use crate::engine::unit_costs::{Unit, body_seconds, design, interpolated_design, joint_seconds};
 use crate::error::Error;
 use crate::study::config::{MethodChoice, Study};
@@ -129,7 +129,7 @@ impl<'a> Explainer<'a> {
                 };
             }
         };
-        let foresight = Foresight::of(case);
+        let expected = ExpectedContact::of(case);
         for request in plan.meshed() {
             let name = request.body.shape.name;
             let why = match method {
@@ -145,7 +145,7 @@ impl<'a> Explainer<'a> {
         for level in (0..levels).filter(|_| is_meshed) {
             let alone = JointPlan { level, ..plan };
             ruled_out
-                .push((format!("mesh level {level} alone"), not_known_enough(&alone, &foresight, accuracy)));
+                .push((format!("mesh level {level} alone"), not_known_enough(&alone, &expected, accuracy)));
         }
         let (chosen, why, error) = match plan.estimate {
             Estimate::Exact => (
@@ -154,13 +154,13 @@ impl<'a> Explainer<'a> {
                 EXACT.min(accuracy),
             ),
             Estimate::Known => {
-                let known = worst_known(&plan, foresight.half_angle).unwrap_or(f64::INFINITY);
-                let foreseen = plan.foreseen_error(&foresight).unwrap_or(f64::INFINITY);
+                let known = worst_known(&plan, expected.half_angle).unwrap_or(f64::INFINITY);
+                let foreseen = plan.foreseen_error(&expected).unwrap_or(f64::INFINITY);
                 let why = format!(
                     "such meshes are known to be within {} at half angles up to {:.0} deg; by the moduli an error of {} is \
                      foreseen, and where it turns out worse, finer ones follow",
                     percent(known),
-                    foresight.half_angle.to_degrees(),
+                    expected.half_angle.to_degrees(),
                     percent(foreseen)
                 );
                 (format!("mesh level {}", plan.level), why, accuracy)
@@ -194,8 +194,8 @@ fn worst_known(plan: &JointPlan, half_angle: f64) -> Option<f64> {
     plan.meshed().map(known).try_fold(0.0, |worst: f64, error| Some(worst.max(error?)))
 }
 
-fn not_known_enough(plan: &JointPlan, foresight: &Foresight, accuracy: f64) -> String {
-    match plan.foreseen_error(foresight) {
+fn not_known_enough(plan: &JointPlan, expected: &ExpectedContact, accuracy: f64) -> String {
+    match plan.foreseen_error(expected) {
         None => "its error on such bodies was not measured beforehand".into(),
         Some(error) => format!("may be off by {}, {} is asked", percent(error), percent(accuracy)),
     }

@@ -3,10 +3,10 @@
 use crate::engine::accuracy::body_errors::{BodyErrors, ErrorSource, JudgedBody};
 use crate::engine::accuracy::{Estimate, ForceError, Want};
 use crate::engine::bodies::BodyLibrary;
+use crate::engine::body_request::{Fidelity, RequestKey};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::plan::JointPlan;
-use crate::engine::request::{Fidelity, RequestKey};
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::compliance::Boundary;

@@ -1,11 +1,11 @@
 pub mod outcome;
 pub mod agreement;
-pub mod request;
+pub mod body_request;
 pub mod spaces;
 pub mod refusal;
 pub mod near_fields;
 pub mod accuracy;
-pub mod foresight;
+pub mod expected_contact;
 pub mod plan;
 pub mod joint_scale;
 pub mod row;

@@ -3,10 +3,10 @@
 use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, Want};
-use crate::engine::foresight::Foresight;
+use crate::engine::body_request::{BodyRequest, Fidelity};
+use crate::engine::expected_contact::ExpectedContact;
 use crate::engine::outcome::Method;
 use crate::engine::refusal::{Refusal, is_bounded};
-use crate::engine::request::{BodyRequest, Fidelity};
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::Body;
 use crate::mechanics::grading::LEVEL_COUNT;
@@ -41,9 +41,9 @@ impl JointPlan {
         if plan.estimate == Estimate::Exact {
             return Ok(plan);
         }
-        let foresight = Foresight::of(case);
+        let expected = ExpectedContact::of(case);
         let is_enough =
-            |plan: &JointPlan| plan.foreseen_error(&foresight).is_some_and(|error| error <= accuracy);
+            |plan: &JointPlan| plan.foreseen_error(&expected).is_some_and(|error| error <= accuracy);
         let mut known =
             (0..KNOWN_LEVELS).map(|level| JointPlan { estimate: Estimate::Known, ..plan.on_level(level) });
         if let Some(known) = known.find(|plan| is_enough(plan) && plan.is_bounded()) {
@@ -71,10 +71,10 @@ impl JointPlan {
     }
 
     /// What is known of the meshes, each body by its share of the work; `None` where nothing is known.
-    pub fn foreseen_error(&self, foresight: &Foresight) -> Option<f64> {
-        let bodies = [self.pin, self.plate].into_iter().zip(foresight.shares);
+    pub fn foreseen_error(&self, expected: &ExpectedContact) -> Option<f64> {
+        let bodies = [self.pin, self.plate].into_iter().zip(expected.shares);
         let meshed = bodies.filter(|(request, _)| request.fidelity != Fidelity::Series);
-        let known = |request: BodyRequest| known_error(&request.body, self.level, foresight.half_angle);
+        let known = |request: BodyRequest| known_error(&request.body, self.level, expected.half_angle);
         meshed.map(|(request, share)| Some(share * known(request)?)).sum()
     }
 
@@ -134,7 +134,7 @@ impl JointPlan {
         }
         // Who asks for `series` wants it exact.
         let wanted = if method == MethodChoice::Series { 0.0 } else { accuracy };
-        let space = SpaceKey::coarsest(&pin, &plate, wanted, Foresight::of(case).half_angle);
+        let space = SpaceKey::coarsest(&pin, &plate, wanted, ExpectedContact::of(case).half_angle);
         let request = |body: Body| {
             let exact = method != MethodChoice::Fe && body.shape.concentric;
             let fidelity = if exact { Fidelity::Series } else { Fidelity::Mesh { level } };

@@ -8,7 +8,7 @@ use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
 
 use crate::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
-use crate::engine::interpolation::plan::InterpolationPlan;
+use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::error::Error;

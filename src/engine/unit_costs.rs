@@ -7,8 +7,8 @@
 
 use std::sync::LazyLock;
 
+use crate::engine::body_request::{BodyRequest, Fidelity, MeshSize, concentric, mesh_class, mesh_size};
 use crate::engine::plan::JointPlan;
-use crate::engine::request::{BodyRequest, Fidelity, MeshSize, concentric, mesh_class, mesh_size};
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::arc::packed_count;

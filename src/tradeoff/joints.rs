@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::hash::Hash;
 
-use crate::engine::foresight::half_angle;
+use crate::engine::expected_contact::half_angle;
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::{Body, BodyKey};
 use crate::mechanics::laws::{HertzContact, Pair};

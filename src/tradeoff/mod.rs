@@ -4,7 +4,7 @@
 //! A family of choices is one file in `families` and one line in its list. A choice takes designs and gives the states
 //! of their load steps; it stands on `mechanics` and on what `engine` shares, not on what `engine` plans by itself.
 
-pub mod state;
+pub mod answer;
 pub mod errors;
 pub mod front;
 pub mod choice;

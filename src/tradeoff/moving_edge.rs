@@ -6,7 +6,7 @@ use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::contact::curve::ContactCurve;
 use crate::study::design::{DesignCase, Load};
-use crate::tradeoff::state::State;
+use crate::tradeoff::answer::State;
 
 /// The states of one design, one for each step, in a space that was prepared for both bodies.
 pub fn states(

@@ -12,10 +12,10 @@ use crate::mechanics::contact::node_contact::penalty::{solve_penalty, springs};
 use crate::mechanics::contact::node_contact::ring_joint::RingJoint;
 use crate::mechanics::material::effective_modulus;
 use crate::study::design::{DesignCase, JointDesign, Load};
+use crate::tradeoff::answer::State;
 use crate::tradeoff::choice::Solution;
 use crate::tradeoff::ring_mesh::Division;
 use crate::tradeoff::rings::Rings;
-use crate::tradeoff::state::State;
 
 /// How the unilateral conditions are met.
 #[derive(Clone, Copy, Debug, PartialEq)]

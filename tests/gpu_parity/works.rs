@@ -3,7 +3,7 @@
 use jointsweep::engine::backend::Device;
 use jointsweep::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
 use jointsweep::engine::backend::gpu::works::{BodyWorks, ModeLoads};
-use jointsweep::engine::request::{BodyRequest, Fidelity, Group, TopologyKey};
+use jointsweep::engine::body_request::{BodyRequest, Fidelity, Group, TopologyKey};
 use jointsweep::mechanics::compliance::RingCompliance;
 use jointsweep::mechanics::compliance::arc::packed_count;
 use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;

@@ -6,7 +6,7 @@
 use std::sync::LazyLock;
 
 use crate::engine::accuracy::known_errors::{DEPTHS, known_error};
-use crate::engine::request::{BodyRequest, Fidelity};
+use crate::engine::body_request::{BodyRequest, Fidelity};
 use crate::engine::spaces::THIN;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::near_field::PoissonRange;

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use gpu::context::GpuError;
 
-use crate::engine::request::Group;
+use crate::engine::body_request::Group;
 
 /// Condenses bodies, and may be lost.
 pub trait Device: Send + Sync {

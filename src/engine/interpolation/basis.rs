@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
+use crate::engine::body_request::{concentric, mesh_class};
 use crate::engine::interpolation::family::{Family, body_at};
-use crate::engine::request::{concentric, mesh_class};
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
 

@@ -2,11 +2,11 @@
 
 use crate::engine::accuracy::known_errors::known_level;
 use crate::engine::bodies::BodyLibrary;
+use crate::engine::body_request::{BodyRequest, Fidelity, mesh_class, mesh_size};
 use crate::engine::interpolation::basis::Basis;
 use crate::engine::interpolation::family::{Family, MOST_COORDINATES, body_at};
 use crate::engine::interpolation::points::DEGREES;
 use crate::engine::plan::first_level;
-use crate::engine::request::{BodyRequest, Fidelity, mesh_class, mesh_size};
 use crate::engine::unit_costs::{body_seconds, topology};
 use crate::mechanics::compliance::ring_modes::RingModes;
 

@@ -2,7 +2,7 @@
 
 pub mod condense;
 pub mod arc;
-pub mod kernels;
+pub mod infinite_body;
 pub mod thin_wall;
 pub mod ring_modes;
 pub mod series;

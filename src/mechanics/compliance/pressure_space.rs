@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::arc::{ContactArc, MAX_TERMS, TERM_CHOICES, cosines, packed, packed_count};
-use super::kernels::infinite_kernels;
+use super::infinite_body::infinite_kernels;
 use super::ring_modes::RingModes;
 use super::thin_wall::bed_matrix;
 use super::{BodyCompliance, Boundary};

@@ -8,7 +8,7 @@
 //!   lambda_n = c [n +- beta]/(n^2 - 1),   c = (kappa + 1)/(4 mu),   beta = (kappa - 1)/(kappa + 1),
 //! ```
 //!
-//! plus for a hole and minus for a disc, whose sums are known in closed form (`kernels`); what is left of each
+//! plus for a hole and minus for a disc, whose sums are known in closed form (`infinite_body`); what is left of each
 //! mode falls like (ratio of radii)^(-2 n).
 
 use super::thin_wall::bed_compliance;

@@ -10,8 +10,8 @@ use crate::engine::ladder::Ladder;
 use crate::engine::outcome::DesignOutcome;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
+use crate::tradeoff::answer::State;
 use crate::tradeoff::choice::{Choice, Family, Scope, Solution};
-use crate::tradeoff::state::State;
 
 pub static FAMILY: Family =
     Family { name: "gpu", about: "GPU, a sweep's own", parameter: "accuracy asked", choices };

@@ -1,6 +1,6 @@
 //! Contact with a moving edge on the ladder of meshes that a sweep climbs: Q8 as a sweep does it, and Q4.
 
-use crate::engine::request::Fidelity;
+use crate::engine::body_request::Fidelity;
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::tradeoff::choice::{Choice, Family, Solve};

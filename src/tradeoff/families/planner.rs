@@ -5,8 +5,8 @@ use std::time::Instant;
 use crate::engine::ladder::Ladder;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
+use crate::tradeoff::answer::{State, States};
 use crate::tradeoff::choice::{Choice, Family, Scope, Solution};
-use crate::tradeoff::state::{State, States};
 
 pub static FAMILY: Family =
     Family { name: "planner", about: "the planner (method auto)", parameter: "accuracy asked", choices };

@@ -3,14 +3,14 @@
 use std::time::Instant;
 
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::request::{BodyRequest, Fidelity};
+use crate::engine::body_request::{BodyRequest, Fidelity};
 use crate::engine::spaces::Spaces;
 use crate::mechanics::body::Body;
 use crate::study::design::DesignCase;
+use crate::tradeoff::answer::States;
 use crate::tradeoff::choice::{Choice, Family, Scope, Solution};
 use crate::tradeoff::joints::{Joints, Terms};
 use crate::tradeoff::moving_edge;
-use crate::tradeoff::state::States;
 
 pub static FAMILY: Family =
     Family { name: "series", about: "exact modes (series)", parameter: "trial pressures", choices };

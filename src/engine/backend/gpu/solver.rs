@@ -12,7 +12,7 @@ use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::backend::Device;
-use crate::engine::request::{Group, TopologyKey};
+use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::mesh::RingTopology;

@@ -6,11 +6,11 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::engine::accuracy::known_errors::known_level;
+use crate::engine::body_request::{BodyRequest, Fidelity};
 use crate::engine::interpolation::family::{
     Family, FamilyKey, MOST_COORDINATES, Point, coordinate_count, coordinates,
 };
 use crate::engine::plan::first_level;
-use crate::engine::request::{BodyRequest, Fidelity};
 use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{body_seconds, curve, design, interpolated_design, spread_seconds};
 use crate::mechanics::body::{Body, BodyKey};

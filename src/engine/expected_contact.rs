@@ -8,21 +8,21 @@ use crate::study::design::{DesignCase, JointDesign, Load};
 
 /// What is foreseen of a design.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Foresight {
+pub struct ExpectedContact {
     /// Of the widest contact among the steps, rad; rather too wide, since bodies are taken for Winkler beds.
     pub half_angle: f64,
     /// Of the work that goes into the pin and into the plate: as their moduli have it.
     pub shares: [f64; 2],
 }
 
-impl Foresight {
-    pub fn of(case: &DesignCase) -> Foresight {
+impl ExpectedContact {
+    pub fn of(case: &DesignCase) -> ExpectedContact {
         let joint = &case.joint;
         let [pin, plate] =
             [&joint.pin, &joint.plate].map(|part| part.material.plane_modulus(joint.idealization));
         let of_pin = plate / (pin + plate);
         let half_angle = case.steps.iter().map(|load| half_angle(joint, *load)).fold(0.0, f64::max);
-        Foresight { half_angle, shares: [of_pin, 1.0 - of_pin] }
+        ExpectedContact { half_angle, shares: [of_pin, 1.0 - of_pin] }
     }
 }
 

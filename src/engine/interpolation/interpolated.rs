@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use crate::engine::accuracy::body_errors::{BodyErrors, ErrorSource, JudgedBody};
 use crate::engine::accuracy::{ForceError, Want};
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::foresight::Foresight;
+use crate::engine::expected_contact::ExpectedContact;
 use crate::engine::interpolation::family::{FamilyKey, coordinate_count, coordinates};
 use crate::engine::interpolation::fit::FittedFamily;
-use crate::engine::interpolation::plan::{InterpolationPlan, pair};
+use crate::engine::interpolation::fit_plan::{InterpolationPlan, pair};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method};
 use crate::engine::row::Solving;
@@ -199,7 +199,8 @@ impl Interpolation {
             (infinite(body).map(|own| share * own), from..amplitudes.len())
         };
         let [(pin_infinite, pin_members), (plate_infinite, plate_members)] = [of_side(0), of_side(1)];
-        let space = SpaceKey::coarsest(&pin.1, &plate.1, self.plan.accuracy, Foresight::of(case).half_angle);
+        let space =
+            SpaceKey::coarsest(&pin.1, &plate.1, self.plan.accuracy, ExpectedContact::of(case).half_angle);
         Some(Placed {
             number,
             bodies: bodies.map(|(body, _)| body),

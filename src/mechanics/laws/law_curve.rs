@@ -2,7 +2,7 @@
 
 use std::ops::Bound::{Excluded, Included};
 
-use super::error::{LawError, POSITIVE, check, finite};
+use super::law_error::{LawError, POSITIVE, check, finite};
 use super::logarithmic::Logarithmic;
 use super::pair::Pair;
 use super::power::Power;
