@@ -5,9 +5,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use pulp::{Arch, Simd, WithSimd};
-
 use super::arc::{ContactArc, MAX_TERMS, cosines, packed, packed_count};
+use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::element::quadrature::gauss_legendre;
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -24,8 +23,8 @@ pub fn infinite_kernels(arcs: &[ContactArc], terms: usize) -> [Vec<f64>; 2] {
     let (logarithmic, kinked) = (LogarithmicRule::new(terms), KinkedRule::new(terms));
     for (chunk, of_chunk) in arcs.chunks_exact(LANES).enumerate() {
         let lanes: [ContactArc; LANES] = std::array::from_fn(|lane| of_chunk[lane]);
-        let even = Arch::new().dispatch(Cubic { arcs: &lanes, terms, rule: &logarithmic });
-        let odd = Arch::new().dispatch(Quadratic { arcs: &lanes, terms, rule: &kinked });
+        let even = in_lanes(Cubic { arcs: &lanes, terms, rule: &logarithmic });
+        let odd = in_lanes(Quadratic { arcs: &lanes, terms, rule: &kinked });
         for (kernel, own) in kernels.iter_mut().zip([even, odd]) {
             for (entry, values) in own.iter().enumerate() {
                 kernel[entry * arcs.len() + chunk * LANES..][..LANES].copy_from_slice(values);
@@ -99,16 +98,9 @@ struct Cubic<'a> {
     rule: &'a LogarithmicRule,
 }
 
-impl WithSimd for Cubic<'_> {
+impl LaneWork for Cubic<'_> {
     type Output = Vec<[f64; LANES]>;
 
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
-    }
-}
-
-impl Cubic<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<[f64; LANES]> {
         let Cubic { arcs, terms, rule: LogarithmicRule { count, weights, nodes, trials } } = self;
@@ -187,16 +179,9 @@ struct Quadratic<'a> {
     rule: &'a KinkedRule,
 }
 
-impl WithSimd for Quadratic<'_> {
+impl LaneWork for Quadratic<'_> {
     type Output = Vec<[f64; LANES]>;
 
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
-    }
-}
-
-impl Quadratic<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<[f64; LANES]> {
         let Quadratic { arcs, terms, rule } = self;

@@ -3,11 +3,10 @@
 //! Coordinates, element stiffness, band Cholesky down to the ring, then the Gram matrix of L^-1 f: all in the lanes of
 //! `Lanes`, one body a lane, in code compiled for the widest vectors of the processor.
 
-use pulp::{Arch, Simd, WithSimd};
-
 use super::arc::{packed, packed_count};
 use super::ring_modes::RingModes;
 use crate::mechanics::body::Body;
+use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::element::MAX_NODES;
 use crate::mechanics::element::stiffness::{
     Elasticity, ElementRule, element_stiffness, stiffness_operations,
@@ -84,10 +83,7 @@ impl CondensationPlan {
     /// The works of the ring modes, packed, on each body; the order is kept. A body whose mesh is turned inside out or
     /// whose stiffness is not positive definite gives NaN.
     pub fn condense(&self, bodies: &[Body]) -> Vec<Vec<f64>> {
-        bodies
-            .chunks(LANES)
-            .flat_map(|bodies| Arch::new().dispatch(Condense { plan: self, bodies }))
-            .collect()
+        bodies.chunks(LANES).flat_map(|bodies| in_lanes(Condense { plan: self, bodies })).collect()
     }
 }
 
@@ -96,16 +92,9 @@ struct Condense<'a> {
     bodies: &'a [Body],
 }
 
-impl WithSimd for Condense<'_> {
+impl LaneWork for Condense<'_> {
     type Output = Vec<Vec<f64>>;
 
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
-    }
-}
-
-impl Condense<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<Vec<f64>> {
         let mut tiles = self.plan.structure.empty::<Lanes<FUSED>>();
@@ -125,7 +114,9 @@ impl Condense<'_> {
         }
         works
     }
+}
 
+impl Condense<'_> {
     /// The stiffness of every body in its lane, and its least Jacobian; lanes without a body repeat the last one.
     #[inline(always)]
     fn assemble<const FUSED: bool>(&self, tiles: &mut [Tile<Lanes<FUSED>>]) -> Lanes<FUSED> {

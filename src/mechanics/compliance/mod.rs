@@ -2,6 +2,7 @@
 
 pub mod condense;
 pub mod arc;
+pub mod lane_work;
 pub mod infinite_body;
 pub mod thin_wall;
 pub mod ring_modes;

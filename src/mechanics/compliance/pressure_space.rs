@@ -6,11 +6,12 @@ use std::f64::consts::FRAC_PI_2;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::arc::{ContactArc, MAX_TERMS, TERM_CHOICES, cosines, packed, packed_count};
+use super::arc::{ContactArc, MAX_TERMS, cosines, packed, packed_count};
 use super::infinite_body::infinite_kernels;
 use super::ring_modes::RingModes;
 use super::thin_wall::bed_matrix;
 use super::{BodyCompliance, Boundary};
+use crate::mechanics::compliance::lane_work::{TermWork, in_lanes_with_terms};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Trial pressures on arcs.
@@ -161,13 +162,7 @@ impl PressureSpace {
                 Boundary::Modes(modes) => (&self.modes, Works::Diagonal(modes)),
                 Boundary::RingModes(modes, works) => (&self.ring_modes[modes], Works::Packed(works)),
             };
-            Arch::new().dispatch(Add {
-                moments,
-                terms: self.terms,
-                works,
-                share: *share,
-                values: &mut values,
-            });
+            in_lanes_with_terms(self.terms, Add { moments, works, share: *share, values: &mut values });
         }
         JointCompliance { even, bed, values: values.into() }
     }
@@ -244,37 +239,17 @@ enum Works<'a> {
 /// values[jk] += share * sum over m, n of M_mj W_mn M_nk, for all arcs.
 struct Add<'a> {
     moments: &'a Moments,
-    terms: usize,
     works: Works<'a>,
     share: f64,
     values: &'a mut [f64],
 }
 
-impl WithSimd for Add<'_> {
+impl TermWork for Add<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        if S::IS_SCALAR { self.run_terms::<false>() } else { self.run_terms::<true>() }
-    }
-}
-
-impl Add<'_> {
-    #[inline(always)]
-    fn run_terms<const FUSED: bool>(self) {
-        match self.terms {
-            3 => self.run::<FUSED, 3>(),
-            6 => self.run::<FUSED, 6>(),
-            10 => self.run::<FUSED, 10>(),
-            16 => self.run::<FUSED, 16>(),
-            MAX_TERMS => self.run::<FUSED, MAX_TERMS>(),
-            other => unreachable!("no code for {other} trial pressures, only for {TERM_CHOICES:?}"),
-        }
-    }
-
-    #[inline(always)]
     fn run<const FUSED: bool, const TERMS: usize>(self) {
-        let Add { moments, works, share, values, .. } = self;
+        let Add { moments, works, share, values } = self;
         let arcs = values.len() / packed_count(TERMS);
         for (chunk, moments) in moments.values.chunks_exact(moments.count * TERMS).enumerate() {
             let moments = moments.as_chunks::<TERMS>().0;

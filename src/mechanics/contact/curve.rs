@@ -8,10 +8,9 @@
 //! bed, at b of any smallness. Beside beds the functions are polynomials of ln b, and with s = b (c + lambda)/(c b + lambda) it is
 //! s S, N/(s b^2) and Q/(s b^4) that are bounded.
 
-use pulp::{Arch, Simd, WithSimd};
-
 use super::edge::{Edge, EdgeStates, Reduced};
 use crate::mechanics::compliance::arc::ContactArc;
+use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -158,7 +157,7 @@ impl<'a> ContactCurve<'a> {
         if !functions.iter().flatten().all(|value| value.is_finite()) {
             return None;
         }
-        let coefficients = Arch::new().dispatch(Transform { rows: &space.transform, values: &functions });
+        let coefficients = in_lanes(Transform { rows: &space.transform, values: &functions });
         let of_functions = |of: fn(&[[f64; LANES]], usize) -> f64| {
             (0..DECISIVE).map(|function| of(&coefficients, function)).fold(0.0, f64::max)
         };
@@ -241,16 +240,9 @@ struct Transform<'a> {
     values: &'a [[f64; LANES]],
 }
 
-impl WithSimd for Transform<'_> {
+impl LaneWork for Transform<'_> {
     type Output = Vec<[f64; LANES]>;
 
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
-    }
-}
-
-impl Transform<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<[f64; LANES]> {
         let mut coefficients = Vec::with_capacity(self.rows.len());

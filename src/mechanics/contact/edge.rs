@@ -28,10 +28,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use pulp::{Arch, Simd, WithSimd};
-
 use super::state::ContactState;
-use crate::mechanics::compliance::arc::{ContactArc, MAX_TERMS, TERM_CHOICES, packed};
+use crate::mechanics::compliance::arc::{ContactArc, packed};
+use crate::mechanics::compliance::lane_work::{LaneWork, TermWork, in_lanes, in_lanes_with_terms};
 use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -133,14 +132,14 @@ pub struct EdgeStates {
 impl EdgeStates {
     /// `joint` is of `space`.
     pub fn new(space: &PressureSpace, joint: &JointCompliance) -> EdgeStates {
-        Arch::new().dispatch(Solve { space, joint })
+        in_lanes_with_terms(space.terms, Solve { space, joint })
     }
 
     /// At each arc, the share by which a change of the joint's compliance changes the work of the pressure: since that is
     /// stationary in the pressure, to first order the relative change of the energy at a given indentation, and of the force
     /// where it changes evenly with the load. Of a whole body it is the share of the work that goes into it.
     pub fn work_shares(&self, space: &PressureSpace, change: &JointCompliance) -> Vec<f64> {
-        let works = Arch::new().dispatch(Work { space, change, pressure: &self.pressure });
+        let works = in_lanes(Work { space, change, pressure: &self.pressure });
         works.iter().zip(&self.edges).map(|(change, edge)| change / edge.work).collect()
     }
 }
@@ -150,27 +149,8 @@ struct Solve<'a> {
     joint: &'a JointCompliance<'a>,
 }
 
-impl WithSimd for Solve<'_> {
+impl TermWork for Solve<'_> {
     type Output = EdgeStates;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> EdgeStates {
-        if S::IS_SCALAR { self.run_terms::<false>() } else { self.run_terms::<true>() }
-    }
-}
-
-impl Solve<'_> {
-    #[inline(always)]
-    fn run_terms<const FUSED: bool>(self) -> EdgeStates {
-        match self.space.terms {
-            3 => self.run::<FUSED, 3>(),
-            6 => self.run::<FUSED, 6>(),
-            10 => self.run::<FUSED, 10>(),
-            16 => self.run::<FUSED, 16>(),
-            MAX_TERMS => self.run::<FUSED, MAX_TERMS>(),
-            other => unreachable!("no code for {other} trial pressures, only for {TERM_CHOICES:?}"),
-        }
-    }
 
     #[inline(always)]
     fn run<const FUSED: bool, const TERMS: usize>(self) -> EdgeStates {
@@ -184,7 +164,9 @@ impl Solve<'_> {
         }
         found
     }
+}
 
+impl Solve<'_> {
     #[inline(always)]
     fn run_chunk<const FUSED: bool, const TERMS: usize>(&self, chunk: usize, found: &mut EdgeStates) {
         let Solve { space: PressureSpace { arcs, turns, .. }, joint: JointCompliance { even, values, .. } } =
@@ -354,16 +336,9 @@ struct Work<'a> {
     pressure: &'a [[f64; LANES]],
 }
 
-impl WithSimd for Work<'_> {
+impl LaneWork for Work<'_> {
     type Output = Vec<f64>;
 
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<f64> {
-        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
-    }
-}
-
-impl Work<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<f64> {
         let Work { space: PressureSpace { arcs, terms, .. }, change, pressure } = self;

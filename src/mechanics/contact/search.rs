@@ -1,11 +1,10 @@
 //! From loads to states on a curve: searches of the half angle, as many abreast as a register has lanes.
 
-use pulp::{Arch, Simd, WithSimd};
-
 use super::curve::ContactCurve;
 use super::edge::FreeEdge;
 use super::load::{DimensionlessLoad, NoState, Target};
 use super::state::ContactState;
+use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes};
 
 /// Where a search ends: the excess of a load.
@@ -21,16 +20,9 @@ struct Loads<'a, I> {
     states: &'a mut Vec<Result<(ContactState, usize), NoState>>,
 }
 
-impl<I: Iterator<Item = DimensionlessLoad>> WithSimd for Loads<'_, I> {
+impl<I: Iterator<Item = DimensionlessLoad>> LaneWork for Loads<'_, I> {
     type Output = ();
 
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
-    }
-}
-
-impl<I: Iterator<Item = DimensionlessLoad>> Loads<'_, I> {
     /// Where a search ends the next load takes its lane.
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
@@ -142,7 +134,7 @@ impl ContactCurve<'_> {
         loads: impl Iterator<Item = DimensionlessLoad>,
     ) -> Vec<Result<(ContactState, usize), NoState>> {
         let mut states = Vec::new();
-        Arch::new().dispatch(Loads { curve: self, clearance, loads, states: &mut states });
+        in_lanes(Loads { curve: self, clearance, loads, states: &mut states });
         states
     }
 
