@@ -2,7 +2,7 @@
 //! level, against `series` where there is one and the finest mesh elsewhere, the other body of the joint being rigid.
 //!
 //! ```text
-//! cargo run --release --example mesh_errors > known_errors.csv     # six minutes; then over src/engine/accuracy/known_errors.csv
+//! cargo run --release --example mesh_errors > known_errors.csv     # fifteen minutes; then over src/engine/accuracy/known_errors.csv
 //! ```
 //!
 //! A number of the file is the error that 99 of 100 arcs of a kind are below, a quarter more, rounded up to two digits; and no
@@ -27,7 +27,7 @@ use random::Random;
 
 /// Bodies of each group and stiffness, and within them of each depth; more blocks, which differ more.
 const COUNT: usize = 60;
-const COUNT_OF_BLOCKS: usize = 80;
+const COUNT_OF_BLOCKS: usize = 200;
 
 /// Fewer arcs than this tell nothing.
 const LEAST: usize = 24;
