@@ -15,105 +15,73 @@ use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::real::LANES;
 
-/// What is counted. Each takes a time of its own, s.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
+macro_rules! units {
+    ($($(#[$about:meta])* $unit:ident = $name:literal,)*) => {
+        /// What is counted. Each takes a time of its own.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Unit {
+            $($(#[$about])* $unit,)*
+        }
+
+        impl Unit {
+            pub const ALL: &[Unit] = &[$(Unit::$unit),*];
+
+            /// The name in the file.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Unit::$unit => $name,)*
+                }
+            }
+        }
+    };
+}
+
+units! {
     /// A run of the program, before and after the sweep.
-    Process,
+    Process = "process",
     /// A node of a pressure space.
-    SpaceNode,
+    SpaceNode = "space node",
     /// A node and pair of trial pressures.
-    SpacePair,
+    SpacePair = "space pair",
     /// A step of the integrals over the modes of exact bodies.
-    SpaceMode,
+    SpaceMode = "space mode",
     /// A step of the integrals over the ring modes of bodies on meshes.
-    SpaceRingMode,
+    SpaceRingMode = "space ring mode",
     /// An exact body.
-    SeriesBody,
+    SeriesBody = "series body",
     /// A mode of it.
-    SeriesMode,
+    SeriesMode = "series mode",
     /// A lane batch of meshes.
-    BatchStart,
+    BatchStart = "batch start",
     /// An unknown of one: coordinates and elements.
-    BatchUnknown,
+    BatchUnknown = "batch unknown",
     /// An unknown and squared width of the band: its factor.
-    BatchFactor,
+    BatchFactor = "batch factor",
     /// An unknown of a topology: its order of elimination.
-    TopologyUnknown,
+    TopologyUnknown = "topology unknown",
     /// A step of the integrals for the ring's loads.
-    TopologyLoad,
+    TopologyLoad = "topology load",
     /// A step of the integrals for the exact works of a near field.
-    NearFieldMode,
+    NearFieldMode = "near field mode",
     /// A number of a body's compliance to the trial pressures.
-    SpreadNumber,
+    SpreadNumber = "spread number",
     /// A product for what the modes of an exact body add to it.
-    SpreadMode,
+    SpreadMode = "spread mode",
     /// A product for what the ring modes of a body on a mesh add to it.
-    SpreadRingMode,
+    SpreadRingMode = "spread ring mode",
     /// A node of a joint's curve.
-    CurveNode,
+    CurveNode = "curve node",
     /// A node and pair of trial pressures.
-    CurvePair,
+    CurvePair = "curve pair",
     /// A design, besides its bodies and its curve.
-    Design,
+    Design = "design",
     /// A row of the table.
-    Row,
+    Row = "row",
     /// A design whose bodies are interpolated, its curve included.
-    InterpolatedDesign,
+    InterpolatedDesign = "interpolated design",
 }
 
 impl Unit {
-    pub const ALL: [Unit; 21] = [
-        Unit::Process,
-        Unit::SpaceNode,
-        Unit::SpacePair,
-        Unit::SpaceMode,
-        Unit::SpaceRingMode,
-        Unit::SeriesBody,
-        Unit::SeriesMode,
-        Unit::BatchStart,
-        Unit::BatchUnknown,
-        Unit::BatchFactor,
-        Unit::TopologyUnknown,
-        Unit::TopologyLoad,
-        Unit::NearFieldMode,
-        Unit::SpreadNumber,
-        Unit::SpreadMode,
-        Unit::SpreadRingMode,
-        Unit::CurveNode,
-        Unit::CurvePair,
-        Unit::Design,
-        Unit::Row,
-        Unit::InterpolatedDesign,
-    ];
-
-    /// The name in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Unit::Process => "process",
-            Unit::SpaceNode => "space node",
-            Unit::SpacePair => "space pair",
-            Unit::SpaceMode => "space mode",
-            Unit::SpaceRingMode => "space ring mode",
-            Unit::SeriesBody => "series body",
-            Unit::SeriesMode => "series mode",
-            Unit::BatchStart => "batch start",
-            Unit::BatchUnknown => "batch unknown",
-            Unit::BatchFactor => "batch factor",
-            Unit::TopologyUnknown => "topology unknown",
-            Unit::TopologyLoad => "topology load",
-            Unit::NearFieldMode => "near field mode",
-            Unit::SpreadNumber => "spread number",
-            Unit::SpreadMode => "spread mode",
-            Unit::SpreadRingMode => "spread ring mode",
-            Unit::CurveNode => "curve node",
-            Unit::CurvePair => "curve pair",
-            Unit::Design => "design",
-            Unit::Row => "row",
-            Unit::InterpolatedDesign => "interpolated design",
-        }
-    }
-
     /// s.
     pub fn seconds(self) -> f64 {
         SECONDS[self as usize]
@@ -121,9 +89,11 @@ impl Unit {
 }
 
 /// By the places of the units in `Unit::ALL`, s; NaN for those that the file lacks, which a test forbids.
-static SECONDS: LazyLock<[f64; Unit::ALL.len()]> = LazyLock::new(|| {
+static SECONDS: LazyLock<Vec<f64>> = LazyLock::new(|| {
     let rows = || include_str!("unit_costs.csv").lines().skip(1).filter_map(parsed);
-    Unit::ALL.map(|unit| rows().find(|(name, _)| *name == unit.name()).map_or(f64::NAN, |(_, value)| value))
+    let seconds =
+        |unit: &Unit| rows().find(|(name, _)| *name == unit.name()).map_or(f64::NAN, |(_, value)| value);
+    Unit::ALL.iter().map(seconds).collect()
 });
 
 /// Name and value of a row of the file.
@@ -260,10 +230,10 @@ mod tests {
     fn the_file_has_every_unit() {
         let rows: Vec<&str> = include_str!("unit_costs.csv").lines().skip(1).collect();
         let names: Vec<&str> = rows.iter().filter_map(|row| Some(parsed(row)?.0)).collect();
-        assert_eq!(names, Unit::ALL.map(Unit::name));
+        assert_eq!(names, Unit::ALL.iter().map(|unit| unit.name()).collect::<Vec<_>>());
         assert!(rows.iter().all(|row| row.ends_with(",s")), "{rows:?}");
-        for (place, unit) in Unit::ALL.into_iter().enumerate() {
-            assert_eq!(unit as usize, place);
+        for (place, unit) in Unit::ALL.iter().enumerate() {
+            assert_eq!(*unit as usize, place);
             assert!(unit.seconds() > 0.0 && unit.seconds() < 1.0, "{unit:?}: {}", unit.seconds());
         }
     }
