@@ -28,16 +28,16 @@ impl ExpectedContact {
 
 /// Of the contact under one load, rad.
 pub fn half_angle(joint: &JointDesign, load: Load) -> f64 {
-    let clearance = joint.radial_clearance;
+    let radial_clearance = joint.radial_clearance;
     match load {
         // A neat fit opens at once.
-        _ if clearance == 0.0 => FRAC_PI_2,
+        _ if radial_clearance == 0.0 => FRAC_PI_2,
         // Where the rigid outlines cross.
-        Load::Indentation(delta) => (clearance / (clearance + delta)).acos(),
+        Load::Indentation(delta) => (radial_clearance / (radial_clearance + delta)).acos(),
         // Persson's narrow contact, tan(eps/2)^2 = F/(pi E* dR).
         Load::Force(force) => {
             let modulus = effective_modulus(&joint.pin.material, &joint.plate.material, joint.idealization);
-            let half_tangent = (force / joint.thickness / (PI * modulus * clearance)).sqrt();
+            let half_tangent = (force / joint.thickness / (PI * modulus * radial_clearance)).sqrt();
             (2.0 * half_tangent.atan()).min(FRAC_PI_2)
         }
     }

@@ -69,8 +69,10 @@ pub fn solve_designs<'a>(
     let errors = BodyErrors::new(&curve, &judged, trust);
     let answer = |case: &DesignCase| {
         let scale = JointScale::of(&case.joint);
-        let states =
-            curve.states(scale.clearance, scale.loads_in_contact(&case.steps)).into_iter().map(|state| {
+        let states = curve
+            .states(scale.radial_clearance, scale.loads_in_contact(&case.steps))
+            .into_iter()
+            .map(|state| {
                 let (mut state, node) = state?;
                 if plan.estimate != Estimate::Exact {
                     state.curve_error = curve.rough_error;

@@ -9,7 +9,7 @@ use crate::study::design::{JointDesign, Load};
 #[derive(Clone, Copy, Debug)]
 pub struct JointScale {
     /// dR/R2.
-    pub clearance: f64,
+    pub radial_clearance: f64,
     /// mm.
     hole_radius: f64,
     thickness: f64,
@@ -18,14 +18,14 @@ pub struct JointScale {
 impl JointScale {
     pub fn of(joint: &JointDesign) -> JointScale {
         let JointDesign { hole_radius, radial_clearance, thickness, .. } = *joint;
-        JointScale { clearance: radial_clearance / hole_radius, hole_radius, thickness }
+        JointScale { radial_clearance: radial_clearance / hole_radius, hole_radius, thickness }
     }
 
     /// A load without sizes, `None` where there is no contact yet.
     pub fn load(&self, load: Load) -> Option<DimensionlessLoad> {
         match load {
             // A neat fit has one state, which any load shows.
-            Load::Indentation(0.0) | Load::Force(0.0) if self.clearance == 0.0 => {
+            Load::Indentation(0.0) | Load::Force(0.0) if self.radial_clearance == 0.0 => {
                 Some(DimensionlessLoad::Indentation(1.0))
             }
             Load::Indentation(0.0) | Load::Force(0.0) => None,
@@ -44,7 +44,7 @@ impl JointScale {
         match self.load(load) {
             _ if matches!(load, Load::Indentation(0.0) | Load::Force(0.0)) => 0.0,
             None => 0.0,
-            Some(DimensionlessLoad::Indentation(delta)) => self.clearance + delta,
+            Some(DimensionlessLoad::Indentation(delta)) => self.radial_clearance + delta,
             Some(DimensionlessLoad::Force(force)) => force / state.force,
         }
     }

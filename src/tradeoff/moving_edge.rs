@@ -21,7 +21,7 @@ pub fn states(
     let joined = space.pressures.joint(&[(pin, shares[0]), (plate, shares[1])]);
     let Some(curve) = ContactCurve::new(space, &joined) else { return vec![None; case.steps.len()] };
     let scale = JointScale::of(joint);
-    let mut found = curve.states(scale.clearance, scale.loads_in_contact(&case.steps)).into_iter();
+    let mut found = curve.states(scale.radial_clearance, scale.loads_in_contact(&case.steps)).into_iter();
     let state = |load: &Load| {
         scale.load(*load)?;
         let (state, _) = found.next()?.ok()?;

@@ -227,7 +227,7 @@ impl Interpolation {
         });
         let errors = BodyErrors::new(&curve, &judged, None);
         let scale = JointScale::of(&case.joint);
-        let states = curve.states(scale.clearance, scale.loads_in_contact(&case.steps));
+        let states = curve.states(scale.radial_clearance, scale.loads_in_contact(&case.steps));
         if states.iter().any(Result::is_err) {
             return None;
         }

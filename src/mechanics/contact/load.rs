@@ -26,12 +26,12 @@ pub(super) enum Target {
 }
 
 impl Target {
-    pub(super) fn new(clearance: f64, load: DimensionlessLoad) -> Target {
+    pub(super) fn new(radial_clearance: f64, load: DimensionlessLoad) -> Target {
         match load {
-            DimensionlessLoad::Indentation(delta) => Target::Indentation(delta / (clearance + delta)),
+            DimensionlessLoad::Indentation(delta) => Target::Indentation(delta / (radial_clearance + delta)),
             // A neat fit has one half angle, whatever the load.
-            DimensionlessLoad::Force(_) if clearance == 0.0 => Target::Indentation(1.0),
-            DimensionlessLoad::Force(force) => Target::Force(force / clearance),
+            DimensionlessLoad::Force(_) if radial_clearance == 0.0 => Target::Indentation(1.0),
+            DimensionlessLoad::Force(force) => Target::Force(force / radial_clearance),
         }
     }
 
@@ -52,8 +52,12 @@ impl Target {
         match self {
             Target::Indentation(target) => (indentation / target).ln(),
             Target::Force(target) => {
-                let (wanted, clearance) = (force / target, 1.0 - indentation);
-                if clearance > 0.5 { (wanted / clearance).ln() } else { wanted - clearance }
+                let (wanted, radial_clearance) = (force / target, 1.0 - indentation);
+                if radial_clearance > 0.5 {
+                    (wanted / radial_clearance).ln()
+                } else {
+                    wanted - radial_clearance
+                }
             }
         }
     }

@@ -15,7 +15,7 @@ const MOST_STEPS: usize = 100;
 
 struct Loads<'a, I> {
     curve: &'a ContactCurve<'a>,
-    clearance: f64,
+    radial_clearance: f64,
     loads: I,
     states: &'a mut Vec<Result<(ContactState, usize), NoState>>,
 }
@@ -26,12 +26,12 @@ impl<I: Iterator<Item = DimensionlessLoad>> LaneWork for Loads<'_, I> {
     /// Where a search ends the next load takes its lane.
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let Loads { curve, clearance, mut loads, states } = self;
+        let Loads { curve, radial_clearance, mut loads, states } = self;
         let mut lanes: [Option<(usize, Search)>; LANES] = [None; LANES];
         loop {
             for lane in lanes.iter_mut().filter(|lane| lane.is_none()) {
                 for load in loads.by_ref() {
-                    let search = curve.begin(Target::new(clearance, load));
+                    let search = curve.begin(Target::new(radial_clearance, load));
                     *lane = search.map(|search| (states.len(), search));
                     // Where the search does not end there is none.
                     let is_begun = lane.is_some();
@@ -130,11 +130,11 @@ impl ContactCurve<'_> {
     /// wider: what is known node by node holds between it and the next.
     pub fn states(
         &self,
-        clearance: f64,
+        radial_clearance: f64,
         loads: impl Iterator<Item = DimensionlessLoad>,
     ) -> Vec<Result<(ContactState, usize), NoState>> {
         let mut states = Vec::new();
-        in_lanes(Loads { curve: self, clearance, loads, states: &mut states });
+        in_lanes(Loads { curve: self, radial_clearance, loads, states: &mut states });
         states
     }
 

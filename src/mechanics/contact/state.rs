@@ -27,7 +27,7 @@ pub struct ContactState {
 
 impl ContactState {
     /// dR/e; negative beyond the angle of a neat fit, where no clearance reaches.
-    pub fn clearance(&self) -> f64 {
+    pub fn radial_clearance(&self) -> f64 {
         1.0 - self.indentation
     }
 
