@@ -1,17 +1,18 @@
 //! The contact of designs with one joint, its bodies being solved: their states, how good they are, and what they want.
 
 use crate::engine::accuracy::body_errors::{BodyErrors, ErrorSource, JudgedBody};
+use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, ForceError, Want};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::body_request::{Fidelity, RequestKey};
 use crate::engine::joint_scale::JointScale;
-use crate::engine::outcome::{BackendKind, DesignOutcome};
+use crate::engine::outcome::{BackendKind, DesignOutcome, Method};
 use crate::engine::plan::JointPlan;
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::compliance::Boundary;
 use crate::mechanics::compliance::pressure_space::JointCompliance;
-use crate::mechanics::contact::curve::ContactCurve;
+use crate::mechanics::contact::curve::{ContactCurve, CurveSpace};
 use crate::mechanics::contact::load::NoState;
 use crate::study::design::DesignCase;
 
@@ -36,50 +37,58 @@ pub fn solve_designs<'a>(
     let Some(first) = cases.clone().next() else { return Vec::new() };
     let space = spaces.get(plan.space);
     let mut backend = BackendKind::Cpu;
-    let members = [(plan.pin, &first.joint.pin), (plan.plate, &first.joint.plate)].map(|(request, part)| {
-        let solved = library.solved(&request);
+    let parts = [(plan.pin, &first.joint.pin), (plan.plate, &first.joint.plate)];
+    let members = parts.each_ref().map(|(request, part)| {
+        let solved = library.solved(request);
         if solved.backend == BackendKind::Gpu {
             backend = BackendKind::Gpu;
         }
-        let (body, share) = (&*solved.compliance, 1.0 / part.material.youngs_modulus);
-        (request, body, share, space.pressures.joint(&[(body, share)]))
-    });
-    let judged = members.each_ref().map(|(request, body, share, part)| {
+        let (compliance, share) = (&*solved.compliance, 1.0 / part.material.youngs_modulus);
         let source = match (request.fidelity, plan.coarser(request)) {
-            (Fidelity::Series, _) if matches!(body.boundary, Boundary::Bed(_)) => ErrorSource::Bed,
+            (Fidelity::Series, _) if matches!(compliance.boundary, Boundary::Bed(_)) => ErrorSource::Bed,
             (Fidelity::Series, _) => ErrorSource::Exact,
             (Fidelity::Mesh { .. }, Some(coarser)) => {
                 let coarse = &*library.solved(&coarser).compliance;
-                ErrorSource::MeshBeside { fine: body, coarse, share: *share }
+                ErrorSource::MeshBeside { fine: compliance, coarse, share }
             }
             (Fidelity::Mesh { level }, None) => ErrorSource::Mesh(level),
         };
-        JudgedBody { body: &request.body, source, part }
+        JudgedBody { body: &request.body, source, part: space.pressures.joint(&[(compliance, share)]) }
     });
     let solving = Solving { backend, method: plan.method(), limit: space.limit, accuracy };
-    let joined = JointCompliance::of_both(&members[0].3, &members[1].3);
-    let Some(curve) = ContactCurve::new(space, &joined) else {
-        let failed = |case| (solving.all_failed(case, NoState::BrokenCompliance), Want::FinerMesh);
-        return cases.map(failed).collect();
-    };
     let trust = match plan.estimate {
         Estimate::Change(trust) => Some((trust, plan.level)),
         Estimate::Exact | Estimate::Known => None,
     };
-    let errors = BodyErrors::new(&curve, &judged, trust);
+    solve_joint(space, &members, trust, solving, cases)
+}
+
+/// The same of designs whose joint is one of these bodies in a space; with a trust and a level where their meshes are told by the
+/// change since coarser ones.
+pub fn solve_joint<'a>(
+    space: &CurveSpace,
+    bodies: &[JudgedBody; 2],
+    trust: Option<(Trust, usize)>,
+    solving: Solving,
+    cases: impl Iterator<Item = &'a DesignCase>,
+) -> Vec<(DesignOutcome, Want)> {
+    let joint = JointCompliance::of_both(&bodies[0].part, &bodies[1].part);
+    let Some(curve) = ContactCurve::new(space, &joint) else {
+        let failed = |case| (solving.all_failed(case, NoState::BrokenCompliance), Want::FinerMesh);
+        return cases.map(failed).collect();
+    };
+    let errors = BodyErrors::new(&curve, bodies, trust);
     let answer = |case: &DesignCase| {
         let scale = JointScale::of(&case.joint);
-        let states = curve
-            .states(scale.radial_clearance, scale.loads_in_contact(&case.steps))
-            .into_iter()
-            .map(|state| {
-                let (mut state, node) = state?;
-                if plan.estimate != Estimate::Exact {
-                    state.curve_error = curve.rough_error;
-                }
-                let [bodies, beds] = errors.at(state.half_angle, node);
-                Ok((state, ForceError::new(&state, bodies, beds)))
-            });
+        let states = curve.states(scale.radial_clearance, scale.loads_in_contact(&case.steps));
+        let states = states.into_iter().map(|state| {
+            let (mut state, node) = state?;
+            if solving.method != Method::Series {
+                state.curve_error = curve.rough_error;
+            }
+            let [of_bodies, of_beds] = errors.at(state.half_angle, node);
+            Ok((state, ForceError::new(&state, of_bodies, of_beds)))
+        });
         solving.respond(case, states)
     };
     cases.map(answer).collect()

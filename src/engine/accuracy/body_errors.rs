@@ -14,10 +14,11 @@ pub struct JudgedBody<'a> {
     pub body: &'a Body,
     pub source: ErrorSource<'a>,
     /// Its part of the joint's compliance.
-    pub part: &'a JointCompliance<'a>,
+    pub part: JointCompliance<'static>,
 }
 
 /// What tells the error of a body.
+#[derive(Clone, Copy)]
 pub enum ErrorSource<'a> {
     /// There is none.
     Exact,
@@ -55,7 +56,7 @@ impl<'a> BodyErrors<'a> {
         };
         let mut shares = [Vec::new(), Vec::new()];
         if bodies.iter().any(counts) {
-            let of_pin = curve.states.work_shares(pressures, bodies[0].part);
+            let of_pin = curve.states.work_shares(pressures, &bodies[0].part);
             shares = [of_pin.clone(), of_pin.iter().map(|share| 1.0 - share).collect()];
         }
         let mut change = vec![0.0; pressures.arcs.len()];

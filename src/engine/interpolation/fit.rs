@@ -5,20 +5,22 @@ use std::collections::HashMap;
 use crate::engine::accuracy::fit_bound::FitBound;
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::basis::Basis;
-use crate::engine::interpolation::family::{Family, body_at};
+use crate::engine::interpolation::family::{Family, body_at, coordinate_count, coordinates};
 use crate::engine::interpolation::held_out::HeldOut;
 use crate::engine::interpolation::points::DEGREES;
 use crate::engine::interpolation::samples::{Expense, FINEST, Meshes};
 use crate::engine::spaces::{SpaceKey, Spaces};
-use crate::mechanics::compliance::body_fit::{BodyFit, MemberCompliances};
-use crate::mechanics::compliance::{BodyCompliance, infinite};
+use crate::mechanics::body::Body;
+use crate::mechanics::compliance::body_fit::{BodyFit, FitScratch};
+use crate::mechanics::compliance::pressure_space::JointCompliance;
+use crate::mechanics::compliance::{BodyCompliance, Boundary, infinite};
 
 /// A fit with its error.
 pub struct FittedFamily {
     pub fit: BodyFit,
-    /// Of its members.
     basis: Basis,
-    members: HashMap<SpaceKey, MemberCompliances>,
+    /// The compliances of its members in each space that was prepared.
+    in_spaces: HashMap<SpaceKey, Vec<f64>>,
     pub bound: FitBound,
     /// Bodies solved for it, on every mesh.
     pub solved: u64,
@@ -96,8 +98,10 @@ impl Family {
                 let of_mesh = if known { of_mesh } else { 0.0 };
                 let worst = bound.near().fold(0.0, f64::max).hypot(of_mesh);
                 if best.as_ref().is_none_or(|(least, _)| worst < *least) {
-                    best =
-                        Some((worst, FittedFamily { fit, basis, members: HashMap::new(), bound, solved: 0 }));
+                    best = Some((
+                        worst,
+                        FittedFamily { fit, basis, in_spaces: HashMap::new(), bound, solved: 0 },
+                    ));
                 }
                 if worst <= GOOD * accuracy {
                     break;
@@ -118,27 +122,33 @@ impl Family {
 impl FittedFamily {
     /// Makes what joints in these spaces need.
     pub fn prepare(&mut self, keys: impl Iterator<Item = SpaceKey>, spaces: &mut Spaces) {
-        let of_member = |numbers: &Vec<f64>| {
-            let boundary = self.basis.boundary(numbers.clone());
-            BodyCompliance { even: 0.0, odd: 0.0, boundary }
-        };
         for key in keys {
-            spaces.prepare(
-                self.fit.members.iter().map(of_member).collect::<Vec<_>>().iter().map(|member| (key, member)),
-            );
-            let space = &spaces.get(key).pressures;
-            let compliance =
-                |numbers: &Vec<f64>| space.joint(&[(&of_member(numbers), 1.0)]).values.into_owned();
-            self.members.insert(key, self.fit.in_space(space.entry_count(), compliance));
+            let compliance = |numbers: &[f64]| {
+                let boundary = self.basis.boundary(numbers.to_vec());
+                let member = BodyCompliance { even: 0.0, odd: 0.0, boundary };
+                spaces.prepare([(key, &member)].into_iter());
+                spaces.get(key).pressures.joint(&[(&member, 1.0)]).values.into_owned()
+            };
+            self.in_spaces.insert(key, self.fit.images(compliance));
         }
     }
 
-    pub fn is_prepared(&self, key: SpaceKey) -> bool {
-        self.members.contains_key(&key)
-    }
-
-    /// Its members in a space that was prepared.
-    pub fn members(&self, key: SpaceKey) -> &MemberCompliances {
-        &self.members[&key]
+    /// The part of a joint's compliance of a body with 1/E; `None` where it is outside of the box, and of spaces that were not prepared.
+    pub fn part(
+        &self,
+        (body, share): (&Body, f64),
+        (key, spaces): (SpaceKey, &Spaces),
+        scratch: &mut FitScratch,
+    ) -> Option<JointCompliance<'static>> {
+        let members = self.in_spaces.get(&key)?;
+        let point = &coordinates(body)[..coordinate_count(body.shape)];
+        if !self.fit.polynomials.contains(point) {
+            return None;
+        }
+        self.fit.find(point, scratch);
+        let infinite = BodyCompliance::new(body, Boundary::Bed(0.0));
+        let mut part = spaces.get(key).pressures.joint(&[(&infinite, share)]);
+        scratch.add_images(members, share, part.values.to_mut());
+        Some(part)
     }
 }

@@ -12,7 +12,7 @@ use crate::engine::interpolation::samples::Expense;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::BodyCompliance;
-use crate::mechanics::compliance::body_fit::BodyFit;
+use crate::mechanics::compliance::body_fit::{BodyFit, FitScratch};
 use crate::mechanics::contact::curve::Variable;
 
 /// The space that errors are told in.
@@ -96,8 +96,9 @@ impl HeldOut {
     pub(super) fn bound(&self, fit: &BodyFit, basis: &Basis, spaces: &Spaces, level: usize) -> FitBound {
         let space = spaces.get(self.space);
         let of_fit: Vec<Vec<f64>> = (self.points.par_iter().zip(&self.bodies).zip(&self.expected))
-            .map(|((point, body), expected)| {
-                changes(space, expected, &BodyCompliance::new(body, basis.boundary(fit.at(point))))
+            .map_init(FitScratch::default, |scratch, ((point, body), expected)| {
+                let boundary = basis.boundary(fit.at(point, scratch));
+                changes(space, expected, &BodyCompliance::new(body, boundary))
             })
             .collect();
         FitBound::new(space, &of_fit, &self.of_mesh, (self.known && !self.exact).then_some(level))

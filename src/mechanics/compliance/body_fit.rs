@@ -7,7 +7,7 @@
 //!
 //! The members are samples made orthogonal, in the order in which they explain most of what is left (a reduced basis by a
 //! greedy choice: Quarteroni, Manzoni & Negri, Reduced Basis Methods for Partial Differential Equations, Springer 2016,
-//! section 7.1). A pressure space knows each by its compliance there, so that the sum costs the same whatever a sample is.
+//! section 7.1).
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -84,15 +84,8 @@ pub struct BodyFit {
     pub polynomials: Polynomials,
     /// `[product][member]`, each row as long as whole registers.
     coefficients: Vec<f64>,
-    /// D_m, each as a sample.
-    pub members: Vec<Vec<f64>>,
-}
-
-/// The members of a fit in a pressure space.
-#[derive(Clone, Debug)]
-pub struct MemberCompliances {
-    /// `[member]`, each as `JointCompliance::values`.
-    values: Vec<f64>,
+    /// D_m: `[member][number]`, each as long as a sample.
+    members: Vec<f64>,
     length: usize,
 }
 
@@ -101,11 +94,12 @@ fn stride(members: usize) -> usize {
     members.max(1).next_multiple_of(LANES)
 }
 
-/// Numbers that `BodyFit::amplitudes` works with, kept from body to body.
+/// Numbers that a fit works with, kept from body to body.
 #[derive(Default)]
 pub struct FitScratch {
     work: Vec<f64>,
     products: Vec<f64>,
+    amplitudes: Vec<f64>,
 }
 
 impl BodyFit {
@@ -153,119 +147,99 @@ impl BodyFit {
             }
         }
         let sound = coefficients.iter().all(|value| value.is_finite());
-        sound.then_some(BodyFit { polynomials, coefficients, members })
+        sound.then_some(BodyFit {
+            polynomials,
+            coefficients,
+            members: members.concat(),
+            length: samples[0].len(),
+        })
     }
 
-    /// Appends the amplitudes of the members at a point of the box, times `scale`, and zeros up to whole registers.
-    pub fn amplitudes(&self, point: &[f64], scale: f64, scratch: &mut FitScratch, amplitudes: &mut Vec<f64>) {
-        let FitScratch { work, products } = scratch;
-        self.polynomials.values(point, work, products);
-        let stride = stride(self.members.len());
-        let from = amplitudes.len();
-        amplitudes.resize(from + stride, 0.0);
-        let amplitudes = &mut amplitudes[from..];
-        add_weighted(&self.coefficients, stride, products.as_chunks::<1>().0, amplitudes);
-        amplitudes.iter_mut().for_each(|amplitude| *amplitude *= scale);
+    /// How many members there are.
+    pub fn member_count(&self) -> usize {
+        self.members.len() / self.length
     }
 
     /// What is fitted at a point of the box, as the samples are.
-    pub fn at(&self, point: &[f64]) -> Vec<f64> {
-        let mut amplitudes = Vec::new();
-        self.amplitudes(point, 1.0, &mut FitScratch::default(), &mut amplitudes);
-        let mut sum = vec![0.0; self.members.first().map_or(0, Vec::len)];
-        for (amplitude, member) in amplitudes.iter().zip(&self.members) {
-            sum.iter_mut().zip(member).for_each(|(sum, value)| *sum += amplitude * value);
-        }
+    pub fn at(&self, point: &[f64], scratch: &mut FitScratch) -> Vec<f64> {
+        self.find(point, scratch);
+        let mut sum = vec![0.0; self.length];
+        add_weighted(&self.members, &scratch.amplitudes, &mut sum);
         sum
     }
 
-    /// The members in a pressure space, where `compliance` gives that of one.
-    pub fn in_space(
-        &self,
-        length: usize,
-        compliance: impl FnMut(&Vec<f64>) -> Vec<f64>,
-    ) -> MemberCompliances {
-        MemberCompliances { values: self.members.iter().flat_map(compliance).collect(), length }
+    /// The amplitudes of the members at a point of the box, left in `scratch`.
+    pub fn find(&self, point: &[f64], scratch: &mut FitScratch) {
+        let FitScratch { work, products, amplitudes } = scratch;
+        self.polynomials.values(point, work, products);
+        amplitudes.clear();
+        amplitudes.resize(stride(self.member_count()), 0.0);
+        add_weighted(&self.coefficients, products, amplitudes);
+    }
+
+    /// The members as something else is linear in them: `[member]`, each as `image` has it.
+    pub fn images(&self, image: impl FnMut(&[f64]) -> Vec<f64>) -> Vec<f64> {
+        self.members.chunks_exact(self.length).flat_map(image).collect()
     }
 }
 
-impl MemberCompliances {
-    /// Adds the compliances of up to `BODIES` bodies, given by their amplitudes, to `values`, one body behind the other.
-    pub fn add(&self, amplitudes: &[&[f64]], values: &mut [f64]) {
-        let MemberCompliances { values: members, length } = self;
-        if amplitudes.len() == BODIES {
-            let weights: Vec<[f64; BODIES]> = (0..members.len() / length)
-                .map(|member| std::array::from_fn(|body| amplitudes[body][member]))
-                .collect();
-            add_weighted(members, *length, &weights, values);
-        } else {
-            for (amplitudes, values) in amplitudes.iter().zip(values.chunks_exact_mut(*length)) {
-                add_weighted(members, *length, amplitudes.as_chunks::<1>().0, values);
-            }
-        }
+impl FitScratch {
+    /// Adds to a sum the images of the members at the point found, times a share.
+    pub fn add_images(&mut self, images: &[f64], share: f64, sum: &mut [f64]) {
+        self.amplitudes.iter_mut().for_each(|amplitude| *amplitude *= share);
+        add_weighted(images, &self.amplitudes, sum);
     }
 }
 
-/// Bodies to which members are added together: each is read once for all.
-pub const BODIES: usize = 4;
-
-/// Adds to each of `SETS` sums, one behind the other and as long as rows are apart, the rows times its own weights of them.
-fn add_weighted<const SETS: usize>(rows: &[f64], stride: usize, weights: &[[f64; SETS]], sums: &mut [f64]) {
-    Arch::new().dispatch(Weighted { rows, stride, weights, sums });
+/// Adds to a sum, as long as rows are apart, the rows times their weights.
+fn add_weighted(rows: &[f64], weights: &[f64], sum: &mut [f64]) {
+    Arch::new().dispatch(Weighted { rows, weights, sum });
 }
 
-struct Weighted<'a, const SETS: usize> {
+struct Weighted<'a> {
     rows: &'a [f64],
-    stride: usize,
-    weights: &'a [[f64; SETS]],
-    sums: &'a mut [f64],
+    weights: &'a [f64],
+    sum: &'a mut [f64],
 }
 
 /// Registers that are summed side by side, so that additions do not wait for each other.
 const ABREAST: usize = 4;
 
-impl<const SETS: usize> WithSimd for Weighted<'_, SETS> {
+impl WithSimd for Weighted<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let mut from = 0;
-        while from + ABREAST * S::F64_LANES <= self.stride {
+        while from + ABREAST * S::F64_LANES <= self.sum.len() {
             self.block::<S, ABREAST>(simd, from);
             from += ABREAST * S::F64_LANES;
         }
-        while from + S::F64_LANES <= self.stride {
+        while from + S::F64_LANES <= self.sum.len() {
             self.block::<S, 1>(simd, from);
             from += S::F64_LANES;
         }
-        for (set, sums) in self.sums.chunks_exact_mut(self.stride).enumerate() {
-            for (row, weights) in self.rows.chunks_exact(self.stride).zip(self.weights) {
-                let rest = sums[from..].iter_mut().zip(&row[from..]);
-                rest.for_each(|(sum, value)| *sum += weights[set] * value);
-            }
+        for (row, weight) in self.rows.chunks_exact(self.sum.len()).zip(self.weights) {
+            self.sum[from..].iter_mut().zip(&row[from..]).for_each(|(sum, value)| *sum += weight * value);
         }
     }
 }
 
-impl<const SETS: usize> Weighted<'_, SETS> {
+impl Weighted<'_> {
     #[inline(always)]
     fn block<S: Simd, const COUNT: usize>(&mut self, simd: S, from: usize) {
         let length = COUNT * S::F64_LANES;
-        let mut registers = [[simd.splat_f64s(0.0); COUNT]; SETS];
-        for (row, weights) in self.rows.chunks_exact(self.stride).zip(self.weights) {
+        let mut registers = [simd.splat_f64s(0.0); COUNT];
+        for (row, weight) in self.rows.chunks_exact(self.sum.len()).zip(self.weights) {
             let (values, _) = S::as_simd_f64s(&row[from..from + length]);
-            for set in 0..SETS {
-                let weight = simd.splat_f64s(weights[set]);
-                for place in 0..COUNT {
-                    registers[set][place] = simd.mul_add_e_f64s(weight, values[place], registers[set][place]);
-                }
+            let weight = simd.splat_f64s(*weight);
+            for place in 0..COUNT {
+                registers[place] = simd.mul_add_e_f64s(weight, values[place], registers[place]);
             }
         }
-        for (sums, registers) in self.sums.chunks_exact_mut(self.stride).zip(&registers) {
-            let (sums, _) = S::as_mut_simd_f64s(&mut sums[from..from + length]);
-            for (sum, register) in sums.iter_mut().zip(registers) {
-                *sum = simd.add_f64s(*sum, *register);
-            }
+        let (sums, _) = S::as_mut_simd_f64s(&mut self.sum[from..from + length]);
+        for (sum, register) in sums.iter_mut().zip(&registers) {
+            *sum = simd.add_f64s(*sum, *register);
         }
     }
 }
@@ -330,10 +304,10 @@ mod tests {
             .collect();
         let samples: Vec<Vec<f64>> = points.iter().map(|point| sample(point)).collect();
         let fit = BodyFit::new(polynomials(), &points, &samples, &vec![10.0; 40], 1e-10).unwrap();
-        assert_eq!(fit.members.len(), 2);
+        assert_eq!(fit.member_count(), 2);
         for point in [[0.33, 0.2, 5.5], [2.9, 0.2, 6.0]] {
             assert!(fit.polynomials.contains(&point));
-            let found = fit.at(&point);
+            let found = fit.at(&point, &mut FitScratch::default());
             assert_eq!(found.len(), length);
             for (found, expected) in found.iter().zip(sample(&point)) {
                 assert!((found - expected).abs() < 1e-9, "{found} {expected}");

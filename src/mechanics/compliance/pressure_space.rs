@@ -130,18 +130,6 @@ impl PressureSpace {
         Moments { values, count }
     }
 
-    /// Numbers of `JointCompliance::values`.
-    pub fn entry_count(&self) -> usize {
-        self.even.len()
-    }
-
-    /// The compliance of infinite bodies, by the sums of their `even` and `odd`.
-    pub fn infinite(&self, [even, odd]: [f64; 2], values: &mut [f64]) {
-        for ((value, of_even), of_odd) in values.iter_mut().zip(&self.even).zip(&self.odd) {
-            *value = even * of_even + odd * of_odd;
-        }
-    }
-
     /// The compliance of bodies with their shares: 1/E of one body of a joint, the negative for a difference. Every body was
     /// prepared for.
     pub fn joint(&self, bodies: &[(&BodyCompliance, f64)]) -> JointCompliance<'static> {
@@ -151,8 +139,8 @@ impl PressureSpace {
             _ => 0.0,
         };
         let (even, odd, bed): (f64, f64, f64) = (sum(|body| body.even), sum(|body| body.odd), sum(bed_of));
-        let mut values = vec![0.0; self.entry_count()];
-        self.infinite([even, odd], &mut values);
+        let mut values: Vec<f64> =
+            self.even.iter().zip(&self.odd).map(|(own, other)| even * own + odd * other).collect();
         if bed != 0.0 {
             values.iter_mut().zip(&self.bed).for_each(|(value, own)| *value += bed * own);
         }
