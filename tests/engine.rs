@@ -278,7 +278,7 @@ fn thin_bodies_get_more_trial_pressures() {
 /// what it would have come to from the level above.
 #[test]
 fn finer_meshes_are_taken_where_they_are_needed() {
-    let slender = joint(disc(), part(&block::SHAPE, [1.3, 5.0, 1.5]));
+    let slender = joint(disc(), part(&block::SHAPE, [1.5, 6.0, 1.5]));
     let mut stiff = slender;
     stiff.plate.material.youngs_modulus *= 100.0;
     let [slender, stiff] = [slender, stiff].map(|joint| case(joint, &[1e-3, 0.2].map(Load::Indentation)));

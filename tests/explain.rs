@@ -81,7 +81,7 @@ fn each_rung_is_told_and_taken() {
         (DISC, BLOCK, "accuracy = \"10 %\"", "mesh level 0", Method::Fe, 2, 0.1),
         (DISC, BLOCK, "accuracy = \"1 %\"", "mesh level 0", Method::Fe, 2, 0.01),
         (DISC, SLENDER, "accuracy = \"1 %\"", "mesh level 0", Method::Fe, 2, 0.01),
-        (DISC, SLENDER, "accuracy = \"0.2 %\"", "mesh level 2", Method::Fe, 2, 0.002),
+        (DISC, SLENDER, "accuracy = \"0.1 %\"", "mesh level 2", Method::Fe, 2, 0.001),
         (DISC, RING, "method = \"closed-form\"", "closed form", Method::ClosedForm, 0, 1.0),
     ] {
         let (explanation, taken) = explained(&study(pin, plate, solve, None));
@@ -104,9 +104,9 @@ fn what_is_ruled_out_has_its_reason() {
     assert!(is_ruled_out(&fe, "closed form", "extent"));
     let (alone, _) = explained(&study(DISC, RING, "accuracy = \"0.1 %\"", None));
     assert!(is_ruled_out(&alone, "interpolation", "too few distinct bodies in 1 designs"));
-    let (block, _) = explained(&study(DISC, SLENDER, "accuracy = \"0.2 %\"", None));
+    let (block, _) = explained(&study(DISC, SLENDER, "accuracy = \"0.1 %\"", None));
     assert!(is_ruled_out(&block, "series for the block", "no exact modes"));
-    assert!(is_ruled_out(&block, "mesh level 0 alone", "0.2 % is asked"));
+    assert!(is_ruled_out(&block, "mesh level 0 alone", "0.1 % is asked"));
     assert!(!block.ruled_out.iter().any(|(what, _)| what.contains("rigid-core")));
     let (fine, _) = explained(&study(DISC, RING, "accuracy = \"0.01 %\"", None));
     assert!(is_ruled_out(&fine, "interpolation", "0.1 % at best"));

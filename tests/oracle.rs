@@ -176,10 +176,10 @@ fn blocks_meet_the_accuracy_against_the_finest_mesh() {
     let seen = [
         Seen {
             accuracy: 1e-2,
-            force: [2.1e-4, 1.5e-3, 3.8e-3],
-            half_angle: [6.7e-3, 0.18, 0.47],
-            stiffness: 4.4e-3,
-            excess: 9.0,
+            force: [2.6e-4, 2.8e-3, 6.8e-3],
+            half_angle: [6.9e-3, 0.17, 0.47],
+            stiffness: 7.0e-3,
+            excess: 5.7,
         },
         Seen {
             accuracy: 3e-3,
