@@ -155,7 +155,7 @@ fn the_near_field_makes_its_own_reference_exact() {
             GradingClass::of(&of(if name == "annulus" { 1.6 } else { 0.6 }, 0.0), ElementKind::Quad8, 1);
         let side = of(2.0, 0.0).shape.side;
         // Layers that grow 1.75 times: a body of the class.
-        let growth = 7;
+        let growth = 1_750_000;
         let class = NearFieldClass { side, half_ring: false, grading, idealization, range, growth };
         let near_field = NearField::new(&class);
         let ratio = class.reference().fixed_radius_ratio;

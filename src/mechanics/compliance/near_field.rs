@@ -125,7 +125,7 @@ pub struct NearFieldClass {
 pub const GROWTH_STEP: f64 = 0.25;
 
 /// So near to each other growths are the same.
-const GROWTH_UNIT: f64 = 1e-6;
+pub const GROWTH_UNIT: f64 = 1e-6;
 
 impl NearFieldClass {
     /// The two between which the near field of a body lies, by the growth of its layers where contact begins, and how far
