@@ -41,11 +41,10 @@ impl JointScale {
 
     /// e/R2 of a state under a load.
     pub fn offset(&self, load: Load, state: &ContactState) -> f64 {
-        match self.load(load) {
-            _ if matches!(load, Load::Indentation(0.0) | Load::Force(0.0)) => 0.0,
-            None => 0.0,
-            Some(DimensionlessLoad::Indentation(delta)) => self.radial_clearance + delta,
-            Some(DimensionlessLoad::Force(force)) => force / state.force,
+        match load {
+            Load::Indentation(0.0) | Load::Force(0.0) => 0.0,
+            Load::Indentation(delta) => self.radial_clearance + delta / self.hole_radius,
+            Load::Force(force) => force / (self.thickness * self.hole_radius) / state.force,
         }
     }
 

@@ -12,12 +12,6 @@ use crate::mechanics::body::Body;
 use crate::mechanics::compliance::near_field::PoissonRange;
 use crate::mechanics::grading::LEVEL_COUNT;
 
-/// Estimated error of the force on a mesh level from its relative change since the next coarser level, summed over the
-/// bodies, where that is fully trusted.
-pub fn mesh_error(level: usize, change: f64) -> f64 {
-    Trust::Full.error(level, change)
-}
-
 /// How far the change between meshes can be trusted as a measure of the error, ever less.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Trust {

@@ -4,8 +4,9 @@ use rayon::prelude::*;
 
 use crate::engine::accuracy::fit_bound::{FitBound, changes, worst_near};
 use crate::engine::accuracy::known_errors::known_error;
-use crate::engine::accuracy::mesh_change::mesh_error;
+use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::bodies::BodyLibrary;
+use crate::engine::body_request::BodyRequest;
 use crate::engine::interpolation::basis::Basis;
 use crate::engine::interpolation::family::{Family, body_at};
 use crate::engine::interpolation::samples::Expense;
@@ -50,8 +51,8 @@ impl HeldOut {
         }
     }
 
-    /// Goes on to a mesh; where its error is not known the change since the one before tells it. What was made for `basis` is
-    /// there when the space is asked for.
+    /// Goes on to a mesh; where its error is not known the change since the one before tells it, as far as
+    /// each body's is trusted.
     pub(super) fn solve(
         &mut self,
         family: &Family,
@@ -78,10 +79,11 @@ impl HeldOut {
             };
             self.bodies.iter().map(known).collect()
         } else {
-            (self.expected.par_iter().zip(&coarse))
-                .map(|(fine, coarse)| {
+            (self.bodies.par_iter().zip(&self.expected).zip(&coarse))
+                .map(|((body, fine), coarse)| {
+                    let trust = Trust::of(&BodyRequest { body: *body, fidelity: family.fidelity(level) });
                     let changes = changes(space, fine, coarse).into_iter();
-                    changes.map(|change| mesh_error(level, change)).collect()
+                    changes.map(|change| trust.error(level, change)).collect()
                 })
                 .collect()
         };

@@ -295,6 +295,30 @@ mod tests {
         }
     }
 
+    /// A body that is told in some modes is the same in finer ones.
+    #[test]
+    fn a_body_is_the_same_in_other_modes() {
+        let arcs = (1..=LANES).map(|i| ContactArc::new(0.28 * i as f64)).collect();
+        let mut space = PressureSpace::new(6, arcs);
+        let body = ConcentricBody {
+            fixed_radius_ratio: 2.0,
+            poissons_ratio: 0.3,
+            idealization: Idealization::PlaneStrain,
+        };
+        let (coarse, fine) = (RingModes::whole(4, 8), RingModes::whole(6, 32));
+        let [works] = coarse.works_of_modes(&[body.boundary_modes()]);
+        let told_again = fine.works_of_others(&coarse)(&works);
+        let told = [(coarse, works), (fine, told_again)].map(|(modes, works)| {
+            let told = BodyCompliance { boundary: Boundary::RingModes(modes, works), ..body.compliance() };
+            space.prepare(&told);
+            told
+        });
+        let left = space.joint(&[(&told[0], 1.0), (&told[1], -1.0)]);
+        let worst = left.values.iter().fold(0.0, |worst: f64, value| worst.max(value.abs())) / told[0].even;
+        println!("{worst:e}");
+        assert!(worst < 1e-13, "{worst:e}");
+    }
+
     /// A rigid translation along y does the work of the pressures.
     #[test]
     fn translation_does_the_work_of_the_modes() {
