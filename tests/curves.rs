@@ -65,7 +65,8 @@ fn curves_leave_what_is_said() {
             };
             let (core, ratio) = ((-wall(&mut random)).exp(), wall(&mut random).exp());
             let idealization = Idealization::ALL[(2.0 * random.unit()) as usize];
-            let poissons_ratio = random.linear(-0.5, 0.49);
+            let poissons_ratio =
+                if random.unit() < 0.2 { 0.5 - random.log(1e-4, 0.01) } else { random.linear(-0.5, 0.49) };
             let modulus = random.log(0.01, 100.0);
             let [pin, plate] = [core, ratio].map(|ratio| concentric(ratio, poissons_ratio, idealization));
             let body = |shape, ratio| {
@@ -118,8 +119,8 @@ fn curves_leave_what_is_said() {
     println!(
         "{compared} compared, {bounded} of {joints} joints bounded, of others {worst_unsaid:.1e}, {said_too_much} said to be much"
     );
-    // Seen: 2770; 177 of 180, all of the others beside beds, 6.4e-5 at most; 20 beyond 0.3 of an accuracy, nearly all of 1e-5.
+    // Seen: 2788; all of 180; 27 beyond 0.3 of an accuracy, nearly all of 1e-5.
     assert!(compared > 2700, "{compared}");
-    assert!(bounded >= 178 && worst_unsaid < 1e-5, "{bounded}, {worst_unsaid:e}");
-    assert!(said_too_much <= 25, "{said_too_much}");
+    assert!(bounded >= 178 && worst_unsaid < 1e-4, "{bounded}, {worst_unsaid:e}");
+    assert!(said_too_much <= 30, "{said_too_much}");
 }

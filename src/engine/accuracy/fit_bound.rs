@@ -13,22 +13,27 @@ const BOUNDED: f64 = 0.97;
 /// The fit's own error is raised by this: bodies held out are not the worst.
 const SAFETY: f64 = 1.5;
 
+/// Walls below this depth, |ln r|, count by themselves, and by the worst of them: what a fit leaves is greatest at the thin end of a box.
+const THIN_END: f64 = 0.2;
+
 /// Arcs beyond which contact with free edges hardly goes, rad: what a fit does there decides nothing.
 const WIDEST: f64 = 1.8;
 
 /// Bound of the relative error of the force that a fit leaves.
 pub struct FitBound {
-    /// By contact half angle, descending, rad. With what the meshes leave, where these are not of a `known_level`.
-    bounds: Vec<(f64, f64)>,
+    /// By contact half angle, descending, rad: for walls that are not thin and for those that are. With what the meshes leave, where
+    /// these are not of a `known_level`.
+    bounds: Vec<(f64, [f64; 2])>,
     /// Of the meshes the fit was made on, what is known of each body.
     known_level: Option<usize>,
 }
 
 impl FitBound {
-    /// From the relative change that the fit makes of the work of each body held out, `[body][arc]`, and the error of its mesh
-    /// there, where it is not of a `known_level`.
+    /// From the relative change that the fit makes of the work of each of the `bodies` held out, `[body][arc]`, and the error of its
+    /// mesh there, where it is not of a `known_level`.
     pub fn new(
         space: &CurveSpace,
+        bodies: &[Body],
         of_fit: &[Vec<f64>],
         of_mesh: &[Vec<f64>],
         known_level: Option<usize>,
@@ -38,8 +43,14 @@ impl FitBound {
             of_fit.iter().zip(of_mesh).map(|(fit, mesh)| SAFETY * fit + own(mesh)).collect()
         };
         let errors: Vec<Vec<f64>> = of_fit.iter().zip(of_mesh).map(sum).collect();
+        let thin = bodies.iter().zip(&errors).filter(|(body, _)| is_thin(body)).map(|(_, errors)| errors);
+        let mut of_thin = quantile(&errors);
+        for errors in thin {
+            of_thin.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(*error));
+        }
+        let bounds = quantile(&errors).into_iter().zip(of_thin).map(|(of_most, of_thin)| [of_most, of_thin]);
         let angles = space.arcs().iter().map(|arc| arc.half_angle);
-        FitBound { bounds: angles.zip(quantile(&errors)).collect(), known_level }
+        FitBound { bounds: angles.zip(bounds).collect(), known_level }
     }
 
     /// Of a body, at a contact half angle, rad: of the fit the greater of the bounds around it. What meshes leave of the samples
@@ -47,15 +58,20 @@ impl FitBound {
     pub fn at(&self, body: &Body, half_angle: f64) -> f64 {
         let below = self.bounds.partition_point(|(angle, _)| *angle > half_angle);
         let around = &self.bounds[below.saturating_sub(1)..(below + 1).min(self.bounds.len())];
-        let of_fit = around.iter().fold(0.0, |worst: f64, (_, bound)| worst.max(*bound));
+        let place = usize::from(is_thin(body));
+        let of_fit = around.iter().fold(0.0, |worst: f64, (_, bounds)| worst.max(bounds[place]));
         let known = |level| known_error(body, level, half_angle).unwrap_or(f64::INFINITY);
         of_fit.hypot(self.known_level.map_or(0.0, known))
     }
 
-    /// At the arcs that contact comes to, without what is known of the meshes.
+    /// At the arcs that contact comes to, of walls that are not thin, without what is known of the meshes.
     pub fn near(&self) -> impl Iterator<Item = f64> {
-        self.bounds.iter().filter(|(half_angle, _)| *half_angle < WIDEST).map(|(_, bound)| *bound)
+        self.bounds.iter().filter(|(half_angle, _)| *half_angle < WIDEST).map(|(_, [of_most, _])| *of_most)
     }
+}
+
+fn is_thin(body: &Body) -> bool {
+    body.depth_range().0 < THIN_END
 }
 
 /// What few of the bodies exceed at the worst of the arcs that contact comes to; `[body][arc]`.

@@ -103,6 +103,6 @@ impl HeldOut {
                 changes(space, expected, &BodyCompliance::new(body, boundary))
             })
             .collect();
-        FitBound::new(space, &of_fit, &self.of_mesh, (self.known && !self.exact).then_some(level))
+        FitBound::new(space, &self.bodies, &of_fit, &self.of_mesh, (self.known && !self.exact).then_some(level))
     }
 }

@@ -158,11 +158,6 @@ impl<'a> ContactCurve<'a> {
             return None;
         }
         let coefficients = in_lanes(Transform { rows: &space.transform, values: &functions });
-        let of_functions = |of: fn(&[[f64; LANES]], usize) -> f64| {
-            (0..DECISIVE).map(|function| of(&coefficients, function)).fold(0.0, f64::max)
-        };
-        let last_two = |coefficients: &[[f64; LANES]], function| last(coefficients, 2, function);
-        let (rough_error, curve_error) = (ROUGH * of_functions(last_two), of_functions(left_out));
         // Up to the first beyond a neat fit, and no further than the contact grows with the load: the pressure is the sum of what
         // punches of all smaller arcs add as the contact grows, each of them positive. Where it grows with the load the pressure
         // is positive and the gap beyond it open, and only there.
@@ -179,7 +174,48 @@ impl<'a> ContactCurve<'a> {
                 break;
             }
         }
-        Some(ContactCurve { space, even, bed, coefficients, curve_error, rough_error, states, first })
+        let mut curve =
+            ContactCurve { space, even, bed, coefficients, curve_error: 0.0, rough_error: 0.0, states, first };
+        curve.rough_error = SAFETY * curve.without(&functions, 2);
+        curve.curve_error = SAFETY * curve.without(&functions, FOUR) * curve.falling();
+        Some(curve)
+    }
+
+    /// What force and indentation change, relative, at the worst of the nodes that loads reach, if so many last coefficients are
+    /// dropped.
+    fn without(&self, functions: &[[f64; LANES]], count: usize) -> f64 {
+        let nodes = functions.len();
+        let mut worst = 0.0_f64;
+        for node in self.first..nodes {
+            let mut left = functions[node];
+            for degree in nodes - count..nodes {
+                let share = 0.5 * nodes as f64 * self.space.transform[degree][node];
+                left.iter_mut().zip(&self.coefficients[degree]).for_each(|(value, of)| *value -= share * of);
+            }
+            let b = self.space.arcs()[node].b;
+            let found = self.from_functions(&left, self.space.logarithms[node], b).free_edge(b);
+            let known = &self.states.edges[node].free;
+            for (found, known) in [(found.force, known.force), (found.indentation, known.indentation)] {
+                worst = worst.max((found / known - 1.0).abs());
+            }
+        }
+        worst
+    }
+
+    /// What is left out of the polynomials over the last four coefficients, if they go on falling as the last eight do.
+    fn falling(&self) -> f64 {
+        let nodes = self.coefficients.len();
+        let sum = |from: usize| -> f64 {
+            let size = |function: usize| {
+                let sizes = self.coefficients.iter().map(|of_degree| of_degree[function].abs());
+                let most = sizes.clone().fold(f64::MIN_POSITIVE, f64::max);
+                sizes.skip(from).take(FOUR).sum::<f64>() / most
+            };
+            (0..DECISIVE).map(size).sum()
+        };
+        let before = sum(nodes - 2 * FOUR).max(f64::MIN_POSITIVE);
+        let ratio = (sum(nodes - FOUR) / before).clamp(LEAST_RATIO, GREATEST_RATIO);
+        ratio / (1.0 - ratio)
     }
 
     /// What polynomials come to at logarithms, with b.
@@ -206,19 +242,23 @@ impl<'a> ContactCurve<'a> {
         for (function, sum) in current.iter_mut().enumerate() {
             *sum = (number(self.coefficients[0][function]) - previous[function]).minus_product(half, *sum);
         }
-        let [smooth, edge, edge_of_versine, versine, work, peak, peak_of_versine] = current;
-        let share = number(self.space.logarithm_share(self.even));
+        (self.from_functions(&current, Lanes(logarithms), b), b)
+    }
+
+    /// From what is a polynomial to the functions themselves.
+    #[inline(always)]
+    fn from_functions<T: Real>(&self, functions: &[T], logarithm: T, b: T) -> Reduced<T> {
+        let share = T::from_f64(self.space.logarithm_share(self.even));
         let scale = scale(self.even, self.bed, b);
-        let reduced = Reduced {
-            singular: (smooth / scale).minus_product(share, Lanes(logarithms)),
-            edge,
-            edge_of_versine: edge_of_versine * scale,
-            versine,
-            work: work * scale,
-            peak,
-            peak_of_versine: peak_of_versine * scale,
-        };
-        (reduced, b)
+        Reduced {
+            singular: (functions[0] / scale).minus_product(share, logarithm),
+            edge: functions[1],
+            edge_of_versine: functions[2] * scale,
+            versine: functions[3],
+            work: functions[4] * scale,
+            peak: functions[5],
+            peak_of_versine: functions[6] * scale,
+        }
     }
 
     /// The greater of what is known at the nodes around a state.
@@ -257,28 +297,13 @@ impl LaneWork for Transform<'_> {
     }
 }
 
-/// So many last coefficients of a function over the greatest.
-fn last(coefficients: &[[f64; LANES]], count: usize, function: usize) -> f64 {
-    let sizes = coefficients.iter().map(|of_degree| of_degree[function].abs());
-    let most = sizes.clone().fold(f64::MIN_POSITIVE, f64::max);
-    sizes.skip(coefficients.len() - count).sum::<f64>() / most
-}
+/// Between nodes more is left out than at them.
+const SAFETY: f64 = 2.0;
 
-/// What further polynomials would add to a function, over the greatest: they go on falling as the last eight do.
-fn left_out(coefficients: &[[f64; LANES]], function: usize) -> f64 {
-    let last_four = last(coefficients, 4, function);
-    let before = last(&coefficients[..coefficients.len() - 4], 4, function).max(f64::MIN_POSITIVE);
-    let ratio = (last_four / before).clamp(LEAST_RATIO, GREATEST_RATIO);
-    SMALLER * last_four * ratio / (1.0 - ratio)
-}
+/// Coefficients that are taken together.
+const FOUR: usize = 4;
 
 /// How much faster or slower than this the coefficients of a function fall, four by four, is not told by eight of them
 /// (`tests/curves.rs` holds what follows).
 const LEAST_RATIO: f64 = 0.5;
 const GREATEST_RATIO: f64 = 0.9;
-
-/// Where a function decides it may be smaller than the greatest it becomes.
-const SMALLER: f64 = 3.0;
-
-/// Nodes between which noise is interpolated make this of it, about.
-const ROUGH: f64 = 2.0;

@@ -231,9 +231,13 @@ impl Solve<'_> {
         };
         // What was left out goes on falling as these do.
         let ratio = (last / before).least(Lanes::from_f64(SLOWEST));
-        let tail = last / (most * (one - ratio));
+        let falling = one - ratio;
+        let tail = last / (most * falling);
         let least = least_pressure::<FUSED, TERMS>(&pressure, turns);
         let work = reduced.singular * first * first + reduced.work;
+        // Films that are squeezed along a wall yield most to what was left out.
+        let of_last = |k: usize| load(k, k) * pressure[k] * pressure[k];
+        let tail_work = (of_last(TERMS - 2) + of_last(TERMS - 1)) / (work * falling * falling);
         let free = reduced.free_edge(b);
         for lane in 0..LANES {
             found.edges.push(Edge {
@@ -253,7 +257,7 @@ impl Solve<'_> {
                     energy: free.energy.0[lane],
                     peak_pressure: free.peak_pressure.0[lane],
                 },
-                truncation: tail.0[lane] * tail.0[lane],
+                truncation: tail_work.0[lane].max(tail.0[lane] * tail.0[lane]),
                 pressure_is_positive: least.0[lane] >= 0.0,
                 work: work.0[lane],
             });

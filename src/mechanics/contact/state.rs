@@ -16,8 +16,8 @@ pub struct ContactState {
     pub energy: f64,
     /// Contact pressure over e at the load line.
     pub peak_pressure: f64,
-    /// What is left out of the trial pressures over the largest, as the last four tell, squared: of that order is what it costs in
-    /// the force.
+    /// What is left out of the trial pressures, as the last four tell: its square over the largest, or its share of the work. Of that
+    /// order is what it costs in the force.
     pub truncation: f64,
     /// Bound of the relative error of force and energy that interpolation between arcs leaves.
     pub curve_error: f64,
