@@ -2,6 +2,7 @@
 //! curve through its nodes, ten loads found on it, and what an error estimate takes: `cargo bench --bench contact`.
 
 use divan::{Bencher, black_box};
+use jointsweep::mechanics::body::Side;
 use jointsweep::mechanics::compliance::BodyCompliance;
 use jointsweep::mechanics::compliance::Boundary;
 use jointsweep::mechanics::compliance::pressure_space::JointCompliance;
@@ -9,6 +10,7 @@ use jointsweep::mechanics::compliance::ring_modes::RingModes;
 use jointsweep::mechanics::compliance::series::ConcentricBody;
 use jointsweep::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
 use jointsweep::mechanics::contact::load::DimensionlessLoad;
+use jointsweep::mechanics::contact::outlines::Outlines;
 use jointsweep::mechanics::material::Idealization;
 
 const RADIAL_CLEARANCE: f64 = 1e-3;
@@ -29,7 +31,8 @@ impl Joint {
         let bodies = [0.3, 3.0].map(|fixed_radius_ratio| {
             let idealization = Idealization::PlaneStress;
             let body = ConcentricBody { fixed_radius_ratio, poissons_ratio: 0.3, idealization };
-            let [works] = modes.works_of_modes(&[body.boundary_modes()]);
+            let side = if fixed_radius_ratio < 1.0 { Side::Pin } else { Side::Plate };
+            let [works] = modes.works_of_modes(side, &[body.boundary_modes()]);
             BodyCompliance { boundary: Boundary::RingModes(modes, works), ..body.compliance() }
         });
         bodies.iter().for_each(|body| space.pressures.prepare(body));
@@ -37,8 +40,14 @@ impl Joint {
     }
 
     fn compliance(&self) -> JointCompliance<'static> {
-        self.space.pressures.joint(&[(&self.bodies[0], 1.0), (&self.bodies[1], 1.0 / 0.4)])
+        let pin = self.space.part(Side::Pin, &[(&self.bodies[0], 1.0)], &outlines());
+        let plate = self.space.part(Side::Plate, &[(&self.bodies[1], 1.0 / 0.4)], &outlines());
+        JointCompliance::of_both(&pin, &plate)
     }
+}
+
+fn outlines() -> Outlines {
+    Outlines::new(RADIAL_CLEARANCE)
 }
 
 /// Indentations from a hundredth of the clearance to ten times it.
@@ -61,24 +70,24 @@ fn joint_from_bodies(bencher: Bencher, space: (usize, usize)) {
 fn curve_through_nodes(bencher: Bencher, space: (usize, usize)) {
     let joint = Joint::new(space);
     let compliance = joint.compliance();
-    bencher.bench_local(|| ContactCurve::new(&joint.space, black_box(&compliance)).is_some());
+    bencher.bench_local(|| ContactCurve::new(&joint.space, black_box(&compliance), outlines()).is_some());
 }
 
 #[divan::bench(args = SPACES)]
 fn ten_loads_found(bencher: Bencher, space: (usize, usize)) {
     let joint = Joint::new(space);
     let compliance = joint.compliance();
-    let curve = ContactCurve::new(&joint.space, &compliance).expect("positive definite");
-    bencher.bench_local(|| curve.states(black_box(RADIAL_CLEARANCE), loads()));
+    let curve = ContactCurve::new(&joint.space, &compliance, outlines()).expect("positive definite");
+    bencher.bench_local(|| curve.states(black_box(loads())));
 }
 
 /// The share of the work that goes into one body.
 #[divan::bench(args = SPACES)]
 fn work_share(bencher: Bencher, space: (usize, usize)) {
     let joint = Joint::new(space);
-    let curve = ContactCurve::new(&joint.space, &joint.compliance()).expect("positive definite");
+    let curve = ContactCurve::new(&joint.space, &joint.compliance(), outlines()).expect("positive definite");
     let pressures = &joint.space.pressures;
-    let body = pressures.joint(&[(&joint.bodies[0], 1.0)]);
+    let body = pressures.joint(&[(&joint.bodies[0], 1.0)], outlines().tilt());
     bencher.bench_local(|| curve.states.work_shares(pressures, black_box(&body)));
 }
 

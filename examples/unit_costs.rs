@@ -24,12 +24,13 @@ use jointsweep::engine::unit_costs::{
     Unit, batch, curve, design, interpolated_design, near_field_works, series, space, space_modes,
     space_ring_modes, spread_modes, spread_ring_modes, topology,
 };
-use jointsweep::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
+use jointsweep::mechanics::body::{Body, Side, annulus, block, cored_disc, half_disc};
 use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
 use jointsweep::mechanics::compliance::pressure_space::JointCompliance;
 use jointsweep::mechanics::compliance::ring_modes::RingModes;
 use jointsweep::mechanics::compliance::{BodyCompliance, Boundary};
 use jointsweep::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
+use jointsweep::mechanics::contact::outlines::Outlines;
 use jointsweep::mechanics::material::Idealization;
 use jointsweep::mechanics::real::LANES;
 use jointsweep::output::host::{Host, processor_seconds};
@@ -180,11 +181,12 @@ fn made(key: SpaceKey) -> CurveSpace {
 
 /// Bodies whose compliance has so many modes, whatever they are worth.
 fn in_modes(count: usize) -> BodyCompliance {
-    BodyCompliance { even: 1.0, odd: 0.3, boundary: Boundary::Modes(vec![1e-3; count + 1]) }
+    let modes = || (0..=count).map(|n| 1e-3 * n as f64).collect();
+    BodyCompliance { even: 1.0, odd: 0.3, boundary: Boundary::Modes { normal: modes(), along: modes() } }
 }
 
 fn in_ring_modes(count: usize) -> BodyCompliance {
-    let works = vec![1e-3; count * (count + 1) / 2];
+    let works = vec![1e-3; count * (count + 1)];
     BodyCompliance { even: 1.0, odd: 0.3, boundary: Boundary::RingModes(RingModes::whole(5, count), works) }
 }
 
@@ -212,6 +214,9 @@ fn spaces() -> Vec<Measured> {
     measured
 }
 
+/// Of pins, as at a clearance of a hundredth of the radius.
+const TILT: f64 = 0.01;
+
 /// The compliance of one body to the trial pressures of a space.
 fn spreads() -> Vec<Measured> {
     let mut measured = Vec::new();
@@ -219,7 +224,7 @@ fn spreads() -> Vec<Measured> {
         let mut space = made(key);
         let mut spread = |body: BodyCompliance| {
             space.pressures.prepare(&body);
-            time(|| space.pressures.joint(&[(&body, 1.0)]))
+            time(|| space.pressures.joint(&[(&body, 1.0)], TILT))
         };
         for count in MODES {
             measured.push(Measured::new(&[&spread_modes(key, count).0], spread(in_modes(count))));
@@ -237,9 +242,11 @@ fn curves() -> Vec<Measured> {
         let mut space = made(key);
         let bodies = [cored_discs()[2], annuli()[2]].map(|body| concentric(&body).compliance());
         bodies.iter().for_each(|body| space.pressures.prepare(body));
-        let [pin, plate] = bodies.each_ref().map(|body| space.pressures.joint(&[(body, 1.0)]));
+        let outlines = Outlines::new(0.01);
+        let [pin, plate] = bodies.each_ref().map(|body| space.pressures.joint(&[(body, 1.0)], 0.0));
         let seconds = time(|| {
-            let curve = ContactCurve::new(&space, &JointCompliance::of_both(&pin, &plate))?;
+            let plate = space.on_hole(plate.clone(), &outlines);
+            let curve = ContactCurve::new(&space, &JointCompliance::of_both(&pin, &plate), outlines)?;
             Some(curve.states.work_shares(&space.pressures, &pin))
         });
         Measured::new(&[&curve(key).0], seconds)
@@ -298,9 +305,10 @@ fn exact_bodies() -> [Vec<Measured>; 2] {
     // Those of near fields are neither thinner nor deeper.
     let references = bodies().filter(|body| (0.1..2.0).contains(&body.fixed_radius_ratio.ln().abs()));
     let of_near_fields = references.flat_map(|body| {
-        let lists: [Vec<f64>; LANES] = std::array::from_fn(|_| body.boundary_modes());
+        let side = if body.fixed_radius_ratio < 1.0 { Side::Pin } else { Side::Plate };
+        let lists: [[Vec<f64>; 2]; LANES] = std::array::from_fn(|_| body.boundary_modes());
         RING_MODES.map(|count| {
-            let seconds = time_once(|| RingModes::whole(5, count).works_of_modes(&lists));
+            let seconds = time_once(|| RingModes::whole(5, count).works_of_modes(side, &lists));
             Measured::new(&[&near_field_works(body.highest_mode(), count).0], seconds)
         })
     });

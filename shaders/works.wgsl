@@ -1,9 +1,10 @@
 // Twin: src/mechanics/compliance/ring_modes.rs (works_on_ring).
 //
-// From the compliance C of a ring to the works of its modes: F^T C F, F being the nodal loads of the modes.
+// From the compliance C of a ring to the works of its modes: the symmetric part of P^T C F, F being the nodal loads of the modes along
+// the normal and P those of one way to push.
 //
-// One workgroup makes one body. It goes through the ring's rows in tiles: of each tile W = C F first, then its share F^T W in
-// all entries.
+// One workgroup makes one way of one body. It goes through the ring's rows in tiles: of each tile W = C F first, then its share
+// P^T W in all entries.
 
 struct WorksParameters {
     // Of the ring.
@@ -18,13 +19,13 @@ struct WorksParameters {
 @group(0) @binding(0) var<uniform> parameters: WorksParameters;
 // [body][ring unknown][block]: four columns of C
 @group(0) @binding(1) var<storage, read> compliance: array<wide4>;
-// [ring unknown, with zeros up to a whole block][mode]
+// [way to push, the normal first][ring unknown, with zeros up to a whole block][mode]
 @group(0) @binding(2) var<storage, read> loads: array<wide>;
 // [body][system]
 @group(0) @binding(3) var<storage, read> states: array<SystemState>;
 // [body][block][rho, |b|, |b - K x|/|b|]
 @group(0) @binding(4) var<storage, read> norms: array<wide4>;
-// [body][1 for a sound body and 0 for any other, greatest |b - K x|/|b|, then packed entries]
+// [body][1 for a sound body and 0 for any other, greatest |b - K x|/|b|, then packed entries, one way to push after the other]
 @group(0) @binding(5) var<storage, read_write> works: array<wide>;
 
 // Entries that one invocation sums.
@@ -64,6 +65,8 @@ fn sum_works(
     @builtin(local_invocation_index) invocation: u32,
 ) {
     let body = group.x;
+    // Where the loads of this way begin.
+    let pushed = group.y * 4u * parameters.block_count * parameters.mode_count;
     let ring_count = parameters.ring_count;
     let modes = parameters.mode_count;
     let entries = modes * (modes + 1u) / 2u;
@@ -93,7 +96,9 @@ fn sum_works(
                 let place = place_of(entry);
                 var sum = sums[own];
                 for (var row = 0u; row < rows; row++) {
-                    sum += loads[(first + row) * modes + place.x] * products[row * modes + place.y];
+                    let at = pushed + (first + row) * modes;
+                    sum += loads[at + place.x] * products[row * modes + place.y];
+                    sum += loads[at + place.y] * products[row * modes + place.x];
                 }
                 sums[own] = sum;
             }
@@ -103,10 +108,10 @@ fn sum_works(
     for (var own = 0u; own < OWN; own++) {
         let entry = invocation + own * INVOCATIONS;
         if entry < entries {
-            works[at + WORKS_HEADER + entry] = sums[own];
+            works[at + WORKS_HEADER + group.y * entries + entry] = 0.5 * sums[own];
         }
     }
-    if invocation == 0u {
+    if invocation == 0u && group.y == 0u {
         let residual = worst_residual(body);
         works[at] = select(wide(1.0), wide(0.0), residual == BEYOND);
         works[at + 1u] = residual;

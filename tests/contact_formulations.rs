@@ -31,7 +31,7 @@ fn joint(element: ElementKind, q: f64) -> RingJoint {
     };
     let (pin, plate) = (half("rigid-midplane", &[], FRAC_PI_2), half("annulus", &[2.0], PI));
     let compliances = [&pin, &plate].map(MeshedBody::condense);
-    RingJoint::new(pin.ring(&compliances[0], 1.0), plate.ring(&compliances[1], 1.0)).unwrap()
+    RingJoint::new(pin.ring(&compliances[0], 1.0), plate.ring(&compliances[1], 1.0), 0.0).unwrap()
 }
 
 fn exact(joint: &RingJoint, gaps: &[f64]) -> NodalContact {

@@ -3,14 +3,17 @@
 #[path = "common/random.rs"]
 mod random;
 
+use std::f64::consts::FRAC_PI_2;
+
 use jointsweep::engine::spaces::SpaceKey;
-use jointsweep::mechanics::body::{Body, annulus, cored_disc};
+use jointsweep::mechanics::body::{Body, Side, annulus, cored_disc};
 use jointsweep::mechanics::compliance::arc::ContactArc;
-use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
+use jointsweep::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
 use jointsweep::mechanics::compliance::series::ConcentricBody;
 use jointsweep::mechanics::contact::curve::{ContactCurve, CurveSpace};
 use jointsweep::mechanics::contact::edge::EdgeStates;
 use jointsweep::mechanics::contact::load::DimensionlessLoad;
+use jointsweep::mechanics::contact::outlines::Outlines;
 use jointsweep::mechanics::material::Idealization;
 use random::Random;
 
@@ -38,9 +41,10 @@ fn persson() {
         [1e-3, 1e4].map(|ratio| concentric(ratio, 0.3, Idealization::PlaneStress).compliance());
     space.prepare(&pin);
     space.prepare(&plate);
-    let states = EdgeStates::new(&space, &space.joint(&[(&pin, 1.0), (&plate, 1.0)]));
+    let joint = space.joint(&[(&pin, 1.0), (&plate, 1.0)], 0.0);
+    let states = EdgeStates::new(&space, &joint, &Outlines::ALIKE);
     for (place, (degrees, clearance, peak)) in table.into_iter().enumerate() {
-        let state = states.edges[place].state(&arcs[place]).unwrap();
+        let state = states.edges[place].state(&arcs[place], &Outlines::ALIKE).unwrap();
         let inverse_force = 0.5 * state.radial_clearance() / state.force;
         let of_force = state.peak_pressure / state.force;
         println!("{degrees} deg: E* dR/F {inverse_force}, p0 R/F {of_force}");
@@ -78,25 +82,36 @@ fn curves_leave_what_is_said() {
             let mut space = CurveSpace::new(key.variable, key.terms, key.nodes, key.limit());
             let [pin, plate] = [pin, plate].map(|body| body.compliance());
             let arcs: Vec<ContactArc> = (0..16).map(|_| ContactArc::new(random.log(1e-3, 2.0))).collect();
-            let mut exact = PressureSpace::new(key.terms, arcs.clone());
-            for body in [&pin, &plate] {
+            // Exact arcs of the pin, and of the hole that meet them.
+            let outlines = Outlines::new(random.log(1e-4, 0.1));
+            let on_hole = arcs.iter().map(|arc| ContactArc::new(outlines.of_hole(arc.half_angle))).collect();
+            let mut exact = [arcs.clone(), on_hole].map(|arcs| PressureSpace::new(key.terms, arcs));
+            for (body, exact) in [&pin, &plate].into_iter().zip(&mut exact) {
                 space.pressures.prepare(body);
                 exact.prepare(body);
             }
-            let bodies = [(&pin, 1.0), (&plate, 1.0 / modulus)];
-            let curve = ContactCurve::new(&space, &space.pressures.joint(&bodies)).unwrap();
-            let states = EdgeStates::new(&exact, &exact.joint(&bodies));
+            let parts = [(Side::Pin, [(&pin, 1.0)]), (Side::Plate, [(&plate, 1.0 / modulus)])];
+            let of_space = parts.each_ref().map(|(side, bodies)| space.part(*side, bodies, &outlines));
+            let joint = JointCompliance::of_both(&of_space[0], &of_space[1]);
+            let curve = ContactCurve::new(&space, &joint, outlines).unwrap();
+            let of_pin = exact[0].joint(&parts[0].1, outlines.tilt());
+            let mut of_plate = exact[1].joint(&parts[1].1, 0.0);
+            let logarithm = FRAC_PI_2 * of_plate.even * outlines.ratio().ln();
+            of_plate.values.to_mut()[..arcs.len()].iter_mut().for_each(|value| *value += logarithm);
+            let joint = JointCompliance::of_both(&of_pin, &of_plate);
+            let states = EdgeStates::new(&exact[0], &joint, &outlines);
             let mut worst = (0.0_f64, 0.0);
             for (edge, arc) in states.edges.iter().zip(&arcs) {
-                let expected = edge.state(arc).unwrap();
+                let expected = edge.state(arc, &outlines).unwrap();
                 if expected.indentation >= 1.0 {
                     continue;
                 }
-                let load = DimensionlessLoad::Indentation(expected.indentation / expected.radial_clearance());
-                let (found, _) = curve.states(1.0, std::iter::once(load))[0].unwrap();
+                let offset = outlines.radial_clearance / expected.radial_clearance();
+                let load = DimensionlessLoad::Indentation(offset * expected.indentation);
+                let (found, _) = curve.states(std::iter::once(load))[0].unwrap();
                 let error = (found.force / expected.force - 1.0).abs();
                 assert!(error.is_finite());
-                worst = (worst.0.max(error), found.curve_error);
+                worst = (worst.0.max(error), curve.error(true));
                 compared += 1;
             }
             let (error, said) = worst;

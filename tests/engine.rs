@@ -77,12 +77,18 @@ fn statuses(joint: JointDesign, method: MethodChoice, accuracy: f64, steps: &[Lo
     alone(&case(joint, steps), method, accuracy).into_iter().map(|step| step.status.into_owned()).collect()
 }
 
-/// (dR + delta)/R2 of 5 % and no other length decides, whether it is prescribed or found from a force.
+/// Twice delta/R2, or twice p0/E, decides, whether it is prescribed or found from a force.
 #[test]
 fn large_displacements_are_said() {
     let loose = JointDesign { radial_clearance: 0.4, ..joint(disc(), ring(3.0)) };
-    let steps = [0.099, 0.101].map(Load::Indentation);
+    let steps = [0.0495, 0.0505].map(Load::Indentation);
     let outcomes = alone(&case(loose, &steps), MethodChoice::Auto, 0.01);
+    for (outcome, expected) in outcomes.iter().zip([0.0099, 0.0101]) {
+        let told = outcome.response.and_then(|response| response.linearity_error).unwrap();
+        assert!((told / expected - 1.0).abs() < 1e-12, "{told}");
+    }
+    // Who asks for less is not told of it.
+    assert_eq!(statuses(loose, MethodChoice::Auto, 0.02, &steps), ["ok"; 2]);
     let said: Vec<&str> = outcomes.iter().map(|step| step.status.as_ref()).collect();
     assert_eq!(said, ["ok", "large displacement"]);
     let forces: Vec<Load> = outcomes.iter().map(|step| Load::Force(step.response.unwrap().force)).collect();
@@ -104,7 +110,7 @@ fn what_falls_short_is_said() {
 #[test]
 fn bodies_beyond_what_meshes_carry_are_refused() {
     let said = |plate: Part, method: MethodChoice| {
-        let said = statuses(joint(disc(), plate), method, 0.01, &[0.05, 0.2].map(Load::Indentation));
+        let said = statuses(joint(disc(), plate), method, 0.01, &[0.02, 0.03].map(Load::Indentation));
         assert_eq!(said[0], said[1]);
         said[0].to_string()
     };
@@ -166,7 +172,7 @@ fn methods_are_told_with_their_errors() {
     };
     let concentric = joint(disc(), ring(2.0));
     // At 1 % `auto` takes fewer trial pressures.
-    for (method, most) in [(MethodChoice::Series, 1e-7), (MethodChoice::Auto, 2e-5)] {
+    for (method, most) in [(MethodChoice::Series, 1e-5), (MethodChoice::Auto, 2e-5)] {
         let (method, error) = told(concentric, method);
         assert!(method == Method::Series && (1e-8..most).contains(&error), "{error:e}");
     }
@@ -294,7 +300,7 @@ fn finer_meshes_are_taken_where_they_are_needed() {
     let options = SolveOptions { accuracy, method: MethodChoice::Auto };
     let outcomes = Ladder::new(options).solve(&[stiff.clone(), slender.clone(), stiff.clone()]);
     let climbed = &outcomes[1].steps;
-    assert!(climbed.iter().all(|step| step.status == "ok") && worst(climbed) <= accuracy);
+    assert!(climbed.iter().all(|step| !step.status.contains("accuracy")) && worst(climbed) <= accuracy);
     assert_eq!(*climbed, alone(&slender, MethodChoice::Auto, 0.99 * foreseen));
     for index in [0, 2] {
         assert_eq!(outcomes[index].steps, alone(&stiff, MethodChoice::Auto, 0.01));
@@ -420,7 +426,7 @@ fn a_sweep_counts_its_designs_bodies_and_rows() {
     assert_eq!((whole.designs, whole.steps, whole.distinct_bodies, whole.interrupted), (4, 12, 3, false));
     let statuses: Vec<(&str, u64)> =
         whole.statuses.iter().map(|(name, count)| (name.as_str(), *count)).collect();
-    assert_eq!(statuses, [("large displacement", 4), ("ok", 8)]);
+    assert_eq!(statuses, [("large displacement", 8), ("ok", 4)]);
     let part = run(3);
     assert_eq!((part.designs, part.steps, part.interrupted), (3, 9, true));
     // Broken off after the last there is nothing left to interrupt.

@@ -14,6 +14,7 @@ use jointsweep::engine::body_request::{BodyRequest, Fidelity};
 use jointsweep::engine::spaces::{SpaceKey, Spaces};
 use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::contact::edge::EdgeStates;
+use jointsweep::mechanics::contact::outlines::Outlines;
 use jointsweep::mechanics::grading::LEVEL_COUNT;
 
 /// Bodies of each shape.
@@ -33,7 +34,7 @@ fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
     spaces.prepare(meshes.iter().chain([&judge]).map(|request| (key, compliance(request))));
     let space = &spaces.get(key).pressures;
     let exact = compliance(&judge);
-    let states = EdgeStates::new(space, &space.joint(&[(exact, 1.0)]));
+    let states = EdgeStates::new(space, &space.joint(&[(exact, 1.0)], 0.0), &Outlines::ALIKE);
     // Arcs that loads come to: those before the neat fit, no narrower than a hundredth of a degree.
     let reached = |place: &usize| {
         let state = states.edges[*place].free;
@@ -41,7 +42,7 @@ fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
     };
     let places: Vec<usize> = (0..space.arcs.len()).filter(reached).collect();
     let of_level = |(level, request): (usize, &BodyRequest)| {
-        let change = space.joint(&[(compliance(request), 1.0), (exact, -1.0)]);
+        let change = space.joint(&[(compliance(request), 1.0), (exact, -1.0)], 0.0);
         let changes = states.work_shares(space, &change);
         let of_place = |place: &usize| {
             let known = known_error(body, level, space.arcs[*place].half_angle).unwrap();

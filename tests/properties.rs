@@ -122,7 +122,7 @@ fn loading_by_force_undoes_loading_by_indentation() {
     }
 }
 
-/// F/(E t dR) depends on delta/dR alone. Rounding of the scaled inputs, amplified by the search's tolerance.
+/// F/(E t dR) depends on delta/dR and dR/R2 alone. Rounding of the scaled inputs, amplified by the search's tolerance.
 #[test]
 fn lengths_moduli_and_thickness_scale() {
     let scaled = |material: Material, factor: f64| Material {
@@ -149,10 +149,6 @@ fn lengths_moduli_and_thickness_scale() {
         assert_close(there.peak_pressure.unwrap(), here.peak_pressure.unwrap() * modulus, 1e-9, "pressure");
         let energy = here.energy.unwrap() * length * length * modulus * thickness;
         assert_close(there.energy.unwrap(), energy, 1e-9, "energy");
-        // The hole's radius alone changes nothing but the pressure: clearance and indentation decide.
-        let mut wider = joint;
-        wider.hole_radius *= 4.0;
-        assert_close(at(&wider, method, Load::Indentation(0.02)).force, here.force, 1e-9, "wider hole");
     }
 }
 

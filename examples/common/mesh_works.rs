@@ -7,6 +7,7 @@ use jointsweep::engine::body_request::{BodyRequest, Fidelity};
 use jointsweep::engine::spaces::{SpaceKey, Spaces};
 use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::contact::edge::EdgeStates;
+use jointsweep::mechanics::contact::outlines::Outlines;
 
 /// Narrower contacts, deg, are like this one.
 const NARROWEST: f64 = 0.01;
@@ -35,8 +36,8 @@ impl Measured {
         spaces.prepare(solved.iter().map(|body| (key, *body)));
         let space = &spaces.get(key).pressures;
         let Some((exact, meshes)) = solved.split_last() else { return Vec::new() };
-        let states = EdgeStates::new(space, &space.joint(&[(*exact, 1.0)]));
-        let between = |one, other| states.work_shares(space, &space.joint(&[(one, 1.0), (other, -1.0)]));
+        let states = EdgeStates::new(space, &space.joint(&[(*exact, 1.0)], 0.0), &Outlines::ALIKE);
+        let between = |one, other| states.work_shares(space, &space.joint(&[(one, 1.0), (other, -1.0)], 0.0));
         let errors: Vec<Vec<f64>> = meshes.iter().map(|mesh| between(*mesh, *exact)).collect();
         let changes: Vec<Vec<f64>> = meshes.windows(2).map(|pair| between(pair[1], pair[0])).collect();
         let places = (0..space.arcs.len()).filter(|place| {

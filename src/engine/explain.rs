@@ -4,10 +4,12 @@
 use std::collections::BTreeMap;
 
 use crate::engine::accuracy::Estimate;
+use crate::engine::accuracy::geometry_error::outline_error;
 use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::body_request::{BodyRequest, Fidelity, mesh_size};
 use crate::engine::expected_contact::ExpectedContact;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
+use crate::engine::joint_scale::JointScale;
 use crate::engine::plan::{JointPlan, first_level};
 use crate::engine::unit_costs::{Unit, body_seconds, design, interpolated_design, joint_seconds};
 use crate::error::Error;
@@ -175,6 +177,11 @@ impl<'a> Explainer<'a> {
                 (format!("mesh levels {} and {level}", level - 1), why, accuracy.max(trust.error(level, 0.0)))
             }
         };
+        // What is left of the outlines is told beside what is asked where finer meshes cannot make room for it.
+        let of_outlines =
+            outline_error(&case.joint, &JointScale::of(&case.joint).outlines, expected.half_angle);
+        let is_beside = plan.estimate == Estimate::Exact || of_outlines > 0.5 * accuracy;
+        let error = if is_beside { error + of_outlines } else { error };
         let requests: Vec<BodyRequest> = plan.requests().collect();
         let seconds: f64 = requests.iter().map(body_seconds).sum();
         Explanation {

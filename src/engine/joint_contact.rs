@@ -1,6 +1,7 @@
 //! The contact of designs with one joint, its bodies being solved: their states, how good they are, and what they want.
 
 use crate::engine::accuracy::body_errors::{BodyErrors, ErrorSource, JudgedBody};
+use crate::engine::accuracy::geometry_error::{WIDEST_CLEARANCE, outline_error};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, ForceError, Want};
 use crate::engine::bodies::BodyLibrary;
@@ -14,15 +15,17 @@ use crate::mechanics::compliance::Boundary;
 use crate::mechanics::compliance::pressure_space::JointCompliance;
 use crate::mechanics::contact::curve::{ContactCurve, CurveSpace};
 use crate::mechanics::contact::load::NoState;
+use crate::mechanics::contact::outlines::Outlines;
 use crate::study::design::DesignCase;
 
-/// Joints with one of these have a curve in common: clearance, sizes and loads are left.
-pub type JointKey = (RequestKey, RequestKey, [u64; 2], SpaceKey, Estimate);
+/// Joints with one of these have a curve in common: sizes and loads are left.
+pub type JointKey = (RequestKey, RequestKey, [u64; 3], SpaceKey, Estimate);
 
 /// Of a design with its plan.
 pub fn joint_key(plan: &JointPlan, case: &DesignCase) -> JointKey {
-    let moduli = [&case.joint.pin, &case.joint.plate].map(|part| part.material.youngs_modulus.to_bits());
-    (plan.pin.key(), plan.plate.key(), moduli, plan.space, plan.estimate)
+    let [pin, plate] = [&case.joint.pin, &case.joint.plate].map(|part| part.material.youngs_modulus);
+    let numbers = [pin, plate, JointScale::of(&case.joint).outlines.radial_clearance].map(f64::to_bits);
+    (plan.pin.key(), plan.plate.key(), numbers, plan.space, plan.estimate)
 }
 
 /// The answers to designs of one `JointKey`, on one rung, and what each wants of the next. Bodies and space of the plan were
@@ -36,6 +39,7 @@ pub fn solve_designs<'a>(
 ) -> Vec<(DesignOutcome, Want)> {
     let Some(first) = cases.clone().next() else { return Vec::new() };
     let space = spaces.get(plan.space);
+    let outlines = JointScale::of(&first.joint).outlines;
     let mut backend = BackendKind::Cpu;
     let parts = [(plan.pin, &first.joint.pin), (plan.plate, &first.joint.plate)];
     let members = parts.each_ref().map(|(request, part)| {
@@ -53,41 +57,49 @@ pub fn solve_designs<'a>(
             }
             (Fidelity::Mesh { level }, None) => ErrorSource::Mesh(level),
         };
-        JudgedBody { body: &request.body, source, part: space.pressures.joint(&[(compliance, share)]) }
+        JudgedBody {
+            body: &request.body,
+            source,
+            part: space.part(request.body.shape.side, &[(compliance, share)], &outlines),
+        }
     });
-    let solving = Solving { backend, method: plan.method(), limit: space.limit, accuracy };
+    let solving = Solving { backend, method: plan.method(), limit: outlines.of_hole(space.limit), accuracy };
     let trust = match plan.estimate {
         Estimate::Change(trust) => Some((trust, plan.level)),
         Estimate::Exact | Estimate::Known => None,
     };
-    solve_joint(space, &members, trust, solving, cases)
+    solve_joint(space, &members, outlines, trust, solving, cases)
 }
 
-/// The same of designs whose joint is one of these bodies in a space; with a trust and a level where their meshes are told by the
+/// The same of designs whose joint is one of these bodies, with these outlines, in a space; with a trust and a level where their meshes are told by the
 /// change since coarser ones.
 pub fn solve_joint<'a>(
     space: &CurveSpace,
     bodies: &[JudgedBody; 2],
+    outlines: Outlines,
     trust: Option<(Trust, usize)>,
     solving: Solving,
     cases: impl Iterator<Item = &'a DesignCase>,
 ) -> Vec<(DesignOutcome, Want)> {
     let joint = JointCompliance::of_both(&bodies[0].part, &bodies[1].part);
-    let Some(curve) = ContactCurve::new(space, &joint) else {
-        let failed = |case| (solving.all_failed(case, NoState::BrokenCompliance), Want::FinerMesh);
-        return cases.map(failed).collect();
+    let Some(curve) = ContactCurve::new(space, &joint, outlines) else {
+        let is_too_wide = outlines.radial_clearance >= WIDEST_CLEARANCE;
+        let (reason, want) = if is_too_wide {
+            (NoState::ClearanceTooWide, Want::Nothing)
+        } else {
+            (NoState::BrokenCompliance, Want::FinerMesh)
+        };
+        return cases.map(|case| (solving.all_failed(case, reason), want)).collect();
     };
     let errors = BodyErrors::new(&curve, bodies, trust);
+    let of_curve = curve.error(solving.method == Method::Series);
     let answer = |case: &DesignCase| {
         let scale = JointScale::of(&case.joint);
-        let states = curve.states(scale.radial_clearance, scale.loads_in_contact(&case.steps));
+        let states = curve.states(scale.loads_in_contact(&case.steps));
         let states = states.into_iter().map(|state| {
-            let (mut state, node) = state?;
-            if solving.method != Method::Series {
-                state.curve_error = curve.rough_error;
-            }
-            let [of_bodies, of_beds] = errors.at(state.half_angle, node);
-            Ok((state, ForceError::new(&state, of_bodies, of_beds)))
+            let (state, node) = state?;
+            let of_outlines = outline_error(&case.joint, &outlines, state.half_angle);
+            Ok((state, ForceError::new(&state, of_curve, errors.at(state.half_angle, node), of_outlines)))
         });
         solving.respond(case, states)
     };

@@ -2,14 +2,14 @@
 
 use crate::engine::outcome::{Method, Response};
 use crate::mechanics::contact::load::DimensionlessLoad;
+use crate::mechanics::contact::outlines::Outlines;
 use crate::mechanics::contact::state::ContactState;
 use crate::study::design::{JointDesign, Load};
 
 /// Lengths are over the hole's radius, forces over hole radius, thickness and MPa.
 #[derive(Clone, Copy, Debug)]
 pub struct JointScale {
-    /// dR/R2.
-    pub radial_clearance: f64,
+    pub outlines: Outlines,
     /// mm.
     hole_radius: f64,
     thickness: f64,
@@ -18,14 +18,14 @@ pub struct JointScale {
 impl JointScale {
     pub fn of(joint: &JointDesign) -> JointScale {
         let JointDesign { hole_radius, radial_clearance, thickness, .. } = *joint;
-        JointScale { radial_clearance: radial_clearance / hole_radius, hole_radius, thickness }
+        JointScale { outlines: Outlines::new(radial_clearance / hole_radius), hole_radius, thickness }
     }
 
     /// A load without sizes, `None` where there is no contact yet.
     pub fn load(&self, load: Load) -> Option<DimensionlessLoad> {
         match load {
             // A neat fit has one state, which any load shows.
-            Load::Indentation(0.0) | Load::Force(0.0) if self.radial_clearance == 0.0 => {
+            Load::Indentation(0.0) | Load::Force(0.0) if self.outlines.radial_clearance == 0.0 => {
                 Some(DimensionlessLoad::Indentation(1.0))
             }
             Load::Indentation(0.0) | Load::Force(0.0) => None,
@@ -43,7 +43,7 @@ impl JointScale {
     pub fn offset(&self, load: Load, state: &ContactState) -> f64 {
         match load {
             Load::Indentation(0.0) | Load::Force(0.0) => 0.0,
-            Load::Indentation(delta) => self.radial_clearance + delta / self.hole_radius,
+            Load::Indentation(delta) => self.outlines.radial_clearance + delta / self.hole_radius,
             Load::Force(force) => force / (self.thickness * self.hole_radius) / state.force,
         }
     }
@@ -65,6 +65,7 @@ impl JointScale {
             peak_pressure: Some(offset * state.peak_pressure),
             energy: Some(scale * length * state.energy),
             force_error,
+            linearity_error: None,
             method,
         }
     }

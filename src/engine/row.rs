@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 
+use crate::engine::accuracy::geometry_error::{LARGE_DISPLACEMENT, WIDEST_CLEARANCE, linearity_error};
 use crate::engine::accuracy::{ForceError, Want};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
@@ -21,9 +22,6 @@ pub struct Solving {
     /// Asked: relative, of the force.
     pub accuracy: f64,
 }
-
-/// The geometry is linearised: from this (dR + delta)/R2 on, the force is off by a part in a thousand and more.
-const LARGE_DISPLACEMENT: f64 = 0.05;
 
 pub const NOT_A_PUSH: &str = "failed: the bodies do not push each other, the mesh is too coarse for them";
 
@@ -55,14 +53,16 @@ impl Solving {
             want = want.max(error.want(self.accuracy, state.pressure_is_positive));
             let error = error.total();
             let accurate = error <= self.accuracy;
-            StepOutcome {
-                response: Some(scale.response(*load, &state, error, self.method)),
-                status: status(
-                    scale.offset(*load, &state) > LARGE_DISPLACEMENT,
-                    state.pressure_is_positive,
-                    accurate,
-                ),
-            }
+            let mut response = scale.response(*load, &state, error, self.method);
+            let of_linearity = linearity_error(&case.joint, &response);
+            response.linearity_error = Some(of_linearity);
+            let remarks = [
+                (scale.outlines.radial_clearance >= WIDEST_CLEARANCE, "clearance beyond the model"),
+                (of_linearity > self.accuracy.max(LARGE_DISPLACEMENT), "large displacement"),
+                (!state.pressure_is_positive, "pressure not positive everywhere"),
+                (!accurate, "accuracy not met"),
+            ];
+            StepOutcome { response: Some(response), status: status(&remarks) }
         };
         let steps = case.steps.iter().map(step).collect();
         (DesignOutcome { case: case.clone(), backend: self.backend, steps }, want)
@@ -92,6 +92,7 @@ fn unloaded(method: Method) -> StepOutcome {
         peak_pressure: Some(0.0),
         energy: Some(0.0),
         force_error: 0.0,
+        linearity_error: Some(0.0),
         method,
     };
     StepOutcome { response: Some(response), status: "ok".into() }
@@ -101,22 +102,14 @@ fn failure(reason: NoState, limit: f64) -> String {
     match reason {
         NoState::ContactTooWide => format!("failed: contact wider than {:.0} deg", limit.to_degrees()),
         NoState::BrokenCompliance => "failed: compliance not positive definite".into(),
+        NoState::ClearanceTooWide => "failed: clearance beyond the model".into(),
     }
 }
 
-/// What a reader of a row must know.
-fn status(large_displacement: bool, positive: bool, accurate: bool) -> Cow<'static, str> {
-    let mut remarks = Vec::new();
-    if large_displacement {
-        remarks.push("large displacement");
-    }
-    if !positive {
-        remarks.push("pressure not positive everywhere");
-    }
-    if !accurate {
-        remarks.push("accuracy not met");
-    }
-    if remarks.is_empty() { "ok".into() } else { remarks.join("; ").into() }
+/// What a reader of a row must know: those remarks that apply.
+fn status(remarks: &[(bool, &'static str)]) -> Cow<'static, str> {
+    let said: Vec<&str> = remarks.iter().filter(|(applies, _)| *applies).map(|(_, remark)| *remark).collect();
+    if said.is_empty() { "ok".into() } else { said.join("; ").into() }
 }
 
 /// Johnson's law. It knows nothing of the plate's extent, so it is right to a factor of two at best.
@@ -145,6 +138,7 @@ pub fn closed_form(case: DesignCase) -> DesignOutcome {
             peak_pressure: None,
             energy: None,
             force_error: 1.0,
+            linearity_error: None,
             method: Method::ClosedForm,
         };
         Ok(StepOutcome { response: Some(response), status: "plate extent not modelled".into() })

@@ -137,12 +137,12 @@ impl Spaces {
 
 fn is_alike(one: &BodyCompliance, other: &BodyCompliance) -> bool {
     match (&one.boundary, &other.boundary) {
-        (Boundary::Bed(_), Boundary::Bed(_)) | (Boundary::Modes(_), Boundary::Modes(_)) => true,
+        (Boundary::Bed(_), Boundary::Bed(_)) | (Boundary::Modes { .. }, Boundary::Modes { .. }) => true,
         (Boundary::RingModes(one, _), Boundary::RingModes(other, _)) => one == other,
         _ => false,
     }
 }
 
 fn highest(body: &BodyCompliance) -> usize {
-    if let Boundary::Modes(modes) = &body.boundary { modes.len() } else { 0 }
+    if let Boundary::Modes { normal, .. } = &body.boundary { normal.len() } else { 0 }
 }

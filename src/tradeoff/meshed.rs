@@ -8,7 +8,7 @@ use crate::engine::spaces::Spaces;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::near_field::NearFieldClass;
-use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::compliance::ring_modes::{Push, RingModes};
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::grading::GradingClass;
@@ -46,9 +46,11 @@ enum Shared {
 impl MeshedPath {
     pub fn solve(&self, cases: &[DesignCase]) -> Solution {
         let started = Instant::now();
-        let joints = Joints::new(cases, |_| ());
+        let joints = Joints::new(cases, |_, _| ());
         let class = |body: &Body| GradingClass::of(body, self.element, self.level);
-        let groups = groups(&joints.bodies, &Division::Ladder { element: self.element, level: self.level });
+        let groups = groups(&joints.bodies, |body, _| {
+            Division::Ladder { element: self.element, level: self.level }.grading(body)
+        });
         let mut near_fields = NearFieldLibrary::default();
         near_fields
             .prepare(joints.bodies.iter().flat_map(|(body, ())| NearFieldClass::around(body, class(body)).0));
@@ -102,7 +104,11 @@ impl MeshedPath {
             (Shared::Lanes(plan), _) => plan.condense(bodies).into_iter().map(Some).collect(),
             (Shared::Ring(mesh), Condenser::Ring(solver)) => bodies
                 .iter()
-                .map(|body| Some(modes.works_on_ring(&mesh.condense(body, solver)?, &mesh.topology)))
+                .map(|body| {
+                    let ring = mesh.condense(body, solver)?;
+                    let works = |push: &Push| modes.works_on_ring(*push, &ring, &mesh.topology);
+                    Some(Push::of(body.shape.side).iter().flat_map(works).collect())
+                })
                 .collect(),
             _ => vec![None; bodies.len()],
         }

@@ -3,7 +3,9 @@
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::Method;
 use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::mechanics::body::Side;
 use crate::mechanics::compliance::BodyCompliance;
+use crate::mechanics::compliance::pressure_space::JointCompliance;
 use crate::mechanics::contact::curve::ContactCurve;
 use crate::study::design::{DesignCase, Load};
 use crate::tradeoff::answer::State;
@@ -18,10 +20,14 @@ pub fn states(
     let joint = &case.joint;
     let space = spaces.get(key);
     let shares = [&joint.pin, &joint.plate].map(|part| 1.0 / part.material.youngs_modulus);
-    let joined = space.pressures.joint(&[(pin, shares[0]), (plate, shares[1])]);
-    let Some(curve) = ContactCurve::new(space, &joined) else { return vec![None; case.steps.len()] };
     let scale = JointScale::of(joint);
-    let mut found = curve.states(scale.radial_clearance, scale.loads_in_contact(&case.steps)).into_iter();
+    let pin = space.part(Side::Pin, &[(pin, shares[0])], &scale.outlines);
+    let plate = space.part(Side::Plate, &[(plate, shares[1])], &scale.outlines);
+    let joined = JointCompliance::of_both(&pin, &plate);
+    let Some(curve) = ContactCurve::new(space, &joined, scale.outlines) else {
+        return vec![None; case.steps.len()];
+    };
+    let mut found = curve.states(scale.loads_in_contact(&case.steps)).into_iter();
     let state = |load: &Load| {
         scale.load(*load)?;
         let (state, _) = found.next()?.ok()?;

@@ -15,7 +15,7 @@ use crate::study::design::{DesignCase, JointDesign, Load};
 use crate::tradeoff::answer::State;
 use crate::tradeoff::choice::Solution;
 use crate::tradeoff::ring_mesh::Division;
-use crate::tradeoff::rings::Rings;
+use crate::tradeoff::rings::{Rings, clearance_ratio};
 
 /// How the unilateral conditions are met.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,9 @@ impl NodalPath {
         let rings = Rings::new(cases, &self.division);
         let states = cases.iter().enumerate().map(|(number, case)| {
             let pair = rings.pair(number, &case.joint);
-            match pair.and_then(|[pin, plate]| RingJoint::new(pin, plate).ok()) {
+            let joint =
+                pair.and_then(|[pin, plate]| RingJoint::new(pin, plate, clearance_ratio(&case.joint)).ok());
+            match joint {
                 Some(joint) => self.states(&joint, case),
                 None => vec![None; case.steps.len()],
             }

@@ -30,7 +30,14 @@ impl Ring {
             let beta = side * (kolosov - 1.0) / (kolosov + 1.0);
             return (kolosov + 1.0) / (4.0 * shear) * (m + beta) / (m * m - 1.0);
         }
-        // From the held side to the edge, in steps of ln r that are short for the mode.
+        -wall.signum() * self.compliance(n)[0][0]
+    }
+
+    /// u_r and u_theta on the edge over the tractions sigma_r and sigma_r_theta there, cos and sin of n theta taken out.
+    pub fn compliance(&self, n: usize) -> [[f64; 2]; 2] {
+        // From the held side to the edge, in steps of ln r that are short for the mode; no deeper than it reaches.
+        let deepest = DEEP / n.max(1) as f64;
+        let wall = self.fixed_radius_ratio.ln().clamp(-deepest, deepest);
         let steps = (8.0 * (n as f64 + 2.0) * wall.abs()).ceil().max(4.0);
         let step = exponential(&scaled(&self.generator(n as f64), -wall / steps));
         let block = |rows: usize, columns: usize| -> [[f64; 2]; 2] {
@@ -44,7 +51,7 @@ impl Ring {
             let traction = add(&times(&tu, &compliance), &tt);
             compliance = times(&displacement, &inverse(&traction));
         }
-        -wall.signum() * compliance[0][0]
+        compliance
     }
 
     /// Shear modulus and Lame's constant of the plane.

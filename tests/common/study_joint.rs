@@ -46,7 +46,7 @@ impl Solver {
         let outcome = self.backend.solve(&[DesignCase { index: 0, joint, steps: vec![load] }]).remove(0);
         let step = &outcome.steps[0];
         let response = step.response.unwrap_or_else(|| panic!("{load:?}: {}", step.status));
-        assert!(response.force_error <= self.accuracy, "{load:?}: {}", step.status);
+        assert!(response.force_error <= self.accuracy, "{load:?}: {} {}", step.status, response.force_error);
         response
     }
 }

@@ -1,13 +1,14 @@
 //! What must not matter, and what goes wrong: company, resuming, workgroups, bad systems, bad meshes, refusals.
 
 use jointsweep::engine::backend::gpu::works::ModeLoads;
-use jointsweep::mechanics::compliance::ring_modes::RingModes;
+use jointsweep::mechanics::compliance::ring_modes::{Push, RingModes};
 
 use super::*;
 
 /// The works of eight modes of a whole ring on the bodies of a batch that was condensed.
 fn works_of_eight(kernels: &Kernels, batch: &SystemBatch, bodies: &Bodies) -> Vec<Option<Vec<f64>>> {
-    let loads = ModeLoads::new(kernels, &RingModes::whole(6, 8), &bodies.meshed[0].topology).unwrap();
+    let pushes = Push::of(bodies.bodies[0].shape.side);
+    let loads = ModeLoads::new(kernels, &RingModes::whole(6, 8), pushes, &bodies.meshed[0].topology).unwrap();
     let works = batch.works(&loads).unwrap();
     assert_eq!(works.len(), bodies.count());
     works.into_iter().map(|works| works.map(|works| works.works)).collect()

@@ -7,7 +7,7 @@ use jointsweep::engine::body_request::{BodyRequest, Fidelity, Group, TopologyKey
 use jointsweep::mechanics::compliance::RingCompliance;
 use jointsweep::mechanics::compliance::arc::packed_count;
 use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
-use jointsweep::mechanics::compliance::ring_modes::{MOST_MODES, RingModes};
+use jointsweep::mechanics::compliance::ring_modes::{MOST_MODES, Push, RingModes};
 
 use super::*;
 
@@ -15,8 +15,12 @@ fn class(bodies: &Bodies) -> GradingClass {
     GradingClass::of(&bodies.bodies[0], ElementKind::Quad8, bodies.level)
 }
 
+fn pushes(bodies: &Bodies) -> &'static [Push] {
+    Push::of(bodies.bodies[0].shape.side)
+}
+
 fn loads(bodies: &Bodies, precision: Precision, modes: &RingModes) -> ModeLoads {
-    ModeLoads::new(kernels(precision), modes, &bodies.meshed[0].topology).unwrap()
+    ModeLoads::new(kernels(precision), modes, pushes(bodies), &bodies.meshed[0].topology).unwrap()
 }
 
 /// A batch that was condensed as a sweep does it.
@@ -34,7 +38,8 @@ fn twins(bodies: &Bodies, batch: &SystemBatch, modes: &RingModes) -> Vec<Vec<f64
     let of = |index: usize| {
         let size = bodies.layout.systems.ring_count();
         let ring = RingCompliance { size, values: of_body(&compliance, bodies, index).to_vec() };
-        modes.works_on_ring(&ring, &bodies.meshed[index].topology)
+        let works = |push: &Push| modes.works_on_ring(*push, &ring, &bodies.meshed[index].topology);
+        pushes(bodies).iter().flat_map(works).collect()
     };
     (0..bodies.count()).map(of).collect()
 }
@@ -61,14 +66,14 @@ fn works_are_those_of_the_twin() {
                 let errors = found.iter().zip(&expected).map(|(found, expected)| {
                     let BodyWorks { works, residual } = found.as_ref().expect("a sound body");
                     assert!(*residual > 0.0 && *residual <= settings.goal, "{residual:e}");
-                    assert_eq!(works.len(), packed_count(modes.count));
+                    assert_eq!(works.len(), pushes(&bodies).len() * packed_count(modes.count));
                     compared += 1;
                     difference(works, expected)
                 });
                 let worst = greatest(errors) / rounding;
                 println!("{name} {precision:?}, {} modes, ring of {ring}: {worst:.2}", modes.count);
-                // Seen: 2.4, in f32; in f64 the sums are the twin's to the bit.
-                assert!(worst < 3.1, "{name} {precision:?} {modes:?}: {worst:e} roundings");
+                // Seen: 3.4, in f32.
+                assert!(worst < 4.5, "{name} {precision:?} {modes:?}: {worst:e} roundings");
             }
             // Control: what is compared differs from body to body by far more.
             if let [one, other, ..] = &twins(&bodies, &batch, &own)[..] {
@@ -128,17 +133,19 @@ fn works_of_a_long_ring_are_those_of_the_twin() {
         batch.write_values(&[values.clone(), softer].concat()).unwrap();
         batch.pcg(&plain(1e-3, 500), 100).unwrap();
         batch.condense().unwrap();
-        let loads = ModeLoads::new(kernels(precision), &modes, &topology).unwrap();
+        let pushes = [Push::Normal, Push::Tilt];
+        let loads = ModeLoads::new(kernels(precision), &modes, &pushes, &topology).unwrap();
         let found = batch.works(&loads).unwrap();
         let compliance = batch.read_compliance().unwrap();
         assert_eq!((found.len(), compliance.len()), (2, 2 * ring * ring));
         for (found, values) in found.iter().zip(compliance.chunks_exact(ring * ring)) {
-            let expected =
-                modes.works_on_ring(&RingCompliance { size: ring, values: values.to_vec() }, &topology);
+            let whole = RingCompliance { size: ring, values: values.to_vec() };
+            let works = |push: Push| modes.works_on_ring(push, &whole, &topology);
+            let expected: Vec<f64> = pushes.into_iter().flat_map(works).collect();
             let worst = difference(&found.as_ref().expect("a sound body").works, &expected) / rounding;
             println!("{precision:?}, ring of {ring}, {trips} trips: {worst:.2}");
-            // Seen: 3.4, in f32.
-            assert!(worst < 4.5, "{precision:?}: {worst:e} roundings");
+            // Seen: 12.3, in f32: tilted loads of this chain of springs cancel.
+            assert!(worst < 16.0, "{precision:?}: {worst:e} roundings");
         }
     }
 }

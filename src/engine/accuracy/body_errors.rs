@@ -62,7 +62,8 @@ impl<'a> BodyErrors<'a> {
         let mut change = vec![0.0; pressures.arcs.len()];
         for body in bodies {
             if let ErrorSource::MeshBeside { fine, coarse, share } = body.source {
-                let difference = pressures.joint(&[(fine, share), (coarse, -share)]);
+                let bodies = [(fine, share), (coarse, -share)];
+                let difference = curve.space.part(body.body.shape.side, &bodies, &curve.outlines);
                 let changes = curve.states.work_shares(pressures, &difference);
                 change.iter_mut().zip(changes).for_each(|(sum, change)| *sum += change.abs());
             }

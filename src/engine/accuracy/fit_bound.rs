@@ -5,6 +5,7 @@ use crate::mechanics::body::Body;
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::contact::curve::CurveSpace;
 use crate::mechanics::contact::edge::EdgeStates;
+use crate::mechanics::contact::outlines::Outlines;
 
 /// Share of the bodies held out whose error is below the bound: each counts by its share in a joint, so more of the joints are
 /// (`tests/interpolation.rs`).
@@ -94,8 +95,9 @@ fn quantile(errors: &[Vec<f64>]) -> Vec<f64> {
 
 /// Relative changes of the work of a body alone at each node; infinite where they have no value.
 pub fn changes(space: &CurveSpace, expected: &BodyCompliance, found: &BodyCompliance) -> Vec<f64> {
-    let alone = space.pressures.joint(&[(expected, 1.0)]);
-    let change = space.pressures.joint(&[(found, 1.0), (expected, -1.0)]);
-    let changes = EdgeStates::new(&space.pressures, &alone).work_shares(&space.pressures, &change);
+    let alone = space.pressures.joint(&[(expected, 1.0)], 0.0);
+    let change = space.pressures.joint(&[(found, 1.0), (expected, -1.0)], 0.0);
+    let changes =
+        EdgeStates::new(&space.pressures, &alone, &Outlines::ALIKE).work_shares(&space.pressures, &change);
     changes.into_iter().map(|change| if change.is_finite() { change.abs() } else { f64::INFINITY }).collect()
 }

@@ -3,6 +3,7 @@
 pub mod known_errors;
 pub mod mesh_change;
 pub mod fit_bound;
+pub mod geometry_error;
 pub mod body_errors;
 
 use mesh_change::Trust;
@@ -42,22 +43,27 @@ pub struct ForceError {
     pub pressure: f64,
     /// Of the curve between its nodes, with quadrature and rounding.
     pub curve: f64,
+    /// Of outlines: nothing lessens it.
+    pub outlines: f64,
 }
 
 /// Quadrature and rounding.
 const LEAST: f64 = 1e-8;
 
 impl ForceError {
-    pub fn new(state: &ContactState, bodies: f64, beds: f64) -> ForceError {
-        ForceError { bodies, beds, pressure: state.truncation, curve: LEAST + state.curve_error }
+    pub fn new(state: &ContactState, curve: f64, [bodies, beds]: [f64; 2], outlines: f64) -> ForceError {
+        ForceError { bodies, beds, pressure: state.truncation, curve: LEAST + curve, outlines }
     }
 
     pub fn total(&self) -> f64 {
-        self.bodies + self.beds + self.pressure + self.curve
+        self.bodies + self.beds + self.pressure + self.curve + self.outlines
     }
 
     /// What brings it below an accuracy.
     pub fn want(&self, accuracy: f64, pressure_is_positive: bool) -> Want {
+        // What nothing lessens takes its part of what is allowed, unless it is most of it.
+        let fixed = self.beds + self.outlines;
+        let accuracy = if fixed < 0.5 * accuracy { accuracy - fixed } else { accuracy };
         match pressure_is_positive {
             _ if LEAST + self.bodies > accuracy => Want::FinerMesh,
             true if self.bodies + self.pressure + self.curve <= accuracy => Want::Nothing,

@@ -33,10 +33,14 @@ impl Basis {
     pub fn numbers<'a>(&self, bodies: impl Iterator<Item = &'a BodyCompliance>) -> Vec<Vec<f64>> {
         let mut from_others = HashMap::new();
         let of_body = |body: &BodyCompliance| match (self, &body.boundary) {
-            (Basis::Modes(count), Boundary::Modes(modes)) => {
-                let mut modes = modes.clone();
-                modes.resize(*count, 0.0);
-                modes
+            (Basis::Modes(count), Boundary::Modes { normal, along }) => {
+                let mut numbers = normal.clone();
+                numbers.resize(*count, 0.0);
+                if !along.is_empty() {
+                    numbers.extend(along);
+                    numbers.resize(2 * count, 0.0);
+                }
+                numbers
             }
             (Basis::RingModes(own), Boundary::RingModes(others, works)) if own != others => {
                 from_others.entry(*others).or_insert_with(|| own.works_of_others(others))(works)
@@ -49,10 +53,13 @@ impl Basis {
     }
 
     /// The reverse of `numbers`.
-    pub fn boundary(&self, numbers: Vec<f64>) -> Boundary {
+    pub fn boundary(&self, numbers: &[f64]) -> Boundary {
         match self {
-            Basis::Modes(_) => Boundary::Modes(numbers),
-            Basis::RingModes(modes) => Boundary::RingModes(*modes, numbers),
+            Basis::Modes(count) => {
+                let (normal, along) = numbers.split_at(*count);
+                Boundary::Modes { normal: normal.to_vec(), along: along.to_vec() }
+            }
+            Basis::RingModes(modes) => Boundary::RingModes(*modes, numbers.to_vec()),
         }
     }
 }

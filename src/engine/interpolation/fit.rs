@@ -10,17 +10,19 @@ use crate::engine::interpolation::held_out::HeldOut;
 use crate::engine::interpolation::points::DEGREES;
 use crate::engine::interpolation::samples::{Expense, FINEST, Meshes};
 use crate::engine::spaces::{SpaceKey, Spaces};
-use crate::mechanics::body::Body;
+use crate::mechanics::body::{Body, Side};
 use crate::mechanics::compliance::body_fit::{BodyFit, FitScratch};
 use crate::mechanics::compliance::pressure_space::JointCompliance;
 use crate::mechanics::compliance::{BodyCompliance, Boundary, infinite};
+use crate::mechanics::contact::outlines::Outlines;
 
 /// A fit with its error.
 pub struct FittedFamily {
     pub fit: BodyFit,
+    side: Side,
     basis: Basis,
-    /// The compliances of its members in each space that was prepared.
-    in_spaces: HashMap<SpaceKey, Vec<f64>>,
+    /// In each space that was prepared the compliances of its members, and what unit tilt adds to those of a pin.
+    in_spaces: HashMap<SpaceKey, [Vec<f64>; 2]>,
     pub bound: FitBound,
     /// Bodies solved for it, on every mesh.
     pub solved: u64,
@@ -100,7 +102,14 @@ impl Family {
                 if best.as_ref().is_none_or(|(least, _)| worst < *least) {
                     best = Some((
                         worst,
-                        FittedFamily { fit, basis, in_spaces: HashMap::new(), bound, solved: 0 },
+                        FittedFamily {
+                            fit,
+                            side: self.example.shape.side,
+                            basis,
+                            in_spaces: HashMap::new(),
+                            bound,
+                            solved: 0,
+                        },
                     ));
                 }
                 if worst <= GOOD * accuracy {
@@ -123,13 +132,21 @@ impl FittedFamily {
     /// Makes what joints in these spaces need.
     pub fn prepare(&mut self, keys: impl Iterator<Item = SpaceKey>, spaces: &mut Spaces) {
         for key in keys {
-            let compliance = |numbers: &[f64]| {
-                let boundary = self.basis.boundary(numbers.to_vec());
-                let member = BodyCompliance { even: 0.0, odd: 0.0, boundary };
-                spaces.prepare([(key, &member)].into_iter());
-                spaces.get(key).pressures.joint(&[(&member, 1.0)]).values.into_owned()
+            let mut images = |tilt: f64| {
+                self.fit.images(|numbers: &[f64]| {
+                    let boundary = self.basis.boundary(numbers);
+                    let member = BodyCompliance { even: 0.0, odd: 0.0, boundary };
+                    spaces.prepare([(key, &member)].into_iter());
+                    spaces.get(key).pressures.joint(&[(&member, 1.0)], tilt).values.into_owned()
+                })
             };
-            self.in_spaces.insert(key, self.fit.images(compliance));
+            let normal = images(0.0);
+            let mut tilted = Vec::new();
+            if self.side == Side::Pin {
+                tilted = images(1.0);
+                tilted.iter_mut().zip(&normal).for_each(|(tilted, normal)| *tilted -= normal);
+            }
+            self.in_spaces.insert(key, [normal, tilted]);
         }
     }
 
@@ -137,18 +154,24 @@ impl FittedFamily {
     pub fn part(
         &self,
         (body, share): (&Body, f64),
+        outlines: &Outlines,
         (key, spaces): (SpaceKey, &Spaces),
         scratch: &mut FitScratch,
     ) -> Option<JointCompliance<'static>> {
-        let members = self.in_spaces.get(&key)?;
+        let [normal, tilted] = self.in_spaces.get(&key)?;
         let point = &coordinates(body)[..coordinate_count(body.shape)];
         if !self.fit.polynomials.contains(point) {
             return None;
         }
         self.fit.find(point, scratch);
         let infinite = BodyCompliance::new(body, Boundary::Bed(0.0));
-        let mut part = spaces.get(key).pressures.joint(&[(&infinite, share)]);
-        scratch.add_images(members, share, part.values.to_mut());
-        Some(part)
+        let space = spaces.get(key);
+        let tilt = if self.side == Side::Pin { outlines.tilt() } else { 0.0 };
+        let mut part = space.pressures.joint(&[(&infinite, share)], tilt);
+        scratch.add_images(normal, share, part.values.to_mut());
+        if tilt != 0.0 {
+            scratch.add_images(tilted, share * tilt, part.values.to_mut());
+        }
+        Some(if self.side == Side::Pin { part } else { space.on_hole(part, outlines) })
     }
 }

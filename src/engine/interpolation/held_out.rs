@@ -64,7 +64,7 @@ impl HeldOut {
     ) {
         let numbers = family.solve(library, &self.points, family.fidelity(level), basis);
         let fine: Vec<BodyCompliance> = (self.bodies.iter().zip(numbers))
-            .map(|(body, numbers)| BodyCompliance::new(body, basis.boundary(numbers)))
+            .map(|(body, numbers)| BodyCompliance::new(body, basis.boundary(&numbers)))
             .collect();
         let coarse = std::mem::replace(&mut self.expected, fine);
         expense.add(family, self.points.len(), level);
@@ -99,10 +99,16 @@ impl HeldOut {
         let space = spaces.get(self.space);
         let of_fit: Vec<Vec<f64>> = (self.points.par_iter().zip(&self.bodies).zip(&self.expected))
             .map_init(FitScratch::default, |scratch, ((point, body), expected)| {
-                let boundary = basis.boundary(fit.at(point, scratch));
+                let boundary = basis.boundary(&fit.at(point, scratch));
                 changes(space, expected, &BodyCompliance::new(body, boundary))
             })
             .collect();
-        FitBound::new(space, &self.bodies, &of_fit, &self.of_mesh, (self.known && !self.exact).then_some(level))
+        FitBound::new(
+            space,
+            &self.bodies,
+            &of_fit,
+            &self.of_mesh,
+            (self.known && !self.exact).then_some(level),
+        )
     }
 }

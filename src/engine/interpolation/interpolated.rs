@@ -13,6 +13,7 @@ use crate::engine::interpolation::family::FamilyKey;
 use crate::engine::interpolation::fit::FittedFamily;
 use crate::engine::interpolation::fit_plan::{InterpolationPlan, pair};
 use crate::engine::joint_contact::solve_joint;
+use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{BackendKind, DesignOutcome, Method};
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
@@ -95,19 +96,22 @@ impl Interpolation {
         let fits = [families.get(&pin.0)?, families.get(&plate.0)?];
         let bodies = [(&pin.1, &case.joint.pin), (&plate.1, &case.joint.plate)];
         let expected = ExpectedContact::of(case).half_angle;
+        let outlines = JointScale::of(&case.joint).outlines;
         let mut key = SpaceKey::coarsest(&pin.1, &plate.1, *accuracy, expected);
         loop {
             let mut judged = |side: usize| -> Option<JudgedBody> {
                 let (body, part) = bodies[side];
                 let share = 1.0 / part.material.youngs_modulus;
-                let part = fits[side].part((body, share), (key, spaces), scratch)?;
+                let part = fits[side].part((body, share), &outlines, (key, spaces), scratch)?;
                 Some(JudgedBody { body, source: ErrorSource::Fit(&fits[side].bound), part })
             };
             let judged = [judged(0)?, judged(1)?];
             let space = spaces.get(key);
             let (backend, method) = (BackendKind::Cpu, Method::Interpolated);
-            let solving = Solving { backend, method, limit: space.limit, accuracy: *accuracy };
-            let (outcome, want) = solve_joint(space, &judged, None, solving, [case].into_iter()).pop()?;
+            let solving =
+                Solving { backend, method, limit: outlines.of_hole(space.limit), accuracy: *accuracy };
+            let (outcome, want) =
+                solve_joint(space, &judged, outlines, None, solving, [case].into_iter()).pop()?;
             match want {
                 Want::Nothing => {
                     let is_whole = outcome.steps.iter().all(|step| step.response.is_some());

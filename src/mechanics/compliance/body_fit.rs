@@ -100,6 +100,7 @@ pub struct FitScratch {
     work: Vec<f64>,
     products: Vec<f64>,
     amplitudes: Vec<f64>,
+    shared: Vec<f64>,
 }
 
 impl BodyFit {
@@ -170,7 +171,7 @@ impl BodyFit {
 
     /// The amplitudes of the members at a point of the box, left in `scratch`.
     pub fn find(&self, point: &[f64], scratch: &mut FitScratch) {
-        let FitScratch { work, products, amplitudes } = scratch;
+        let FitScratch { work, products, amplitudes, .. } = scratch;
         self.polynomials.values(point, work, products);
         amplitudes.clear();
         amplitudes.resize(stride(self.member_count()), 0.0);
@@ -186,8 +187,10 @@ impl BodyFit {
 impl FitScratch {
     /// Adds to a sum the images of the members at the point found, times a share.
     pub fn add_images(&mut self, images: &[f64], share: f64, sum: &mut [f64]) {
-        self.amplitudes.iter_mut().for_each(|amplitude| *amplitude *= share);
-        add_weighted(images, &self.amplitudes, sum);
+        let FitScratch { amplitudes, shared, .. } = self;
+        shared.clear();
+        shared.extend(amplitudes.iter().map(|amplitude| share * amplitude));
+        add_weighted(images, shared, sum);
     }
 }
 

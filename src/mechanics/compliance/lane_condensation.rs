@@ -4,7 +4,7 @@
 //! `Lanes`, one body a lane, in code compiled for the widest vectors of the processor.
 
 use super::arc::{packed, packed_count};
-use super::ring_modes::RingModes;
+use super::ring_modes::{Push, RingModes};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::element::MAX_NODES;
@@ -22,8 +22,8 @@ pub struct CondensationPlan {
     structure: BandStructure,
     rule: ElementRule,
     modes: RingModes,
-    /// In the order of elimination: `[ring unknown][m]`.
-    loads: Vec<f64>,
+    /// Of each way to push, in the order of elimination: `[ring unknown][m]`.
+    loads: Vec<Vec<f64>>,
 }
 
 /// Floating-point operations of condensing one body, a multiply-add counted as two.
@@ -51,11 +51,16 @@ impl CondensationPlan {
     pub fn new(body: &Body, grading: Grading, modes: RingModes) -> CondensationPlan {
         let topology = RingTopology::new(body, &grading);
         let structure = BandStructure::new(&topology);
-        let mut loads = vec![0.0; (structure.size - structure.ring_start) * modes.count];
-        for (place, load) in modes.unknown_loads(&topology) {
-            let position = structure.positions[topology.ring_start + place] as usize - structure.ring_start;
-            loads[position * modes.count..][..modes.count].copy_from_slice(&load);
-        }
+        let of_push = |push: &Push| {
+            let mut loads = vec![0.0; (structure.size - structure.ring_start) * modes.count];
+            for (place, load) in modes.unknown_loads(*push, &topology) {
+                let position =
+                    structure.positions[topology.ring_start + place] as usize - structure.ring_start;
+                loads[position * modes.count..][..modes.count].copy_from_slice(&load);
+            }
+            loads
+        };
+        let loads = Push::of(body.shape.side).iter().map(of_push).collect();
         let rule = ElementRule::new(grading.element);
         CondensationPlan { grading, topology, structure, rule, modes, loads }
     }
@@ -66,22 +71,31 @@ impl CondensationPlan {
 
     /// What the plan takes, but for what is small beside it.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.loads[..]) + self.structure.bytes() + self.topology.bytes()
+        self.loads.len() * size_of_val(&self.loads[0][..]) + self.structure.bytes() + self.topology.bytes()
     }
 
     /// What one body costs.
     pub fn operations(&self) -> Operations {
-        let rows = self.loads.len() / self.modes.count / TILE;
-        let products = (2 * rows * TILE * packed_count(self.modes.count)) as u64;
+        let RingModes { count, .. } = self.modes;
+        let rows = self.rows();
+        // What tilt adds is not symmetric before it is made so.
+        let entries = packed_count(count) + (self.loads.len() - 1) * count * count;
+        let products = (2 * rows * TILE * entries) as u64;
+        let substitutions = self.loads.len() as u64 * self.structure.substitute_operations(rows, count);
         Operations {
             elements: self.topology.element_count() as u64 * stiffness_operations(self.topology.element),
             factorise: self.structure.factorise_operations(),
-            modes: self.structure.substitute_operations(rows, self.modes.count) + products,
+            modes: substitutions + products,
         }
     }
 
-    /// The works of the ring modes, packed, on each body; the order is kept. A body whose mesh is turned inside out or
-    /// whose stiffness is not positive definite gives NaN.
+    /// Rows of tiles on the ring.
+    fn rows(&self) -> usize {
+        self.loads[0].len() / self.modes.count / TILE
+    }
+
+    /// The works of the ring modes on each body, packed, one way to push after the other; the order is kept. A body whose mesh is
+    /// turned inside out or whose stiffness is not positive definite gives NaN.
     pub fn condense(&self, bodies: &[Body]) -> Vec<Vec<f64>> {
         bodies.chunks(LANES).flat_map(|bodies| in_lanes(Condense { plan: self, bodies })).collect()
     }
@@ -100,8 +114,8 @@ impl LaneWork for Condense<'_> {
         let mut tiles = self.plan.structure.empty::<Lanes<FUSED>>();
         let smallest_jacobian = self.assemble(&mut tiles);
         self.plan.structure.factorise(&mut tiles);
-        let count = self.plan.modes.count;
-        let mut works = vec![vec![0.0; packed_count(count)]; self.bodies.len()];
+        let CondensationPlan { modes: RingModes { count, .. }, loads, .. } = self.plan;
+        let mut works = vec![vec![0.0; loads.len() * packed_count(*count)]; self.bodies.len()];
         if count.is_multiple_of(BLOCKS[0]) {
             self.gram::<FUSED, { BLOCKS[0] }>(&tiles, &mut works);
         } else {
@@ -154,47 +168,89 @@ impl Condense<'_> {
         smallest_jacobian
     }
 
-    /// The Gram matrix of L^-1 f, in blocks of so many modes.
+    /// Products of L^-1 f, in blocks of so many modes.
     #[inline(always)]
     fn gram<const FUSED: bool, const BLOCK: usize>(
         &self,
         tiles: &[Tile<Lanes<FUSED>>],
         works: &mut [Vec<f64>],
     ) {
-        let CondensationPlan { structure, modes: RingModes { count, .. }, loads, .. } = self.plan;
-        let rows = loads.len() / count / TILE;
-        let zero = Lanes::<FUSED>::zero();
-        let mut solved: Vec<Vec<[[Lanes<FUSED>; BLOCK]; TILE]>> = Vec::with_capacity(count / BLOCK);
-        for first in (0..*count).step_by(BLOCK) {
-            let mut block = vec![[[zero; BLOCK]; TILE]; rows];
-            for (row, loads) in block.iter_mut().flatten().zip(loads.chunks_exact(*count)) {
-                for (value, load) in row.iter_mut().zip(&loads[first..]) {
-                    *value = Lanes::from_f64(*load);
-                }
-            }
-            structure.substitute_ring(tiles, 0, &mut block);
-            solved.push(block);
-        }
-        for (i, of_rows) in solved.iter().enumerate() {
-            for (j, of_columns) in solved[..=i].iter().enumerate() {
-                let mut matrix = [[zero; BLOCK]; BLOCK];
-                for (rows, columns) in of_rows.iter().flatten().zip(of_columns.iter().flatten()) {
-                    for a in 0..BLOCK {
-                        for b in 0..BLOCK {
-                            matrix[a][b] = matrix[a][b].minus_product(rows[a], -columns[b]);
-                        }
-                    }
-                }
-                for (a, of_row) in matrix.iter().enumerate() {
-                    let row = i * BLOCK + a;
-                    let columns = j * BLOCK..(j * BLOCK + BLOCK).min(row + 1);
-                    for (column, value) in columns.zip(of_row) {
-                        for (lane, works) in works.iter_mut().enumerate() {
-                            works[packed(row, column)] = value.0[lane];
+        let CondensationPlan { modes: RingModes { count, .. }, loads, .. } = self.plan;
+        let normal = self.substituted::<FUSED, BLOCK>(tiles, &loads[0]);
+        for (push, loads) in loads.iter().enumerate() {
+            let own;
+            let pushed = if push == 0 {
+                &normal
+            } else {
+                own = self.substituted::<FUSED, BLOCK>(tiles, loads);
+                &own
+            };
+            let from = push * packed_count(*count);
+            for (i, of_rows) in pushed.iter().enumerate() {
+                // The works of the normal loads are symmetric, those of others are made so.
+                let blocks = if push == 0 { i + 1 } else { normal.len() };
+                for (j, of_columns) in normal[..blocks].iter().enumerate() {
+                    let matrix = products(of_rows, of_columns);
+                    for (a, of_row) in matrix.iter().enumerate() {
+                        let row = i * BLOCK + a;
+                        for (b, value) in of_row.iter().enumerate() {
+                            let column = j * BLOCK + b;
+                            let share = match push {
+                                0 if column > row => continue,
+                                0 => 1.0,
+                                _ if column == row => 1.0,
+                                _ => 0.5,
+                            };
+                            let at = from + packed(row.max(column), row.min(column));
+                            for (lane, works) in works.iter_mut().enumerate() {
+                                works[at] += share * value.0[lane];
+                            }
                         }
                     }
                 }
             }
         }
     }
+
+    /// L^-1 f on the ring: `[block of modes][row of tiles][row][mode]`.
+    #[inline(always)]
+    fn substituted<const FUSED: bool, const BLOCK: usize>(
+        &self,
+        tiles: &[Tile<Lanes<FUSED>>],
+        loads: &[f64],
+    ) -> Vec<Vec<Rows<FUSED, BLOCK>>> {
+        let count = self.plan.modes.count;
+        let mut blocks = Vec::with_capacity(count / BLOCK);
+        for first in (0..count).step_by(BLOCK) {
+            let mut block = vec![[[Lanes::<FUSED>::zero(); BLOCK]; TILE]; self.plan.rows()];
+            for (row, loads) in block.iter_mut().flatten().zip(loads.chunks_exact(count)) {
+                for (value, load) in row.iter_mut().zip(&loads[first..]) {
+                    *value = Lanes::from_f64(*load);
+                }
+            }
+            self.plan.structure.substitute_ring(tiles, 0, &mut block);
+            blocks.push(block);
+        }
+        blocks
+    }
+}
+
+/// A row of tiles of so many modes.
+type Rows<const FUSED: bool, const BLOCK: usize> = [[Lanes<FUSED>; BLOCK]; TILE];
+
+/// The sum over rows of the products of two blocks of modes.
+#[inline(always)]
+fn products<const FUSED: bool, const BLOCK: usize>(
+    one: &[Rows<FUSED, BLOCK>],
+    other: &[Rows<FUSED, BLOCK>],
+) -> [[Lanes<FUSED>; BLOCK]; BLOCK] {
+    let mut matrix = [[Lanes::<FUSED>::zero(); BLOCK]; BLOCK];
+    for (rows, columns) in one.iter().flatten().zip(other.iter().flatten()) {
+        for a in 0..BLOCK {
+            for b in 0..BLOCK {
+                matrix[a][b] = matrix[a][b].minus_product(rows[a], -columns[b]);
+            }
+        }
+    }
+    matrix
 }

@@ -25,7 +25,11 @@ pub struct RingCompliance {
 }
 
 /// How the ring of a body yields under normal pressure, for Young's modulus 1 and ring radius 1: as that of an infinite body,
-/// whose normal displacement under cos(n phi) is `even` n/(n^2 - 1) + `odd`/(n^2 - 1), plus what its boundary changes.
+/// whose normal displacement under cos(n phi) is `even` n/(n^2 - 1) + `odd`/(n^2 - 1), and that along the ring, of a disc,
+/// `even`/(n^2 - 1) + `odd` n/(n^2 - 1) times sin(n phi); plus what its boundary changes.
+///
+/// A pin is not pressed along its own normal but along the hole's (`contact::outlines`). What that changes of its compliance
+/// is told per unit of tilt.
 #[derive(Clone, Debug)]
 pub struct BodyCompliance {
     /// c = 2/E'.
@@ -40,10 +44,23 @@ pub struct BodyCompliance {
 pub enum Boundary {
     /// Everything: a wall so thin that it yields like a Winkler bed, by so much per unit pressure.
     Bed(f64),
-    /// Of a concentric body: the displacement under cos(n phi), n = 0, 1, ...; half of it for n = 0.
-    Modes(Vec<f64>),
-    /// The works of pressures in ring modes, packed.
+    /// Of a concentric body: the displacement under cos(n phi), n = 0, 1, ...; half of it for n = 0. Of a pin also the amplitude
+    /// of what is along the ring, sin(n phi).
+    Modes { normal: Vec<f64>, along: Vec<f64> },
+    /// The works of pressures in ring modes, packed; of a pin after them what unit tilt adds to them.
     RingModes(RingModes, Vec<f64>),
+}
+
+impl Boundary {
+    /// The numbers of it.
+    fn values(&self) -> impl Iterator<Item = &f64> {
+        let [first, second]: [&[f64]; 2] = match self {
+            Boundary::Bed(compliance) => [std::slice::from_ref(compliance), &[]],
+            Boundary::Modes { normal, along } => [normal, along],
+            Boundary::RingModes(_, works) => [works, &[]],
+        };
+        first.iter().chain(second)
+    }
 }
 
 impl BodyCompliance {
@@ -54,22 +71,13 @@ impl BodyCompliance {
     }
 
     pub fn is_finite(&self) -> bool {
-        let values = match &self.boundary {
-            Boundary::Bed(compliance) => std::slice::from_ref(compliance),
-            Boundary::Modes(values) | Boundary::RingModes(_, values) => values,
-        };
-        [self.even, self.odd].iter().chain(values).all(|value| value.is_finite())
+        [self.even, self.odd].iter().chain(self.boundary.values()).all(|value| value.is_finite())
     }
 
     /// What it takes, in bytes, with what keeps it.
     pub fn bytes(&self) -> usize {
         const KEEPING: usize = 160;
-        KEEPING
-            + size_of::<BodyCompliance>()
-            + match &self.boundary {
-                Boundary::Bed(_) => 0,
-                Boundary::Modes(values) | Boundary::RingModes(_, values) => size_of_val(&values[..]),
-            }
+        KEEPING + size_of::<BodyCompliance>() + size_of::<f64>() * self.boundary.values().count()
     }
 }
 

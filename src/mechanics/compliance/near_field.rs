@@ -177,7 +177,7 @@ impl NearFieldClass {
 /// The difference between the exact and the condensed works of ring modes on a class's reference body.
 pub struct NearField {
     range: PoissonRange,
-    /// `[node of Poisson's ratio][packed]`.
+    /// `[node of Poisson's ratio]`, as the works of bodies are.
     works: [Vec<f64>; LANES],
 }
 
@@ -200,7 +200,7 @@ impl NearField {
         let condensed = plan.condense(&bodies);
         let exact = bodies
             .map(|body| ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference }.boundary_modes());
-        let mut works = modes.works_of_modes(&exact);
+        let mut works = modes.works_of_modes(side, &exact);
         for (works, mesh) in works.iter_mut().zip(condensed) {
             works.iter_mut().zip(mesh).for_each(|(exact, mesh)| *exact -= mesh);
         }

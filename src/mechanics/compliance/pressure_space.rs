@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_1_PI, FRAC_2_PI, FRAC_PI_2};
 
 use pulp::{Arch, Simd, WithSimd};
 
 use super::arc::{ContactArc, MAX_TERMS, cosines, packed, packed_count};
-use super::infinite_body::infinite_kernels;
+use super::infinite_body::InfiniteKernels;
 use super::ring_modes::RingModes;
 use super::thin_wall::bed_matrix;
 use super::{BodyCompliance, Boundary};
@@ -24,6 +24,9 @@ pub struct PressureSpace {
     even: Vec<f64>,
     odd: Vec<f64>,
     bed: Vec<f64>,
+    /// What unit tilt adds to the first two of a pin.
+    tilted_even: Vec<f64>,
+    tilted_odd: Vec<f64>,
     /// Integrals of p_k cos(n phi), n = 0, 1, ...
     modes: Moments,
     ring_modes: HashMap<RingModes, Moments>,
@@ -64,7 +67,7 @@ impl PressureSpace {
     /// `terms` trial pressures on arcs, as many as a multiple of `LANES`.
     pub fn new(terms: usize, arcs: Vec<ContactArc>) -> PressureSpace {
         let count = arcs.len();
-        let [even, odd] = infinite_kernels(&arcs, terms);
+        let InfiniteKernels { even, odd, tilted_even, tilted_odd } = InfiniteKernels::new(&arcs, terms);
         let mut bed = vec![0.0; packed_count(terms) * count];
         for (place, arc) in arcs.iter().enumerate() {
             for (entry, value) in bed_matrix(arc.b, terms).into_iter().enumerate() {
@@ -77,6 +80,8 @@ impl PressureSpace {
             even,
             odd,
             bed,
+            tilted_even,
+            tilted_odd,
             modes: Moments::default(),
             ring_modes: HashMap::new(),
             turns: (1..=2 * terms).map(|i| 2.0 * (FRAC_PI_2 * i as f64 / terms as f64).cos()).collect(),
@@ -108,7 +113,7 @@ impl PressureSpace {
     pub fn prepare(&mut self, body: &BodyCompliance) {
         match &body.boundary {
             Boundary::Bed(_) => {}
-            Boundary::Modes(modes) => self.prepare_modes(modes.len() - 1),
+            Boundary::Modes { normal, .. } => self.prepare_modes(normal.len() - 1),
             Boundary::RingModes(modes, _) => self.prepare_ring_modes(modes),
         }
     }
@@ -130,9 +135,9 @@ impl PressureSpace {
         Moments { values, count }
     }
 
-    /// The compliance of bodies with their shares: 1/E of one body of a joint, the negative for a difference. Every body was
-    /// prepared for.
-    pub fn joint(&self, bodies: &[(&BodyCompliance, f64)]) -> JointCompliance<'static> {
+    /// The compliance of bodies with their shares: 1/E of one body of a joint, the negative for a difference; of pins under so much
+    /// tilt. Every body was prepared for.
+    pub fn joint(&self, bodies: &[(&BodyCompliance, f64)], tilt: f64) -> JointCompliance<'static> {
         let sum = |of: fn(&BodyCompliance) -> f64| bodies.iter().map(|(body, share)| share * of(body)).sum();
         let bed_of = |body: &BodyCompliance| match body.boundary {
             Boundary::Bed(compliance) => compliance,
@@ -141,14 +146,36 @@ impl PressureSpace {
         let (even, odd, bed): (f64, f64, f64) = (sum(|body| body.even), sum(|body| body.odd), sum(bed_of));
         let mut values: Vec<f64> =
             self.even.iter().zip(&self.odd).map(|(own, other)| even * own + odd * other).collect();
+        if tilt != 0.0 {
+            let (even, odd) = (tilt * even, tilt * odd);
+            let tilted = self.tilted_even.iter().zip(&self.tilted_odd);
+            values
+                .iter_mut()
+                .zip(tilted)
+                .for_each(|(value, (own, other))| *value += even * own + odd * other);
+        }
         if bed != 0.0 {
             values.iter_mut().zip(&self.bed).for_each(|(value, own)| *value += bed * own);
         }
         for (body, share) in bodies {
+            let tilted;
             let (moments, works) = match &body.boundary {
                 Boundary::Bed(_) => continue,
-                Boundary::Modes(modes) => (&self.modes, Works::Diagonal(modes)),
-                Boundary::RingModes(modes, works) => (&self.ring_modes[modes], Works::Packed(works)),
+                Boundary::Modes { normal, along } => (&self.modes, Works::Modes { normal, along, tilt }),
+                Boundary::RingModes(modes, works) => {
+                    let (normal, added) = works.split_at(packed_count(modes.count));
+                    let works = if tilt == 0.0 {
+                        normal
+                    } else {
+                        tilted = normal
+                            .iter()
+                            .zip(added)
+                            .map(|(own, added)| own + tilt * added)
+                            .collect::<Vec<_>>();
+                        &tilted
+                    };
+                    (&self.ring_modes[modes], Works::Packed(works))
+                }
             };
             in_lanes_with_terms(self.terms, Add { moments, works, share: *share, values: &mut values });
         }
@@ -218,8 +245,8 @@ const TOGETHER: usize = 8;
 
 /// Works of functions on functions.
 enum Works<'a> {
-    /// Of modes that do none on others; (2/pi) times that.
-    Diagonal(&'a [f64]),
+    /// Of modes that do none on others but, where they are tilted, on the next ones.
+    Modes { normal: &'a [f64], along: &'a [f64], tilt: f64 },
     /// Packed.
     Packed(&'a [f64]),
 }
@@ -243,13 +270,25 @@ impl TermWork for Add<'_> {
             let moments = moments.as_chunks::<TERMS>().0;
             let mut matrix = [[Lanes::<FUSED>::zero(); TERMS]; TERMS];
             match works {
-                Works::Diagonal(works) => {
-                    for (own, work) in moments.iter().zip(works) {
-                        let factor = Lanes::from_f64(-share * std::f64::consts::FRAC_2_PI * work);
+                Works::Modes { normal, along, tilt } => {
+                    for (own, work) in moments.iter().zip(normal) {
+                        let factor = Lanes::from_f64(-share * FRAC_2_PI * work);
                         for j in 0..TERMS {
                             let scaled = factor * Lanes(own[j]);
                             for k in 0..=j {
                                 matrix[j][k] = matrix[j][k].minus_product(scaled, Lanes(own[k]));
+                            }
+                        }
+                    }
+                    let along = if tilt == 0.0 { &[] } else { along };
+                    for (pair, along) in moments.windows(2).zip(along.windows(2)) {
+                        let factor = Lanes::from_f64(-share * FRAC_1_PI * tilt * (along[1] - along[0]));
+                        let [before, own] = [pair[0], pair[1]];
+                        for j in 0..TERMS {
+                            let (scaled, other) = (factor * Lanes(own[j]), factor * Lanes(before[j]));
+                            for k in 0..=j {
+                                let sum = matrix[j][k].minus_product(scaled, Lanes(before[k]));
+                                matrix[j][k] = sum.minus_product(other, Lanes(own[k]));
                             }
                         }
                     }

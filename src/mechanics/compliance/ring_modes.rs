@@ -19,6 +19,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::RingCompliance;
 use super::arc::{ContactArc, cosines, packed, packed_count};
+use crate::mechanics::body::Side;
 use crate::mechanics::element::quadrature::gauss_legendre;
 use crate::mechanics::element::{ElementKind, side_functions};
 use crate::mechanics::grading::GradingClass;
@@ -55,6 +56,33 @@ const WHOLE: [[(u32, usize); 12]; 3] = [
 
 /// The greatest count.
 pub const MOST_MODES: usize = 48;
+
+/// How a pressure pushes a ring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Push {
+    /// Along its normal.
+    Normal,
+    /// What a tilt of that by sin(phi) against the ring's sense adds, twice: the works are quadratic.
+    Tilt,
+}
+
+impl Push {
+    /// Of the bodies of one side: the hole's normal is not that of the pin.
+    pub fn of(side: Side) -> &'static [Push] {
+        match side {
+            Side::Pin => &[Push::Normal, Push::Tilt],
+            Side::Plate => &[Push::Normal],
+        }
+    }
+
+    fn direction(self, angle: f64) -> [f64; 2] {
+        let (sine, cosine) = angle.sin_cos();
+        match self {
+            Push::Normal => [sine, -cosine],
+            Push::Tilt => [-2.0 * sine * cosine, -2.0 * sine * sine],
+        }
+    }
+}
 
 impl RingModes {
     /// Of the meshes of a class.
@@ -108,8 +136,8 @@ impl RingModes {
         }
     }
 
-    /// Nodal loads of the pressures psi_m du with the true normal, for ring nodes at these angles: `[node][component][m]`.
-    pub fn loads(&self, element: ElementKind, ring_angles: &[f64]) -> Vec<f64> {
+    /// Nodal loads of the pressures psi_m du, for ring nodes at these angles: `[node][component][m]`.
+    pub fn loads(&self, push: Push, element: ElementKind, ring_angles: &[f64]) -> Vec<f64> {
         let count = self.count;
         let side = element.side_node_count() - 1;
         let rule = gauss_legendre(12 + count);
@@ -122,12 +150,13 @@ impl RingModes {
                 let stretched = 0.5 * (from + to) + 0.5 * (to - from) * x;
                 let weight = 0.5 * (to - from).abs() * weight;
                 let angle = self.angle(stretched);
+                let direction = push.direction(angle);
                 self.values(stretched, &mut psi);
                 let (functions, nodes) = side_functions(element, (2.0 * angle - start - end) / (end - start));
                 for (node, function) in functions.iter().enumerate().take(nodes) {
-                    for (component, normal) in [angle.sin(), -angle.cos()].into_iter().enumerate() {
+                    for (component, along) in direction.into_iter().enumerate() {
                         let at = ((first + node) * 2 + component) * count;
-                        let scale = weight * function * normal;
+                        let scale = weight * function * along;
                         let own = &mut loads[at..at + count];
                         own.iter_mut().zip(&psi).for_each(|(load, psi)| *load += scale * psi);
                     }
@@ -138,8 +167,8 @@ impl RingModes {
     }
 
     /// The loads on the ring's unknowns, of those that move: unknown, from the ring's first on, and `[m]`.
-    pub fn unknown_loads(&self, topology: &RingTopology) -> Vec<(usize, Vec<f64>)> {
-        let loads = self.loads(topology.element, &topology.ring_angles);
+    pub fn unknown_loads(&self, push: Push, topology: &RingTopology) -> Vec<(usize, Vec<f64>)> {
+        let loads = self.loads(push, topology.element, &topology.ring_angles);
         let placed = loads.chunks_exact(self.count).enumerate().filter_map(|(place, load)| {
             let unknown = topology.unknowns[2 * topology.ring_nodes[place / 2] as usize + place % 2];
             (unknown != SUPPORTED).then(|| (unknown as usize - topology.ring_start, load.to_vec()))
@@ -147,29 +176,35 @@ impl RingModes {
         placed.collect()
     }
 
-    /// The works of the modes, packed, on a ring whose whole compliance is known.
-    pub fn works_on_ring(&self, ring: &RingCompliance, topology: &RingTopology) -> Vec<f64> {
-        let loads = self.unknown_loads(topology);
+    /// The works of the modes as they push, packed, on a ring whose whole compliance is known.
+    pub fn works_on_ring(&self, push: Push, ring: &RingCompliance, topology: &RingTopology) -> Vec<f64> {
+        let normal = self.unknown_loads(Push::Normal, topology);
         let mut works = vec![0.0; packed_count(self.count)];
         let mut displacement = vec![0.0; self.count];
-        for (row, of_row) in &loads {
+        for (row, of_row) in &self.unknown_loads(push, topology) {
             displacement.fill(0.0);
-            for (column, of_column) in &loads {
+            for (column, of_column) in &normal {
                 let compliance = ring.values[row * ring.size + column];
                 displacement.iter_mut().zip(of_column).for_each(|(u, load)| *u += compliance * load);
             }
-            for (m, load) in of_row.iter().enumerate() {
-                let works = &mut works[packed(m, 0)..=packed(m, m)];
-                works.iter_mut().zip(&displacement).for_each(|(work, u)| *work += load * u);
+            for m in 0..self.count {
+                for n in 0..=m {
+                    let both = of_row[m] * displacement[n] + of_row[n] * displacement[m];
+                    works[packed(m, n)] += 0.5 * both;
+                }
             }
         }
         works
     }
 
-    /// Works, packed, of the kernels (2/pi) times the sum over n of f_n cos(n phi) cos(n phi'), for lists of f_n as long as
-    /// each other.
-    pub fn works_of_modes<const LISTS: usize>(&self, lists: &[Vec<f64>; LISTS]) -> [Vec<f64>; LISTS] {
-        let highest = lists[0].len();
+    /// What the boundary of concentric bodies of one side changes of the works, packed, one way to push after the other; the
+    /// bodies by `ConcentricBody::boundary_modes`, all of one length.
+    pub fn works_of_modes<const BODIES: usize>(
+        &self,
+        side: Side,
+        bodies: &[[Vec<f64>; 2]; BODIES],
+    ) -> [Vec<f64>; BODIES] {
+        let highest = bodies[0][0].len();
         let stretch = if let Ring::Whole(quarters) = self.ring { 0.25 * f64::from(quarters) } else { 1.0 };
         // The integrand has period 2 pi in u and is smooth: the midpoint rule converges once it resolves the fastest wave.
         let points = 64 + 2 * self.count + (highest as f64 * stretch) as usize;
@@ -187,14 +222,20 @@ impl RingModes {
                 (wave, previous) = (turn * wave - previous, wave);
             }
         }
-        lists.each_ref().map(|of_modes| {
+        let of_mode = |n: usize| &integrals[n * self.count..][..self.count];
+        bodies.each_ref().map(|[normal, along]| {
             let mut works = vec![0.0; packed_count(self.count)];
-            for (f, integrals) in of_modes.iter().zip(integrals.chunks_exact(self.count)) {
-                for (row, of_row) in integrals.iter().enumerate() {
-                    let scale = 2.0 / PI * f * of_row;
-                    let works = &mut works[packed(row, 0)..=packed(row, row)];
-                    works.iter_mut().zip(integrals).for_each(|(work, of_column)| *work += scale * of_column);
+            for (n, f) in normal.iter().enumerate() {
+                add_product(2.0 / PI * f, of_mode(n), of_mode(n), &mut works);
+            }
+            if side == Side::Pin {
+                let mut tilt = vec![0.0; packed_count(self.count)];
+                for n in 1..highest {
+                    // Of either order.
+                    let scale = 2.0 / PI * (along[n] - along[n - 1]);
+                    add_product(scale, of_mode(n), of_mode(n - 1), &mut tilt);
                 }
+                works.extend(tilt);
             }
             works
         })
@@ -218,11 +259,11 @@ impl RingModes {
         moments
     }
 
-    /// The works of these modes, packed, of bodies that are told in other ones.
+    /// The works of these modes, packed, one way to push after the other, of bodies that are told in other ones.
     pub fn works_of_others(&self, other: &RingModes) -> impl Fn(&[f64]) -> Vec<f64> + use<> {
         let (count, moments) = (self.count, self.moments_of(other));
         let others = other.count;
-        move |works| {
+        let of_push = move |works: &[f64]| {
             let mut sum = vec![0.0; packed_count(count)];
             let mut row = vec![0.0; count];
             for (m, of_m) in moments.chunks_exact(count).enumerate() {
@@ -237,7 +278,8 @@ impl RingModes {
                 }
             }
             sum
-        }
+        };
+        move |works| works.chunks_exact(packed_count(others)).flat_map(&of_push).collect()
     }
 
     /// The integral of psi_m^2 du.
@@ -259,6 +301,15 @@ impl RingModes {
                 moments.iter_mut().zip(&trials).for_each(|(moment, trial)| *moment += scale * trial);
             }
         }
+    }
+}
+
+/// works[m n] += scale (a_m b_n + b_m a_n)/2, packed.
+fn add_product(scale: f64, a: &[f64], b: &[f64], works: &mut [f64]) {
+    for m in 0..a.len() {
+        let (of_a, of_b) = (0.5 * scale * a[m], 0.5 * scale * b[m]);
+        let works = &mut works[packed(m, 0)..=packed(m, m)];
+        works.iter_mut().zip(a).zip(b).for_each(|((work, a), b)| *work += of_a * b + of_b * a);
     }
 }
 
@@ -285,10 +336,10 @@ mod tests {
         space.prepare(&exact);
         for (quarters, count, limit) in [(4, 8, 5.7e-4), (4, 16, 1.5e-8), (5, 16, 5.8e-8), (8, 24, 1.8e-7)] {
             let modes = RingModes::whole(quarters, count);
-            let [works] = modes.works_of_modes(&[body.boundary_modes()]);
+            let [works] = modes.works_of_modes(Side::Plate, &[body.boundary_modes()]);
             let found = BodyCompliance { boundary: Boundary::RingModes(modes, works), ..exact.clone() };
             space.prepare(&found);
-            let left = space.joint(&[(&exact, 1.0), (&found, -1.0)]);
+            let left = space.joint(&[(&exact, 1.0), (&found, -1.0)], 0.0);
             let worst = left.values.iter().fold(0.0, |worst: f64, value| worst.max(value.abs())) / exact.even;
             println!("stretched by {quarters}/4, {count} modes: {worst:e}");
             assert!(worst < limit && worst > 0.1 * limit, "{quarters} {count}: {worst:e}");
@@ -306,14 +357,14 @@ mod tests {
             idealization: Idealization::PlaneStrain,
         };
         let (coarse, fine) = (RingModes::whole(4, 8), RingModes::whole(6, 32));
-        let [works] = coarse.works_of_modes(&[body.boundary_modes()]);
+        let [works] = coarse.works_of_modes(Side::Plate, &[body.boundary_modes()]);
         let told_again = fine.works_of_others(&coarse)(&works);
         let told = [(coarse, works), (fine, told_again)].map(|(modes, works)| {
             let told = BodyCompliance { boundary: Boundary::RingModes(modes, works), ..body.compliance() };
             space.prepare(&told);
             told
         });
-        let left = space.joint(&[(&told[0], 1.0), (&told[1], -1.0)]);
+        let left = space.joint(&[(&told[0], 1.0), (&told[1], -1.0)], 0.0);
         let worst = left.values.iter().fold(0.0, |worst: f64, value| worst.max(value.abs())) / told[0].even;
         println!("{worst:e}");
         assert!(worst < 1e-13, "{worst:e}");
@@ -324,7 +375,7 @@ mod tests {
     fn translation_does_the_work_of_the_modes() {
         let angles: Vec<f64> = (0..=24).map(|i| PI * (i as f64 / 24.0).powf(1.3)).collect();
         for modes in [RingModes::whole(6, 8), RingModes { ring: Ring::EndsHeld, count: 8 }] {
-            let loads = modes.loads(ElementKind::Quad8, &angles);
+            let loads = modes.loads(Push::Normal, ElementKind::Quad8, &angles);
             let points = 4000;
             let weight = modes.end() / points as f64;
             for m in 0..8 {

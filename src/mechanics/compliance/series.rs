@@ -47,7 +47,8 @@ impl ConcentricBody {
         (self.kolosov() + 1.0) / (2.0 * self.twice_shear_modulus())
     }
 
-    /// lambda_n less that of the same body with its fixed circle infinitely far (or small), n >= 2, free of cancellation.
+    /// lambda_n, and the amplitude of the displacement along the ring, u_phi = along sin(n phi), each less that of the same body with
+    /// its fixed circle infinitely far (or small), n >= 2, free of cancellation.
     ///
     /// With x the amplitudes of the two fields that fall from the ring, y of the two that fall from the fixed circle, and
     /// q = (ratio of radii)^n what is left of them at the other circle,
@@ -57,13 +58,13 @@ impl ConcentricBody {
     /// ```
     ///
     /// so x = x0 + q^2 (N - q^2 S)^-1 S x0 with N x0 = t and S = M Q^-1 P.
-    fn finite_part(&self, n: usize) -> f64 {
+    fn finite_part(&self, n: usize) -> [f64; 2] {
         let (kappa, m) = (self.kolosov(), n as f64);
         let is_plate = self.side() == Side::Plate;
         let q = if is_plate { self.fixed_radius_ratio } else { 1.0 / self.fixed_radius_ratio }.powf(-m);
         // Nothing is left, and powers of radii like 1e300 are no numbers.
         if q < 1e-30 {
-            return 0.0;
+            return [0.0, 0.0];
         }
         // Radial and hoop displacement of the fields r^(n+2), r^n and of r^(2-n), r^-n, their powers n taken out.
         let displacements = |r: f64| {
@@ -86,10 +87,14 @@ impl ConcentricBody {
             std::array::from_fn(|i| std::array::from_fn(|j| near[i][j] - square * back[i][j]));
         let more = apply(inverse(reduced), apply(back, alone)).map(|value| square * value);
         let reflected = apply(reflection, [alone[0] + more[0], alone[1] + more[1]]);
-        let radial = |rows: [[f64; 2]; 2], x: [f64; 2]| rows[0][0] * x[0] + rows[0][1] * x[1];
-        let sign = if is_plate { 1.0 } else { -1.0 };
-        sign * (radial(near_on_ring, more) - square * radial(far_on_ring, reflected))
-            / self.twice_shear_modulus()
+        let (near, far) = (apply(near_on_ring, more), apply(far_on_ring, reflected));
+        self.normal_and_along([near[0] - square * far[0], near[1] - square * far[1]])
+    }
+
+    /// From 2 mu times u_r and u_phi: a pressure pushes a hole outwards and a disc inwards.
+    fn normal_and_along(&self, [radial, along]: [f64; 2]) -> [f64; 2] {
+        let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
+        [sign * radial / self.twice_shear_modulus(), along / self.twice_shear_modulus()]
     }
 
     /// lambda_n of the body whose fixed circle is infinitely far (or small), n >= 2.
@@ -99,14 +104,20 @@ impl ConcentricBody {
         ((kappa + 1.0) * n + sign * (kappa - 1.0)) / (2.0 * self.twice_shear_modulus() * (n * n - 1.0))
     }
 
-    /// lambda_1 less c. Its fields are r^3, the single-valued point force, 1/r and the translation; the first three have amplitudes
-    /// A, L and D, and what the translation adds cancels in u_r + u_theta.
-    fn first_mode(&self) -> f64 {
+    /// The amplitude of u_phi of the body whose fixed circle is infinitely far (or small), n >= 2; of a disc.
+    pub fn far_mode_along(&self, n: usize) -> f64 {
+        let (kappa, n) = (self.kolosov(), n as f64);
+        (kappa + 1.0 - (kappa - 1.0) * n) / (2.0 * self.twice_shear_modulus() * (n * n - 1.0))
+    }
+
+    /// lambda_1 less c, and the whole amplitude of u_phi. The fields are r^3, the single-valued point force, 1/r and the translation;
+    /// the first three have amplitudes A, L and D, and what the translation adds cancels in u_r + u_phi.
+    fn first_mode(&self) -> [f64; 2] {
         let kappa = self.kolosov();
         // Radial and shear stress on the ring: 2 A + (kappa + 3) L - 2 D = -1 and 2 A + (1 - kappa) L - 2 D = 0.
         let point = -0.5 / (kappa + 1.0);
         let excess = 0.5 * (1.0 - kappa) * point;
-        // u_r + u_theta = 0 on the fixed circle: kappa A rho^2 - L + D/rho^2 = 0. A and A rho^2, without powers that overflow.
+        // u_r + u_phi = 0 on the fixed circle: kappa A rho^2 - L + D/rho^2 = 0. A and A rho^2, without powers that overflow.
         let square = self.fixed_radius_ratio * self.fixed_radius_ratio;
         let [rising, risen] = match self.side() {
             Side::Plate => {
@@ -118,11 +129,12 @@ impl ConcentricBody {
                 [rising, rising * square]
             }
         };
-        // u_r - u_theta = 0 there: -4 A rho^2 + 4 kappa L ln rho + 2 T = 0.
+        // u_r - u_phi = 0 there: -4 A rho^2 + 4 kappa L ln rho + 2 T = 0.
         let translation = 2.0 * risen - 2.0 * kappa * point * self.fixed_radius_ratio.ln();
-        let displacement = (kappa - 1.0) * rising + excess - point + translation;
-        let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
-        sign * displacement / self.twice_shear_modulus() - self.amplitude()
+        let radial = (kappa - 1.0) * rising + excess - point + translation;
+        let along = (kappa + 3.0) * rising + excess - point - translation;
+        let [normal, along] = self.normal_and_along([radial, along]);
+        [normal - self.amplitude(), along]
     }
 
     /// Whether the body is so thin that it is taken for a Winkler bed, which needs no modes.
@@ -152,17 +164,22 @@ impl ConcentricBody {
         let kappa = self.kolosov();
         let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
         let odd = sign * even * (kappa - 1.0) / (kappa + 1.0);
-        BodyCompliance { even, odd, boundary: Boundary::Modes(self.boundary_modes()) }
+        let [normal, along] = self.boundary_modes();
+        let along = if self.side() == Side::Pin { along } else { Vec::new() };
+        BodyCompliance { even, odd, boundary: Boundary::Modes { normal, along } }
     }
 
-    /// What the fixed circle changes of each mode, as far as it is felt; half of it for mode 0.
-    pub fn boundary_modes(&self) -> Vec<f64> {
+    /// What the fixed circle changes of each mode, as far as it is felt: of lambda_n, half of it for n = 0, and of the amplitude of
+    /// u_phi.
+    pub fn boundary_modes(&self) -> [Vec<f64>; 2] {
         let mode = |n: usize| match n {
-            0 => 0.5 * bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization),
+            0 => [0.5 * bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization), 0.0],
             1 => self.first_mode(),
             _ => self.finite_part(n),
         };
-        (0..=self.highest_mode()).map(mode).collect()
+        let (normal, along) =
+            (0..=self.highest_mode()).map(mode).map(|[normal, along]| (normal, along)).unzip();
+        [normal, along]
     }
 }
 

@@ -1,17 +1,23 @@
 //! The curve of a joint: its states between a few arcs.
 //!
 //! What `edge` finds at an arc is smooth once S is without its logarithm, and N/b^2, V/b^2 and Q/b^4 are taken in place of N, V
-//! and Q. So the equations are solved at a few nodes, and between them these functions are polynomials: a load costs no system
+//! and Q, and so on. So the equations are solved at a few nodes, and between them these functions are polynomials: a load costs no system
 //! of equations. They are polynomials of z, tan(eps/4) = tan(limit/4) z^2, down to the angle zero.
 //!
 //! A bed adds to the compliance what grows like 1/b: as contact becomes wider than lambda/c the elastic part takes over from the
 //! bed, at b of any smallness. Beside beds the functions are polynomials of ln b, and with s = b (c + lambda)/(c b + lambda) it is
 //! s S, N/(s b^2) and Q/(s b^4) that are bounded.
 
-use super::edge::{Edge, EdgeStates, Reduced};
+use std::f64::consts::FRAC_PI_2;
+
+use super::edge::{DECISIVE, Edge, EdgeStates, FUNCTIONS, Reduced};
+use super::outlines::Outlines;
+use crate::mechanics::body::Side;
+use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::arc::ContactArc;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
+use crate::mechanics::compliance::thin_wall::bed_matrix;
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// What the functions of a curve are polynomials of.
@@ -28,14 +34,17 @@ const NARROWEST: f64 = 1e-9;
 
 /// The arcs of curves up to a limit: Chebyshev nodes in a variable.
 pub struct CurveSpace {
+    /// On arcs of the pin.
     pub pressures: PressureSpace,
-    /// The largest contact half angle, rad.
+    /// The largest contact half angle of the pin, rad.
     pub limit: f64,
     variable: Variable,
     /// tan(limit/4), or ln tan(limit/2).
     widest: f64,
     /// Logarithm of z, or of b, at the nodes: where loads are searched.
     pub(super) logarithms: Vec<f64>,
+    /// What functions are polynomials of, from 0 to 1, at the nodes, and barycentric weights.
+    places: Vec<(f64, f64)>,
     /// Of the Chebyshev transform: `[degree][node]`.
     transform: Vec<Vec<f64>>,
 }
@@ -45,7 +54,10 @@ impl CurveSpace {
     pub fn new(variable: Variable, terms: usize, nodes: usize, limit: f64) -> CurveSpace {
         let angle = |node: usize| std::f64::consts::PI * (node as f64 + 0.5) / nodes as f64;
         // From 0 to 1.
-        let units = (0..nodes).map(|node| 0.5 * (1.0 + angle(node).cos()));
+        let unit = |node: usize| 0.5 * (1.0 + angle(node).cos());
+        let weight =
+            |node: usize| if node.is_multiple_of(2) { angle(node).sin() } else { -angle(node).sin() };
+        let units = (0..nodes).map(unit);
         let widest = match variable {
             Variable::Root => (0.25 * limit).tan(),
             Variable::Logarithm => (0.5 * limit).tan().ln(),
@@ -71,6 +83,7 @@ impl CurveSpace {
             variable,
             widest,
             logarithms,
+            places: (0..nodes).map(|node| (unit(node), weight(node))).collect(),
             transform: (0..nodes).map(of_degree).collect(),
         }
     }
@@ -78,6 +91,48 @@ impl CurveSpace {
     /// The arcs of the nodes, descending.
     pub fn arcs(&self) -> &[ContactArc] {
         &self.pressures.arcs
+    }
+
+    /// The part of a joint's compliance of bodies of one side with their shares, as `PressureSpace::joint` has them: a pin's under its
+    /// tilt, a plate's on the hole's arcs.
+    pub fn part(
+        &self,
+        side: Side,
+        bodies: &[(&BodyCompliance, f64)],
+        outlines: &Outlines,
+    ) -> JointCompliance<'static> {
+        match side {
+            Side::Pin => self.pressures.joint(bodies, outlines.tilt()),
+            Side::Plate => self.on_hole(self.pressures.joint(bodies, 0.0), outlines),
+        }
+    }
+
+    /// The compliance of a plate on the hole's arcs that meet the pin's, from that on the arcs of the space.
+    pub fn on_hole(&self, plate: JointCompliance<'static>, outlines: &Outlines) -> JointCompliance<'static> {
+        if outlines.ratio() == 1.0 {
+            return plate;
+        }
+        let count = self.arcs().len();
+        let mut values = vec![0.0; plate.values.len()];
+        if plate.bed == 0.0 {
+            in_lanes(OnHole {
+                space: self,
+                ratio: outlines.ratio(),
+                values: &plate.values,
+                moved: &mut values,
+            });
+        } else {
+            for (place, arc) in self.arcs().iter().enumerate() {
+                let matrix = bed_matrix(arc.b / outlines.ratio(), self.pressures.terms);
+                for (entry, value) in matrix.into_iter().enumerate() {
+                    values[entry * count + place] = plate.bed * value;
+                }
+            }
+        }
+        // What is left out of entry (0, 0) goes with the pin's b, not the hole's.
+        let logarithm = FRAC_PI_2 * plate.even * outlines.ratio().ln();
+        values[..count].iter_mut().for_each(|value| *value += logarithm);
+        JointCompliance { values: values.into(), ..plate }
     }
 
     /// Whether a curve goes on below its narrowest node, to the angle zero.
@@ -112,19 +167,16 @@ impl CurveSpace {
     }
 }
 
-/// Functions whose polynomials tell the error of force and energy: all but those of the peak pressure.
-const DECISIVE: usize = 5;
-
 /// The curve of a joint.
 pub struct ContactCurve<'a> {
     pub space: &'a CurveSpace,
+    pub outlines: Outlines,
     even: f64,
     bed: f64,
-    /// `[degree][function]`, in the order of `Reduced`.
-    pub(super) coefficients: Vec<[f64; LANES]>,
-    pub(super) curve_error: f64,
-    /// `ContactState::curve_error` where the compliance is itself not exact: what meshes and fits leave does not fall with the degree.
-    pub rough_error: f64,
+    /// `[degree][function]`, in the order of `Reduced::functions`.
+    pub(super) coefficients: Vec<Functions>,
+    /// The same at the nodes.
+    functions: Vec<Functions>,
     /// What is known node by node.
     pub states: EdgeStates,
     /// The widest node that a load can reach, and no node from there on.
@@ -133,27 +185,25 @@ pub struct ContactCurve<'a> {
 
 impl<'a> ContactCurve<'a> {
     /// Of a joint's compliance in the space. `None` where it is not positive definite.
-    pub fn new(space: &'a CurveSpace, joint: &JointCompliance) -> Option<ContactCurve<'a>> {
-        let states = EdgeStates::new(&space.pressures, joint);
+    pub fn new(
+        space: &'a CurveSpace,
+        joint: &JointCompliance,
+        outlines: Outlines,
+    ) -> Option<ContactCurve<'a>> {
+        let states = EdgeStates::new(&space.pressures, joint, &outlines);
         let count = states.edges.len();
         let (even, bed) = (joint.even, joint.bed);
-        let mut functions = Vec::with_capacity(count);
         let share = space.logarithm_share(even);
-        for ((Edge { reduced, .. }, arc), logarithm) in
-            states.edges.iter().zip(space.arcs()).zip(&space.logarithms)
-        {
-            let scale = scale(even, bed, arc.b);
-            functions.push([
-                scale * (reduced.singular + share * logarithm),
-                reduced.edge,
-                reduced.edge_of_versine / scale,
-                reduced.versine,
-                reduced.work / scale,
-                reduced.peak,
-                reduced.peak_of_versine / scale,
-                0.0,
-            ]);
-        }
+        let nodes = states.edges.iter().zip(space.arcs()).zip(&space.logarithms);
+        let of_node = |((Edge { reduced, .. }, arc), logarithm): ((&Edge, &ContactArc), &f64)| {
+            let singular = reduced.singular + share * logarithm;
+            let own = Reduced { singular, ..*reduced };
+            let own = if bed == 0.0 { own } else { own.scaled(scale(even, bed, arc.b)) }.functions();
+            let mut padded = [0.0; ROW];
+            padded[..FUNCTIONS].copy_from_slice(&own);
+            padded
+        };
+        let functions: Vec<Functions> = nodes.map(of_node).collect();
         if !functions.iter().flatten().all(|value| value.is_finite()) {
             return None;
         }
@@ -174,45 +224,33 @@ impl<'a> ContactCurve<'a> {
                 break;
             }
         }
-        let mut curve =
-            ContactCurve { space, even, bed, coefficients, curve_error: 0.0, rough_error: 0.0, states, first };
-        curve.rough_error = SAFETY * curve.without(&functions, 2);
-        curve.curve_error = SAFETY * curve.without(&functions, FOUR) * curve.falling();
-        Some(curve)
+        Some(ContactCurve { space, outlines, even, bed, functions, coefficients, states, first })
     }
 
-    /// What force and indentation change, relative, at the worst of the nodes that loads reach, if so many last coefficients are
-    /// dropped.
-    fn without(&self, functions: &[[f64; LANES]], count: usize) -> f64 {
-        let nodes = functions.len();
-        let mut worst = 0.0_f64;
-        for node in self.first..nodes {
-            let mut left = functions[node];
-            for degree in nodes - count..nodes {
-                let share = 0.5 * nodes as f64 * self.space.transform[degree][node];
-                left.iter_mut().zip(&self.coefficients[degree]).for_each(|(value, of)| *value -= share * of);
-            }
-            let b = self.space.arcs()[node].b;
-            let found = self.from_functions(&left, self.space.logarithms[node], b).free_edge(b);
-            let known = &self.states.edges[node].free;
-            for (found, known) in [(found.force, known.force), (found.indentation, known.indentation)] {
-                worst = worst.max((found / known - 1.0).abs());
-            }
+    /// Bound of the relative error of force and energy that the curve leaves between its nodes. Where the compliance is itself not exact
+    /// there is the noise of meshes and fits between them, which does not fall with the degree.
+    pub fn error(&self, is_exact: bool) -> f64 {
+        if is_exact {
+            SAFETY * in_lanes(Without { curve: self }) * self.falling()
+        } else {
+            let nodes = self.coefficients.len();
+            let last_two = |function| self.share(function, nodes - 2, 2);
+            ROUGH * (0..DECISIVE).map(last_two).fold(0.0, f64::max)
         }
-        worst
+    }
+
+    /// So many coefficients of a function from one on, over the greatest.
+    fn share(&self, function: usize, from: usize, count: usize) -> f64 {
+        let sizes = self.coefficients.iter().map(|of_degree| of_degree[function].abs());
+        let most = sizes.clone().fold(f64::MIN_POSITIVE, f64::max);
+        sizes.skip(from).take(count).sum::<f64>() / most
     }
 
     /// What is left out of the polynomials over the last four coefficients, if they go on falling as the last eight do.
     fn falling(&self) -> f64 {
         let nodes = self.coefficients.len();
-        let sum = |from: usize| -> f64 {
-            let size = |function: usize| {
-                let sizes = self.coefficients.iter().map(|of_degree| of_degree[function].abs());
-                let most = sizes.clone().fold(f64::MIN_POSITIVE, f64::max);
-                sizes.skip(from).take(FOUR).sum::<f64>() / most
-            };
-            (0..DECISIVE).map(size).sum()
-        };
+        let sum =
+            |from: usize| -> f64 { (0..DECISIVE).map(|function| self.share(function, from, FOUR)).sum() };
         let before = sum(nodes - 2 * FOUR).max(f64::MIN_POSITIVE);
         let ratio = (sum(nodes - FOUR) / before).clamp(LEAST_RATIO, GREATEST_RATIO);
         ratio / (1.0 - ratio)
@@ -224,7 +262,6 @@ impl<'a> ContactCurve<'a> {
         &self,
         logarithms: [f64; LANES],
     ) -> (Reduced<Lanes<FUSED>>, Lanes<FUSED>) {
-        const FUNCTIONS: usize = 7;
         let number = Lanes::<FUSED>::from_f64;
         let [place, b] = self.space.places(logarithms);
         let turn = number(2.0) - number(4.0) * place;
@@ -242,23 +279,20 @@ impl<'a> ContactCurve<'a> {
         for (function, sum) in current.iter_mut().enumerate() {
             *sum = (number(self.coefficients[0][function]) - previous[function]).minus_product(half, *sum);
         }
-        (self.from_functions(&current, Lanes(logarithms), b), b)
+        (self.from_functions(current, Lanes(logarithms), b), b)
     }
 
     /// From what is a polynomial to the functions themselves.
     #[inline(always)]
-    fn from_functions<T: Real>(&self, functions: &[T], logarithm: T, b: T) -> Reduced<T> {
+    fn from_functions<T: Real>(&self, functions: [T; FUNCTIONS], logarithm: T, b: T) -> Reduced<T> {
         let share = T::from_f64(self.space.logarithm_share(self.even));
-        let scale = scale(self.even, self.bed, b);
-        Reduced {
-            singular: (functions[0] / scale).minus_product(share, logarithm),
-            edge: functions[1],
-            edge_of_versine: functions[2] * scale,
-            versine: functions[3],
-            work: functions[4] * scale,
-            peak: functions[5],
-            peak_of_versine: functions[6] * scale,
+        let mut reduced = Reduced::of_functions(functions);
+        // Most joints have no bed, and nothing to scale.
+        if self.bed != 0.0 {
+            reduced = reduced.scaled(T::from_f64(1.0) / scale(self.even, self.bed, b));
         }
+        reduced.singular = reduced.singular.minus_product(share, logarithm);
+        reduced
     }
 
     /// The greater of what is known at the nodes around a state.
@@ -274,26 +308,161 @@ fn scale<T: Real>(even: f64, bed: f64, b: T) -> T {
     if bed == 0.0 { number(1.0) } else { b * number(even + bed) / (number(even) * b + number(bed)) }
 }
 
+/// From values on the arcs of a space, `[packed entry][arc]`, to those on arcs whose b is smaller by a ratio, by the polynomials
+/// through them.
+struct OnHole<'a> {
+    space: &'a CurveSpace,
+    ratio: f64,
+    values: &'a [f64],
+    moved: &'a mut [f64],
+}
+
+impl LaneWork for OnHole<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let OnHole { space, ratio, values, moved } = self;
+        let number = Lanes::<FUSED>::from_f64;
+        let count = space.places.len();
+        let least = space.places[count - 1].0;
+        let mut weights = vec![Lanes::<FUSED>::zero(); count];
+        for chunk in 0..count / LANES {
+            let b = std::array::from_fn(|lane| space.arcs()[chunk * LANES + lane].b / ratio);
+            let wanted = match space.variable {
+                // tan(eps/4) from tan(eps/2).
+                Variable::Root => b.map(|b| (b / (1.0 + (1.0 + b * b).sqrt()) / space.widest).sqrt()),
+                // Below the narrowest contact nothing but the bed changes.
+                Variable::Logarithm => {
+                    b.map(|b: f64| (1.0 - (b.ln() - space.widest) / NARROWEST.ln()).max(least))
+                }
+            };
+            let wanted = Lanes::<FUSED>(wanted);
+            let mut sum = Lanes::<FUSED>::zero();
+            for (own, (place, weight)) in weights.iter_mut().zip(&space.places) {
+                let distance = wanted - number(*place);
+                // At a node its own value is all that counts.
+                let distance = Lanes(distance.0.map(|value| if value == 0.0 { 1e-200 } else { value }));
+                *own = number(*weight) / distance;
+                sum += *own;
+            }
+            let scale = number(1.0) / sum;
+            for own in &mut weights {
+                *own = *own * scale;
+            }
+            for (values, moved) in
+                values.chunks_exact(ABREAST * count).zip(moved.chunks_exact_mut(ABREAST * count))
+            {
+                combine::<FUSED, ABREAST>(&weights, values, chunk, moved);
+            }
+            let rest = values.len() / (ABREAST * count) * ABREAST * count;
+            let rest = values[rest..].chunks_exact(count).zip(moved[rest..].chunks_exact_mut(count));
+            for (values, moved) in rest {
+                combine::<FUSED, 1>(&weights, values, chunk, moved);
+            }
+        }
+    }
+}
+
+/// Entries that are combined side by side: each waits for itself alone.
+const ABREAST: usize = 3;
+
+/// Weighted sums of the values of so many entries, for the arcs of one chunk.
+#[inline(always)]
+fn combine<const FUSED: bool, const ENTRIES: usize>(
+    weights: &[Lanes<FUSED>],
+    values: &[f64],
+    chunk: usize,
+    moved: &mut [f64],
+) {
+    let count = weights.len();
+    let mut sums = [Lanes::<FUSED>::zero(); ENTRIES];
+    for (place, weight) in weights.iter().enumerate() {
+        for (entry, sum) in sums.iter_mut().enumerate() {
+            *sum = sum.minus_product(-*weight, Lanes::from_f64(values[entry * count + place]));
+        }
+    }
+    for (entry, sum) in sums.iter().enumerate() {
+        moved[entry * count + chunk * LANES..][..LANES].copy_from_slice(&sum.0);
+    }
+}
+
+/// One number of each function, in whole registers.
+type Functions = [f64; ROW];
+const ROW: usize = FUNCTIONS.next_multiple_of(LANES);
+
+/// Degrees that are summed side by side: each waits for itself alone.
+const ROWS: usize = 4;
+
 /// From values at the nodes, `[node][function]`, to Chebyshev coefficients, `[degree][function]`.
 struct Transform<'a> {
     rows: &'a [Vec<f64>],
-    values: &'a [[f64; LANES]],
+    values: &'a [Functions],
 }
 
 impl LaneWork for Transform<'_> {
-    type Output = Vec<[f64; LANES]>;
+    type Output = Vec<Functions>;
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> Vec<[f64; LANES]> {
+    fn run<const FUSED: bool>(self) -> Vec<Functions> {
         let mut coefficients = Vec::with_capacity(self.rows.len());
-        for row in self.rows {
-            let mut sum = Lanes::<FUSED>::zero();
-            for (values, weight) in self.values.iter().zip(row) {
-                sum = sum.minus_product(Lanes::from_f64(-weight), Lanes(*values));
+        for rows in self.rows.as_chunks::<ROWS>().0 {
+            let mut sums = [[Lanes::<FUSED>::zero(); ROW / LANES]; ROWS];
+            for (node, values) in self.values.iter().enumerate() {
+                let values = values.as_chunks::<LANES>().0;
+                for (sums, row) in sums.iter_mut().zip(rows) {
+                    for (sum, values) in sums.iter_mut().zip(values) {
+                        *sum = sum.minus_product(Lanes::from_f64(-row[node]), Lanes(*values));
+                    }
+                }
             }
-            coefficients.push(sum.0);
+            for sums in sums {
+                coefficients.push(std::array::from_fn(|function| sums[function / LANES].0[function % LANES]));
+            }
         }
         coefficients
+    }
+}
+
+/// What force and indentation change, relative, at the worst of the nodes that loads reach, if the last four coefficients are
+/// dropped.
+struct Without<'a> {
+    curve: &'a ContactCurve<'a>,
+}
+
+impl LaneWork for Without<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> f64 {
+        let ContactCurve { space, functions, coefficients, states, first, .. } = self.curve;
+        let count = functions.len();
+        let mut worst = 0.0_f64;
+        for at in (first / LANES * LANES..count).step_by(LANES) {
+            let lanes = |of: &dyn Fn(usize) -> f64| Lanes::<FUSED>(std::array::from_fn(|lane| of(at + lane)));
+            let mut left: [Lanes<FUSED>; FUNCTIONS] = std::array::from_fn(|function| {
+                Lanes(std::array::from_fn(|lane| functions[at + lane][function]))
+            });
+            for degree in count - FOUR..count {
+                let mut share = Lanes::<FUSED>::zero();
+                share.0.copy_from_slice(&space.transform[degree][at..at + LANES]);
+                let share = share * Lanes::from_f64(0.5 * count as f64);
+                for (value, coefficient) in left[..DECISIVE].iter_mut().zip(&coefficients[degree]) {
+                    *value = value.minus_product(share, Lanes::from_f64(*coefficient));
+                }
+            }
+            let b = lanes(&|node| space.arcs()[node].b);
+            let logarithm = lanes(&|node| space.logarithms[node]);
+            let found = self.curve.from_functions(left, logarithm, b).free_edge(b, &self.curve.outlines);
+            for node in at.max(*first)..at + LANES {
+                let known = &states.edges[node].free;
+                let found = [found.force, found.indentation].map(|lanes| lanes.0[node - at]);
+                for (found, known) in found.into_iter().zip([known.force, known.indentation]) {
+                    worst = worst.max((found / known - 1.0).abs());
+                }
+            }
+        }
+        worst
     }
 }
 
@@ -302,6 +471,9 @@ const SAFETY: f64 = 2.0;
 
 /// Coefficients that are taken together.
 const FOUR: usize = 4;
+
+/// Nodes between which noise is interpolated make this of the last two coefficients, about.
+const ROUGH: f64 = 2.0;
 
 /// How much faster or slower than this the coefficients of a function fall, four by four, is not told by eight of them
 /// (`tests/curves.rs` holds what follows).

@@ -1,26 +1,30 @@
 //! Contact with a free edge on given arcs: the state of a joint as a function of its contact half angle.
 //!
-//! With the pin's centre e = dR + delta off the hole's, the pressure on |phi| < eps closes the gap,
+//! On the hole's ray at phi the pin has come nearer by delta cos(phi), and the gap was dR (1 - cos phi') (`outlines`). So the pressure
+//! on |phi| < eps closes
 //!
 //! ```text
-//!   u_pin[p] + u_plate[p] = e cos(phi) - dR = delta - e (1 - cos phi),
+//!   u_pin[p] + u_plate[p] = delta cos(phi) - dR (1 - cos phi'),
 //! ```
 //!
-//! in the weak sense: integral of p_j times both sides, for every trial pressure. The system is linear in e and delta, and the
-//! edge is free of singularity where the coefficients of the pressure sum to zero. Hence, without iteration, delta/e and F/e as
-//! functions of eps. All that is singular in the compliance A of an arc is -pi/2 c ln b in entry (0, 0). With that row
-//! eliminated last,
+//! in the weak sense: integral of p_j times both sides, for every trial pressure. The system is linear in delta and dR, and the
+//! edge is free of singularity where the coefficients of the pressure sum to zero. Hence, without iteration, x = delta/e and F/e as
+//! functions of eps, with e = dR + delta, the offset of the centres. All that is singular in the compliance A of an arc is
+//! -pi/2 c ln b in entry (0, 0). With that row eliminated last,
 //!
 //! ```text
-//!   A = | A_00  r^T |    y = B^-1 r,  w = B^-1 v',  S = A_00 - r.y,  V = v_0 - y.v',  Q = w.v',
-//!       |  r     B  |    D = 1 - sum(y),  N = sum(w),
+//!   A = | A_00  r^T |    y = B^-1 r,      S = A_00 - r.y,                   D = 1 - sum(y),
+//!       |  r     B  |    w_v = B^-1 v',   V = v_0 - y.v',   Q = w_v.v',     N = sum(w_v),
+//!                        w_g = B^-1 g',   G = g_0 - y.g',   Q_vg = w_v.g',  N_g = sum(w_g),   Q_gg = w_g.g',
 //! ```
 //!
-//! where v = (v_0, v') are the versines, the state with a free edge is
+//! where v and g are the integrals of p_k (1 - cos phi) and p_k (1 - cos phi'), the state with a free edge is
 //!
 //! ```text
-//!   W = N/D,  delta/e = (2/pi) (S W + V),  p_0 = W,  p' = -W y - w,
-//!   F/e = 2 [W (pi/2 - V) + Q],  dF/d delta = 2 [(pi/2 - V)^2/S + Q],  U/e^2 = S W^2 + Q.
+//!   x = (G + S N_g/D)/[pi/2 - V + G - S (N - N_g)/D],      W = [x N + (1 - x) N_g]/D,
+//!   p_0 = W,    p' = -W y - x w_v - (1 - x) w_g,
+//!   F/e = 2 [W (pi/2 - V) + x Q + (1 - x) Q_vg],           dF/d delta = 2 [(pi/2 - V)^2/S + Q],
+//!   U/e^2 = S W^2 + x^2 Q + 2 x (1 - x) Q_vg + (1 - x)^2 Q_gg.
 //! ```
 //!
 //! The stiffness is that of a punch that keeps its arc, because the pressure at a free edge does not change to first order as
@@ -28,6 +32,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use super::outlines::Outlines;
 use super::state::ContactState;
 use crate::mechanics::compliance::arc::{ContactArc, packed};
 use crate::mechanics::compliance::lane_work::{LaneWork, TermWork, in_lanes, in_lanes_with_terms};
@@ -40,22 +45,27 @@ const SLOWEST: f64 = 0.9;
 /// Tension that truncation may leave at the edge, over the peak pressure.
 const TENSION: f64 = 0.01;
 
-/// What the equations of one arc come to, without what goes to zero with the arc.
+/// What the equations of one arc come to, without what goes to zero with the arc. b is the pin's.
 #[derive(Clone, Copy, Debug)]
 pub struct Reduced<T> {
     /// S.
     pub singular: T,
     /// D.
     pub edge: T,
-    /// N/b^2.
+    /// N/b^2 and N_g/b^2.
     pub edge_of_versine: T,
-    /// V/b^2.
+    pub edge_of_gap: T,
+    /// V/b^2 and G/b^2.
     pub versine: T,
-    /// Q/b^4.
+    pub gap: T,
+    /// Q/b^4, Q_vg/b^4 and Q_gg/b^4.
     pub work: T,
-    /// The pressure at the load line times 2 b is W `peak` - b^2 `peak_of_versine`.
+    pub mixed_work: T,
+    pub work_of_gap: T,
+    /// The pressure at the load line times 2 b is W `peak` - b^2 [x `peak_of_versine` + (1 - x) `peak_of_gap`].
     pub peak: T,
     pub peak_of_versine: T,
+    pub peak_of_gap: T,
 }
 
 /// A state with a free edge, as the fields of `ContactState`.
@@ -68,21 +78,126 @@ pub struct FreeEdge<T> {
     pub peak_pressure: T,
 }
 
-impl<T: Real> Reduced<T> {
+/// How many functions of the arc a `Reduced` has.
+pub const FUNCTIONS: usize = 12;
+
+/// Those that force and energy follow from, the first of `Reduced::functions`: all but those of the peak pressure.
+pub const DECISIVE: usize = 9;
+
+impl<T: Copy> Reduced<T> {
+    /// Those that have a place in the error of a curve come first.
     #[inline(always)]
-    pub fn free_edge(&self, b: T) -> FreeEdge<T> {
+    pub fn functions(&self) -> [T; FUNCTIONS] {
+        [
+            self.singular,
+            self.edge,
+            self.edge_of_versine,
+            self.edge_of_gap,
+            self.versine,
+            self.gap,
+            self.work,
+            self.mixed_work,
+            self.work_of_gap,
+            self.peak,
+            self.peak_of_versine,
+            self.peak_of_gap,
+        ]
+    }
+
+    /// The reverse of `functions`.
+    #[inline(always)]
+    pub fn of_functions(functions: [T; FUNCTIONS]) -> Reduced<T> {
+        let [
+            singular,
+            edge,
+            edge_of_versine,
+            edge_of_gap,
+            versine,
+            gap,
+            work,
+            mixed_work,
+            work_of_gap,
+            peak,
+            peak_of_versine,
+            peak_of_gap,
+        ] = functions;
+        Reduced {
+            singular,
+            edge,
+            edge_of_versine,
+            edge_of_gap,
+            versine,
+            gap,
+            work,
+            mixed_work,
+            work_of_gap,
+            peak,
+            peak_of_versine,
+            peak_of_gap,
+        }
+    }
+
+    /// With those functions that grow like 1/S beside a bed over a scale, and S times it.
+    #[inline(always)]
+    pub fn scaled(&self, scale: T) -> Reduced<T>
+    where
+        T: Real,
+    {
+        Reduced {
+            singular: self.singular * scale,
+            edge_of_versine: self.edge_of_versine / scale,
+            edge_of_gap: self.edge_of_gap / scale,
+            work: self.work / scale,
+            mixed_work: self.mixed_work / scale,
+            work_of_gap: self.work_of_gap / scale,
+            peak_of_versine: self.peak_of_versine / scale,
+            peak_of_gap: self.peak_of_gap / scale,
+            ..*self
+        }
+    }
+}
+
+impl<T: Real> Reduced<T> {
+    /// W/b^2 of a state with that x.
+    #[inline(always)]
+    fn first(&self, indentation: T) -> T {
+        self.between(indentation, self.edge_of_versine, self.edge_of_gap) / self.edge
+    }
+
+    /// x a + (1 - x) b.
+    #[inline(always)]
+    fn between(&self, indentation: T, of_versine: T, of_gap: T) -> T {
+        of_gap + indentation * (of_versine - of_gap)
+    }
+
+    /// Strain energy over e^2 b^4.
+    #[inline(always)]
+    fn energy(&self, indentation: T) -> T {
+        let first = self.first(indentation);
+        let [of_versine, of_gap] = [[self.work, self.mixed_work], [self.mixed_work, self.work_of_gap]]
+            .map(|[of_versine, of_gap]| self.between(indentation, of_versine, of_gap));
+        self.singular * first * first + self.between(indentation, of_versine, of_gap)
+    }
+
+    #[inline(always)]
+    pub fn free_edge(&self, b: T, outlines: &Outlines) -> FreeEdge<T> {
         let (two, half_pi) = (T::from_f64(2.0), T::from_f64(FRAC_PI_2));
         let b2 = b * b;
-        let first = b2 * self.edge_of_versine / self.edge;
-        let (versine, work) = (b2 * self.versine, b2 * b2 * self.work);
-        let arm = half_pi - versine;
+        let arm = half_pi - b2 * self.versine;
+        let flexible = self.singular / self.edge;
+        let closed = b2 * (self.gap + flexible * self.edge_of_gap);
+        let indentation = closed / (arm + closed - b2 * flexible * self.edge_of_versine);
+        let first = b2 * self.first(indentation);
+        let work = b2 * b2 * self.between(indentation, self.work, self.mixed_work);
+        let peak = self.between(indentation, self.peak_of_versine, self.peak_of_gap);
         FreeEdge {
-            indentation: (self.singular * first + versine) / half_pi,
+            indentation,
             // 2 makes the whole joint of both halves.
             force: two * (first * arm + work),
-            tangent_stiffness: two * (arm * arm / self.singular + work),
-            energy: self.singular * first * first + work,
-            peak_pressure: (first * self.peak - b2 * self.peak_of_versine) / (b + b),
+            tangent_stiffness: two * (arm * arm / self.singular + b2 * b2 * self.work),
+            energy: b2 * b2 * self.energy(indentation),
+            // Over the hole's b.
+            peak_pressure: (first * self.peak - b2 * peak) * T::from_f64(0.5 * outlines.ratio()) / b,
         }
     }
 }
@@ -105,18 +220,17 @@ impl Edge {
         self.reduced.singular > 0.0
     }
 
-    /// The state at the arc; `None` where there is none.
-    pub fn state(&self, arc: &ContactArc) -> Option<ContactState> {
+    /// The state at an arc of the pin; `None` where there is none.
+    pub fn state(&self, arc: &ContactArc, outlines: &Outlines) -> Option<ContactState> {
         let FreeEdge { indentation, force, tangent_stiffness, energy, peak_pressure } = self.free;
         (self.is_sound() && indentation.is_finite() && force.is_finite()).then_some(ContactState {
-            half_angle: arc.half_angle,
+            half_angle: outlines.of_hole(arc.half_angle),
             indentation,
             force,
             tangent_stiffness,
             energy,
             peak_pressure,
             truncation: self.truncation,
-            curve_error: 0.0,
             pressure_is_positive: self.pressure_is_positive,
         })
     }
@@ -130,9 +244,9 @@ pub struct EdgeStates {
 }
 
 impl EdgeStates {
-    /// `joint` is of `space`.
-    pub fn new(space: &PressureSpace, joint: &JointCompliance) -> EdgeStates {
-        in_lanes_with_terms(space.terms, Solve { space, joint })
+    /// `joint` is of `space`, whose arcs are the pin's.
+    pub fn new(space: &PressureSpace, joint: &JointCompliance, outlines: &Outlines) -> EdgeStates {
+        in_lanes_with_terms(space.terms, Solve { space, joint, outlines })
     }
 
     /// At each arc, the share by which a change of the joint's compliance changes the work of the pressure: since that is
@@ -147,6 +261,7 @@ impl EdgeStates {
 struct Solve<'a> {
     space: &'a PressureSpace,
     joint: &'a JointCompliance<'a>,
+    outlines: &'a Outlines,
 }
 
 impl TermWork for Solve<'_> {
@@ -169,8 +284,8 @@ impl TermWork for Solve<'_> {
 impl Solve<'_> {
     #[inline(always)]
     fn run_chunk<const FUSED: bool, const TERMS: usize>(&self, chunk: usize, found: &mut EdgeStates) {
-        let Solve { space: PressureSpace { arcs, turns, .. }, joint: JointCompliance { even, values, .. } } =
-            *self;
+        let Solve { space: PressureSpace { arcs, turns, .. }, joint, outlines } = *self;
+        let JointCompliance { even, values, .. } = joint;
         let (zero, one) = (Lanes::<FUSED>::zero(), Lanes::<FUSED>::from_f64(1.0));
         let at = chunk * LANES;
         let load = |row: usize, column: usize| {
@@ -186,38 +301,56 @@ impl Solve<'_> {
         }
         let coupling: [Lanes<FUSED>; TERMS] = std::array::from_fn(|row| load(row, 0));
         let b = Lanes::<FUSED>(std::array::from_fn(|lane| arcs[at + lane].b));
-        let versine: [Lanes<FUSED>; TERMS] = ContactArc::versines(b);
-        let (mut y, mut w) = (coupling, versine);
-        solve_in_place(&mut matrix, &mut y, &mut w);
+        // Of the hole's arc and of that of the gap, over the square of the pin's b.
+        let versines = |ratio: f64| {
+            let own: [Lanes<FUSED>; TERMS] = ContactArc::versines(b * Lanes::from_f64(1.0 / ratio));
+            own.map(|value| value * Lanes::from_f64(1.0 / (ratio * ratio)))
+        };
+        let (versine, gap) = (versines(outlines.ratio()), versines(outlines.ratio().sqrt()));
+        let mut solved = [coupling, versine, gap];
+        solve_in_place(&mut matrix, &mut solved);
+        let [y, w_v, w_g] = solved;
         let logarithm = Lanes::<FUSED>(b.0.map(|b| FRAC_PI_2 * even * b.ln()));
         let mut reduced = Reduced {
             singular: coupling[0] - logarithm,
             edge: one,
             edge_of_versine: zero,
+            edge_of_gap: zero,
             versine: versine[0],
+            gap: gap[0],
             work: zero,
+            mixed_work: zero,
+            work_of_gap: zero,
             peak: one,
             peak_of_versine: zero,
+            peak_of_gap: zero,
         };
         for k in 1..TERMS {
             reduced.singular = reduced.singular.minus_product(coupling[k], y[k]);
             reduced.versine = reduced.versine.minus_product(y[k], versine[k]);
-            reduced.work = reduced.work.minus_product(-w[k], versine[k]);
+            reduced.gap = reduced.gap.minus_product(y[k], gap[k]);
+            reduced.work = reduced.work.minus_product(-w_v[k], versine[k]);
+            reduced.mixed_work = reduced.mixed_work.minus_product(-w_v[k], gap[k]);
+            reduced.work_of_gap = reduced.work_of_gap.minus_product(-w_g[k], gap[k]);
             reduced.edge -= y[k];
-            reduced.edge_of_versine += w[k];
+            reduced.edge_of_versine += w_v[k];
+            reduced.edge_of_gap += w_g[k];
             if k % 2 == 0 {
                 reduced.peak -= y[k];
-                reduced.peak_of_versine += w[k];
+                reduced.peak_of_versine += w_v[k];
+                reduced.peak_of_gap += w_g[k];
             } else {
                 reduced.peak += y[k];
-                reduced.peak_of_versine -= w[k];
+                reduced.peak_of_versine -= w_v[k];
+                reduced.peak_of_gap -= w_g[k];
             }
         }
+        let free = reduced.free_edge(b, outlines);
         // Over e b^2.
-        let first = reduced.edge_of_versine / reduced.edge;
+        let first = reduced.first(free.indentation);
         let mut pressure = [first; TERMS];
         for k in 1..TERMS {
-            pressure[k] = -(first * y[k] + w[k]);
+            pressure[k] = -(first * y[k] + reduced.between(free.indentation, w_v[k], w_g[k]));
         }
         let size = |lanes: Lanes<FUSED>| Lanes::<FUSED>(lanes.0.map(f64::abs));
         let mut most = Lanes::<FUSED>::from_f64(f64::MIN_POSITIVE);
@@ -234,22 +367,13 @@ impl Solve<'_> {
         let falling = one - ratio;
         let tail = last / (most * falling);
         let least = least_pressure::<FUSED, TERMS>(&pressure, turns);
-        let work = reduced.singular * first * first + reduced.work;
+        let work = reduced.energy(free.indentation);
         // Films that are squeezed along a wall yield most to what was left out.
         let of_last = |k: usize| load(k, k) * pressure[k] * pressure[k];
         let tail_work = (of_last(TERMS - 2) + of_last(TERMS - 1)) / (work * falling * falling);
-        let free = reduced.free_edge(b);
         for lane in 0..LANES {
             found.edges.push(Edge {
-                reduced: Reduced {
-                    singular: reduced.singular.0[lane],
-                    edge: reduced.edge.0[lane],
-                    edge_of_versine: reduced.edge_of_versine.0[lane],
-                    versine: reduced.versine.0[lane],
-                    work: reduced.work.0[lane],
-                    peak: reduced.peak.0[lane],
-                    peak_of_versine: reduced.peak_of_versine.0[lane],
-                },
+                reduced: Reduced::of_functions(reduced.functions().map(|value| value.0[lane])),
                 free: FreeEdge {
                     indentation: free.indentation.0[lane],
                     force: free.force.0[lane],
@@ -266,12 +390,11 @@ impl Solve<'_> {
     }
 }
 
-/// Solves for two right-hand sides by Cholesky, A = L L^T in the lower triangle, of rows and columns from 1 on.
+/// Solves for right-hand sides by Cholesky, A = L L^T in the lower triangle, of rows and columns from 1 on.
 #[inline(always)]
-fn solve_in_place<T: Real, const TERMS: usize>(
+fn solve_in_place<T: Real, const TERMS: usize, const SIDES: usize>(
     matrix: &mut [[T; TERMS]; TERMS],
-    one: &mut [T; TERMS],
-    other: &mut [T; TERMS],
+    sides: &mut [[T; TERMS]; SIDES],
 ) {
     let mut inverse = [T::zero(); TERMS];
     for row in 1..TERMS {
@@ -283,20 +406,25 @@ fn solve_in_place<T: Real, const TERMS: usize>(
             matrix[row][column] = if column < row { value * inverse[column] } else { value };
         }
         inverse[row] = T::from_f64(1.0) / matrix[row][row].sqrt();
+        // Each sum waits for itself: all sides abreast.
         for k in 1..row {
-            one[row] = one[row].minus_product(matrix[row][k], one[k]);
-            other[row] = other[row].minus_product(matrix[row][k], other[k]);
+            for side in sides.iter_mut() {
+                side[row] = side[row].minus_product(matrix[row][k], side[k]);
+            }
         }
-        one[row] = one[row] * inverse[row];
-        other[row] = other[row] * inverse[row];
+        for side in sides.iter_mut() {
+            side[row] = side[row] * inverse[row];
+        }
     }
     for row in (1..TERMS).rev() {
         for k in row + 1..TERMS {
-            one[row] = one[row].minus_product(matrix[k][row], one[k]);
-            other[row] = other[row].minus_product(matrix[k][row], other[k]);
+            for side in sides.iter_mut() {
+                side[row] = side[row].minus_product(matrix[k][row], side[k]);
+            }
         }
-        one[row] = one[row] * inverse[row];
-        other[row] = other[row] * inverse[row];
+        for side in sides.iter_mut() {
+            side[row] = side[row] * inverse[row];
+        }
     }
 }
 

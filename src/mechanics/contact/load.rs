@@ -14,6 +14,8 @@ pub enum NoState {
     ContactTooWide,
     /// The compliance is not positive definite, or not finite.
     BrokenCompliance,
+    /// It is not because first order in the clearance does not bear such a clearance.
+    ClearanceTooWide,
 }
 
 /// A load as what is searched for.

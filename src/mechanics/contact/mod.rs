@@ -2,6 +2,7 @@
 //! `node_contact` is what this is checked against.
 
 pub mod load;
+pub mod outlines;
 pub mod state;
 pub mod edge;
 pub mod curve;

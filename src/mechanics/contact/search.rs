@@ -15,7 +15,6 @@ const MOST_STEPS: usize = 100;
 
 struct Loads<'a, I> {
     curve: &'a ContactCurve<'a>,
-    radial_clearance: f64,
     loads: I,
     states: &'a mut Vec<Result<(ContactState, usize), NoState>>,
 }
@@ -26,7 +25,8 @@ impl<I: Iterator<Item = DimensionlessLoad>> LaneWork for Loads<'_, I> {
     /// Where a search ends the next load takes its lane.
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let Loads { curve, radial_clearance, mut loads, states } = self;
+        let Loads { curve, mut loads, states } = self;
+        let radial_clearance = curve.outlines.radial_clearance;
         let mut lanes: [Option<(usize, Search)>; LANES] = [None; LANES];
         loop {
             for lane in lanes.iter_mut().filter(|lane| lane.is_none()) {
@@ -111,6 +111,7 @@ impl Search {
 
 /// The joint at as many angles as there are lanes.
 struct Abreast<const FUSED: bool> {
+    /// Of the pin.
     b: Lanes<FUSED>,
     edge: FreeEdge<Lanes<FUSED>>,
     /// What must be positive of a compliance.
@@ -126,15 +127,14 @@ impl<const FUSED: bool> Abreast<FUSED> {
 }
 
 impl ContactCurve<'_> {
-    /// The states under loads (> 0), for a radial clearance over the hole's radius, >= 0, each with the widest node that is not
-    /// wider: what is known node by node holds between it and the next.
+    /// The states under loads (> 0), each with the widest node that is not wider: what is known node by node holds between it and the
+    /// next.
     pub fn states(
         &self,
-        radial_clearance: f64,
         loads: impl Iterator<Item = DimensionlessLoad>,
     ) -> Vec<Result<(ContactState, usize), NoState>> {
         let mut states = Vec::new();
-        in_lanes(Loads { curve: self, radial_clearance, loads, states: &mut states });
+        in_lanes(Loads { curve: self, loads, states: &mut states });
         states
     }
 
@@ -176,7 +176,7 @@ impl ContactCurve<'_> {
     #[inline(always)]
     fn at<const FUSED: bool>(&self, logarithms: [f64; LANES]) -> Abreast<FUSED> {
         let (reduced, b) = self.reduced(logarithms);
-        Abreast { b, edge: reduced.free_edge(b), singular: reduced.singular }
+        Abreast { b, edge: reduced.free_edge(b, &self.outlines), singular: reduced.singular }
     }
 
     /// One lane, with what is known node by node.
@@ -185,14 +185,13 @@ impl ContactCurve<'_> {
         let edges = &self.states.edges;
         let [above, below] = [above, (above + 1).min(edges.len() - 1)].map(|node| &edges[node]);
         ContactState {
-            half_angle: 2.0 * at.b.0[lane].atan(),
+            half_angle: 2.0 * (at.b.0[lane] / self.outlines.ratio()).atan(),
             indentation: at.edge.indentation.0[lane],
             force: at.edge.force.0[lane],
             tangent_stiffness: at.edge.tangent_stiffness.0[lane],
             energy: at.edge.energy.0[lane],
             peak_pressure: at.edge.peak_pressure.0[lane],
             truncation: above.truncation.max(below.truncation),
-            curve_error: self.curve_error,
             pressure_is_positive: above.pressure_is_positive && below.pressure_is_positive,
         }
     }

@@ -4,7 +4,7 @@
 /// unit of the moduli.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactState {
-    /// rad.
+    /// Of the hole, rad.
     pub half_angle: f64,
     /// delta/e: 0 without load, 1 for a neat fit.
     pub indentation: f64,
@@ -14,13 +14,11 @@ pub struct ContactState {
     pub tangent_stiffness: f64,
     /// Strain energy of both bodies over e^2.
     pub energy: f64,
-    /// Contact pressure over e at the load line.
+    /// Contact pressure over e at the load line, per area of the hole.
     pub peak_pressure: f64,
     /// What is left out of the trial pressures, as the last four tell: its square over the largest, or its share of the work. Of that
     /// order is what it costs in the force.
     pub truncation: f64,
-    /// Bound of the relative error of force and energy that interpolation between arcs leaves.
-    pub curve_error: f64,
     /// Whether there is no tension.
     pub pressure_is_positive: bool,
 }

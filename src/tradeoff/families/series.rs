@@ -38,7 +38,7 @@ pub fn solve_bodies(terms: Terms, fidelity: impl Fn(&Body) -> Fidelity, cases: &
         bodies.iter().all(|body| body.shape.concentric || fidelity(body) != Fidelity::Series)
     };
     let solved: Vec<DesignCase> = cases.iter().filter(|case| can(case)).cloned().collect();
-    let joints = Joints::new(&solved, |_| ());
+    let joints = Joints::new(&solved, |_, _| ());
     let request = |(body, ()): (Body, ())| BodyRequest { body, fidelity: fidelity(&body) };
     let mut library = BodyLibrary::default();
     library.solve(&joints.bodies.iter().copied().map(request).collect::<Vec<_>>());

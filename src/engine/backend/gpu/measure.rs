@@ -209,7 +209,7 @@ fn of_bodies(kernels: &Kernels, topology: Topology, bodies: &[Body]) -> Result<V
     times.push(of_wide(
         "works",
         time(works.dispatch.pass())?,
-        sizes.works(loads.count() as u64, items, precision),
+        sizes.works([loads.count(), loads.pushes()].map(|count| count as u64), items, precision),
     ));
     Ok(times)
 }

@@ -14,7 +14,7 @@ use super::works::{BodyWorks, ModeLoads};
 use crate::engine::backend::Device;
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
-use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::compliance::ring_modes::{Push, RingModes};
 use crate::mechanics::mesh::RingTopology;
 use crate::mechanics::solve::refine::RefineSettings;
 
@@ -139,7 +139,9 @@ impl Topology {
             what: "layout",
             problem: error.to_string(),
         })?;
-        let loads = ModeLoads::new(kernels, &RingModes::of(&key.class), &RingTopology::new(body, &grading))?;
+        let pushes = Push::of(body.shape.side);
+        let topology = RingTopology::new(body, &grading);
+        let loads = ModeLoads::new(kernels, &RingModes::of(&key.class), pushes, &topology)?;
         Ok(Topology { counts: layout.counts(), layout, loads, facts: kernels.facts(FIRST_GUESS) })
     }
 

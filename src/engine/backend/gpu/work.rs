@@ -172,14 +172,16 @@ impl Sizes {
         Work { operations: bodies * self.ring_columns * self.ring_columns * entry, bytes: bodies * own }
     }
 
-    /// `works`: C F, then F^T C F in its entries.
-    pub fn works(&self, modes: u64, bodies: u64, precision: Precision) -> Work {
+    /// `works`, of so many modes and ways to push: C F, then the symmetric part of P^T C F in its entries.
+    pub fn works(&self, [modes, pushes]: [u64; 2], bodies: u64, precision: Precision) -> Work {
         let wide = precision.wide_bytes();
         let entries = packed_count(modes as usize) as u64;
-        let operations = 2 * self.ring_columns * self.ring_columns * modes + 2 * self.ring_columns * entries;
-        let own = (self.ring_columns * self.systems() + WORKS_HEADER as u64 + entries) * wide
+        let of_push =
+            2 * self.ring_columns * self.ring_columns * modes + (4 * self.ring_columns + 1) * entries;
+        let operations = pushes * of_push;
+        let own = (self.ring_columns * self.systems() + WORKS_HEADER as u64 + pushes * entries) * wide
             + self.system_bytes(precision);
-        let shared = self.systems() * modes * wide;
+        let shared = pushes * self.systems() * modes * wide;
         Work { operations: bodies * operations, bytes: shared + bodies * own }
     }
 }
@@ -236,12 +238,12 @@ mod tests {
         assert_eq!(of(SIZES.refine(1, Precision::F64)), refined);
         // Nine entries of two products of length 5, a sum and a half; x and residuals in, three rows of four out.
         assert_eq!(of(SIZES.condense(1, Precision::F32)), (9 * 22, 4 * (2 * 5 + 3) * 4));
-        // Two modes, three entries: C F 2 x 9 x 2, F^T C F 2 x 3 x 3. Three rows of four, norms and states in; a header of two and
-        // the entries out; the loads of four rows, once for both bodies.
-        let works = (2 * (36 + 18), 4 * 2 * 4 + 2 * ((3 * 4 + 2 + 3) * 4 + 4 * (3 * 4 + 8)));
-        assert_eq!(of(SIZES.works(2, 2, Precision::F32)), works);
-        let wide = (2 * (36 + 18), 4 * 2 * 8 + 2 * ((3 * 4 + 2 + 3) * 8 + 4 * (3 * 8 + 8)));
-        assert_eq!(of(SIZES.works(2, 2, Precision::Mixed)), wide);
+        // Two modes, three entries: C F 2 x 9 x 2, P^T C F twice 2 x 3 x 3, and half of each. Three rows of four, norms and states
+        // in; a header of two and the entries out; the loads of four rows, once for both bodies.
+        let works = (2 * (36 + 36 + 3), 4 * 2 * 4 + 2 * ((3 * 4 + 2 + 3) * 4 + 4 * (3 * 4 + 8)));
+        assert_eq!(of(SIZES.works([2, 1], 2, Precision::F32)), works);
+        let wide = (4 * (36 + 36 + 3), 2 * 4 * 2 * 8 + 2 * ((3 * 4 + 2 + 6) * 8 + 4 * (3 * 8 + 8)));
+        assert_eq!(of(SIZES.works([2, 2], 2, Precision::Mixed)), wide);
     }
 
     #[test]

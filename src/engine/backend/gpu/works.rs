@@ -8,7 +8,7 @@ use super::dispatch::Dispatch;
 use super::kernels::{Kernels, WORKS_HEADER};
 use super::stages::SystemBatch;
 use crate::mechanics::compliance::arc::packed_count;
-use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::compliance::ring_modes::{Push, RingModes};
 use crate::mechanics::mesh::RingTopology;
 
 /// What `works` is told.
@@ -25,6 +25,7 @@ pub struct WorksParameters {
 pub struct ModeLoads {
     buffer: wgpu::Buffer,
     count: usize,
+    pushes: usize,
 }
 
 /// The works on one body, with the worst true residual of its systems.
@@ -42,16 +43,24 @@ pub(super) struct WorksBuffer {
 }
 
 impl ModeLoads {
-    pub fn new(kernels: &Kernels, modes: &RingModes, topology: &RingTopology) -> Result<ModeLoads, GpuError> {
+    /// Of these ways to push, the normal first.
+    pub fn new(
+        kernels: &Kernels,
+        modes: &RingModes,
+        pushes: &[Push],
+        topology: &RingTopology,
+    ) -> Result<ModeLoads, GpuError> {
         let Kernels { gpu, precision, .. } = *kernels;
         // Columns of C come in blocks.
         let rows = topology.ring_unknown_count().next_multiple_of(COLUMNS_ABREAST as usize);
-        let mut loads = vec![0.0; rows * modes.count];
-        for (unknown, load) in modes.unknown_loads(topology) {
-            loads[unknown * modes.count..][..modes.count].copy_from_slice(&load);
+        let mut loads = vec![0.0; pushes.len() * rows * modes.count];
+        for (push, loads) in pushes.iter().zip(loads.chunks_exact_mut(rows * modes.count)) {
+            for (unknown, load) in modes.unknown_loads(*push, topology) {
+                loads[unknown * modes.count..][..modes.count].copy_from_slice(&load);
+            }
         }
         let buffer = gpu.checked("loads of modes", || gpu.filled("loads", &precision.encode(&loads)))?;
-        Ok(ModeLoads { buffer, count: modes.count })
+        Ok(ModeLoads { buffer, count: modes.count, pushes: pushes.len() })
     }
 
     /// What it takes on the device.
@@ -64,9 +73,14 @@ impl ModeLoads {
         self.count
     }
 
+    /// Of ways to push.
+    pub fn pushes(&self) -> usize {
+        self.pushes
+    }
+
     /// Numbers that the works of one body take.
     pub fn body_size(&self) -> usize {
-        WORKS_HEADER + packed_count(self.count)
+        WORKS_HEADER + self.pushes * packed_count(self.count)
     }
 }
 
@@ -106,7 +120,7 @@ impl SystemBatch<'_> {
                     &buffer,
                 ],
             );
-            let dispatch = Dispatch::new(works, 0, &group, [self.body_count() as u32, 1]);
+            let dispatch = Dispatch::new(works, 0, &group, [self.body_count() as u32, loads.pushes as u32]);
             WorksBuffer { dispatch, buffer, body_size: loads.body_size() }
         })
     }

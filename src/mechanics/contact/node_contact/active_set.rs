@@ -126,16 +126,17 @@ pub struct RingContact {
     pub contact_half_angle: f64,
 }
 
-/// Presses `pin` into `plate` by `indentation` after first touch. Their rings share their nodes' angles, as far as
-/// the shorter one goes.
+/// Presses `pin` into `plate` by `indentation` after first touch. The nodes of their rings meet at a clearance ratio dR/R2, as far
+/// as the shorter one goes.
 pub fn ring_contact(
     pin: RingBody<'_>,
     plate: RingBody<'_>,
+    clearance_ratio: f64,
     radial_clearance: f64,
     indentation: f64,
     iteration_limit: usize,
 ) -> Result<RingContact, RingsDiffer> {
-    let joint = RingJoint::new(pin, plate)?;
+    let joint = RingJoint::new(pin, plate, clearance_ratio)?;
     let initial_gaps = joint.initial_gaps(radial_clearance, indentation);
     let nodal = solve_nodal_contact(&joint.compliance, &initial_gaps, iteration_limit);
     let (force, contact_half_angle) = (joint.force(&nodal.forces), joint.contact_half_angle(&nodal.active));

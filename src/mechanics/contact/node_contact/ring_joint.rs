@@ -13,12 +13,12 @@ use crate::mechanics::element::ElementKind;
 use crate::mechanics::mesh::{RingTopology, SUPPORTED};
 
 /// Displacement of each ring node along n = (sin phi, -cos phi), away from the centre, per force along n on each;
-/// row-major. Supported components do not move.
-pub fn normal_compliance(compliance: &RingCompliance, topology: &RingTopology) -> Vec<f64> {
+/// row-major. Supported components do not move. `angles` are those of n, of as many nodes as are asked for.
+pub fn normal_compliance(compliance: &RingCompliance, topology: &RingTopology, angles: &[f64]) -> Vec<f64> {
     let normals: Vec<Vec<(usize, f64)>> = topology
         .ring_nodes
         .iter()
-        .zip(&topology.ring_angles)
+        .zip(angles)
         .map(|(&node, angle)| {
             let components = [(0, angle.sin()), (1, -angle.cos())];
             let place = |(component, share)| match topology.unknowns[2 * node as usize + component] {
@@ -52,7 +52,7 @@ pub struct RingBody<'a> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("ring node {node} is at {pin} rad on the pin, {plate} rad on the plate")]
+#[error("ring node {node} is at {pin} rad on the pin, which does not meet {plate} rad on the plate")]
 pub struct RingsDiffer {
     pub node: usize,
     pub pin: f64,
@@ -64,40 +64,67 @@ pub struct RingsDiffer {
 #[derive(Clone, Debug)]
 pub struct RingJoint {
     pub element: ElementKind,
-    /// Angles of the nodes, from the load line, rad.
+    /// dR/R2.
+    clearance_ratio: f64,
+    /// Angles of the nodes on the hole, from the load line, rad.
     pub angles: Vec<f64>,
-    /// C = C_pin/E1 + C_plate/E2, along the normals, row-major.
+    /// C = C_pin/E1 + C_plate/E2, along the hole's normals, row-major.
     pub compliance: Vec<f64>,
 }
 
+/// Over the clearance ratio, rad, on the coarsest sides.
+const BEND: f64 = 0.1;
+
+/// The angle of a hole that meets one of the pin, on its ray, at a clearance ratio: nothing is expanded.
+pub fn angle_on_hole(of_pin: f64, clearance_ratio: f64) -> f64 {
+    let pin_radius = 1.0 - clearance_ratio;
+    (pin_radius * of_pin.sin()).atan2(clearance_ratio + pin_radius * of_pin.cos())
+}
+
 impl RingJoint {
-    /// Of rings that share their nodes' angles, as far as the shorter one goes.
-    pub fn new(pin: RingBody<'_>, plate: RingBody<'_>) -> Result<RingJoint, RingsDiffer> {
+    /// Of rings whose nodes meet at a clearance ratio dR/R2, as far as the shorter one goes.
+    pub fn new(
+        pin: RingBody<'_>,
+        plate: RingBody<'_>,
+        clearance_ratio: f64,
+    ) -> Result<RingJoint, RingsDiffer> {
         let pairs = || pin.topology.ring_angles.iter().zip(&plate.topology.ring_angles);
-        if let Some((node, (&pin, &plate))) = pairs().enumerate().find(|(_, (a, b))| (*a - *b).abs() > 1e-12)
+        // Nodes amid a side meet but for the bend of the map.
+        let apart = 1e-12 + BEND * clearance_ratio;
+        let meet = |pin: f64, plate: f64| (angle_on_hole(pin, clearance_ratio) - plate).abs() <= apart;
+        if let Some((node, (&pin, &plate))) =
+            pairs().enumerate().find(|(_, (pin, plate))| !meet(**pin, **plate))
         {
             return Err(RingsDiffer { node, pin, plate });
         }
-        let angles: Vec<f64> = pairs().map(|(&angle, _)| angle).collect();
-        let (pin_count, plate_count) = (pin.topology.ring_nodes.len(), plate.topology.ring_nodes.len());
-        let pin_compliance = normal_compliance(pin.compliance, pin.topology);
-        let plate_compliance = normal_compliance(plate.compliance, plate.topology);
+        let angles: Vec<f64> = pairs().map(|(_, &angle)| angle).collect();
+        let count = angles.len();
+
+        let pin_compliance = normal_compliance(pin.compliance, pin.topology, &angles);
+        let plate_compliance = normal_compliance(plate.compliance, plate.topology, &angles);
         let mut compliance = Vec::with_capacity(angles.len() * angles.len());
         for i in 0..angles.len() {
             for j in 0..angles.len() {
                 compliance.push(
-                    pin_compliance[i * pin_count + j] / pin.youngs_modulus
-                        + plate_compliance[i * plate_count + j] / plate.youngs_modulus,
+                    pin_compliance[i * count + j] / pin.youngs_modulus
+                        + plate_compliance[i * count + j] / plate.youngs_modulus,
                 );
             }
         }
-        Ok(RingJoint { element: pin.topology.element, angles, compliance })
+        Ok(RingJoint { element: pin.topology.element, clearance_ratio, angles, compliance })
     }
 
-    /// g0 = dR - (dR + delta) cos phi, without the difference of nearly equal numbers.
+    /// g0 = dR (1 - cos phi) + R1 (1 - cos alpha) - delta cos phi, R1 sin(alpha) = dR sin(phi), without the difference of nearly
+    /// equal numbers.
     pub fn initial_gaps(&self, radial_clearance: f64, indentation: f64) -> Vec<f64> {
-        let gap =
-            |angle: &f64| 2.0 * radial_clearance * (0.5 * angle).sin().powi(2) - indentation * angle.cos();
+        let versine = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2);
+        // dR/R1.
+        let ratio = self.clearance_ratio / (1.0 - self.clearance_ratio);
+        let gap = |angle: &f64| {
+            let tilt = (ratio * angle.sin()).asin();
+            let bent = if ratio > 0.0 { versine(tilt) / ratio } else { 0.0 };
+            radial_clearance * (versine(*angle) + bent) - indentation * angle.cos()
+        };
         self.angles.iter().map(gap).collect()
     }
 
