@@ -72,8 +72,8 @@ fn works_are_those_of_the_twin() {
                 });
                 let worst = greatest(errors) / rounding;
                 println!("{name} {precision:?}, {} modes, ring of {ring}: {worst:.2}", modes.count);
-                // Seen: 4.6, of 48 modes; tilted loads cancel more than normal ones.
-                assert!(worst < 6.0, "{name} {precision:?} {modes:?}: {worst:e} roundings");
+                // Seen: 7.1, in f64; the two orders of each product are added in another order than the twin does.
+                assert!(worst < 9.0, "{name} {precision:?} {modes:?}: {worst:e} roundings");
             }
             // Control: what is compared differs from body to body by far more.
             if let [one, other, ..] = &twins(&bodies, &batch, &own)[..] {
