@@ -279,12 +279,12 @@ impl<'a> ContactCurve<'a> {
         for (function, sum) in current.iter_mut().enumerate() {
             *sum = (number(self.coefficients[0][function]) - previous[function]).minus_product(half, *sum);
         }
-        (self.from_functions(current, Lanes(logarithms), b), b)
+        (self.reduced_of(current, Lanes(logarithms), b), b)
     }
 
     /// From what is a polynomial to the functions themselves.
     #[inline(always)]
-    fn from_functions<T: Real>(&self, functions: [T; FUNCTIONS], logarithm: T, b: T) -> Reduced<T> {
+    fn reduced_of<T: Real>(&self, functions: [T; FUNCTIONS], logarithm: T, b: T) -> Reduced<T> {
         let share = T::from_f64(self.space.logarithm_share(self.even));
         let mut reduced = Reduced::of_functions(functions);
         // Most joints have no bed, and nothing to scale.
@@ -453,7 +453,7 @@ impl LaneWork for Without<'_> {
             }
             let b = lanes(&|node| space.arcs()[node].b);
             let logarithm = lanes(&|node| space.logarithms[node]);
-            let found = self.curve.from_functions(left, logarithm, b).free_edge(b, &self.curve.outlines);
+            let found = self.curve.reduced_of(left, logarithm, b).free_edge(b, &self.curve.outlines);
             for node in at.max(*first)..at + LANES {
                 let known = &states.edges[node].free;
                 let found = [found.force, found.indentation].map(|lanes| lanes.0[node - at]);
