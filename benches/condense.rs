@@ -9,8 +9,7 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use jointsweep::mechanics::body::{Body, MAX_PARAMETERS, annulus};
 use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
-use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
-use jointsweep::mechanics::compliance::ring_loads::RingLoads;
+use jointsweep::mechanics::compliance::ring_modes::RingModes;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::{GradingClass, LEVEL_COUNT};
 use jointsweep::mechanics::material::Idealization;
@@ -35,18 +34,13 @@ fn bodies() -> [Body; LANES] {
 fn plan(level: usize) -> CondensationPlan {
     let body = &bodies()[0];
     let class = GradingClass::of(body, ElementKind::Quad8, level);
-    CondensationPlan::new(
-        body,
-        class.grading(body.shape.end_angle),
-        &PressureSpace::new(10, 2.4),
-        &RingLoads::default(),
-    )
+    CondensationPlan::new(body, class.grading(body.shape.end_angle), RingModes::of(&class))
 }
 
 fn main() {
     let peak = peak();
     println!("peak {:.1} GFLOP/s", peak / 1e9);
-    println!("level  unknowns   elements  factorise       arcs  FLOP/body   us/body  GFLOP/s  of peak");
+    println!("level  unknowns   elements  factorise      modes  FLOP/body   us/body  GFLOP/s  of peak");
     let bodies = bodies();
     for level in 0..LEVEL_COUNT {
         let plan = plan(level);
@@ -58,7 +52,7 @@ fn main() {
             plan.unknown_count(),
             operations.elements,
             operations.factorise,
-            operations.arcs,
+            operations.modes,
             operations.total(),
             seconds * 1e6,
             rate / 1e9,

@@ -1,114 +1,98 @@
 //! Time of the contact of one joint, one core, its bodies being solved: the joint's compliance from its two bodies', the
-//! curve's samples, ten loads found on it, and what an error estimate takes: `cargo bench --bench contact`.
+//! curve through its nodes, ten loads found on it, and what an error estimate takes: `cargo bench --bench contact`.
 
 use divan::{Bencher, black_box};
-use jointsweep::mechanics::compliance::PressureCompliance;
-use jointsweep::mechanics::compliance::arc::TERM_CHOICES;
-use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
+use jointsweep::mechanics::body::Side;
+use jointsweep::mechanics::compliance::BodyCompliance;
+use jointsweep::mechanics::compliance::Boundary;
+use jointsweep::mechanics::compliance::pressure_space::JointCompliance;
+use jointsweep::mechanics::compliance::ring_modes::RingModes;
 use jointsweep::mechanics::compliance::series::ConcentricBody;
-use jointsweep::mechanics::contact::arc_state::ArcState;
-use jointsweep::mechanics::contact::loading::{DimensionlessLoad, JointCurve};
-use jointsweep::mechanics::contact::pressure::JointCompliance;
-use jointsweep::mechanics::contact::smooth_curve::nodes::CurveNodes;
-use jointsweep::mechanics::contact::smooth_curve::{CURVE_TERMS, SmoothCurve};
+use jointsweep::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
+use jointsweep::mechanics::contact::load::DimensionlessLoad;
+use jointsweep::mechanics::contact::outlines::Outlines;
 use jointsweep::mechanics::material::Idealization;
 
 const RADIAL_CLEARANCE: f64 = 1e-3;
 
+/// Trial pressures and nodes of spaces that sweeps use.
+const SPACES: [(usize, usize); 5] = [(6, 16), (6, 24), (10, 32), (16, 48), (24, 64)];
+
+/// Pin and plate in eight modes of their rings, as bodies on meshes are.
 struct Joint {
-    space: PressureSpace,
-    pin: PressureCompliance,
-    plate: PressureCompliance,
+    space: CurveSpace,
+    bodies: [BodyCompliance; 2],
 }
 
 impl Joint {
-    fn new(terms: usize) -> Joint {
-        let space = PressureSpace::new(terms, 2.4);
-        let highest = 60;
-        let moments = space.moments(highest);
-        let solve = |fixed_radius| {
+    fn new((terms, nodes): (usize, usize)) -> Joint {
+        let mut space = CurveSpace::new(Variable::Root, terms, nodes, 2.4);
+        let modes = RingModes::whole(5, 8);
+        let bodies = [0.3, 3.0].map(|fixed_radius_ratio| {
             let idealization = Idealization::PlaneStress;
-            let body = ConcentricBody { fixed_radius, poissons_ratio: 0.3, idealization };
-            body.compliance(&space, &moments, highest)
-        };
-        let (pin, plate) = (solve(0.3), solve(3.0));
-        Joint { space, pin, plate }
+            let body = ConcentricBody { fixed_radius_ratio, poissons_ratio: 0.3, idealization };
+            let side = if fixed_radius_ratio < 1.0 { Side::Pin } else { Side::Plate };
+            let [works] = modes.works_of_modes(side, &[body.boundary_modes()]);
+            BodyCompliance { boundary: Boundary::RingModes(modes, works), ..body.compliance() }
+        });
+        bodies.iter().for_each(|body| space.pressures.prepare(body));
+        Joint { space, bodies }
     }
 
-    /// At the nodes of curves, with its amplitude.
-    fn resampled(&self, nodes: &CurveNodes) -> (Vec<f64>, f64) {
-        let [pin, plate] = [&self.pin, &self.plate].map(|body| nodes.resample(&self.space, &body.values));
-        let values = pin.iter().zip(&plate).map(|(pin, plate)| pin + plate / 0.4).collect();
-        (values, self.pin.amplitude + self.plate.amplitude / 0.4)
-    }
-
-    fn compliance(&self) -> JointCompliance<'_> {
-        JointCompliance::new(&self.space, (&self.pin, 1.0), (&self.plate, 0.4))
+    fn compliance(&self) -> JointCompliance<'static> {
+        let pin = self.space.part(Side::Pin, &[(&self.bodies[0], 1.0)], &outlines());
+        let plate = self.space.part(Side::Plate, &[(&self.bodies[1], 1.0 / 0.4)], &outlines());
+        JointCompliance::of_both(&pin, &plate)
     }
 }
 
+fn outlines() -> Outlines {
+    Outlines::new(RADIAL_CLEARANCE)
+}
+
 /// Indentations from a hundredth of the clearance to ten times it.
-fn loads() -> [DimensionlessLoad; 10] {
-    std::array::from_fn(|i| {
-        DimensionlessLoad::Indentation(RADIAL_CLEARANCE * 10.0_f64.powf(-2.0 + i as f64 / 3.0))
-    })
+fn loads() -> impl Iterator<Item = DimensionlessLoad> {
+    (0..10)
+        .map(|i| DimensionlessLoad::Indentation(RADIAL_CLEARANCE * 10.0_f64.powf(-2.0 + f64::from(i) / 3.0)))
 }
 
 fn main() {
     divan::main();
 }
 
-#[divan::bench(args = TERM_CHOICES)]
-fn joint_from_bodies(bencher: Bencher, terms: usize) {
-    let joint = Joint::new(terms);
-    bencher.bench_local(|| black_box(joint.compliance()));
+#[divan::bench(args = SPACES)]
+fn joint_from_bodies(bencher: Bencher, space: (usize, usize)) {
+    let joint = Joint::new(space);
+    bencher.bench_local(|| black_box(&joint).compliance());
 }
 
-#[divan::bench(args = TERM_CHOICES)]
-fn curve_sampled(bencher: Bencher, terms: usize) {
-    let joint = Joint::new(terms);
-    bencher.with_inputs(|| joint.compliance()).bench_local_values(|joint| JointCurve::new(joint).unwrap());
+#[divan::bench(args = SPACES)]
+fn curve_through_nodes(bencher: Bencher, space: (usize, usize)) {
+    let joint = Joint::new(space);
+    let compliance = joint.compliance();
+    bencher.bench_local(|| ContactCurve::new(&joint.space, black_box(&compliance), outlines()).is_some());
 }
 
-#[divan::bench(args = TERM_CHOICES)]
-fn ten_loads_found(bencher: Bencher, terms: usize) {
-    let joint = Joint::new(terms);
-    let curve = JointCurve::new(joint.compliance()).unwrap();
-    let loads = loads();
-    bencher.bench_local(|| curve.states(RADIAL_CLEARANCE, black_box(&loads)));
+#[divan::bench(args = SPACES)]
+fn ten_loads_found(bencher: Bencher, space: (usize, usize)) {
+    let joint = Joint::new(space);
+    let compliance = joint.compliance();
+    let curve = ContactCurve::new(&joint.space, &compliance, outlines()).expect("positive definite");
+    bencher.bench_local(|| curve.states(black_box(loads())));
 }
 
-/// The change that one body's coarser mesh would make, for ten states.
-#[divan::bench(args = TERM_CHOICES)]
-fn ten_changes(bencher: Bencher, terms: usize) {
-    let joint = Joint::new(terms);
-    let curve = JointCurve::new(joint.compliance()).unwrap();
-    let states: Vec<ArcState> =
-        curve.states(RADIAL_CLEARANCE, &loads()).into_iter().map(Result::unwrap).collect();
-    bencher.bench_local(|| curve.joint().relative_changes(&states, black_box(&joint.pin)));
+/// The share of the work that goes into one body.
+#[divan::bench(args = SPACES)]
+fn work_share(bencher: Bencher, space: (usize, usize)) {
+    let joint = Joint::new(space);
+    let curve = ContactCurve::new(&joint.space, &joint.compliance(), outlines()).expect("positive definite");
+    let pressures = &joint.space.pressures;
+    let body = pressures.joint(&[(&joint.bodies[0], 1.0)], outlines().tilt());
+    bencher.bench_local(|| curve.states.work_shares(pressures, black_box(&body)));
 }
 
-#[divan::bench(args = TERM_CHOICES)]
-fn ten_pressures_checked(bencher: Bencher, terms: usize) {
-    let joint = Joint::new(terms);
-    let curve = JointCurve::new(joint.compliance()).unwrap();
-    let states: Vec<ArcState> =
-        curve.states(RADIAL_CLEARANCE, &loads()).into_iter().map(Result::unwrap).collect();
-    bencher.bench_local(|| black_box(&states).iter().filter(|state| state.pressure_is_positive()).count());
-}
-
-/// Of interpolated bodies: the curve from its nodes, checked, and ten loads found on it.
-#[divan::bench]
-fn smooth_curve_with_ten_loads(bencher: Bencher) {
-    let joint = Joint::new(CURVE_TERMS);
-    let nodes = CurveNodes::new(joint.space.limit);
-    let (values, amplitude) = joint.resampled(&nodes);
-    let loads = loads();
-    let mut states = Vec::new();
-    bencher.bench_local(|| {
-        states.clear();
-        let curve = SmoothCurve::new(&nodes, amplitude, black_box(&values)).unwrap();
-        curve.states(RADIAL_CLEARANCE, loads.iter().copied(), &mut states);
-        states.len()
-    });
+/// What a new space takes, made once in a sweep.
+#[divan::bench(args = SPACES)]
+fn space_made(bencher: Bencher, (terms, nodes): (usize, usize)) {
+    bencher.bench_local(|| CurveSpace::new(Variable::Root, black_box(terms), nodes, 2.4));
 }

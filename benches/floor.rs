@@ -6,14 +6,12 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use jointsweep::engine::body_request::{Fidelity, TopologyKey};
 use jointsweep::engine::plan::JointPlan;
-use jointsweep::engine::request::{Fidelity, TopologyKey};
 use jointsweep::engine::sweep::{SweepOptions, run};
-use jointsweep::mechanics::compliance::NODE_COUNT;
 use jointsweep::mechanics::compliance::arc::packed_count;
 use jointsweep::mechanics::compliance::lane_condensation::{CondensationPlan, Operations};
-use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
-use jointsweep::mechanics::compliance::ring_loads::RingLoads;
+use jointsweep::mechanics::compliance::ring_modes::RingModes;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::GradingClass;
 use jointsweep::mechanics::real::LANES;
@@ -25,24 +23,20 @@ mod peak;
 /// The operations of condensing every body on the two meshes of the first attempt (a thirtieth of them are solved
 /// again on a third), without the near fields' references.
 fn condensation(study: &Study) -> Operations {
-    let mut spaces: HashMap<_, PressureSpace> = HashMap::new();
     let mut of_topology = HashMap::new();
-    let mut sum = Operations { elements: 0, factorise: 0, arcs: 0 };
+    let mut sum = Operations { elements: 0, factorise: 0, modes: 0 };
     for case in study.cases().unwrap() {
         let plan = JointPlan::cheapest(&case.unwrap(), study.solve.method, study.solve.accuracy).unwrap();
         for request in plan.requests() {
             let Fidelity::Mesh { level } = request.fidelity else { continue };
-            let space = spaces
-                .entry(request.space)
-                .or_insert_with(|| PressureSpace::new(request.space.terms, request.space.limit()));
             let operations = *of_topology.entry(hash(TopologyKey::of(&request))).or_insert_with(|| {
                 let class = GradingClass::of(&request.body, ElementKind::Quad8, level);
                 let grading = class.grading(request.body.shape.end_angle);
-                CondensationPlan::new(&request.body, grading, space, &RingLoads::default()).operations()
+                CondensationPlan::new(&request.body, grading, RingModes::of(&class)).operations()
             });
             sum.elements += operations.elements;
             sum.factorise += operations.factorise;
-            sum.arcs += operations.arcs;
+            sum.modes += operations.modes;
         }
     }
     sum
@@ -53,18 +47,20 @@ fn hash(value: impl std::hash::Hash) -> u64 {
     BuildHasherDefault::<DefaultHasher>::default().hash_one(value)
 }
 
-/// Operations of the contact of one design with 10 trial pressures, all lanes counted, whether they are used or not.
+/// Operations of the contact of one design with 6 trial pressures at 16 nodes and 8 modes a body, ten loads; all lanes counted.
 fn contact() -> f64 {
-    // Evaluations a design, counted once on this sweep: at nodes, between them, and changes of the coarser meshes.
-    const AT_NODES: f64 = 4.2;
-    const BETWEEN: f64 = 7.4;
-    const CHANGES: f64 = 4.2;
-    let terms = 10.0;
-    // Cholesky, two right-hand sides to and fro, the sums over them.
-    let solve = terms * terms * terms / 3.0 + 4.0 * terms * terms + 16.0 * terms;
-    let interpolation = (2 * NODE_COUNT * packed_count(10)) as f64;
-    let evaluations = AT_NODES * solve + BETWEEN * (interpolation + solve) + CHANGES * interpolation;
-    LANES as f64 * evaluations
+    // Steps of eight searches at a time, seen on this sweep, and operations of each: Clenshaw's sums of seven functions.
+    const STEPS: f64 = 6.0;
+    let (terms, nodes, modes) = (6.0, 16.0, 8.0);
+    let entries = packed_count(6) as f64;
+    // Both kernels; then of each body the works of the modes before a mode, and its products with both.
+    let compliance = nodes * entries * 4.0 + 2.0 * nodes * modes * (modes * terms + 4.0 * entries);
+    // Cholesky, two right-hand sides to and fro, the sums over them, the pressure between its zeros.
+    let solve =
+        nodes * (terms * terms * terms / 3.0 + 4.0 * terms * terms + 16.0 * terms + 8.0 * terms * terms);
+    let transform = 2.0 * nodes * nodes * LANES as f64;
+    let share = nodes * 4.0 * entries;
+    compliance + solve + transform + share + STEPS * LANES as f64 * nodes * 7.0 * 4.0
 }
 
 fn main() {
@@ -86,14 +82,14 @@ fn main() {
         }
     }
 
-    let Operations { elements, factorise, arcs } = condensation(&study);
-    let condensation = (elements + factorise + arcs) as f64;
+    let Operations { elements, factorise, modes } = condensation(&study);
+    let condensation = (elements + factorise + modes) as f64;
     println!("peak {:.0} GFLOP/s; {designs} designs, one thread, the fastest of 7 runs", peak / 1e9);
     println!(
-        "condensation, kFLOP a design: elements {:.0}, factors {:.0}, arcs {:.0}",
+        "condensation, kFLOP a design: elements {:.0}, factors {:.0}, modes {:.0}",
         elements as f64 / designs / 1e3,
         factorise as f64 / designs / 1e3,
-        arcs as f64 / designs / 1e3
+        modes as f64 / designs / 1e3
     );
     println!("stage                           us/design  kFLOP/design  us at peak  of peak");
     for (stage, seconds) in fastest.unwrap() {

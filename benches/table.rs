@@ -35,6 +35,7 @@ fn outcome(index: u64, step_count: usize) -> DesignOutcome {
             peak_pressure: Some(wild(80.0, step as u64)),
             energy: Some(wild(25.0, step as u64)),
             force_error: wild(1e-3, step as u64),
+            linearity_error: Some(0.0012),
             method: Method::Fe,
         }),
         status: "ok".into(),

@@ -7,9 +7,7 @@
 use std::path::PathBuf;
 
 use jointsweep::engine::backend::gpu::batch::OnChip;
-use jointsweep::engine::backend::gpu::kernels::{CONTACT, GRAM, KERNEL_FILES, Precision, Sums, Variant};
-use jointsweep::engine::backend::gpu::trial;
-use jointsweep::mechanics::compliance::arc::TERM_CHOICES;
+use jointsweep::engine::backend::gpu::kernels::{KERNEL_FILES, Precision, Sums, Variant};
 
 fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(std::env::args_os().nth(1).expect("a folder to write to"));
@@ -21,12 +19,6 @@ fn main() -> std::io::Result<()> {
         ] {
             let variant = Variant { precision: Precision::F32, invocations: 64, on_chip, sums };
             std::fs::write(folder.join(format!("{}-{name}.wgsl", file.name)), file.variant(&variant))?;
-        }
-    }
-    for file in [&GRAM, &CONTACT] {
-        for terms in TERM_CHOICES {
-            let text = trial::source(file, Precision::F32, 64, terms);
-            std::fs::write(folder.join(format!("{}-{terms}.wgsl", file.name)), text)?;
         }
     }
     Ok(())

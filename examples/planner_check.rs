@@ -21,8 +21,8 @@ use std::process::Command;
 use std::time::{Duration, Instant, SystemTime};
 
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
-use jointsweep::engine::backend::cpu::CpuBackend;
-use jointsweep::engine::request::Fidelity;
+use jointsweep::engine::body_request::Fidelity;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::compliance::arc::{FEW_TERMS, TERM_CHOICES};
 use jointsweep::mechanics::grading::LEVEL_COUNT;
@@ -30,12 +30,12 @@ use jointsweep::output::host::{Host, utc};
 use jointsweep::output::manifest;
 use jointsweep::study::config::{MethodChoice, SolveOptions};
 use jointsweep::study::design::{DesignCase, Part};
+use jointsweep::tradeoff::answer::States;
 use jointsweep::tradeoff::choice::{Choice, Family, Scope, Solution};
 use jointsweep::tradeoff::errors::force_error;
 use jointsweep::tradeoff::families::{closed_form, planner, series};
 use jointsweep::tradeoff::joints::Terms;
 use jointsweep::tradeoff::oracle::Oracle;
-use jointsweep::tradeoff::state::States;
 use random::Random;
 
 const ACCURACIES: [f64; 3] = [0.1, 1e-2, 1e-3];
@@ -257,7 +257,7 @@ fn measure(name: &'static str, cases: &[DesignCase], oracle: &States, runs: usiz
         .collect();
     let planned = measured.split_off(measured.len() - ACCURACIES.len());
     let planner = planned.into_iter().zip(ACCURACIES).map(|(measured, accuracy)| {
-        let outcomes = CpuBackend::new(SolveOptions { accuracy, method: MethodChoice::Auto }).solve(cases);
+        let outcomes = Ladder::new(SolveOptions { accuracy, method: MethodChoice::Auto }).solve(cases);
         let rows: Vec<_> = judged.iter().map(|case| &outcomes[*case].steps[0]).collect();
         let estimate = |response: Option<jointsweep::engine::outcome::Response>| {
             response.map_or(f64::INFINITY, |response| response.force_error)

@@ -11,10 +11,10 @@ use common::rings::{MeshedBody, body, concentric_grading};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
-use jointsweep::mechanics::contact::active_set::{
+use jointsweep::mechanics::contact::node_contact::active_set::{
     ActiveSetOutcome, RingContact, ring_contact, solve_nodal_contact,
 };
-use jointsweep::mechanics::contact::ring_joint::{RingsDiffer, normal_compliance};
+use jointsweep::mechanics::contact::node_contact::ring_joint::{RingsDiffer, normal_compliance};
 use jointsweep::mechanics::contact_grading::contact_grading;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::element::stiffness::Elasticity;
@@ -33,7 +33,7 @@ fn press(pin: &Half, plate: &Half, clearance: f64, indentation: f64) -> RingCont
     let [pin_compliance, plate_compliance] = [pin, plate].map(|half| half.meshed.condense());
     let pin = pin.meshed.ring(&pin_compliance, pin.modulus);
     let plate = plate.meshed.ring(&plate_compliance, plate.modulus);
-    let contact = ring_contact(pin, plate, clearance, indentation, 50).unwrap();
+    let contact = ring_contact(pin, plate, 0.0, clearance, indentation, 50).unwrap();
     assert_eq!(contact.nodal.outcome, ActiveSetOutcome::Settled);
     contact
 }
@@ -263,7 +263,8 @@ fn interference_gives_lames_pressure() {
                 };
                 let (pin, plate) = (half("rigid-core", 0.1, 2.0, -1.0), half("annulus", 3.0, 1.0, 1.0));
                 let compliances = [&pin, &plate].map(|half| {
-                    let values = normal_compliance(&half.meshed.condense(), &half.meshed.topology);
+                    let topology = &half.meshed.topology;
+                    let values = normal_compliance(&half.meshed.condense(), topology, &topology.ring_angles);
                     values.into_iter().map(|value| value / half.modulus).collect::<Vec<f64>>()
                 });
                 let compliance: Vec<f64> =
@@ -331,6 +332,6 @@ fn rings_must_share_their_angles() {
     });
     let compliances = [coarse.condense(), fine.condense()];
     let (pin, plate) = (coarse.ring(&compliances[0], 1.0), fine.ring(&compliances[1], 1.0));
-    let contact = ring_contact(pin, plate, 1.0, 1.0, 50);
+    let contact = ring_contact(pin, plate, 0.0, 1.0, 1.0, 50);
     assert!(matches!(contact, Err(RingsDiffer { node: 1, .. })));
 }

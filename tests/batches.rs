@@ -171,6 +171,13 @@ fn steps_stay_below_the_bound_on_loop_trips() {
     }
     split(&[BodyCounts { matrix_values: 64 * 2_857, ..BODY }], &KERNEL, &LIMITS);
     split(&[BodyCounts { unknowns: 29_995, ring_columns: 65, longest_row: 1, ..BODY }], &KERNEL, &LIMITS);
+    // The works of 48 modes: of 126 tiles of four rows each 3 products over 126 blocks and 19 entries over the rows; the entries
+    // twice more, and five for each block.
+    let long_ring = BodyCounts { unknowns: 600, ring_columns: 501, longest_row: 1, ..BODY };
+    let trips = 126 * (1 + 3 * (1 + 126) + 19 * 5) + 2 * 19 + 126 * 5;
+    let error = batches(&[long_ring], &KERNEL, &LIMITS).unwrap_err();
+    assert_eq!(error, BatchError::TooManyTrips { body: 0, trips, limit: 60_000 });
+    split(&[BodyCounts { ring_columns: 500, ..long_ring }], &KERNEL, &LIMITS);
 }
 
 /// Whatever a body costs, a dispatch is as long as it should be, unless there is too little work or a single step of a

@@ -5,7 +5,7 @@
 mod workdir;
 
 use jointsweep::engine::agreement::{Disagreement, worst_difference};
-use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::DesignOutcome;
 use jointsweep::study::config::Study;
 use jointsweep::study::design::DesignCase;
@@ -34,7 +34,7 @@ fn every_file_is_there_and_its_figures_are_sane() {
     assert_eq!((&manifest["state"], &manifest["asked"]["most"]), (&"complete".into(), &100.into()));
     assert_eq!(manifest["asked"]["precisions"], serde_json::json!(["f32"]));
     let adapter = manifest["adapter"]["name"].as_str().unwrap();
-    assert!(told.stdout.contains(adapter) && told.stdout.contains("contact find"), "{}", told.stdout);
+    assert!(told.stdout.contains(adapter) && told.stdout.contains("works"), "{}", told.stdout);
     let is_software = manifest["adapter"]["kind"] == "software";
     assert_eq!(manifest["asked"]["remark"].is_string(), is_software);
     assert!(manifest["adapter"]["limits"]["workgroup_bytes"].as_u64().unwrap() >= 16 << 10);
@@ -64,8 +64,8 @@ fn every_file_is_there_and_its_figures_are_sane() {
     assert!(of("solves") >= 100.0 * 2.0 * 2.0 * 3.0);
 
     let kernels = work.table("figures/kernels.csv");
-    let expected = ["assemble", "pcg", "refine", "condense", "gram", "contact sample", "contact find"];
-    assert_eq!(kernels.column("kernel")[..expected.len()], expected);
+    let expected = ["assemble", "pcg", "refine", "condense", "works"];
+    assert_eq!(kernels.column("kernel"), expected);
     for name in ["seconds", "operations", "bytes", "gflop_per_s", "gb_per_s", "arithmetic_floor_s"] {
         positive(&kernels, name);
     }
@@ -76,11 +76,9 @@ fn every_file_is_there_and_its_figures_are_sane() {
         assert!(shares.iter().all(|share| *share <= most), "{name}: {shares:?}");
     }
     let iterations = kernels.column("iterations");
-    // A system takes tens of steps, a search some evaluations.
+    // A system takes tens of steps, and only `pcg` counts them.
     assert!(iterations[1].parse::<f64>().unwrap() > 100.0, "{iterations:?}");
-    let searches = 10.0 * kernels.column("items")[6].parse::<f64>().unwrap();
-    let evaluations = iterations[6].parse::<f64>().unwrap() / searches;
-    assert!((1.0..10.0).contains(&evaluations), "{evaluations}");
+    assert_eq!(iterations.iter().filter(|cell| cell.is_empty()).count(), expected.len() - 1);
 }
 
 #[test]
@@ -98,7 +96,7 @@ fn outcomes() -> Vec<DesignOutcome> {
         Study::load(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/configs/random.toml")));
     let study = study.unwrap();
     let cases: Vec<DesignCase> = study.cases().unwrap().take(3).map(Result::unwrap).collect();
-    CpuBackend::new(study.solve).solve(&cases)
+    Ladder::new(study.solve).solve(&cases)
 }
 
 /// Negative control of the check: what a wrong GPU could answer.

@@ -7,12 +7,14 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use common::greatest::difference;
 use common::meshes::{ELEMENTS, order};
 use common::rings::{MeshedBody, body};
-use jointsweep::mechanics::contact::active_set::{ActiveSetOutcome, NodalContact, solve_nodal_contact};
-use jointsweep::mechanics::contact::augmented_lagrangian::{
+use jointsweep::mechanics::contact::node_contact::active_set::{
+    ActiveSetOutcome, NodalContact, solve_nodal_contact,
+};
+use jointsweep::mechanics::contact::node_contact::augmented_lagrangian::{
     AugmentedContact, AugmentedOutcome, AugmentedSettings, solve_augmented_lagrangian,
 };
-use jointsweep::mechanics::contact::penalty::{penetration, solve_penalty, springs};
-use jointsweep::mechanics::contact::ring_joint::RingJoint;
+use jointsweep::mechanics::contact::node_contact::penalty::{penetration, solve_penalty, springs};
+use jointsweep::mechanics::contact::node_contact::ring_joint::RingJoint;
 use jointsweep::mechanics::contact_grading::contact_grading;
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::material::Idealization;
@@ -29,7 +31,7 @@ fn joint(element: ElementKind, q: f64) -> RingJoint {
     };
     let (pin, plate) = (half("rigid-midplane", &[], FRAC_PI_2), half("annulus", &[2.0], PI));
     let compliances = [&pin, &plate].map(MeshedBody::condense);
-    RingJoint::new(pin.ring(&compliances[0], 1.0), plate.ring(&compliances[1], 1.0)).unwrap()
+    RingJoint::new(pin.ring(&compliances[0], 1.0), plate.ring(&compliances[1], 1.0), 0.0).unwrap()
 }
 
 fn exact(joint: &RingJoint, gaps: &[f64]) -> NodalContact {

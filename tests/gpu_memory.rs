@@ -8,11 +8,12 @@ mod draws;
 #[path = "common/random.rs"]
 mod random;
 
-use jointsweep::engine::backend::Solver;
 use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuError};
 use jointsweep::engine::backend::gpu::kernels::Precision;
-use jointsweep::engine::backend::gpu::solver::{GpuBackend, GpuChoice};
+use jointsweep::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::BackendKind;
+use jointsweep::mechanics::material::Idealization;
 use jointsweep::study::config::{MethodChoice, SolveOptions};
 use rlimit::Resource;
 
@@ -23,30 +24,39 @@ use rlimit::Resource;
 fn without_memory_the_processor_takes_over() {
     let gpu = Adapters::enumerate().open(AdapterChoice::Named("llvmpipe")).unwrap();
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
-    let cases = draws::draw(31, 2000, draws::concentric);
-    let (few, many) = cases.split_at(8);
-    let backend = GpuBackend::new(GpuChoice { device: &gpu, precision: Precision::F64 }, options).unwrap();
-    let mut solver = Solver::with(Box::new(backend), options);
+    let few = draws::draw(31, 8, draws::concentric);
+    // Of one topology on either side, which none of the first has met: batches as large as the first guess of their time
+    // makes them.
+    let mut many = draws::draw(32, 2000, draws::concentric);
+    for (index, case) in many.iter_mut().enumerate() {
+        let joint = &mut case.joint;
+        joint.idealization = Idealization::PlaneStrain;
+        joint.pin.parameters[0] = 0.28 + 1e-5 * index as f64;
+        joint.plate.parameters[0] = 2.9 + 1e-4 * index as f64;
+    }
+    let condenser = GpuCondenser::new(GpuChoice { device: &gpu, precision: Precision::F64 }).unwrap();
+    let mut ladder = Ladder::new(options).on(Box::new(condenser));
     // All kernels are made, all threads started.
-    let (before, reason) = solver.solve(few);
-    assert_eq!(reason, None);
+    let before = ladder.solve(&few);
+    assert_eq!(ladder.library.lost(), None);
     assert_eq!(before.len(), few.len());
     assert!(before.iter().all(|outcome| outcome.backend == BackendKind::Gpu));
 
     let allowed = virtual_memory() + MEMORY_LEFT;
     rlimit::setrlimit(Resource::AS, allowed, allowed).unwrap();
-    let (outcomes, reason) = solver.solve(many);
+    let outcomes = ladder.solve(&many);
+    let reason = ladder.library.lost();
     println!("{reason:?}");
     let Some(GpuError::Failed { what, problem, .. }) = reason else { panic!("{reason:?}") };
     assert!(problem.to_lowercase().contains("memory"), "{what}: {problem}");
     assert_eq!(outcomes.len(), many.len());
-    for (outcome, case) in outcomes.iter().zip(many) {
+    for (outcome, case) in outcomes.iter().zip(&many) {
         assert_eq!((outcome.case.index, outcome.backend), (case.index, BackendKind::Cpu));
         assert!(outcome.steps.iter().all(|step| step.response.is_some()), "{outcome:?}");
     }
 }
 
-/// Enough for the processor, bytes, and less than the device asks for the slots of these designs.
+/// Enough for the processor, bytes, and less than the device asks for a batch of these bodies.
 const MEMORY_LEFT: u64 = 100 << 20;
 
 /// Bytes of address space that this process has.

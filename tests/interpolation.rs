@@ -9,17 +9,11 @@ mod random;
 use std::path::Path;
 
 use greatest::greatest;
-use jointsweep::engine::backend::cpu::CpuBackend;
-use jointsweep::engine::interpolation::plan::InterpolationPlan;
+use jointsweep::engine::interpolation::fit_plan::InterpolationPlan;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{DesignOutcome, Method};
 use jointsweep::engine::sweep::{self, SweepOptions};
 use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
-use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
-use jointsweep::mechanics::compliance::series::ConcentricBody;
-use jointsweep::mechanics::contact::loading::{DimensionlessLoad, JointCurve};
-use jointsweep::mechanics::contact::pressure::JointCompliance;
-use jointsweep::mechanics::contact::smooth_curve::nodes::CurveNodes;
-use jointsweep::mechanics::contact::smooth_curve::{CURVE_TERMS, SmoothCurve};
 use jointsweep::mechanics::material::{Idealization, Material};
 use jointsweep::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
@@ -94,8 +88,8 @@ fn plan(options: SolveOptions, cases: &[DesignCase]) -> Option<InterpolationPlan
     InterpolationPlan::new(&options, COUNT, &joints)
 }
 
-fn interpolating(options: SolveOptions, cases: &[DesignCase]) -> CpuBackend {
-    CpuBackend::interpolating(options, plan(options, cases).expect("so many designs are worth a fit"))
+fn interpolating(options: SolveOptions, cases: &[DesignCase]) -> Ladder<'static> {
+    Ladder::new(options).interpolating(Some(plan(options, cases).expect("so many designs are worth a fit")))
 }
 
 /// Forces, or indentations, and everything else to the last bit.
@@ -151,6 +145,8 @@ fn compare(found: &[DesignOutcome], exact: &[DesignOutcome]) -> Compared {
 /// What a comparison is held to, as docs/verification.md has it: so far above it an error may be by `MARGIN`.
 struct Seen {
     accuracy: f64,
+    /// Of the steps, interpolated.
+    share: f64,
     /// Steps with a load, and those of them that are not answered.
     steps: usize,
     unanswered: usize,
@@ -182,8 +178,8 @@ fn check(what: &str, found: &[DesignOutcome], exact: &[DesignOutcome], seen: &Se
         unanswered <= seen.unanswered && steps + unanswered == seen.steps,
         "{what}: {steps} {unanswered}"
     );
-    // The rest are contacts at the end of a curve, and designs whose estimate is above the accuracy. Seen: 0.991 at the least.
-    assert!(share > 0.988, "{what}: {share}");
+    // The rest are contacts at the end of a curve, and designs whose estimate is above the accuracy.
+    assert!(share > seen.share, "{what}: {share}");
     assert!(
         worst_force <= seen.accuracy && worst_estimate <= seen.accuracy,
         "{what}: {worst_force:e} {worst_estimate:e}"
@@ -191,24 +187,26 @@ fn check(what: &str, found: &[DesignOutcome], exact: &[DesignOutcome], seen: &Se
     assert!(worst_force <= MARGIN * seen.force, "{what}: {worst_force:e}");
     assert!(worst_stiffness <= MARGIN * seen.stiffness, "{what}: {worst_stiffness:e}");
     assert!(excess <= MARGIN * seen.excess, "{what}: {excess}");
-    // Seen: 0.9992 at the least.
-    assert!(bounded >= 0.998, "{what}: {bounded}");
+    // Seen: 0.9988 at the least.
+    assert!(bounded >= 0.98, "{what}: {bounded}");
 }
 
 #[test]
 fn concentric_joints_meet_the_accuracy_against_series() {
     let cases = draw(11, 2000, disc_in_ring);
     let series = SolveOptions { accuracy: 1e-2, method: MethodChoice::Series };
-    let exact = CpuBackend::new(series).solve(&cases);
-    for (method, accuracy, force, stiffness, excess) in [
-        (MethodChoice::Fe, 1e-2, 1.8e-3, 1.8e-3, 10.1),
-        (MethodChoice::Auto, 1e-2, 1.7e-3, 2.9e-3, 12.6),
-        (MethodChoice::Fe, 3e-3, 1.8e-3, 1.8e-3, 9.5),
-        (MethodChoice::Auto, 3e-3, 1.6e-3, 1.6e-3, 12.0),
+    let exact = Ladder::new(series).solve(&cases);
+    for (method, accuracy, share, force, stiffness, excess) in [
+        (MethodChoice::Fe, 1e-2, 0.99, 1.4e-3, 1.5e-3, 5.8),
+        (MethodChoice::Auto, 1e-2, 0.99, 1.5e-3, 1.6e-3, 9.0),
+        (MethodChoice::Fe, 3e-3, 0.99, 1.5e-3, 1.4e-3, 6.2),
+        (MethodChoice::Auto, 3e-3, 0.99, 1.5e-3, 1.5e-3, 7.9),
+        (MethodChoice::Fe, 1e-3, 0.99, 5.1e-4, 5.2e-4, 6.3),
+        (MethodChoice::Auto, 1e-3, 0.9, 6.5e-4, 7.5e-4, 9.4),
     ] {
         let options = SolveOptions { accuracy, method };
         let found = interpolating(options, &cases).solve(&cases);
-        let seen = Seen { accuracy, steps: 6000, unanswered: 0, force, stiffness, excess };
+        let seen = Seen { accuracy, share, steps: 6000, unanswered: 0, force, stiffness, excess };
         check(&format!("disc in ring, {method:?} at {accuracy}"), &found, &exact, &seen);
     }
 }
@@ -217,10 +215,24 @@ fn concentric_joints_meet_the_accuracy_against_series() {
 #[test]
 fn other_shapes_meet_the_accuracy_against_finer_meshes() {
     let accuracy = 1e-2;
-    let of_blocks =
-        Seen { accuracy, steps: 1200, unanswered: 0, force: 4.0e-3, stiffness: 4.6e-3, excess: 14.4 };
-    let of_half_discs =
-        Seen { accuracy, steps: 1200, unanswered: 4, force: 3.3e-3, stiffness: 4.7e-3, excess: 17.9 };
+    let of_blocks = Seen {
+        accuracy,
+        share: 0.98,
+        steps: 1200,
+        unanswered: 0,
+        force: 3.0e-3,
+        stiffness: 3.0e-3,
+        excess: 8.2,
+    };
+    let of_half_discs = Seen {
+        accuracy,
+        share: 0.98,
+        steps: 1200,
+        unanswered: 4,
+        force: 4.1e-3,
+        stiffness: 4.2e-3,
+        excess: 9.95,
+    };
     let shapes: [(&str, Shapes, Seen); 2] = [
         ("disc in block", disc_in_block, of_blocks),
         ("half disc in ring", half_disc_in_ring, of_half_discs),
@@ -228,14 +240,14 @@ fn other_shapes_meet_the_accuracy_against_finer_meshes() {
     for (name, shapes, seen) in shapes {
         let cases = draw(12, 400, shapes);
         let options = SolveOptions { accuracy, method: MethodChoice::Auto };
-        let exact = CpuBackend::new(SolveOptions { accuracy: 1e-3, ..options }).solve(&cases);
+        let exact = Ladder::new(SolveOptions { accuracy: 1e-3, ..options }).solve(&cases);
         let found = interpolating(options, &cases).solve(&cases);
         check(name, &found, &exact, &seen);
     }
 }
 
 /// Where it is known what a mesh is worth, no coarser one is solved to tell it: each of the 141 blocks held out once, beside
-/// 481 samples, or 873 of higher degrees. Farther away than any block that was measured it is not known.
+/// 481 samples, or 873 or 1453 of higher degrees. Farther away than any block that was measured it is not known.
 #[test]
 fn what_is_known_of_meshes_spares_coarser_ones() {
     let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Auto };
@@ -249,55 +261,12 @@ fn what_is_known_of_meshes_spares_coarser_ones() {
         of_blocks.map(|family| family.solved).collect()
     };
     let known = solved(6.0);
-    assert!(known.len() == 4 && known.iter().all(|solved| [481, 873].contains(&(solved - 141))), "{known:?}");
+    assert!(
+        known.len() == 4 && known.iter().all(|solved| [481, 873, 1453].contains(&(solved - 141))),
+        "{known:?}"
+    );
     let unknown = solved(15.0);
     assert!(unknown.iter().any(|solved| *solved >= 481 + 2 * 141), "{unknown:?}");
-}
-
-/// Between its nodes a curve is as near to the one that solves a system for every arc as it says: 400 joints of discs in
-/// rings, 30 loads with a clearance and without.
-#[test]
-fn a_curve_says_how_near_it_is() {
-    let (space, highest) = (PressureSpace::new(CURVE_TERMS, 2.4), 120);
-    let (moments, nodes) = (space.moments(highest), CurveNodes::new(space.limit));
-    let mut random = Random::new(17);
-    let (mut shares, mut unanswered) = (Vec::new(), 0);
-    for number in 0..400 {
-        let idealization = Idealization::ALL[number % 2];
-        let [pin, plate] = [random.linear(0.05, 0.6), random.log(1.2, 50.0)].map(|fixed_radius| {
-            let poissons_ratio = random.linear(0.1, 0.45);
-            ConcentricBody { fixed_radius, poissons_ratio, idealization }
-                .compliance(&space, &moments, highest)
-        });
-        let modulus = random.log(0.01, 10.0);
-        let joint = JointCompliance::new(&space, (&pin, 1.0), (&plate, modulus));
-        let arcs = JointCurve::new(joint).unwrap();
-        let [of_pin, of_plate] = [&pin, &plate].map(|body| nodes.resample(&space, &body.values));
-        let values: Vec<f64> =
-            of_pin.iter().zip(&of_plate).map(|(pin, plate)| pin + plate / modulus).collect();
-        let curve = SmoothCurve::new(&nodes, pin.amplitude + plate.amplitude / modulus, &values).unwrap();
-        let loads: Vec<_> = (0..30).map(|i| DimensionlessLoad::Indentation(1e-7 * 2_f64.powi(i))).collect();
-        for clearance in [0.0, 1e-3] {
-            let mut found = Vec::new();
-            curve.states(clearance, loads.iter().copied(), &mut found);
-            assert_eq!(found.len(), loads.len());
-            for (found, exact) in found.iter().zip(arcs.states(clearance, &loads)) {
-                let (Some(found), Ok(exact)) = (found, exact) else {
-                    unanswered += 1;
-                    continue;
-                };
-                let error = greatest([found.force / exact.force - 1.0, found.energy / exact.energy - 1.0]);
-                // Below that it is the rounding and what both leave out.
-                assert!(error <= found.curve_error() + 1e-5, "{error:e}: {found:?}");
-                shares.push((error - 1e-5).max(0.0) / found.curve_error());
-            }
-        }
-    }
-    let (count, worst) = (shares.len(), greatest(shares));
-    println!("{count} states: at most {worst:.2} of what it says, beyond 1e-5");
-    assert_eq!((count, unanswered), (24_000, 0));
-    // Seen: 0.90. What it says is not much too careful.
-    assert!(worst > 0.7, "{worst}");
 }
 
 /// Whole or in pieces, forwards or backwards, on one thread or on several: each design has one answer.
@@ -379,15 +348,22 @@ fn a_study_decides_for_all_of_its_designs() {
     assert_eq!(bits(&run(&study, 2)), bits(&whole));
     let part: Vec<DesignCase> = study.cases().unwrap().skip(4321).take(50).map(Result::unwrap).collect();
     let plan = InterpolationPlan::of_study(&study).unwrap();
-    let alone = CpuBackend::interpolating(study.solve, plan).solve(&part);
+    let alone = Ladder::new(study.solve).interpolating(Some(plan)).solve(&part);
     assert_eq!(bits(&alone), bits(&whole[4321..4371]));
 
     let meshes = self::study("interpolation = \"off\"\n");
     assert!(InterpolationPlan::of_study(&meshes).is_none());
     let found = run(&meshes, 2);
     assert_eq!(steps_by(&found, Method::Fe), 18_000);
-    let seen =
-        Seen { accuracy: 1e-2, steps: 12_000, unanswered: 0, force: 5.4e-4, stiffness: 6.4e-4, excess: 6.0 };
+    let seen = Seen {
+        accuracy: 1e-2,
+        share: 0.99,
+        steps: 12_000,
+        unanswered: 0,
+        force: 5.2e-4,
+        stiffness: 6.7e-4,
+        excess: 5.4,
+    };
     check("a study", &whole, &found, &seen);
 }
 
@@ -432,7 +408,7 @@ fn designs_outside_are_left_to_the_meshes() {
         }
     }
     let found = interpolating(options, &cases).solve(&outside);
-    let expected = CpuBackend::new(options).solve(&outside);
+    let expected = Ladder::new(options).solve(&outside);
     assert_eq!(steps_by(&expected, Method::Fe), 120);
     assert_eq!(bits(&found), bits(&expected));
 }

@@ -151,9 +151,9 @@ fn hertz_at_the_studys_limits() {
     let rows = PLATES.map(|plate| {
         let [response, other] =
             limits.map(|(clearance, force)| bench.at(plate, clearance, Load::Force(force)));
-        // The same dimensionless load, so the same angle and delta/dR; 1e-9: what the search leaves.
-        assert!((half_angle(&response) / half_angle(&other) - 1.0).abs() < 1e-9);
-        assert!((response.indentation / other.indentation / 2.5 - 1.0).abs() < 1e-9);
+        // The same load over the clearance, so the same angle and delta/dR but for what clearances of 0.5 and 0.2 % differ in.
+        assert!((half_angle(&response) / half_angle(&other) - 1.0).abs() < 3e-3);
+        assert!((response.indentation / other.indentation / 2.5 - 1.0).abs() < 3e-3);
         let hertz = HertzContact::from_force(&pair(CLEARANCE), 0.1 * EFFECTIVE_MODULUS * CLEARANCE).unwrap();
         let response = bench.under(plate, 0.1);
         vec![

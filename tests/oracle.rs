@@ -8,7 +8,7 @@ mod draws;
 mod random;
 
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
-use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::Response;
 use jointsweep::study::config::{MethodChoice, SolveOptions};
 use jointsweep::study::design::{DesignCase, Part};
@@ -22,7 +22,7 @@ const COUNT: u64 = 300;
 const COUNT_FINEST: u64 = 150;
 
 fn solve(cases: &[DesignCase], method: MethodChoice, accuracy: f64) -> Vec<Option<Response>> {
-    let outcomes = CpuBackend::new(SolveOptions { accuracy, method }).solve(cases);
+    let outcomes = Ladder::new(SolveOptions { accuracy, method }).solve(cases);
     outcomes.into_iter().map(|outcome| outcome.steps[0].response).collect()
 }
 
@@ -104,7 +104,7 @@ fn hold(what: &str, errors: &Errors, seen: &Seen) {
         assert!(found <= MARGIN * seen, "{what}: {found:e} where {seen:e} was seen");
     }
     assert!(stiffness <= MARGIN * seen.stiffness, "{what}: {stiffness:e}");
-    // Seen: 0.997 at the least.
+    // Seen: all.
     assert!(bounded >= 0.99, "{what}: {bounded}");
     assert!(excess <= MARGIN * seen.excess, "{what}: {excess}");
 }
@@ -117,24 +117,24 @@ fn finite_elements_meet_the_accuracy_against_series() {
     for seen in [
         Seen {
             accuracy: 1e-2,
-            force: [8.1e-5, 7.9e-4, 2.7e-3],
-            half_angle: [8.3e-3, 0.14, 0.46],
-            stiffness: 3.8e-3,
-            excess: 10.6,
-        },
-        Seen {
-            accuracy: 3e-3,
-            force: [7.2e-5, 7.1e-4, 2.7e-3],
-            half_angle: [1.7e-3, 0.041, 0.15],
-            stiffness: 3.8e-3,
+            force: [7.8e-5, 7.9e-4, 2.7e-3],
+            half_angle: [7.4e-3, 0.091, 0.33],
+            stiffness: 3.2e-3,
             excess: 8.7,
         },
         Seen {
+            accuracy: 3e-3,
+            force: [7.8e-5, 7.9e-4, 1.3e-3],
+            half_angle: [2.5e-3, 0.072, 0.11],
+            stiffness: 1.5e-3,
+            excess: 7.0,
+        },
+        Seen {
             accuracy: 1e-3,
-            force: [3.8e-5, 2.7e-4, 6.4e-4],
-            half_angle: [1.0e-3, 0.013, 0.025],
-            stiffness: 7.4e-4,
-            excess: 6.7,
+            force: [5.8e-5, 2.3e-4, 3.7e-4],
+            half_angle: [9.1e-4, 5.3e-3, 0.019],
+            stiffness: 3.8e-4,
+            excess: 5.9,
         },
     ] {
         let found = solve(&cases, MethodChoice::Fe, seen.accuracy);
@@ -145,7 +145,7 @@ fn finite_elements_meet_the_accuracy_against_series() {
         let half_angle = if seen.accuracy > 3e-3 { 0.5 } else { 0.2 };
         assert!(quantile(&errors.half_angle, 1.0) <= half_angle);
         assert!(quantile(&errors.stiffness, 1.0) <= seen.accuracy.max(4e-3));
-        assert!(mean(&errors.estimate) < 12.0 * mean(&errors.force));
+        assert!(mean(&errors.estimate) < 10.0 * mean(&errors.force));
     }
 }
 
@@ -155,17 +155,17 @@ fn half_discs_meet_the_accuracy_against_the_finest_mesh() {
     let seen = [
         Seen {
             accuracy: 1e-2,
-            force: [3.3e-4, 7.5e-4, 1.9e-3],
-            half_angle: [0.011, 0.15, 0.21],
-            stiffness: 3.6e-3,
-            excess: 7.7,
+            force: [3.3e-4, 8.6e-4, 2.1e-3],
+            half_angle: [7.2e-3, 0.075, 0.15],
+            stiffness: 5.2e-3,
+            excess: 6.3,
         },
         Seen {
             accuracy: 3e-3,
-            force: [2.4e-4, 6.2e-4, 1.4e-3],
-            half_angle: [5.7e-3, 0.11, 0.21],
-            stiffness: 3.6e-3,
-            excess: 7.0,
+            force: [2.5e-4, 7.4e-4, 1.2e-3],
+            half_angle: [4.7e-3, 0.064, 0.11],
+            stiffness: 2.5e-3,
+            excess: 6.7,
         },
     ];
     against_the_finest_mesh("half disc in annulus", half_disc_in_annulus, seen);
@@ -176,17 +176,17 @@ fn blocks_meet_the_accuracy_against_the_finest_mesh() {
     let seen = [
         Seen {
             accuracy: 1e-2,
-            force: [2.4e-4, 2.2e-3, 6.8e-3],
-            half_angle: [9.7e-3, 0.28, 1.0],
+            force: [2.6e-4, 2.8e-3, 6.8e-3],
+            half_angle: [6.9e-3, 0.17, 0.47],
             stiffness: 7.0e-3,
-            excess: 10.3,
+            excess: 5.7,
         },
         Seen {
             accuracy: 3e-3,
-            force: [8.9e-5, 6.1e-4, 1.1e-3],
-            half_angle: [3.0e-3, 0.085, 0.14],
-            stiffness: 1.1e-3,
-            excess: 11.0,
+            force: [1.7e-4, 9.9e-4, 2.3e-3],
+            half_angle: [3.5e-3, 0.072, 0.21],
+            stiffness: 2.2e-3,
+            excess: 6.6,
         },
     ];
     against_the_finest_mesh("disc in block", disc_in_block, seen);

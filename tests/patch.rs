@@ -10,7 +10,7 @@ use common::meshes::{ELEMENTS, PlaneMesh, scatter};
 use faer::{Mat, Side};
 use jointsweep::mechanics::assembly::Assembly;
 use jointsweep::mechanics::compliance::condense::by_cholesky;
-use jointsweep::mechanics::contact::active_set::{ActiveSetOutcome, solve_nodal_contact};
+use jointsweep::mechanics::contact::node_contact::active_set::{ActiveSetOutcome, solve_nodal_contact};
 use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::element::quadrature::gauss_legendre;
 use jointsweep::mechanics::element::stiffness::Elasticity;

@@ -6,7 +6,7 @@ mod greatest;
 use std::ops::ControlFlow;
 
 use greatest::greatest;
-use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{DesignOutcome, Response};
 use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
@@ -46,7 +46,7 @@ fn joints() -> [(JointDesign, MethodChoice); 3] {
 
 fn solve(joint: &JointDesign, method: MethodChoice, steps: Vec<Load>) -> Vec<Response> {
     let case = DesignCase { index: 0, joint: *joint, steps };
-    let outcomes = CpuBackend::new(SolveOptions { accuracy: 0.01, method }).solve(&[case]);
+    let outcomes = Ladder::new(SolveOptions { accuracy: 0.01, method }).solve(&[case]);
     outcomes[0].steps.iter().map(|step| step.response.unwrap_or_else(|| panic!("{}", step.status))).collect()
 }
 
@@ -91,8 +91,8 @@ fn tangent_stiffness_is_the_slope_of_the_force() {
 fn energy_is_the_work_of_the_force() {
     let mut worst = [0.0_f64; 2];
     for (joint, method) in joints() {
-        // Seen: 6e-10 and 5e-6.
-        let tolerance = if method == MethodChoice::Series { 8e-10 } else { 7e-6 };
+        // Seen: 2.0e-9, of the polynomials between nodes, and 5e-6.
+        let tolerance = if method == MethodChoice::Series { 2.6e-9 } else { 7e-6 };
         for delta in INDENTATIONS {
             let step = 1e-4 * delta;
             let loads = [delta - step, delta, delta + step].map(Load::Indentation).to_vec();
@@ -122,7 +122,7 @@ fn loading_by_force_undoes_loading_by_indentation() {
     }
 }
 
-/// F/(E t dR) depends on delta/dR alone. Rounding of the scaled inputs, amplified by the search's tolerance.
+/// F/(E t dR) depends on delta/dR and dR/R2 alone. Rounding of the scaled inputs, amplified by the search's tolerance.
 #[test]
 fn lengths_moduli_and_thickness_scale() {
     let scaled = |material: Material, factor: f64| Material {
@@ -149,10 +149,6 @@ fn lengths_moduli_and_thickness_scale() {
         assert_close(there.peak_pressure.unwrap(), here.peak_pressure.unwrap() * modulus, 1e-9, "pressure");
         let energy = here.energy.unwrap() * length * length * modulus * thickness;
         assert_close(there.energy.unwrap(), energy, 1e-9, "energy");
-        // The hole's radius alone changes nothing but the pressure: clearance and indentation decide.
-        let mut wider = joint;
-        wider.hole_radius *= 4.0;
-        assert_close(at(&wider, method, Load::Indentation(0.02)).force, here.force, 1e-9, "wider hole");
     }
 }
 
@@ -228,8 +224,8 @@ fn auxetic_bodies_meet_the_accuracy() {
     }
     let worst = greatest(errors);
     println!("auxetic bodies: force within {worst:.1e}");
-    // Seen: 3.9e-5, at -0.95 in plane stress.
-    assert!(worst < 5e-5);
+    // Seen: 1.8e-4.
+    assert!(worst < 2.4e-4);
 }
 
 /// Outcomes come in design order and are the same to the last bit whatever the threads.

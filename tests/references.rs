@@ -1,11 +1,7 @@
-//! The engine against converged finite-element references with the true geometry, and why the two differ.
+//! The engine against converged finite-element references with the true geometry, and against plain fine meshes with it.
 //!
 //! Source: GetFEM, CalculiX and scikit-fem, which agree within 1e-4 of the force. Plane stress, E = 200 GPa, nu = 0.3,
 //! R2 = 100 mm, t = 1 mm, a half disc under a rigid plane (or a disc around a rigid core), an annulus fixed outside.
-//!
-//! The engine lets pin and plate meet at a common angle. `Pairing::TrueGeometry` below does not: each point of the pin
-//! meets the point of the hole beneath it where the pin first touches, an angle of about (dR/R2) sin(phi) further down,
-//! and is pressed along the hole's normal there. It meets every reference, so nothing else is left to explain.
 //!
 //! Run with `--nocapture` for the figures of docs/theory.md, section 10.
 
@@ -14,10 +10,13 @@ mod plain_mesh;
 #[path = "common/study_joint.rs"]
 mod study_joint;
 
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::Response;
 use jointsweep::mechanics::body::{block, cored_disc, half_disc};
+use jointsweep::mechanics::contact::outlines::Outlines;
 use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::study::design::{JointDesign, Load, Part};
+use jointsweep::study::config::{MethodChoice, SolveOptions};
+use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
 use plain_mesh::{Pairing, State, meshed};
 use study_joint::{ACCURACY, HOLE_RADIUS, Solver, joint};
 
@@ -38,8 +37,13 @@ impl Reference {
         joint(shape, self.core_radius_ratio, self.outer_radius_ratio, self.radial_clearance)
     }
 
+    /// What first order leaves of the outlines at 5 % of clearance, 1.2e-4, is no mesh's to mend.
+    fn accuracy(&self) -> f64 {
+        if self.radial_clearance == 5.0 { 8.0 * ACCURACY } else { ACCURACY }
+    }
+
     fn engine(&self) -> Response {
-        Solver::new(ACCURACY).solve(self.joint(), Load::Indentation(self.indentation))
+        Solver::new(self.accuracy()).solve(self.joint(), Load::Indentation(self.indentation))
     }
 
     fn meshed(&self, pairing: Pairing) -> State {
@@ -91,17 +95,14 @@ fn the_engine_meets_the_references() {
             reference.indentation,
             100.0 * deviation
         );
-        // Seen: -0.047 % at worst; the linearised gap alone makes -0.049 % (see below).
-        assert!(deviation.abs() < 6e-4, "{deviation}");
-        // The engine's angle is the mean of the hole's and the pin's: dR/(2 R2) sin(eps) wider than the hole's.
-        let at_hole =
-            angle.to_radians() - 0.5 * reference.radial_clearance / HOLE_RADIUS * angle.to_radians().sin();
-        // 0.005 deg of the reference's last digit, 0.03 deg of the mesh; seen 0.03.
-        assert!((at_hole.to_degrees() - reference.contact_half_angle).abs() < 0.04, "{angle}");
+        // The reference's uncertainty and the accuracy asked; seen: 0.006 %.
+        assert!(deviation.abs() < UNCERTAINTY + reference.accuracy(), "{deviation}");
+        // Half of the reference's last digit, and the 0.02 deg by which node contact finds an edge; seen 0.02.
+        assert!((angle - reference.contact_half_angle).abs() < 0.03, "{angle}");
         if reference.force == 11266.1 {
-            // p0 = 109.92 MPa, k_t = 1.447e5 N/mm: last digits, and what the linearised gap makes of p0 (0.08 %).
-            assert!((peak_pressure.unwrap() / 109.92 - 1.0).abs() < 1e-3, "{peak_pressure:?}");
-            assert!((tangent_stiffness / 1.447e5 - 1.0).abs() < 1e-3, "{tangent_stiffness}");
+            // p0 = 109.92 MPa, k_t = 1.447e5 N/mm: last digits.
+            assert!((peak_pressure.unwrap() / 109.92 - 1.0).abs() < 3e-4, "{peak_pressure:?}");
+            assert!((tangent_stiffness / 1.447e5 - 1.0).abs() < 4e-4, "{tangent_stiffness}");
             published += 1;
         }
     }
@@ -109,65 +110,90 @@ fn the_engine_meets_the_references() {
 }
 
 #[test]
-fn what_is_left_is_the_linearised_gap() {
+fn plain_meshes_meet_the_references() {
     let mut published = 0;
     for reference in &REFERENCES {
-        let common = reference.meshed(Pairing::CommonAngle);
-        let exact = reference.meshed(Pairing::TrueGeometry);
-        let displaced = reference.meshed(Pairing::Displaced);
-        let linearised = common.force / exact.force - 1.0;
-        let engine = reference.engine();
+        let [at_touch, along_pin, displaced] = [Pairing::AtTouch, Pairing::AlongPin, Pairing::Displaced]
+            .map(|pairing| reference.meshed(pairing));
+        let of_reference = at_touch.force / reference.force - 1.0;
         println!(
-            "ratio {}, dR {}, delta {}: true geometry {:.2} ({:+.4} % of the reference), hole's angle {:.3}, p0 {:.2}; \
-             displaced {:+.4} %; common angle {:.2} ({:+.4} %), engine {:+.4} % from that",
+            "ratio {}, dR {}, delta {}: {:.2} ({:+.4} % of the reference), hole's angle {:.3}, p0 {:.2}; along the pin's normal \
+             {:+.4} %, displaced {:+.4} %",
             reference.outer_radius_ratio,
             reference.radial_clearance,
             reference.indentation,
-            exact.force,
-            100.0 * (exact.force / reference.force - 1.0),
-            exact.angle_at_hole.to_degrees(),
-            exact.peak_pressure,
-            100.0 * (displaced.force / exact.force - 1.0),
-            common.force,
-            100.0 * linearised,
-            100.0 * (engine.force / common.force - 1.0),
+            at_touch.force,
+            100.0 * of_reference,
+            at_touch.angle_at_hole.to_degrees(),
+            at_touch.peak_pressure,
+            100.0 * (along_pin.force / at_touch.force - 1.0),
+            100.0 * (displaced.force / at_touch.force - 1.0),
         );
         // Seen: 0.002 %.
-        assert!((exact.force / reference.force - 1.0).abs() < UNCERTAINTY);
-        // What small displacements leave open is of the size of the linearised gap's error; seen 0.04 and 0.05 %.
-        assert!((displaced.force / exact.force - 1.0).abs() < 6e-4 && linearised.abs() < 6e-4);
+        assert!(of_reference.abs() < UNCERTAINTY);
         // Half of the reference's last digit, and the 0.02 deg by which node contact finds an edge; seen 0.015.
-        assert!((exact.angle_at_hole.to_degrees() - reference.contact_half_angle).abs() < 0.02);
-        // The engine solves the common angle's problem to the accuracy asked; seen 0.004 %.
-        assert!((engine.force / common.force - 1.0).abs() < ACCURACY);
+        assert!((at_touch.angle_at_hole.to_degrees() - reference.contact_half_angle).abs() < 0.02);
         if reference.force == 11266.1 {
-            assert!((exact.peak_pressure / 109.92 - 1.0).abs() < UNCERTAINTY, "{}", exact.peak_pressure);
+            assert!(
+                (at_touch.peak_pressure / 109.92 - 1.0).abs() < UNCERTAINTY,
+                "{}",
+                at_touch.peak_pressure
+            );
             published += 1;
         }
     }
     assert_eq!(published, 1, "one reference has a peak pressure");
 }
 
-/// At one delta/dR the common angle's force is proportional to dR, and the error it makes to (dR/R2)^2.
+/// Half discs and blocks, pins ten times as stiff as plates and the reverse, clearances up to 8 %.
 #[test]
-fn the_linearised_gap_errs_in_proportion_to_the_clearance() {
-    let errors = [0.02, 0.2, 2.0].map(|radial_clearance| {
-        let scaled = Reference {
-            radial_clearance,
-            indentation: 0.5 * radial_clearance,
-            force: f64::NAN,
-            ..reference(2.0, 0.0, 0.0, 0.0, 0.0, 41.68)
-        };
-        let [common, exact] =
-            [Pairing::CommonAngle, Pairing::TrueGeometry].map(|pairing| scaled.meshed(pairing).force);
-        let error = 1.0 - common / exact;
-        println!("dR {radial_clearance}: {:.4} %", 100.0 * error);
-        error / (radial_clearance / HOLE_RADIUS)
-    });
-    // docs/theory.md: 0.23 dR/R2 at 42 deg and ratio 2. 3 % for the next order at dR/R2 = 2 %.
-    for error in errors {
-        assert!((error / 0.232 - 1.0).abs() < 0.03, "{errors:?}");
+fn the_engine_has_the_true_geometry() {
+    let block = Part {
+        shape: &block::SHAPE,
+        parameters: [2.0, 1.7, 2.4],
+        support: 0,
+        material: Material { youngs_modulus: 200e3, poissons_ratio: 0.3 },
+    };
+    let mut compared = 0;
+    for (name, pin, plate) in [
+        ("half disc in annulus", &half_disc::SHAPE, None),
+        ("half disc in block", &half_disc::SHAPE, Some(block)),
+        ("disc in block", &cored_disc::SHAPE, Some(block)),
+    ] {
+        for (eta, shares, of_pin) in [
+            (0.01, [0.3, 1.5], 0.1),
+            (0.05, [0.1, 1.0], 1.0),
+            (0.05, [0.3, 0.6], 0.05),
+            (0.08, [0.2, 1.0], 10.0),
+            (0.08, [0.1, 0.5], 0.1),
+        ] {
+            let mut joint = joint(pin, 0.2, 2.5, eta * HOLE_RADIUS);
+            joint.plate = plate.unwrap_or(joint.plate);
+            joint.pin.material.youngs_modulus *= of_pin;
+            for share in shares {
+                let load = Load::Indentation(share * joint.radial_clearance);
+                let options = SolveOptions { accuracy: 1e-3, method: MethodChoice::Auto };
+                let case = DesignCase { index: 0, joint, steps: vec![load] };
+                let engine = Ladder::new(options).solve(&[case]).remove(0).steps[0].response.unwrap();
+                let angle = engine.contact_half_angle.unwrap();
+                let mean = 0.5 * (angle + Outlines::new(eta).of_pin(angle));
+                let plain = meshed(&joint, share * joint.radial_clearance, mean, Pairing::AtTouch);
+                let force = engine.force / plain.force - 1.0;
+                let peak = engine.peak_pressure.unwrap() / plain.peak_pressure - 1.0;
+                let at_edge = (angle - plain.angle_at_hole).to_degrees();
+                println!(
+                    "{name}, dR/R2 {eta}, E1/E2 {of_pin}, delta/dR {share}: eps {:.2} ({at_edge:+.3}), F {:+.4} %, said {:.4} %, p0 {:+.3} %",
+                    angle.to_degrees(),
+                    100.0 * force,
+                    100.0 * engine.force_error,
+                    100.0 * peak
+                );
+                assert!(force.abs() < 1e-3 && force.abs() < engine.force_error, "{force}");
+                compared += 1;
+            }
+        }
     }
+    assert_eq!(compared, 30);
 }
 
 /// Where the exact kernels' parts do not cancel (unlike materials), and where there is no exact compliance (a block).
@@ -191,7 +217,7 @@ fn the_engine_equals_plain_meshes() {
         for indentation in [0.02, 0.2] {
             let engine = Solver::new(accuracy).solve(joint, Load::Indentation(indentation));
             let angle = engine.contact_half_angle.unwrap();
-            let plain = meshed(&joint, indentation, angle, Pairing::CommonAngle);
+            let plain = meshed(&joint, indentation, angle, Pairing::AtTouch);
             let (force, peak) =
                 (engine.force / plain.force - 1.0, engine.peak_pressure.unwrap() / plain.peak_pressure - 1.0);
             let at_edge = (angle - plain.angle_at_hole).to_degrees();
@@ -216,7 +242,7 @@ fn narrow_contacts_of_a_half_disc_are_within_a_fifth_of_a_percent() {
         let joint = joint(&half_disc::SHAPE, 0.0, 2.0, 1e-3);
         let engine = Solver::new(2.5e-3).solve(joint, Load::Indentation(indentation));
         let angle = engine.contact_half_angle.unwrap();
-        let plain = meshed(&joint, indentation, angle, Pairing::CommonAngle);
+        let plain = meshed(&joint, indentation, angle, Pairing::AtTouch);
         let (force, peak) =
             (engine.force / plain.force - 1.0, engine.peak_pressure.unwrap() / plain.peak_pressure - 1.0);
         println!(

@@ -3,19 +3,21 @@
 use std::mem::offset_of;
 
 use jointsweep::engine::backend::gpu::batch::{KernelFacts, OnChip};
-use jointsweep::engine::backend::gpu::contact::{ContactParameters, NO_SLOT, NOTHING, RESPONSE_SIZE};
 use jointsweep::engine::backend::gpu::kernels::{
     ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE, ROOFLINE, Sums, Variant,
+    WORKS,
 };
-use jointsweep::engine::backend::gpu::kernels::{CONTACT, GRAM};
 use jointsweep::engine::backend::gpu::layout::{
     AssembleParameters, SLICE, SystemOutcome, SystemParameters, SystemState,
 };
 use jointsweep::engine::backend::gpu::roofline::RooflineParameters;
-use jointsweep::engine::backend::gpu::slots::GramParameters;
-use jointsweep::engine::backend::gpu::trial;
-use jointsweep::mechanics::compliance::NODE_COUNT;
-use jointsweep::mechanics::compliance::arc::TERM_CHOICES;
+use jointsweep::engine::backend::gpu::works::WorksParameters;
+use jointsweep::mechanics::body::{Body, SHAPES, Side};
+use jointsweep::mechanics::compliance::arc::packed_count;
+use jointsweep::mechanics::compliance::ring_modes::{MOST_MODES, RingModes};
+use jointsweep::mechanics::element::ElementKind;
+use jointsweep::mechanics::grading::{GradingClass, REFERENCE_LEVEL};
+use jointsweep::mechanics::material::Idealization;
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
@@ -134,6 +136,7 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         goal
     );
     let state: Layout = layout_here!(SystemState, outcome, iterations);
+    let works: Layout = layout_here!(WorksParameters, ring_count, block_count, mode_count, body_size);
     let roofline: Layout = layout_here!(RooflineParameters, trip_count, factor, term);
     assert_eq!(layout_in(&module(&ROOFLINE, Precision::F64), "RooflineParameters"), Some(roofline));
     for precision in PRECISIONS {
@@ -142,7 +145,8 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         for file in [&NARROW, &PCG, &REFINE, &CONDENSE] {
             assert_eq!(layout_in(&module(file, precision), "SystemParameters").as_ref(), Some(&systems));
         }
-        for file in [&PCG, &REFINE] {
+        assert_eq!(layout_in(&module(&WORKS, precision), "WorksParameters").as_ref(), Some(&works));
+        for file in [&PCG, &REFINE, &WORKS] {
             assert_eq!(layout_in(&module(file, precision), "SystemState").as_ref(), Some(&state));
         }
     }
@@ -162,10 +166,8 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
 /// Group 0, binding by binding: one uniform, then storage, read or written as the host binds it.
 #[test]
 fn bindings_are_as_the_host_makes_them() {
-    let of_bodies =
-        KERNEL_FILES.into_iter().chain([&ROOFLINE]).map(|file| (file, module(file, Precision::F32)));
-    let of_trials = [&GRAM, &CONTACT].map(|file| (file, trial_module(file, Precision::F32, 10)));
-    for (file, module) in of_bodies.chain(of_trials) {
+    for file in KERNEL_FILES.into_iter().chain([&ROOFLINE]) {
+        let module = module(file, Precision::F32);
         let mut bindings: Vec<(u32, naga::AddressSpace)> = module
             .global_variables
             .iter()
@@ -193,7 +195,7 @@ fn bindings_are_as_the_host_makes_them() {
 #[test]
 fn the_planner_knows_the_memory_of_a_workgroup() {
     for precision in PRECISIONS {
-        for invocations in [32, 128] {
+        for invocations in [2, 32, 128] {
             let facts = KernelFacts {
                 bytes_per_real: precision.real_bytes(),
                 bytes_per_wide: precision.wide_bytes(),
@@ -240,61 +242,38 @@ fn outcomes_have_the_same_numbers() {
     assert_eq!(SystemState { outcome: 7, iterations: 0 }.outcome(), None);
 }
 
-fn trial_module(file: &KernelFile, precision: Precision, terms: usize) -> naga::Module {
-    let source = trial::source(file, precision, 64, terms);
-    check(&source, capabilities(precision)).unwrap_or_else(|error| panic!("{error}")).0
+/// A number that stands on both sides.
+#[test]
+fn slices_are_as_long_on_both_sides() {
+    assert!(PCG.source(Precision::F32, 64).contains(&format!("const SLICE = {SLICE}u;")));
 }
 
+/// An invocation has room for its entries of as many modes as any mesh has.
 #[test]
-fn every_variant_of_the_trial_pressures_is_valid() {
-    for file in [&GRAM, &CONTACT] {
-        for precision in PRECISIONS {
-            for terms in TERM_CHOICES {
-                let module = trial_module(file, precision, terms);
-                let found: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
-                assert_eq!(found, file.entry_points, "{}", file.name);
+fn no_mesh_has_more_modes_than_the_kernel() {
+    let module = module(&WORKS, Precision::F32);
+    let (_, own) =
+        module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some("OWN")).unwrap();
+    let naga::Expression::Literal(naga::Literal::U32(own)) = module.global_expressions[own.init] else {
+        panic!("{own:?}")
+    };
+    assert_eq!(own as usize, packed_count(MOST_MODES).div_ceil(64));
+    let mut most = 0;
+    for shape in SHAPES {
+        for level in 0..=REFERENCE_LEVEL {
+            for ratio in [1.001, 1.2, 3.0, 50.0, 1e4] {
+                let parameters = if shape.side == Side::Pin { [1.0 / ratio; 3] } else { [ratio; 3] };
+                let body = Body {
+                    shape,
+                    parameters,
+                    support: 0,
+                    poissons_ratio: 0.3,
+                    idealization: Idealization::PlaneStrain,
+                };
+                let class = GradingClass::of(&body, ElementKind::Quad8, level);
+                most = most.max(RingModes::of(&class).count);
             }
         }
-        assert!(check(&trial::source(file, Precision::F64, 64, 10), Capabilities::empty()).is_err());
     }
-}
-
-#[test]
-fn structs_of_the_trial_pressures_are_the_same_on_both_sides() {
-    let gram: Layout = layout_here!(
-        GramParameters,
-        ring_count,
-        block_count,
-        arc_count,
-        slot_size,
-        first_slot,
-        is_plane_strain
-    );
-    let contact: Layout =
-        layout_here!(ContactParameters, design_count, step_count, slot_size, evaluation_limit, term_count);
-    for precision in PRECISIONS {
-        let module = trial_module(&GRAM, precision, 10);
-        assert_eq!(layout_in(&module, "GramParameters").as_ref(), Some(&gram));
-        let module = trial_module(&CONTACT, precision, 10);
-        assert_eq!(layout_in(&module, "ContactParameters").as_ref(), Some(&contact));
-    }
-    assert_ne!(contact, gram);
-}
-
-/// Sizes and codes that stand on both sides as numbers.
-#[test]
-fn numbers_of_the_trial_pressures_are_the_same_on_both_sides() {
-    let source = trial::source(&CONTACT, Precision::F32, 64, 16);
-    for (name, number) in [
-        ("RESPONSE_SIZE", RESPONSE_SIZE as u64),
-        ("TERMS", 16),
-        ("NODES", NODE_COUNT as u64),
-        ("SLOT_HEADER", trial::SLOT_HEADER as u64),
-    ] {
-        assert!(source.contains(&format!("const {name} = {number}u;")), "{name}");
-    }
-    assert!(source.contains(&format!("const NONE = {NO_SLOT:#x}u;\nconst NOTHING = {NOTHING:#x}u;")));
-    assert!(source.contains(&format!("const SLICE = {SLICE}u;")));
-    let slot = trial::SLOT_HEADER + NODE_COUNT * 16 * 17 / 2;
-    assert_eq!(trial::slot_size(16), slot);
+    assert_eq!(most, MOST_MODES);
 }

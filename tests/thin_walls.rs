@@ -5,28 +5,25 @@
 mod nodal_ring;
 #[path = "common/random.rs"]
 mod random;
+#[path = "common/stepped_ring.rs"]
+mod stepped_ring;
 
 use std::ops::ControlFlow;
 
-use jointsweep::engine::backend::cpu::CpuBackend;
 use jointsweep::engine::cost;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::Response;
 use jointsweep::engine::sweep::{self, SweepOptions};
-use jointsweep::mechanics::body::{Body, annulus, cored_disc};
-use jointsweep::mechanics::compliance::PressureCompliance;
-use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
-use jointsweep::mechanics::compliance::series::ConcentricBody;
-use jointsweep::mechanics::compliance::thin_wall::thin_wall_error;
-use jointsweep::mechanics::contact::pressure::JointCompliance;
+use jointsweep::mechanics::body::{annulus, cored_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::mechanics::real::LANES;
 use jointsweep::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
-use nodal_ring::{NodalState, Ring, nodal_state};
+use nodal_ring::{NodalState, nodal_state};
 use random::Random;
+use stepped_ring::Ring;
 
 /// dR/R2, so small that the outlines do not matter.
-const CLEARANCE: f64 = 1e-4;
+const CLEARANCE: f64 = 1e-6;
 
 /// Panels of a nodal solution, and its error: twice the change from 150 to 300 panels, 1.2e-5 at most in these cases.
 const PANELS: usize = 200;
@@ -60,7 +57,7 @@ impl Joint {
         let steps = deltas.iter().map(|delta| Load::Indentation(*delta)).collect();
         let case = DesignCase { index: 0, joint, steps };
         let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Auto };
-        let outcome = CpuBackend::new(options).solve(&[case]).remove(0);
+        let outcome = Ladder::new(options).solve(&[case]).remove(0);
         outcome.steps.into_iter().map(|step| (step.status.into_owned(), step.response)).collect()
     }
 
@@ -70,8 +67,8 @@ impl Joint {
     }
 
     fn nodal(&self, delta: f64, reach: f64, panels: usize) -> NodalState {
-        let ring = |fixed_radius, youngs_modulus| Ring {
-            fixed_radius,
+        let ring = |fixed_radius_ratio, youngs_modulus| Ring {
+            fixed_radius_ratio,
             youngs_modulus,
             poissons_ratio: self.poissons_ratio,
             idealization: self.idealization,
@@ -97,7 +94,7 @@ fn thin_walls_are_right_within_what_is_said() {
         (0.99, 3.0, [1.0, 100.0], -0.5, PlaneStress),
     ] {
         let joint = Joint { core, ratio, moduli, poissons_ratio, idealization };
-        let deltas = [1e-7, 1e-6, 1e-5, 1e-4];
+        let deltas = [1e-9, 1e-8, 1e-7, 1e-6];
         for (delta, found) in deltas.into_iter().zip(joint.solve(&deltas)) {
             let half_angle = found.contact_half_angle.expect("it is said");
             let exact = joint.nodal(delta, 1.25 * half_angle, PANELS);
@@ -148,11 +145,10 @@ fn walls_drawn_at_random_are_right_or_say_so() {
         let exact = joint.nodal(delta, 1.6 * found.contact_half_angle.expect("it is said"), PANELS);
         let error = (found.force / exact.force - 1.0).abs();
         println!("{core} {ratio} {delta:.1e}: {error:.1e}, said {:.1e}, {status}", found.force_error);
-        if status == "ok" {
+        if !status.contains("accuracy") {
             compared += 1;
             assert!(error <= 0.01, "{joint:?} {delta:e}: {error:e}");
         } else {
-            assert_eq!(status, "accuracy not met");
             warned += 1;
         }
         bounded += usize::from(error <= found.force_error + NODAL_ERROR);
@@ -168,7 +164,7 @@ fn the_thinnest_wall_is_a_winkler_bed() {
     let idealization = Idealization::PlaneStress;
     let joint = Joint { core: 0.999_999, ratio, moduli: [1e9, 1.0], poissons_ratio, idealization };
     let stiffness = 1.0 / ((1.0 - poissons_ratio * poissons_ratio) * ratio.ln());
-    let deltas = [1e-6, 1e-5, 1e-4, 1e-3];
+    let deltas = [1e-8, 1e-7, 1e-6, 1e-5];
     for (delta, found) in deltas.into_iter().zip(joint.solve(&deltas)) {
         let offset = CLEARANCE + delta;
         let half_angle = (CLEARANCE / offset).acos();
@@ -191,56 +187,6 @@ fn the_thinnest_wall_is_a_winkler_bed() {
             assert!(error < limit, "{delta:.0e}: {what} {found:e} for {exact:e}");
         }
     }
-}
-
-/// What interpolation between half angles leaves, by the compliance at half angles that are nodes themselves: below what is
-/// said, and not far.
-#[test]
-fn what_is_said_of_curves_is_what_they_leave() {
-    let mut compared = 0;
-    for (wall, poissons_ratio, idealization) in [
-        (0.0199_f64, 0.3, Idealization::PlaneStress),
-        (0.025, 0.3, Idealization::PlaneStress),
-        (0.04, 0.3, Idealization::PlaneStress),
-        (0.1, 0.3, Idealization::PlaneStress),
-        (0.16, 0.3, Idealization::PlaneStress),
-        (0.03, 0.49, Idealization::PlaneStrain),
-        (0.08, 0.45, Idealization::PlaneStrain),
-    ] {
-        let body = ConcentricBody { fixed_radius: wall.exp(), poissons_ratio, idealization };
-        let highest = body.highest_mode();
-        let of = |space: &PressureSpace, half_angle: f64| {
-            let own = body.compliance(space, &space.moments(highest), highest);
-            let rigid =
-                PressureCompliance { amplitude: 0.0, values: vec![0.0; own.values.len()], ..own.clone() };
-            let joint = JointCompliance::new(space, (&rigid, 1.0), (&own, 1.0));
-            joint.at(&[half_angle; LANES])[0].expect("positive definite")
-        };
-        let space = PressureSpace::new(6, 2.4);
-        let said = {
-            let parameters = [wall.exp(), 0.0, 0.0];
-            let body = Body { shape: &annulus::SHAPE, parameters, support: 0, poissons_ratio, idealization };
-            thin_wall_error(&body, 1.0)
-        };
-        let mut worst = 0.0_f64;
-        for i in 0..12 {
-            let half_angle = 1e-3 * 1.6e3_f64.powf((f64::from(i) + 0.5) / 12.0);
-            let found = of(&space, half_angle);
-            // The first node is at (cos(pi/64) + 1)/2 of the root.
-            let node = 0.5 * (1.0 + (std::f64::consts::PI / 64.0).cos());
-            let exact = of(&PressureSpace::new(6, half_angle / (node * node)), half_angle);
-            // At one indentation: the force is off by its own error less that of the indentation.
-            let slope = exact.tangent_stiffness * exact.indentation / exact.force;
-            let error =
-                (found.force / exact.force).ln() - slope * (found.indentation / exact.indentation).ln();
-            assert!(error.is_finite());
-            worst = worst.max(error.abs());
-            compared += 1;
-        }
-        println!("wall {wall}, nu {poissons_ratio}: {worst:.1e}, said {said:.1e}");
-        assert!(worst <= said && worst > 0.05 * said, "wall {wall}: {worst:e}, said {said:e}");
-    }
-    assert_eq!(compared, 7 * 12);
 }
 
 /// Bodies that nothing carries are refused beforehand: the others are solved as without them, at no more cost.

@@ -23,7 +23,7 @@ pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Pr
     let choice = match (args.backend, &args.adapter) {
         (_, Some(name)) => AdapterChoice::Named(name),
         (Backend::Gpu, None) => AdapterChoice::Best,
-        // `auto` as well: no GPU was measured to be faster, and only the processor interpolates between bodies.
+        // `auto` as well: no GPU was measured to be faster.
         (Backend::Cpu | Backend::Auto, None) => return Ok(None),
     };
     match open(choice, args, study.solve.accuracy) {

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use jointsweep::Error;
-use jointsweep::engine::backend::cpu::CpuBackend;
 use jointsweep::engine::explain::{Explainer, Explanation, percent};
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::study::config::Study;
 use jointsweep::study::design::DesignCase;
 
@@ -72,7 +72,7 @@ fn one(study: &Study, explainer: &Explainer, design: u64) -> Result<String, Erro
 
 /// What the design's own rows say, each design being solved by itself.
 fn solved(study: &Study, case: DesignCase) -> Option<String> {
-    let outcome = CpuBackend::new(study.solve).solve(&[case]).pop()?;
+    let outcome = Ladder::new(study.solve).solve(&[case]).pop()?;
     let responses: Vec<_> = outcome.steps.iter().filter_map(|step| step.response).collect();
     let worst = responses.iter().map(|response| response.force_error).fold(0.0, f64::max);
     let method = responses.first()?.method.name();

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use jointsweep::engine::cost::Estimate;
+use jointsweep::engine::explain::percent;
 use jointsweep::output::manifest::{Counts, Manifest, Origin};
 
 /// The most causes of failure that are listed; the table has them all.
@@ -47,6 +48,10 @@ pub fn summary(manifest: &Manifest, table: &Path) -> String {
     }
     if let Some(on_cpu) = counts.designs_on_cpu.filter(|count| *count > 0) {
         _ = writeln!(text, "{} came from the processor", plural(on_cpu, "design", "designs"));
+    }
+    if counts.greatest_linearity_error > 0.0 {
+        let most = percent(counts.greatest_linearity_error);
+        _ = writeln!(text, "linearity_error: {most} at most");
     }
     if counts.failed_rows > 0 {
         let rows = plural(counts.failed_rows, "row", "rows");

@@ -7,22 +7,36 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use crate::engine::near_fields::{NearFieldKey, NearFieldKeys, NearFieldLibrary, Space, near_field_bytes};
-use crate::engine::request::{BodyRequest, Fidelity, RequestKey, SpaceKey, TopologyKey, concentric};
+use crate::engine::backend::Device;
+use crate::engine::backend::gpu::context::GpuError;
+use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
+use crate::engine::near_fields::NearFieldLibrary;
+use crate::engine::outcome::BackendKind;
 use crate::mechanics::body::Body;
-use crate::mechanics::compliance::PressureCompliance;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
-use crate::mechanics::compliance::pressure_space::PressureSpace;
+use crate::mechanics::compliance::near_field::NearFieldClass;
+use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::compliance::{BodyCompliance, Boundary};
 use crate::mechanics::real::LANES;
 
 /// Solves bodies and remembers them, with everything that many bodies share.
 #[derive(Default)]
-pub struct BodyLibrary {
-    pub shared: NearFieldLibrary,
+pub struct BodyLibrary<'a> {
+    near_fields: NearFieldLibrary,
     plans: HashMap<TopologyKey, CondensationPlan>,
-    solved: HashMap<RequestKey, Arc<PressureCompliance>>,
+    solved: HashMap<RequestKey, SolvedBody>,
+    device: Option<Box<dyn Device + 'a>>,
+    /// Why the device was given up: it is only asked what it has done.
+    lost: Option<GpuError>,
     /// Time spent in each stage, summed over threads.
     pub times: BodyTimes,
+}
+
+/// A body with what has condensed it.
+#[derive(Clone)]
+pub struct SolvedBody {
+    pub compliance: Arc<BodyCompliance>,
+    pub backend: BackendKind,
 }
 
 /// Where a library's time went, summed over threads.
@@ -33,24 +47,38 @@ pub struct BodyTimes {
     pub series: Duration,
 }
 
-/// Solved bodies beyond these many bytes are dropped before the next ones are solved, but for those asked for: some four
-/// thousand with six trial pressures.
-const KEPT_BODIES: usize = 24 << 20;
+/// Solved bodies beyond these many bytes are dropped before the next ones are solved, but for those asked for.
+const KEPT_BODIES: usize = 4 << 20;
 
 /// And plans: a list of a million different blocks takes no more memory than one of a thousand.
 const KEPT_PLANS: usize = 64 << 20;
 
-/// No more bodies are solved at a time than have near fields of so many bytes.
-const PORTION_BYTES: usize = 64 << 20;
+/// No more bodies are solved at a time than need so many near fields.
+const PORTION: usize = 1000;
 
-impl BodyLibrary {
-    pub fn space(&self, key: SpaceKey) -> &PressureSpace {
-        &self.shared.space(key).space
+impl<'a> BodyLibrary<'a> {
+    /// Which condenses on a device as long as that lasts.
+    pub fn on(device: Box<dyn Device + 'a>) -> BodyLibrary<'a> {
+        BodyLibrary { device: Some(device), ..BodyLibrary::default() }
+    }
+
+    pub fn device(&self) -> Option<&(dyn Device + 'a)> {
+        self.device.as_deref()
+    }
+
+    /// Why the device was given up, if it was.
+    pub fn lost(&self) -> Option<&GpuError> {
+        self.lost.as_ref()
+    }
+
+    /// Forgets solved bodies, but not what they share.
+    pub fn forget(&mut self) {
+        self.solved.clear();
     }
 
     /// A solved body. Every request since the last `solve` has an answer.
-    pub fn compliance(&self, key: &RequestKey) -> &Arc<PressureCompliance> {
-        &self.solved[key]
+    pub fn solved(&self, request: &BodyRequest) -> &SolvedBody {
+        &self.solved[&request.key()]
     }
 
     /// Solves the requests that have no answer yet.
@@ -65,132 +93,153 @@ impl BodyLibrary {
         if missing.is_empty() {
             return;
         }
-        let bytes: usize = self.solved.values().map(|body| size_of_val(&body.values[..])).sum();
-        if bytes > KEPT_BODIES {
+        if self.solved.values().map(|body| body.compliance.bytes()).sum::<usize>() > KEPT_BODIES {
             self.solved.retain(|key, _| asked.contains(key));
         }
-        let (series, meshed): (Vec<_>, Vec<_>) =
-            missing.iter().partition::<Vec<BodyRequest>, _>(|request| request.fidelity == Fidelity::Series);
-        self.solve_series(&series);
+        let (series, meshed): (Vec<BodyRequest>, Vec<BodyRequest>) =
+            missing.into_iter().partition(|request| request.fidelity == Fidelity::Series);
+        let exact: Vec<(BodyRequest, BodyCompliance, Duration)> = series
+            .into_par_iter()
+            .map(|request| {
+                let started = Instant::now();
+                (request, concentric(&request.body).compliance(), started.elapsed())
+            })
+            .collect();
+        for (request, compliance, time) in exact {
+            self.times.series += time;
+            self.keep(&request, compliance, BackendKind::Cpu);
+        }
         let started = Instant::now();
         let portions = portions(&meshed);
         self.times.shared += started.elapsed();
         portions.into_iter().for_each(|portion| self.solve_meshed(portion));
     }
 
-    fn solve_series(&mut self, series: &[BodyRequest]) {
-        let started = Instant::now();
-        self.shared.prepare_series(series);
-        self.times.shared += started.elapsed();
-        let exact: Vec<(RequestKey, PressureCompliance, Duration)> = series
-            .par_iter()
-            .map(|request| {
-                let started = Instant::now();
-                let Space { space, moments, highest, .. } = self.shared.space(request.space);
-                let compliance = concentric(&request.body).compliance(space, moments, *highest);
-                (request.key(), compliance, started.elapsed())
-            })
-            .collect();
-        for (key, compliance, time) in exact {
-            self.times.series += time;
-            self.solved.insert(key, Arc::new(compliance));
-        }
+    fn keep(&mut self, request: &BodyRequest, compliance: BodyCompliance, backend: BackendKind) {
+        self.solved.insert(request.key(), SolvedBody { compliance: Arc::new(compliance), backend });
     }
 
-    fn solve_meshed(&mut self, groups: Vec<Group>) {
+    fn solve_meshed(&mut self, mut groups: Vec<Group>) {
         let started = Instant::now();
-        self.shared.prepare(groups.iter().flat_map(|(_, group)| group).flat_map(|(_, keys)| keys.around));
+        let around = |(key, group): &Group| {
+            let class = key.class;
+            group
+                .iter()
+                .map(|request| request.body)
+                .collect::<Vec<Body>>()
+                .into_iter()
+                .flat_map(move |body| NearFieldClass::around(&body, class).0)
+        };
+        self.near_fields.prepare(groups.iter().flat_map(around));
         self.times.shared += started.elapsed();
+        if let Some(device) = self.device.as_mut().filter(|_| self.lost.is_none()) {
+            match device.condense(&groups) {
+                Ok(works) => groups = self.take(groups, works),
+                Err(error) => self.lost = Some(error),
+            }
+        }
         let bytes: usize = self.plans.values().map(CondensationPlan::bytes).sum();
         if bytes > KEPT_PLANS / 2 {
             self.plans.clear();
         }
         let room = AtomicUsize::new(KEPT_PLANS / 2);
         let solved: Vec<SolvedGroup> =
-            groups.into_par_iter().map(|(key, group)| self.solve_group(key, &group, &room)).collect();
+            groups.into_par_iter().map(|group| self.solve_group(group, &room)).collect();
         for SolvedGroup { key, plan, plan_time, batches } in solved {
             self.times.shared += plan_time;
             self.plans.extend(plan.map(|plan| (key, plan)));
             for (solved, time) in batches {
                 self.times.condense += time;
-                self.solved.extend(solved.into_iter().map(|(key, compliance)| (key, Arc::new(compliance))));
+                for (request, compliance) in solved {
+                    self.keep(&request, compliance, BackendKind::Cpu);
+                }
             }
         }
     }
 
+    /// Takes what a device has condensed; gives back what it has left.
+    fn take(&mut self, groups: Vec<Group>, works: Vec<Vec<Option<Vec<f64>>>>) -> Vec<Group> {
+        let mut left = Vec::new();
+        for ((key, group), works) in groups.into_iter().zip(works) {
+            let mut of_group = Vec::new();
+            for (request, works) in group.into_iter().zip(works) {
+                match works {
+                    Some(works) => {
+                        let compliance = self.corrected(&key, &request.body, works);
+                        self.keep(&request, compliance, BackendKind::Gpu);
+                    }
+                    None => of_group.push(request),
+                }
+            }
+            if !of_group.is_empty() {
+                left.push((key, of_group));
+            }
+        }
+        left
+    }
+
+    /// From condensed works to the compliance of a body.
+    fn corrected(&self, key: &TopologyKey, body: &Body, mut works: Vec<f64>) -> BodyCompliance {
+        self.near_fields.correct(body, key.class, &mut works);
+        BodyCompliance::new(body, Boundary::RingModes(RingModes::of(&key.class), works))
+    }
+
     /// Bodies of one topology; a plan that is new is kept while there is `room` for it, in bytes.
-    fn solve_group(&self, key: TopologyKey, group: &[Meshed], room: &AtomicUsize) -> SolvedGroup {
+    fn solve_group(&self, (key, group): Group, room: &AtomicUsize) -> SolvedGroup {
         let started = Instant::now();
         let mut new = None;
         let plan = match self.plans.get(&key) {
             Some(known) => known,
             None => {
-                let Space { space, rings, .. } = self.shared.space(key.space);
-                let body = &group[0].0.body;
-                new.insert(CondensationPlan::new(body, key.grading(body), space, rings))
+                let body = &group[0].body;
+                new.insert(CondensationPlan::new(body, key.grading(body), RingModes::of(&key.class)))
             }
         };
         let plan_time = started.elapsed();
-        let condense = |batch: &[Meshed]| {
+        let condense = |batch: &[BodyRequest]| {
             let started = Instant::now();
-            (self.condense(plan, batch), started.elapsed())
+            let bodies: Vec<Body> = batch.iter().map(|request| request.body).collect();
+            let works = plan.condense(&bodies).into_iter();
+            let solved = batch
+                .iter()
+                .zip(works)
+                .map(|(request, works)| (*request, self.corrected(&key, &request.body, works)));
+            (solved.collect(), started.elapsed())
         };
         let batches = group.par_chunks(LANES).map(condense).collect();
         let fits = |plan: &CondensationPlan| {
             let take = |left: usize| left.checked_sub(plan.bytes());
             room.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok()
         };
-        SolvedGroup { key, plan: new.filter(fits), plan_time, batches }
-    }
-
-    fn condense(&self, plan: &CondensationPlan, batch: &[Meshed]) -> Vec<SolvedBody> {
-        let bodies: Vec<Body> = batch.iter().map(|(request, _)| request.body).collect();
-        let mut compliances = plan.condense(&bodies);
-        for ((request, keys), compliance) in batch.iter().zip(&mut compliances) {
-            self.shared.correct(&request.body, keys, compliance);
-        }
-        batch.iter().map(|(request, _)| request.key()).zip(compliances).collect()
+        SolvedGroup { plan: new.filter(fits), key, plan_time, batches }
     }
 }
-
-/// A body on a mesh, and its near fields.
-type Meshed = (BodyRequest, NearFieldKeys);
-
-/// Bodies of one topology.
-type Group = (TopologyKey, Vec<Meshed>);
-
-type SolvedBody = (RequestKey, PressureCompliance);
 
 struct SolvedGroup {
     key: TopologyKey,
     /// To be kept.
     plan: Option<CondensationPlan>,
     plan_time: Duration,
-    batches: Vec<(Vec<SolvedBody>, Duration)>,
+    batches: Vec<(Vec<(BodyRequest, BodyCompliance)>, Duration)>,
 }
 
-/// The requests by topology, in portions each of which ends where its near fields take more than `PORTION_BYTES`.
+/// The requests by topology, in portions each of which ends where it needs more than `PORTION` near fields.
 fn portions(requests: &[BodyRequest]) -> Vec<Vec<Group>> {
-    let mut groups: HashMap<TopologyKey, Vec<Meshed>> = HashMap::new();
+    let mut groups: HashMap<TopologyKey, Vec<BodyRequest>> = HashMap::new();
     for request in requests {
-        let topology = TopologyKey::of(request);
-        let keys = NearFieldKeys::new(&request.body, topology.class, request.space);
-        groups.entry(topology).or_default().push((*request, keys));
+        groups.entry(TopologyKey::of(request)).or_default().push(*request);
     }
     let mut portions: Vec<Vec<Group>> = Vec::new();
-    let (mut portion, mut bytes) = (Vec::new(), 0);
-    let mut near_fields: HashSet<NearFieldKey> = HashSet::new();
+    let mut portion = Vec::new();
+    let mut near_fields: HashSet<NearFieldClass> = HashSet::new();
     for (key, group) in groups {
-        for near_field in group.iter().flat_map(|(_, keys)| keys.around) {
-            if near_fields.insert(near_field) {
-                bytes += near_field_bytes(&near_field);
-            }
+        for request in &group {
+            near_fields.extend(NearFieldClass::around(&request.body, key.class).0);
         }
         portion.push((key, group));
-        if bytes > PORTION_BYTES {
+        if near_fields.len() > PORTION {
             portions.push(std::mem::take(&mut portion));
             near_fields.clear();
-            bytes = 0;
         }
     }
     portions.push(portion);
@@ -206,7 +255,6 @@ mod tests {
     /// Bodies of ever new topologies and near fields take no more memory the more there are, and each is answered.
     #[test]
     fn what_is_kept_is_bounded() {
-        let space = SpaceKey { half_ring: false, terms: 24 };
         let request = |index: usize| BodyRequest {
             body: Body {
                 shape: &annulus::SHAPE,
@@ -216,22 +264,16 @@ mod tests {
                 idealization: Idealization::PlaneStress,
             },
             fidelity: Fidelity::Mesh { level: index % 4 },
-            space,
         };
         let requests: Vec<BodyRequest> = (0..240).map(request).collect();
         let mut library = BodyLibrary::default();
-        let mut keys: HashSet<NearFieldKey> = HashSet::new();
         for batch in requests.chunks(24) {
             library.solve(batch);
-            keys.extend(batch.iter().flat_map(|request| NearFieldKeys::of(request).around));
             for request in batch {
-                assert!(library.compliance(&request.key()).values.iter().all(|value| value.is_finite()));
+                assert!(library.solved(request).compliance.is_finite());
             }
             let plans: usize = library.plans.values().map(CondensationPlan::bytes).sum();
-            // What is at hand comes on top.
-            assert!(plans <= KEPT_PLANS && library.shared.bytes() <= 2 * PORTION_BYTES);
+            assert!(plans <= KEPT_PLANS && library.near_fields.bytes() <= 64 << 20);
         }
-        let all: usize = keys.iter().map(near_field_bytes).sum();
-        assert!(all > 2 * PORTION_BYTES, "{all} bytes show nothing");
     }
 }

@@ -3,17 +3,25 @@
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, RandomState};
 
-use crate::engine::interpolation::plan::InterpolationPlan;
-use crate::engine::near_fields::{NearFieldKey, NearFieldKeys};
-use crate::engine::plan::{Estimate as HowKnown, JointPlan, Trust};
-use crate::engine::request::{BodyRequest, Fidelity, MeshSize, SpaceKey, TopologyKey, concentric, mesh_size};
+use crate::engine::accuracy::Estimate as HowKnown;
+use crate::engine::accuracy::mesh_change::Trust;
+use crate::engine::body_request::{
+    BodyRequest, Fidelity, MeshSize, TopologyKey, concentric, mesh_class, mesh_size,
+};
+use crate::engine::interpolation::fit_plan::InterpolationPlan;
+use crate::engine::joint_contact::joint_key;
+use crate::engine::plan::JointPlan;
+use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{
-    DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, ROW_SECONDS, START_SECONDS,
-    TOPOLOGY_SECONDS, batch_seconds, request_seconds, series_seconds, space_seconds,
+    Unit, batch, body_seconds, design, interpolated_design, joint_seconds, near_field_works, series, space,
+    space_modes, space_ring_modes, topology,
 };
 use crate::error::Error;
+use crate::mechanics::compliance::near_field::NearFieldClass;
+use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::real::LANES;
 use crate::study::config::{MethodChoice, Study};
+use crate::study::design::DesignCase;
 
 /// What a sweep will take.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,14 +60,15 @@ const FEW: f64 = 0.05;
 #[derive(Default)]
 struct Group {
     size: MeshSize,
-    terms: usize,
+    modes: usize,
     bodies: f64,
 }
 
 impl Group {
     fn seconds(&self) -> f64 {
         let batches = (self.bodies / LANES as f64).ceil();
-        likely(self.bodies) * (TOPOLOGY_SECONDS + batches * batch_seconds(self.size, self.terms))
+        let of_batches = batches * batch(self.size).seconds();
+        likely(self.bodies) * (topology(self.size, self.modes).seconds() + of_batches)
     }
 }
 
@@ -77,9 +86,13 @@ struct Needs {
     solved: HashSet<u64>,
     groups: HashMap<u64, Group>,
     /// With the size of the reference's mesh, and how many bodies need it.
-    near_fields: HashMap<NearFieldKey, (MeshSize, f64)>,
-    /// Highest mode by space.
+    near_fields: HashMap<NearFieldClass, (MeshSize, f64)>,
+    /// Highest mode of exact bodies by space.
     spaces: HashMap<SpaceKey, usize>,
+    /// Ring modes of bodies on meshes in each space, and how many joints need them.
+    ring_modes: HashMap<(SpaceKey, RingModes), f64>,
+    /// Joints that have a curve of their own.
+    joints: HashSet<u64>,
     unknowns: u64,
     seconds: f64,
 }
@@ -92,42 +105,63 @@ impl Needs {
             return;
         }
         let Fidelity::Mesh { level } = request.fidelity else {
-            self.need_modes(request.space, concentric(&request.body).modes_needed());
-            self.seconds += times * request_seconds(request);
+            self.seconds += times * body_seconds(request);
             return;
         };
         let size = mesh_size(&request.body, level);
-        let group = self.groups.entry(self.hasher.hash_one(TopologyKey::of(request))).or_default();
-        (group.size, group.terms) = (size, request.space.terms);
+        let topology = TopologyKey::of(request);
+        let group = self.groups.entry(self.hasher.hash_one(&topology)).or_default();
+        (group.size, group.modes) = (size, RingModes::of(&topology.class).count);
         group.bodies += times;
         if times == 1.0 {
             self.unknowns += size.unknowns;
         }
-        for key in NearFieldKeys::of(request).around {
+        for class in NearFieldClass::around(&request.body, topology.class).0 {
             // The reference has some of the body's layers; around half a ring it is that of the whole.
-            let rings = if key.0.half_ring { 2 } else { 1 };
-            let layers = key.0.layer_count() as u64;
+            let rings = if class.half_ring { 2 } else { 1 };
+            let layers = class.layer_count() as u64;
             let unknowns = rings * size.unknowns * layers / size.layers;
-            let (mesh, bodies) = self.near_fields.entry(key).or_default();
+            let (mesh, bodies) = self.near_fields.entry(class).or_default();
             *mesh = MeshSize { unknowns, layers };
             *bodies += times;
-            self.need_modes(request.space, key.0.highest_mode());
         }
     }
 
-    fn need_modes(&mut self, space: SpaceKey, modes: usize) {
-        let highest = self.spaces.entry(space).or_default();
-        *highest = modes.max(*highest);
+    /// Adds the contact of a joint as it is solved `times` a design.
+    fn add_joint(&mut self, plan: &JointPlan, case: &DesignCase, times: f64) {
+        if !self.joints.insert(self.hasher.hash_one(joint_key(plan, case))) {
+            return;
+        }
+        self.seconds += times * joint_seconds(plan);
+        let highest = self.spaces.entry(plan.space).or_default();
+        for BodyRequest { body, fidelity } in plan.requests() {
+            match fidelity {
+                Fidelity::Series => *highest = concentric(&body).modes_needed().max(*highest),
+                Fidelity::Mesh { level } => {
+                    let modes = RingModes::of(&mesh_class(&body, level));
+                    *self.ring_modes.entry((plan.space, modes)).or_default() += times;
+                }
+            }
+        }
     }
 
     fn total_seconds(&self) -> f64 {
-        let of_near_field = |(key, (size, bodies)): (&NearFieldKey, &(MeshSize, f64))| {
-            let terms = key.1.terms;
-            let exact = LANES as f64 * series_seconds(terms, key.0.highest_mode());
-            likely(*bodies) * (exact + batch_seconds(*size, terms))
+        let of_near_field = |(class, (size, bodies)): (&NearFieldClass, &(MeshSize, f64))| {
+            let modes = RingModes::of(&class.grading).count;
+            let highest = class.reference().highest_mode();
+            let exact = LANES as f64 * series(highest).seconds() + near_field_works(highest, modes).seconds();
+            let meshed = topology(*size, modes).seconds() + batch(*size).seconds();
+            likely(*bodies) * (exact + meshed)
+        };
+        let of_space = |(key, highest): (&SpaceKey, &usize)| {
+            space(*key).seconds() + space_modes(*key, *highest).seconds()
+        };
+        let of_ring_modes = |((key, modes), joints): (&(SpaceKey, RingModes), &f64)| {
+            likely(*joints) * space_ring_modes(*key, modes.count).seconds()
         };
         self.seconds
-            + self.spaces.iter().map(|(space, highest)| space_seconds(space.terms, *highest)).sum::<f64>()
+            + self.spaces.iter().map(of_space).sum::<f64>()
+            + self.ring_modes.iter().map(of_ring_modes).sum::<f64>()
             + self.groups.values().map(Group::seconds).sum::<f64>()
             + self.near_fields.iter().map(of_near_field).sum::<f64>()
     }
@@ -160,17 +194,18 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
         let mut rung = Some((first, 1.0));
         while let Some((plan, share)) = rung.filter(|(_, share)| *share > FEW) {
             plan.requests().for_each(|request| needs.add(&request, share));
+            needs.add_joint(&plan, &case, share);
             rung = plan.finer().map(|finer| (finer, share * climbers(&plan, accuracy)));
         }
     }
     estimate.distinct_bodies = needs.bodies.len() as u64;
     estimate.unknowns = needs.unknowns;
-    estimate.seconds =
-        START_SECONDS + needs.total_seconds() + interpolation.map_or(0.0, |plan| plan.seconds());
-    let steps = estimate.rows as f64 / (estimate.designs as f64).max(1.0);
+    let rows = estimate.rows as f64 / (estimate.designs as f64).max(1.0);
     let (interpolated, refused) = (estimate.interpolated as f64, estimate.refused as f64);
-    estimate.seconds += (estimate.designs as f64 - interpolated - refused)
-        * (DESIGN_SECONDS + steps * ROW_SECONDS)
-        + interpolated * (INTERPOLATED_DESIGN_SECONDS + steps * INTERPOLATED_ROW_SECONDS);
+    estimate.seconds = Unit::Process.seconds()
+        + needs.total_seconds()
+        + interpolation.map_or(0.0, |plan| plan.seconds())
+        + (estimate.designs as f64 - interpolated - refused) * design(rows).seconds()
+        + interpolated * interpolated_design(rows).seconds();
     Ok(estimate)
 }

@@ -3,17 +3,21 @@
 
 use std::collections::BTreeMap;
 
-use crate::engine::foresight::Foresight;
-use crate::engine::interpolation::plan::InterpolationPlan;
-use crate::engine::known_errors::{KNOWN_LEVELS, known_error};
-use crate::engine::plan::{Estimate, JointPlan, first_level, mesh_error};
-use crate::engine::request::{BodyRequest, Fidelity, mesh_size};
-use crate::engine::unit_costs::{
-    DESIGN_SECONDS, INTERPOLATED_DESIGN_SECONDS, INTERPOLATED_ROW_SECONDS, ROW_SECONDS, request_seconds,
-};
+use crate::engine::accuracy::Estimate;
+use crate::engine::accuracy::geometry_error::outline_error;
+use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
+use crate::engine::body_request::{BodyRequest, Fidelity, mesh_size};
+use crate::engine::expected_contact::ExpectedContact;
+use crate::engine::interpolation::fit_plan::InterpolationPlan;
+use crate::engine::joint_scale::JointScale;
+use crate::engine::plan::{JointPlan, first_level};
+use crate::engine::unit_costs::{Unit, body_seconds, design, interpolated_design, joint_seconds};
 use crate::error::Error;
 use crate::study::config::{MethodChoice, Study};
 use crate::study::design::DesignCase;
+
+/// What the curve of exact bodies leaves at most, but for beds.
+const EXACT: f64 = 3e-5;
 
 /// Why a design is solved as it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +80,7 @@ impl<'a> Explainer<'a> {
                 bodies: Vec::new(),
                 ruled_out,
                 error: 1.0,
-                seconds: rows * ROW_SECONDS,
+                seconds: rows * Unit::Row.seconds(),
             };
         }
         let mut rule_out = |what: &str, why: String| ruled_out.push((what.to_string(), why));
@@ -90,7 +94,7 @@ impl<'a> Explainer<'a> {
                 bodies: Vec::new(),
                 ruled_out,
                 error: self.study.solve.accuracy,
-                seconds: INTERPOLATED_DESIGN_SECONDS + rows * INTERPOLATED_ROW_SECONDS,
+                seconds: interpolated_design(rows).seconds(),
             };
         }
         self.explain_bodies(case, ruled_out)
@@ -127,7 +131,7 @@ impl<'a> Explainer<'a> {
                 };
             }
         };
-        let foresight = Foresight::of(case);
+        let expected = ExpectedContact::of(case);
         for request in plan.meshed() {
             let name = request.body.shape.name;
             let why = match method {
@@ -143,45 +147,50 @@ impl<'a> Explainer<'a> {
         for level in (0..levels).filter(|_| is_meshed) {
             let alone = JointPlan { level, ..plan };
             ruled_out
-                .push((format!("mesh level {level} alone"), not_known_enough(&alone, &foresight, accuracy)));
+                .push((format!("mesh level {level} alone"), not_known_enough(&alone, &expected, accuracy)));
         }
         let (chosen, why, error) = match plan.estimate {
             Estimate::Exact => (
                 "series".to_string(),
                 "both bodies have exact modes, which cost less than any mesh".into(),
-                1e-5_f64.min(accuracy),
+                EXACT.min(accuracy),
             ),
             Estimate::Known => {
-                let known = worst_known(&plan, foresight.half_angle).unwrap_or(f64::INFINITY);
-                let foreseen = plan.foreseen_error(&foresight).unwrap_or(f64::INFINITY);
+                let known = worst_known(&plan, expected.half_angle).unwrap_or(f64::INFINITY);
+                let foreseen = plan.foreseen_error(&expected).unwrap_or(f64::INFINITY);
                 let why = format!(
                     "such meshes are known to be within {} at half angles up to {:.0} deg; by the moduli an error of {} is \
                      foreseen, and where it turns out worse, finer ones follow",
                     percent(known),
-                    foresight.half_angle.to_degrees(),
+                    expected.half_angle.to_degrees(),
                     percent(foreseen)
                 );
                 (format!("mesh level {}", plan.level), why, accuracy)
             }
-            Estimate::Change(_) => {
+            Estimate::Change(trust) => {
                 let (level, first) = (plan.level, first_level(accuracy));
                 let why = format!(
                     "the difference of two meshes tells the error of each design; level {first} is the coarsest that is \
                      typically within {}, and where it is not, finer ones follow",
                     percent(accuracy)
                 );
-                (format!("mesh levels {} and {level}", level - 1), why, accuracy.max(mesh_error(level, 0.0)))
+                (format!("mesh levels {} and {level}", level - 1), why, accuracy.max(trust.error(level, 0.0)))
             }
         };
+        // What is left of the outlines is told beside what is asked where finer meshes cannot make room for it.
+        let of_outlines =
+            outline_error(&case.joint, &JointScale::of(&case.joint).outlines, expected.half_angle);
+        let is_beside = plan.estimate == Estimate::Exact || of_outlines > 0.5 * accuracy;
+        let error = if is_beside { error + of_outlines } else { error };
         let requests: Vec<BodyRequest> = plan.requests().collect();
-        let seconds: f64 = requests.iter().map(request_seconds).sum();
+        let seconds: f64 = requests.iter().map(body_seconds).sum();
         Explanation {
             chosen,
             why,
-            bodies: requests.iter().map(describe).collect(),
+            bodies: requests.iter().map(|request| describe(request, plan.space.terms)).collect(),
             ruled_out,
             error,
-            seconds: seconds + DESIGN_SECONDS + case.steps.len() as f64 * ROW_SECONDS,
+            seconds: seconds + joint_seconds(&plan) + design(case.steps.len() as f64).seconds(),
         }
     }
 }
@@ -192,15 +201,15 @@ fn worst_known(plan: &JointPlan, half_angle: f64) -> Option<f64> {
     plan.meshed().map(known).try_fold(0.0, |worst: f64, error| Some(worst.max(error?)))
 }
 
-fn not_known_enough(plan: &JointPlan, foresight: &Foresight, accuracy: f64) -> String {
-    match plan.foreseen_error(foresight) {
+fn not_known_enough(plan: &JointPlan, expected: &ExpectedContact, accuracy: f64) -> String {
+    match plan.foreseen_error(expected) {
         None => "its error on such bodies was not measured beforehand".into(),
         Some(error) => format!("may be off by {}, {} is asked", percent(error), percent(accuracy)),
     }
 }
 
-fn describe(request: &BodyRequest) -> String {
-    let (name, terms) = (request.body.shape.name, request.space.terms);
+fn describe(request: &BodyRequest, terms: usize) -> String {
+    let name = request.body.shape.name;
     match request.fidelity {
         Fidelity::Series => format!("{name}: exact modes, {terms} trial pressures"),
         Fidelity::Mesh { level } => {

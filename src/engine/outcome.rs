@@ -52,14 +52,16 @@ pub struct Response {
     pub force: f64,
     /// dF/d delta, N/mm.
     pub tangent_stiffness: f64,
-    /// Where the pressure vanishes, from the load line, rad; `None` where the method does not say.
+    /// Where the pressure vanishes, at the hole's centre, from the load line, rad; `None` where the method does not say.
     pub contact_half_angle: Option<f64>,
-    /// MPa, at the load line; `None` where the method does not say.
+    /// MPa, at the load line, per area of the hole; `None` where the method does not say.
     pub peak_pressure: Option<f64>,
     /// Strain energy of both bodies, mJ; `None` where the method does not say.
     pub energy: Option<f64>,
-    /// Estimated relative error of the force.
+    /// Estimated relative error of the force, displacements being small.
     pub force_error: f64,
+    /// Estimated relative difference of the force from laws of finite displacement; `None` where the method does not say.
+    pub linearity_error: Option<f64>,
     pub method: Method,
 }
 

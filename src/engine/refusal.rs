@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use crate::engine::request::{BodyRequest, Fidelity, mesh_size};
+use crate::engine::body_request::{BodyRequest, Fidelity, mesh_size};
 use crate::mechanics::body::{Body, DEEPEST_MESHED, Side};
 use crate::mechanics::real::LANES;
 

@@ -7,9 +7,9 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::engine::backend::gpu::solver::{GpuBackend, GpuChoice};
-use crate::engine::backend::{CPU_BATCH, Solver};
-use crate::engine::interpolation::plan::InterpolationPlan;
+use crate::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
+use crate::engine::interpolation::fit_plan::InterpolationPlan;
+use crate::engine::ladder::Ladder;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::error::Error;
 use crate::study::config::Study;
@@ -51,6 +51,9 @@ pub struct SweepOptions<'a> {
     pub notify: Option<&'a (dyn Fn(&str) + Sync)>,
 }
 
+/// Designs of a batch on the processor: enough to fill the lanes of many topologies, few enough to stay small.
+const BATCH: usize = 1024;
+
 /// Designs of the first batch, so that a slow sweep shows its first rows soon.
 const FIRST_BATCH: usize = 64;
 
@@ -69,7 +72,7 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
     let mut statistics = Statistics::default();
     let (drawn_sender, drawn) = sync_channel(1);
     let (solved_sender, solved) = sync_channel(1);
-    let batch_size = options.gpu.map_or(CPU_BATCH, |gpu| gpu.batch_size());
+    let batch_size = options.gpu.map_or(BATCH, |gpu| gpu.batch_size());
     std::thread::scope(|scope| {
         let drawer = scope.spawn(move || draw_all(cases, batch_size, &drawn_sender));
         let solver = scope.spawn(move || solve_all(study, options, &pool, &drawn, &solved_sender));
@@ -145,31 +148,30 @@ fn solve_all(
     solved: &SyncSender<Solved>,
 ) -> Solution {
     let mut fallback = None;
-    let mut solver = match options.gpu.map(|gpu| GpuBackend::new(gpu, study.solve)) {
-        None => Solver::interpolating(study.solve, InterpolationPlan::of_study(study)),
-        Some(Ok(backend)) => Solver::with(Box::new(backend), study.solve),
+    let ladder = Ladder::new(study.solve).interpolating(InterpolationPlan::of_study(study));
+    let mut ladder = match options.gpu.map(GpuCondenser::new) {
+        None => ladder,
+        Some(Ok(condenser)) => ladder.on(Box::new(condenser)),
         Some(Err(error)) => {
             fallback = given_up(options, &error.to_string());
-            Solver::on_cpu(study.solve)
+            ladder
         }
     };
     for batch in drawn {
-        let outcomes = batch.map(|batch| {
-            let (outcomes, lost) = pool.install(|| solver.solve(&batch));
-            if let Some(error) = lost {
-                fallback = given_up(options, &error.to_string());
-            }
-            outcomes
-        });
+        let outcomes = batch.map(|batch| pool.install(|| ladder.solve(&batch)));
+        if let Some(error) = ladder.library.lost().filter(|_| fallback.is_none()) {
+            fallback = given_up(options, &error.to_string());
+        }
         // The receiver is gone when it has broken off.
         if solved.send(outcomes).is_err() {
             break;
         }
     }
+    let device = ladder.library.device();
     Solution {
-        stages: solver.stages(),
-        worst_residual: solver.worst_residual(),
-        solves: solver.solves(),
+        stages: ladder.stages(),
+        worst_residual: device.map(|device| device.worst_residual()),
+        solves: device.map_or(0, |device| device.solves()),
         fallback,
     }
 }

@@ -1,55 +1,240 @@
-//! What the parts of a sweep cost, for estimates of what a sweep will take and of what is the cheaper way.
+//! What the parts of a sweep cost, for forecasts of what a sweep will take and of which way is the cheaper one.
 //!
-//! Core times in seconds on one core at 134 GFLOP/s (AMD EPYC of family 26, AVX-512). Those of meshes and of what they share
-//! are fitted to bodies of all shapes on every level with 6, 10 and 24 trial pressures, walls from 0.02 to 1e6 in |ln r|,
-//! within 40 %; those of a design and a row come from `cargo bench --bench contact` and `table`. `jointsweep bench` writes the
-//! forecast of a whole sweep beside its time: within a factor of 3 for every file in configs/ (results/sweep.csv).
+//! A cost is a sum: amounts that follow from sizes, each times what one unit of it takes. `unit_costs.csv` is what
+//! `cargo run --release --example unit_costs` prints: these times, measured on one core, fitted to bodies of all shapes and to
+//! pressure spaces of all sizes. `jointsweep bench` writes the forecast of a whole sweep beside its time: within a factor of 3
+//! for every file in configs/ (results/sweep.csv).
 
-use crate::engine::request::{BodyRequest, Fidelity, MeshSize, concentric, mesh_size};
+use std::sync::LazyLock;
+
+use crate::engine::body_request::{BodyRequest, Fidelity, MeshSize, concentric, mesh_class, mesh_size};
+use crate::engine::plan::JointPlan;
+use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::Body;
-use crate::mechanics::compliance::NODE_COUNT;
 use crate::mechanics::compliance::arc::packed_count;
+use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::real::LANES;
 
-/// Of the process, before and after the sweep.
-pub const START_SECONDS: f64 = 3e-3;
-/// Of bodies that share a topology, besides their near fields.
-pub const TOPOLOGY_SECONDS: f64 = 0.3e-3;
-pub const DESIGN_SECONDS: f64 = 15e-6;
-pub const ROW_SECONDS: f64 = 3e-6;
-/// Of designs and rows whose bodies are interpolated, the table included: from hypercube and hypercube-block.
-pub const INTERPOLATED_DESIGN_SECONDS: f64 = 4e-6;
-pub const INTERPOLATED_ROW_SECONDS: f64 = 0.7e-6;
+macro_rules! units {
+    ($($(#[$about:meta])* $unit:ident = $name:literal,)*) => {
+        /// What is counted. Each takes a time of its own.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Unit {
+            $($(#[$about])* $unit,)*
+        }
 
-/// Of a pressure space with its moments up to a mode: each mode takes as many points as it has waves.
-pub fn space_seconds(terms: usize, highest_mode: usize) -> f64 {
-    let (terms, modes) = (terms as f64, highest_mode as f64);
-    2.5e-3 + 0.45e-3 * terms + 2.2e-8 * (1.0 + terms / 12.0) * modes * modes
+        impl Unit {
+            pub const ALL: &[Unit] = &[$(Unit::$unit),*];
+
+            /// The name in the file.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Unit::$unit => $name,)*
+                }
+            }
+        }
+    };
 }
 
-/// Of an exact body: its modes, and their products at every node.
-pub fn series_seconds(terms: usize, modes: usize) -> f64 {
-    let products = (packed_count(terms) * NODE_COUNT) as f64;
-    5e-6 + modes as f64 * (0.15e-6 + 0.12e-9 * products)
+units! {
+    /// A run of the program, before and after the sweep.
+    Process = "process",
+    /// A node of a pressure space.
+    SpaceNode = "space node",
+    /// A node and pair of trial pressures.
+    SpacePair = "space pair",
+    /// A step of the integrals over the modes of exact bodies.
+    SpaceMode = "space mode",
+    /// A step of the integrals over the ring modes of bodies on meshes.
+    SpaceRingMode = "space ring mode",
+    /// An exact body.
+    SeriesBody = "series body",
+    /// A mode of it.
+    SeriesMode = "series mode",
+    /// A lane batch of meshes.
+    BatchStart = "batch start",
+    /// An unknown of one: coordinates and elements.
+    BatchUnknown = "batch unknown",
+    /// An unknown and squared width of the band: its factor.
+    BatchFactor = "batch factor",
+    /// An unknown of a topology: its order of elimination.
+    TopologyUnknown = "topology unknown",
+    /// A step of the integrals for the ring's loads.
+    TopologyLoad = "topology load",
+    /// A step of the integrals for the exact works of a near field.
+    NearFieldMode = "near field mode",
+    /// A number of a body's compliance to the trial pressures.
+    SpreadNumber = "spread number",
+    /// A product for what the modes of an exact body add to it.
+    SpreadMode = "spread mode",
+    /// A product for what the ring modes of a body on a mesh add to it.
+    SpreadRingMode = "spread ring mode",
+    /// A node of a joint's curve.
+    CurveNode = "curve node",
+    /// A node and pair of trial pressures.
+    CurvePair = "curve pair",
+    /// A design, besides its bodies and its curve.
+    Design = "design",
+    /// A row of the table.
+    Row = "row",
+    /// A design whose bodies are interpolated, its curve included.
+    InterpolatedDesign = "interpolated design",
 }
 
-/// Of one lane batch: a start, the elements, the band's factor, which is as wide as a layer of the mesh, and the arcs on the ring.
-pub fn batch_seconds(MeshSize { unknowns, layers }: MeshSize, terms: usize) -> f64 {
-    let unknowns = unknowns as f64;
-    let width = unknowns / layers as f64;
-    let of_arcs = (terms as f64 / 24.0).powi(2);
-    10e-6 + unknowns * (0.35e-6 + 1.8e-10 * width * width) + 8e-6 * width * of_arcs
-}
-
-/// Of one body among many of its kind; what they share is left out.
-pub fn body_seconds(body: &Body, fidelity: Fidelity, terms: usize) -> f64 {
-    match fidelity {
-        Fidelity::Series => series_seconds(terms, concentric(body).modes_needed()),
-        Fidelity::Mesh { level } => batch_seconds(mesh_size(body, level), terms) / LANES as f64,
+impl Unit {
+    /// s.
+    pub fn seconds(self) -> f64 {
+        SECONDS[self as usize]
     }
 }
 
-/// `body_seconds` of a request.
-pub fn request_seconds(request: &BodyRequest) -> f64 {
-    body_seconds(&request.body, request.fidelity, request.space.terms)
+/// By the places of the units in `Unit::ALL`, s; NaN for those that the file lacks, which a test forbids.
+static SECONDS: LazyLock<Vec<f64>> = LazyLock::new(|| {
+    let rows = || include_str!("unit_costs.csv").lines().skip(1).filter_map(parsed);
+    let seconds =
+        |unit: &Unit| rows().find(|(name, _)| *name == unit.name()).map_or(f64::NAN, |(_, value)| value);
+    Unit::ALL.iter().map(seconds).collect()
+});
+
+/// Name and value of a row of the file.
+fn parsed(row: &str) -> Option<(&str, f64)> {
+    let (name, value) = row.split_once(',')?;
+    let (value, _) = value.split_once(',')?;
+    Some((name, value.parse().ok()?))
+}
+
+/// What something takes: how much of which units.
+#[derive(Clone, Copy, Debug)]
+pub struct Cost<const UNITS: usize>(pub [(Unit, f64); UNITS]);
+
+impl<const UNITS: usize> Cost<UNITS> {
+    pub fn seconds(&self) -> f64 {
+        self.0.iter().map(|(unit, amount)| amount * unit.seconds()).sum()
+    }
+}
+
+/// Of a pressure space.
+pub fn space(SpaceKey { terms, nodes, .. }: SpaceKey) -> Cost<2> {
+    let nodes = nodes as f64;
+    Cost([(Unit::SpaceNode, nodes), (Unit::SpacePair, nodes * packed_count(terms) as f64)])
+}
+
+/// Of the integrals of its trial pressures over the modes of exact bodies: the more modes, the more points does each take.
+pub fn space_modes(SpaceKey { terms, nodes, .. }: SpaceKey, highest_mode: usize) -> Cost<1> {
+    let modes = highest_mode as f64;
+    let points = modes + (4 * (24 + terms)) as f64;
+    Cost([(Unit::SpaceMode, (nodes * (terms + 12)) as f64 * modes * points)])
+}
+
+/// The same over so many ring modes.
+pub fn space_ring_modes(SpaceKey { terms, nodes, .. }: SpaceKey, modes: usize) -> Cost<1> {
+    let points = 32 + terms + 2 * modes;
+    Cost([(Unit::SpaceRingMode, (nodes * points * (modes * terms + 60)) as f64)])
+}
+
+/// Of an exact body: its modes.
+pub fn series(modes: usize) -> Cost<2> {
+    Cost([(Unit::SeriesBody, 1.0), (Unit::SeriesMode, modes as f64)])
+}
+
+/// Of the compliance of an exact body to the trial pressures of a space.
+pub fn spread_modes(SpaceKey { terms, nodes, .. }: SpaceKey, modes: usize) -> Cost<2> {
+    let numbers = (nodes * packed_count(terms)) as f64;
+    Cost([(Unit::SpreadNumber, numbers), (Unit::SpreadMode, numbers * modes as f64)])
+}
+
+/// The same of a body in so many ring modes.
+pub fn spread_ring_modes(SpaceKey { terms, nodes, .. }: SpaceKey, modes: usize) -> Cost<2> {
+    let products = nodes * terms * (packed_count(modes) + modes * terms);
+    Cost([
+        (Unit::SpreadNumber, (nodes * packed_count(terms)) as f64),
+        (Unit::SpreadRingMode, products as f64),
+    ])
+}
+
+/// Of one lane batch: a start, the elements, and the band's factor, which is as wide as a layer of the mesh. The works of the
+/// ring modes are little beside.
+pub fn batch(size: MeshSize) -> Cost<3> {
+    let (unknowns, width) = (size.unknowns as f64, size.width());
+    Cost([
+        (Unit::BatchStart, 1.0),
+        (Unit::BatchUnknown, unknowns),
+        (Unit::BatchFactor, unknowns * width * width),
+    ])
+}
+
+/// Of what bodies of one topology share: the order of elimination, and the loads of the ring modes.
+pub fn topology(size: MeshSize, modes: usize) -> Cost<2> {
+    let modes = modes as f64;
+    Cost([
+        (Unit::TopologyUnknown, size.unknowns as f64),
+        (Unit::TopologyLoad, size.width() * modes * (12.0 + modes)),
+    ])
+}
+
+/// Of the exact works of a near field, from modes of its reference to ring modes.
+pub fn near_field_works(highest_mode: usize, modes: usize) -> Cost<1> {
+    let steps = highest_mode * modes * (64 + highest_mode + LANES / 2 * modes);
+    Cost([(Unit::NearFieldMode, steps as f64)])
+}
+
+/// Of a joint's curve, with the bodies' shares of its work.
+pub fn curve(SpaceKey { terms, nodes, .. }: SpaceKey) -> Cost<2> {
+    let nodes = nodes as f64;
+    Cost([(Unit::CurveNode, nodes), (Unit::CurvePair, nodes * packed_count(terms) as f64)])
+}
+
+/// Of a design with so many rows, besides its bodies and its curve.
+pub fn design(rows: f64) -> Cost<2> {
+    Cost([(Unit::Design, 1.0), (Unit::Row, rows)])
+}
+
+/// Of a design with so many rows whose bodies are interpolated, its curve included.
+pub fn interpolated_design(rows: f64) -> Cost<2> {
+    Cost([(Unit::InterpolatedDesign, 1.0), (Unit::Row, rows)])
+}
+
+/// Of one body among many of its kind, s; what they share is left out.
+pub fn body_seconds(BodyRequest { body, fidelity }: &BodyRequest) -> f64 {
+    match *fidelity {
+        Fidelity::Series => series(concentric(body).modes_needed()).seconds(),
+        Fidelity::Mesh { level } => batch(mesh_size(body, level)).seconds() / LANES as f64,
+    }
+}
+
+/// Of a body's compliance to the trial pressures of a space, s.
+pub fn spread_seconds(BodyRequest { body, fidelity }: &BodyRequest, space: SpaceKey) -> f64 {
+    match *fidelity {
+        Fidelity::Series => spread_modes(space, concentric(body).modes_needed()).seconds(),
+        Fidelity::Mesh { level } => spread_ring_modes(space, ring_modes(body, level)).seconds(),
+    }
+}
+
+/// Of the contact of a joint whose bodies are solved, s: what designs that differ in clearance, sizes and loads share.
+pub fn joint_seconds(plan: &JointPlan) -> f64 {
+    let spreads: f64 = plan.requests().map(|request| spread_seconds(&request, plan.space)).sum();
+    spreads + curve(plan.space).seconds()
+}
+
+/// How many ring modes a body has on a mesh level.
+fn ring_modes(body: &Body, level: usize) -> usize {
+    RingModes::of(&mesh_class(body, level)).count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each unit has its row, in order, and no row is of anything else.
+    #[test]
+    fn the_file_has_every_unit() {
+        let rows: Vec<&str> = include_str!("unit_costs.csv").lines().skip(1).collect();
+        let names: Vec<&str> = rows.iter().filter_map(|row| Some(parsed(row)?.0)).collect();
+        assert_eq!(names, Unit::ALL.iter().map(|unit| unit.name()).collect::<Vec<_>>());
+        assert!(rows.iter().all(|row| row.ends_with(",s")), "{rows:?}");
+        for (place, unit) in Unit::ALL.iter().enumerate() {
+            assert_eq!(*unit as usize, place);
+            assert!(unit.seconds() > 0.0 && unit.seconds() < 1.0, "{unit:?}: {}", unit.seconds());
+        }
+    }
 }

@@ -8,7 +8,7 @@
 use crate::mechanics::body::Body;
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::layers::{Layers, SHRINK};
-use crate::mechanics::material::Idealization;
+use crate::mechanics::material::Compressibility;
 use crate::mechanics::mesh::{Grading, holding_changes};
 
 /// One step on the ladder of resolutions.
@@ -76,11 +76,8 @@ const SHRINKING_AT_HELD_END: usize = 3;
 const MORE_WHERE_STIFF: usize = 2;
 const STIFF_LEVEL: usize = 2;
 
-/// In plane strain from here on, beside the shear modulus.
-pub const STIFF: f64 = 0.42;
-
 fn is_stiff(body: &Body) -> bool {
-    body.idealization == Idealization::PlaneStrain && body.poissons_ratio > STIFF
+    Compressibility::of(body.poissons_ratio, body.idealization) >= Compressibility::Stiff
 }
 
 impl GradingClass {
@@ -181,6 +178,7 @@ mod tests {
 
     use super::*;
     use crate::mechanics::body::{annulus, block, cored_disc, half_disc};
+    use crate::mechanics::material::Idealization;
 
     fn body(shape: &'static crate::mechanics::body::Shape, parameters: [f64; 3]) -> Body {
         Body { shape, parameters, support: 0, poissons_ratio: 0.3, idealization: Idealization::PlaneStress }

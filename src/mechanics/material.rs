@@ -44,6 +44,53 @@ impl Idealization {
     }
 }
 
+/// Poisson's ratio as meshes feel it, in either plane state from the softest on. Every threshold of it is here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Compressibility {
+    /// Plane stress close to -1: nearly without shear.
+    NearlyConformal,
+    /// Plane stress, the other negative ones.
+    Auxetic,
+    /// Plane stress, the positive ones.
+    Positive,
+    /// Plane strain, the negative ones.
+    Negative,
+    /// Plane strain, most of the positive ones.
+    Moderate,
+    /// Plane strain: corners between held and free sides feel it.
+    Stiff,
+    VeryStiff,
+    /// Plane strain close to 1/2: meshes are about to lock.
+    NearlyIncompressible,
+    /// So close that they do.
+    Locking,
+}
+
+impl Compressibility {
+    /// Below it a mesh in plane stress resists shear as one in plane strain does compression close to 1/2.
+    pub const NEARLY_CONFORMAL: f64 = -0.75;
+    /// Above it, in plane strain.
+    pub const STIFF: f64 = 0.42;
+    pub const VERY_STIFF: f64 = 0.45;
+    pub const NEARLY_INCOMPRESSIBLE: f64 = 0.47;
+    pub const LOCKING: f64 = 0.49;
+
+    pub fn of(poissons_ratio: f64, idealization: Idealization) -> Compressibility {
+        use Compressibility::*;
+        match idealization {
+            Idealization::PlaneStress if poissons_ratio < Self::NEARLY_CONFORMAL => NearlyConformal,
+            Idealization::PlaneStress if poissons_ratio < 0.0 => Auxetic,
+            Idealization::PlaneStress => Positive,
+            Idealization::PlaneStrain if poissons_ratio < 0.0 => Negative,
+            Idealization::PlaneStrain if poissons_ratio <= Self::STIFF => Moderate,
+            Idealization::PlaneStrain if poissons_ratio <= Self::VERY_STIFF => Stiff,
+            Idealization::PlaneStrain if poissons_ratio <= Self::NEARLY_INCOMPRESSIBLE => VeryStiff,
+            Idealization::PlaneStrain if poissons_ratio <= Self::LOCKING => NearlyIncompressible,
+            Idealization::PlaneStrain => Locking,
+        }
+    }
+}
+
 /// An isotropic, linear elastic material: Young's modulus in any one unit, Poisson's ratio in (-1, 0.5).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {

@@ -154,7 +154,7 @@ pub struct Asked {
     pub precisions: Vec<&'static str>,
     /// Precision of `scaling.csv`.
     pub scaling_precision: &'static str,
-    /// Designs of each check, and those whose bodies and joints the kernels get.
+    /// Designs of each check, and those whose bodies the kernels get.
     pub checked_designs: u64,
     pub kernel_designs: u64,
     /// Runs of each sweep of `precisions.csv`; the median counts.
@@ -448,13 +448,13 @@ mod tests {
             solves: 800,
             designs_on_cpu: 1,
             worst_residual: 1e-4,
-            stages: vec![("contact on the GPU".into(), 0.5)],
+            stages: vec![("condensation on the GPU".into(), 0.5)],
         };
         let row = ScalingRow { precision: "f32", sweep, with_table: Some((5.0, 99)), cpu_seconds: Some(8.0) };
         let empty = ScalingRow { cpu_seconds: None, ..row.clone() };
         let text = scaling(&[row, empty]);
         let lines: Vec<&str> = text.lines().collect();
-        assert!(lines[0].ends_with("gpu_over_cpu,contact_on_the_gpu_s"), "{}", lines[0]);
+        assert!(lines[0].ends_with("gpu_over_cpu,condensation_on_the_gpu_s"), "{}", lines[0]);
         let start = "100,f32,4.00000e0,2.50000e1,800,1,5.00000e0,99,";
         assert_eq!(lines[1], format!("{start}8.00000e0,1.25000e1,2.00000e0,5.00000e-1"));
         assert_eq!(lines[2], format!("{start},,,5.00000e-1"));

@@ -132,6 +132,8 @@ pub struct Counts {
     pub failed_designs: u64,
     pub failed_rows: u64,
     pub distinct_bodies: u64,
+    /// The largest of a row.
+    pub greatest_linearity_error: f64,
     /// Designs that the processor solved although a GPU was asked: those it needs no mesh for, those the GPU found no
     /// answer to, and all after it was given up.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -146,6 +148,8 @@ impl Counts {
         let failed_before = self.failed_rows;
         for step in &outcome.steps {
             count(&mut self.statuses, &step.status);
+            let of_linearity = step.response.and_then(|response| response.linearity_error).unwrap_or(0.0);
+            self.greatest_linearity_error = self.greatest_linearity_error.max(of_linearity);
             if step.response.is_none() {
                 self.failed_rows += 1;
                 count(&mut self.failures, &step.status);

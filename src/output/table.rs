@@ -11,12 +11,13 @@ use crate::study::design::{DesignCase, Load};
 type ResultColumn = (&'static str, fn(&Response) -> Option<f64>);
 
 /// The results after the load (indentation and force).
-const RESULTS: [ResultColumn; 5] = [
+const RESULTS: [ResultColumn; 6] = [
     ("tangent_stiffness_n_per_mm", |response| Some(response.tangent_stiffness)),
     ("contact_half_angle_deg", |response| response.contact_half_angle.map(f64::to_degrees)),
     ("peak_pressure_mpa", |response| response.peak_pressure),
     ("energy_mj", |response| response.energy),
     ("force_error", |response| Some(response.force_error)),
+    ("linearity_error", |response| response.linearity_error),
 ];
 
 const REMARKS: [&str; 3] = ["method", "backend", "status"];
@@ -161,6 +162,7 @@ mod tests {
         peak_pressure: None,
         energy: Some(2e-7),
         force_error: 0.0012,
+        linearity_error: Some(0.02),
         method: Method::Fe,
     };
 
@@ -191,14 +193,14 @@ mod tests {
     #[test]
     fn a_prescribed_indentation_is_exact_and_its_force_rounded() {
         let text = rows(&[Load::Indentation(0.1 + 0.2)], vec![step(Some(RESPONSE), "ok")]);
-        let results = "0.30000000000000004,0.333333333,144700,45,,2e-7,0.0012,fe,cpu,ok";
+        let results = "0.30000000000000004,0.333333333,144700,45,,2e-7,0.0012,0.02,fe,cpu,ok";
         assert_eq!(text, format!("{INPUTS},{results}\n"));
     }
 
     #[test]
     fn a_prescribed_force_is_exact_and_its_indentation_found() {
         let text = rows(&[Load::Force(0.1 + 0.2)], vec![step(Some(RESPONSE), "ok")]);
-        let results = "0.1,0.30000000000000004,144700,45,,2e-7,0.0012,fe,cpu,ok";
+        let results = "0.1,0.30000000000000004,144700,45,,2e-7,0.0012,0.02,fe,cpu,ok";
         assert_eq!(text, format!("{INPUTS},{results}\n"));
     }
 
@@ -207,8 +209,8 @@ mod tests {
         let loads = [Load::Indentation(0.1), Load::Force(5.0)];
         let text = rows(&loads, vec![step(None, "no contact, \"lost\""), step(None, "no root")]);
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], format!("{INPUTS},0.1,,,,,,,,,\"no contact, \"\"lost\"\"\""));
-        assert_eq!(lines[1], format!("{INPUTS},,5,,,,,,,,no root"));
+        assert_eq!(lines[0], format!("{INPUTS},0.1,,,,,,,,,,\"no contact, \"\"lost\"\"\""));
+        assert_eq!(lines[1], format!("{INPUTS},,5,,,,,,,,,no root"));
     }
 
     #[test]
@@ -218,8 +220,8 @@ mod tests {
         let text =
             rows(&[Load::Indentation(0.1); 2], vec![step(Some(nan), "ok"), step(Some(infinite), "ok")]);
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], format!("{INPUTS},0.1,,,,,,,,,energy_mj is not a finite number"));
-        assert_eq!(lines[1], format!("{INPUTS},0.1,,,,,,,,,force_n is not a finite number"));
+        assert_eq!(lines[0], format!("{INPUTS},0.1,,,,,,,,,,energy_mj is not a finite number"));
+        assert_eq!(lines[1], format!("{INPUTS},0.1,,,,,,,,,,force_n is not a finite number"));
     }
 
     /// Read by an independent CSV reader, which refuses rows of another length than the header's.

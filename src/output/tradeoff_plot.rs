@@ -22,14 +22,12 @@ const MOST_ERROR: f64 = 7.0;
 
 /// Colours that are told apart by most eyes, in the order of `FAMILIES`; alike families have alike colours and differ in
 /// their marks.
-const COLOURS: [RGBColor; 18] = [
+const COLOURS: [RGBColor; 16] = [
     RGBColor(120, 120, 120), // closed forms
     RGBColor(0, 0, 0),       // series
     RGBColor(200, 30, 30),   // moving edge, Q8
     RGBColor(240, 130, 40),  // ... Q4
-    RGBColor(245, 170, 170), // ... no near field
     RGBColor(150, 20, 60),   // ... by trial pressures
-    RGBColor(225, 90, 150),  // ... graded to the contact
     RGBColor(20, 80, 170),   // node contact, Q8
     RGBColor(90, 160, 230),  // ... Q4
     RGBColor(20, 140, 140),  // penalty

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::engine::backend::gpu::context::GpuDevice;
 use crate::study::design::DesignCase;
-use crate::tradeoff::state::States;
+use crate::tradeoff::answer::States;
 
 /// What a choice has found, and in what time.
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! How far the states of a choice are from those of the oracle.
 
-use crate::tradeoff::state::{State, States};
+use crate::tradeoff::answer::{State, States};
 
 /// Of the errors of one quantity over all steps.
 #[derive(Clone, Copy, Debug, PartialEq)]

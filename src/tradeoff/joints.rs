@@ -4,10 +4,9 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::hash::Hash;
 
-use crate::engine::foresight::half_angle;
-use crate::engine::plan::space_of;
-use crate::engine::request::SpaceKey;
-use crate::mechanics::body::{Body, BodyKey};
+use crate::engine::expected_contact::half_angle;
+use crate::engine::spaces::SpaceKey;
+use crate::mechanics::body::{Body, BodyKey, Side};
 use crate::mechanics::laws::{HertzContact, Pair};
 use crate::study::design::{DesignCase, JointDesign, Load};
 
@@ -20,15 +19,15 @@ pub struct Joints<K> {
 }
 
 impl<K: Copy + Eq + Hash> Joints<K> {
-    /// `key` is what the bodies of a joint depend on besides themselves.
-    pub fn new(cases: &[DesignCase], key: impl Fn(&JointDesign) -> K) -> Joints<K> {
+    /// `key` is what the body of one side of a joint depends on besides itself.
+    pub fn new(cases: &[DesignCase], key: impl Fn(&JointDesign, Side) -> K) -> Joints<K> {
         let mut bodies = Vec::new();
         let mut known: HashMap<(BodyKey, K), usize> = HashMap::new();
         let of_case = cases
             .iter()
             .map(|case| {
-                let key = key(&case.joint);
                 [&case.joint.pin, &case.joint.plate].map(|part| {
+                    let key = key(&case.joint, part.shape.side);
                     let body = case.joint.body(part);
                     *known.entry((body.key(), key)).or_insert_with(|| {
                         bodies.push((body, key));
@@ -53,7 +52,7 @@ impl Terms {
     /// The pressure space of a joint.
     pub fn space(self, joint: &JointDesign) -> SpaceKey {
         let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
-        let by_depth = space_of(&pin, &plate, 0.0, PI);
+        let by_depth = SpaceKey::coarsest(&pin, &plate, 0.0, PI);
         match self {
             Terms::ByDepth => by_depth,
             Terms::Fixed(terms) => SpaceKey { terms, ..by_depth },
@@ -115,10 +114,10 @@ mod tests {
     #[test]
     fn equal_bodies_are_solved_once() {
         let cases = [case(2.0, 0.1, &[]), case(2.0, 0.3, &[]), case(3.0, 0.3, &[]), case(1.3, 0.3, &[])];
-        let joints = Joints::new(&cases, |joint| Terms::ByDepth.space(joint));
+        let joints = Joints::new(&cases, |joint, _| Terms::ByDepth.space(joint));
         assert_eq!(joints.of_case, [[0, 1], [0, 1], [0, 2], [3, 4]]);
         assert_eq!(joints.bodies[3].1.terms, 16);
-        assert_eq!(Joints::new(&cases, |_| ()).of_case, [[0, 1], [0, 1], [0, 2], [0, 3]]);
+        assert_eq!(Joints::new(&cases, |_, _| ()).of_case, [[0, 1], [0, 1], [0, 2], [0, 3]]);
     }
 
     #[test]

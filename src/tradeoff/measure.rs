@@ -4,11 +4,11 @@ use std::time::{Duration, Instant};
 
 use crate::error::Error;
 use crate::study::design::DesignCase;
+use crate::tradeoff::answer::States;
 use crate::tradeoff::choice::{Choice, Solution};
 use crate::tradeoff::errors::Errors;
 use crate::tradeoff::front::front;
 use crate::tradeoff::oracle::Oracle;
-use crate::tradeoff::state::States;
 
 /// What one choice costs and what it is worth.
 #[derive(Clone, Debug)]

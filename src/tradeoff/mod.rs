@@ -4,7 +4,7 @@
 //! A family of choices is one file in `families` and one line in its list. A choice takes designs and gives the states
 //! of their load steps; it stands on `mechanics` and on what `engine` shares, not on what `engine` plans by itself.
 
-pub mod state;
+pub mod answer;
 pub mod errors;
 pub mod front;
 pub mod choice;
@@ -13,7 +13,6 @@ pub mod moving_edge;
 pub mod ring_mesh;
 pub mod rings;
 pub mod meshed;
-pub mod direct_edge;
 pub mod nodal;
 pub mod families;
 pub mod oracle;

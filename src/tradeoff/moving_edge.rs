@@ -1,52 +1,37 @@
 //! From the compliances of a design's bodies to its states, by contact with a moving edge.
 
-use crate::mechanics::compliance::PressureCompliance;
-use crate::mechanics::compliance::pressure_space::PressureSpace;
-use crate::mechanics::contact::arc_state::ArcState;
-use crate::mechanics::contact::loading::{DimensionlessLoad, JointCurve};
-use crate::mechanics::contact::pressure::JointCompliance;
+use crate::engine::joint_scale::JointScale;
+use crate::engine::outcome::Method;
+use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::mechanics::body::Side;
+use crate::mechanics::compliance::BodyCompliance;
+use crate::mechanics::compliance::pressure_space::JointCompliance;
+use crate::mechanics::contact::curve::ContactCurve;
 use crate::study::design::{DesignCase, Load};
-use crate::tradeoff::state::State;
+use crate::tradeoff::answer::State;
 
-/// The states of one design, one for each step.
+/// The states of one design, one for each step, in a space that was prepared for both bodies.
 pub fn states(
     case: &DesignCase,
-    space: &PressureSpace,
-    pin: &PressureCompliance,
-    plate: &PressureCompliance,
+    (key, spaces): (SpaceKey, &Spaces),
+    pin: &BodyCompliance,
+    plate: &BodyCompliance,
 ) -> Vec<Option<State>> {
     let joint = &case.joint;
-    let moduli = [joint.pin.material.youngs_modulus, joint.plate.material.youngs_modulus];
-    let joined = JointCompliance::new(space, (pin, moduli[0]), (plate, moduli[1]));
-    let Ok(curve) = JointCurve::new(joined) else { return vec![None; case.steps.len()] };
-    let (radius, thickness) = (joint.hole_radius, joint.thickness);
-    let clearance = joint.radial_clearance / radius;
-    let dimensionless = |load: &Load| match *load {
-        Load::Indentation(delta) => DimensionlessLoad::Indentation(delta / radius),
-        Load::Force(force) => DimensionlessLoad::Force(force / (thickness * radius)),
+    let space = spaces.get(key);
+    let shares = [&joint.pin, &joint.plate].map(|part| 1.0 / part.material.youngs_modulus);
+    let scale = JointScale::of(joint);
+    let pin = space.part(Side::Pin, &[(pin, shares[0])], &scale.outlines);
+    let plate = space.part(Side::Plate, &[(plate, shares[1])], &scale.outlines);
+    let joined = JointCompliance::of_both(&pin, &plate);
+    let Some(curve) = ContactCurve::new(space, &joined, scale.outlines) else {
+        return vec![None; case.steps.len()];
     };
-    let is_loaded = |load: &&Load| !matches!(load, Load::Indentation(0.0) | Load::Force(0.0));
-    let loads: Vec<DimensionlessLoad> = case.steps.iter().filter(is_loaded).map(dimensionless).collect();
-    let mut found = curve.states(clearance, &loads).into_iter();
+    let mut found = curve.states(scale.loads_in_contact(&case.steps)).into_iter();
     let state = |load: &Load| {
-        let state = Some(load).filter(is_loaded).and_then(|_| found.next())?.ok()?;
-        let offset = match dimensionless(load) {
-            DimensionlessLoad::Indentation(delta) => clearance + delta,
-            DimensionlessLoad::Force(force) => force / state.force,
-        };
-        whole(&state, offset, radius, thickness).sound()
+        scale.load(*load)?;
+        let (state, _) = found.next()?.ok()?;
+        State::of(&scale.response(*load, &state, 0.0, Method::Fe))
     };
     case.steps.iter().map(state).collect()
-}
-
-/// A state with its sizes: `offset` is e over the hole's radius.
-pub fn whole(state: &ArcState, offset: f64, radius: f64, thickness: f64) -> State {
-    State {
-        indentation: radius * offset * state.indentation,
-        force: thickness * radius * offset * state.force,
-        tangent_stiffness: thickness * state.tangent_stiffness,
-        contact_half_angle: Some(state.arc.half_angle),
-        peak_pressure: Some(offset * state.peak_pressure()),
-        iterations: None,
-    }
 }

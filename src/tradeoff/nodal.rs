@@ -2,18 +2,20 @@
 
 use std::time::Instant;
 
-use crate::mechanics::contact::active_set::{ActiveSetOutcome, NodalContact, solve_nodal_contact};
-use crate::mechanics::contact::augmented_lagrangian::{
+use crate::mechanics::contact::node_contact::active_set::{
+    ActiveSetOutcome, NodalContact, solve_nodal_contact,
+};
+use crate::mechanics::contact::node_contact::augmented_lagrangian::{
     AugmentedOutcome, AugmentedSettings, solve_augmented_lagrangian,
 };
-use crate::mechanics::contact::penalty::{solve_penalty, springs};
-use crate::mechanics::contact::ring_joint::RingJoint;
+use crate::mechanics::contact::node_contact::penalty::{solve_penalty, springs};
+use crate::mechanics::contact::node_contact::ring_joint::RingJoint;
 use crate::mechanics::material::effective_modulus;
 use crate::study::design::{DesignCase, JointDesign, Load};
+use crate::tradeoff::answer::State;
 use crate::tradeoff::choice::Solution;
 use crate::tradeoff::ring_mesh::Division;
-use crate::tradeoff::rings::Rings;
-use crate::tradeoff::state::State;
+use crate::tradeoff::rings::{Rings, clearance_ratio};
 
 /// How the unilateral conditions are met.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +50,9 @@ impl NodalPath {
         let rings = Rings::new(cases, &self.division);
         let states = cases.iter().enumerate().map(|(number, case)| {
             let pair = rings.pair(number, &case.joint);
-            match pair.and_then(|[pin, plate]| RingJoint::new(pin, plate).ok()) {
+            let joint =
+                pair.and_then(|[pin, plate]| RingJoint::new(pin, plate, clearance_ratio(&case.joint)).ok());
+            match joint {
                 Some(joint) => self.states(&joint, case),
                 None => vec![None; case.steps.len()],
             }

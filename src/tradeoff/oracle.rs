@@ -1,12 +1,12 @@
 //! What choices are compared with: the exact modes where both bodies have them, else a mesh finer than any choice's.
 
-use crate::engine::request::Fidelity;
+use crate::engine::body_request::Fidelity;
 use crate::mechanics::compliance::arc::MAX_TERMS;
 use crate::mechanics::grading::REFERENCE_LEVEL;
 use crate::study::design::DesignCase;
+use crate::tradeoff::answer::States;
 use crate::tradeoff::families::series::solve;
 use crate::tradeoff::joints::{Terms, is_concentric};
-use crate::tradeoff::state::States;
 
 /// The best answers there are, and what they rest on.
 pub struct Oracle {

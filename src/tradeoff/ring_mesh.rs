@@ -47,11 +47,14 @@ pub struct Group<K> {
     held: Vec<bool>,
 }
 
-/// The bodies by topology, in the order of each group's first.
-pub fn groups<K: Copy + PartialEq>(bodies: &[(Body, K)], division: &Division) -> Vec<Group<K>> {
+/// The bodies by topology, as they are divided, in the order of each group's first.
+pub fn groups<K: Copy + PartialEq>(
+    bodies: &[(Body, K)],
+    division: impl Fn(&Body, &K) -> Grading,
+) -> Vec<Group<K>> {
     let mut groups: Vec<Group<K>> = Vec::new();
     for (number, (body, key)) in bodies.iter().enumerate() {
-        let grading = division.grading(body);
+        let grading = division(body, key);
         let held = held_columns(body, &grading);
         let is_own = |group: &&mut Group<K>| {
             let first = &bodies[group.members[0]].0;

@@ -2,11 +2,17 @@
 
 use std::time::{Duration, Instant};
 
+use crate::mechanics::body::Side;
 use crate::mechanics::compliance::RingCompliance;
-use crate::mechanics::contact::ring_joint::RingBody;
+use crate::mechanics::contact::node_contact::ring_joint::{RingBody, angle_on_hole};
 use crate::study::design::{DesignCase, JointDesign};
 use crate::tradeoff::joints::Joints;
 use crate::tradeoff::ring_mesh::{Division, RingMesh, RingSolver, groups};
+
+/// dR/R2.
+pub fn clearance_ratio(joint: &JointDesign) -> f64 {
+    joint.radial_clearance / joint.hole_radius
+}
 
 pub struct Rings {
     meshes: Vec<Option<RingMesh>>,
@@ -21,8 +27,17 @@ pub struct Rings {
 impl Rings {
     pub fn new(cases: &[DesignCase], division: &Division) -> Rings {
         let started = Instant::now();
-        let joints = Joints::new(cases, |_| ());
-        let groups = groups(&joints.bodies, division);
+        // Where the nodes of a plate meet a pin's depends on the clearance.
+        let joints = Joints::new(cases, |joint, side| match side {
+            Side::Pin => 0,
+            Side::Plate => clearance_ratio(joint).to_bits(),
+        });
+        let groups = groups(&joints.bodies, |body, clearance| {
+            let mut grading = division.grading(body);
+            let meet = |angle: &mut f64| *angle = angle_on_hole(*angle, f64::from_bits(*clearance));
+            grading.angles.iter_mut().for_each(meet);
+            grading
+        });
         let solver = RingSolver::Cholesky;
         let meshes: Vec<Option<RingMesh>> = groups
             .iter()

@@ -59,8 +59,7 @@ const SWEEP: Varied = Varied {
     solve: r#"method = "fe""#,
 };
 
-/// Pins that are all different in plates of a few kinds (software takes long for each), about as many as make it worth
-/// the while to interpolate them.
+/// Pins that are all different in plates of a few kinds, about as many as make it worth the while to interpolate them.
 const LARGE: Varied = Varied {
     idealization: "plane-stress",
     half_width_ratio: "[2.0, 2.2, 2.4, 2.6, 2.8, 3.0]",
@@ -79,7 +78,8 @@ fn a_config_gives_the_same_table_on_both_backends() {
     let work = Workdir::new("backends");
     work.write("sweep.toml", &config(&SWEEP));
     work.run(&["run", "sweep.toml", "--out", "cpu", "--backend", "cpu"]).expect(0);
-    for (precision, allowed) in [("f32", 1e-4), ("f64", 2e-9), ("mixed", 1e-7)] {
+    // Seen: 2.4e-6, nothing, 1.6e-9; the last digit of the table is 1e-9 at most.
+    for (precision, allowed) in [("f32", 3.2e-6), ("f64", 1e-9), ("mixed", 4.3e-9)] {
         let arguments = ["run", "sweep.toml", "--out", precision, "--precision", precision];
         let ended = work.run(&[&arguments[..], &ANY].concat()).expect(0);
         assert!(!ended.stderr.contains("warning") && !ended.stderr.contains("XDG"), "{}", ended.stderr);
@@ -119,11 +119,11 @@ fn a_config_gives_the_same_table_on_both_backends() {
     }
 }
 
-/// The processor interpolates a large sweep across bodies, a GPU solves each of them: forces agree to the accuracy asked,
-/// and to that of the device's numbers where the processor may not interpolate.
+/// A large sweep is interpolated across bodies whatever condenses those that the fits rest on: the same designs are, and their
+/// forces agree far better than to the accuracy asked.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
-fn a_sweep_that_only_the_processor_interpolates_agrees_to_the_accuracy_asked() {
+fn a_sweep_is_interpolated_on_both_backends() {
     let work = Workdir::new("interpolated");
     work.write("auto.toml", &config(&LARGE));
     work.write("off.toml", &config(&Varied { solve: r#"interpolation = "off""#, ..LARGE }));
@@ -133,23 +133,29 @@ fn a_sweep_that_only_the_processor_interpolates_agrees_to_the_accuracy_asked() {
     }
     let arguments = ["run", "auto.toml", "--out", "gpu", "--precision", "f32"];
     work.run(&[&arguments[..], &ANY].concat()).expect(0);
-    let [interpolated, on_meshes, on_gpu] = ["auto", "off", "gpu"].map(|name| {
+    let manifest = work.json("gpu/manifest.json");
+    assert!(manifest["fallback"].is_null() && manifest["worst_residual"].as_f64().unwrap() > 0.0);
+    let [on_cpu, on_meshes, on_gpu] = ["auto", "off", "gpu"].map(|name| {
         let table = work.table(&format!("{name}/table.csv"));
         assert_eq!(table.column("status"), ["ok"; 2500], "{name}");
         table
     });
-    let count = interpolated.column("method").iter().filter(|method| **method == "interpolated").count();
-    assert!(count > 2300, "{count} rows interpolated");
+    assert_eq!(on_gpu.column("method"), on_cpu.column("method"));
     assert_eq!(on_meshes.column("method"), ["fe"; 2500]);
-    assert_eq!((on_gpu.column("method"), on_gpu.column("backend")), (vec!["fe"; 2500], vec!["gpu"; 2500]));
+    // Polynomials are added up here; bodies that are not interpolated come from the device.
+    let mut count = 0;
+    for (method, backend) in on_gpu.column("method").into_iter().zip(on_gpu.column("backend")) {
+        assert_eq!(backend, if method == "interpolated" { "cpu" } else { "gpu" });
+        count += usize::from(method == "interpolated");
+    }
+    assert!(count > 2300, "{count} rows interpolated");
 
-    let [auto, off] = [&interpolated, &on_meshes].map(|table| worst_force(&on_gpu, table));
-    println!("{count} interpolated: {auto:.1e}, with interpolation off {off:.1e}");
-    // Each side has 1 %.
-    assert!(auto < 0.02, "{auto:e}");
-    assert!(off < 1e-4, "{off:e}");
-    // Control: interpolated forces are not those of the meshes.
-    assert!(auto > 1e-4, "{auto:e}");
+    let [alike, other] = [&on_cpu, &on_meshes].map(|table| worst_force(&on_gpu, table));
+    println!("{count} interpolated: {alike:.1e}, against meshes {other:.1e}");
+    // Seen: 5.1e-6, and 4.7e-4 against meshes.
+    assert!(alike < 6.7e-6, "{alike:e}");
+    // Control: interpolated forces are not those of the meshes. Each side has 1 %.
+    assert!(other > 10.0 * alike && other < 0.02, "{other:e}");
 }
 
 /// The greatest relative difference of the forces of the same designs.

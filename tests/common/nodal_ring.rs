@@ -1,83 +1,15 @@
-//! Contact of two concentric bodies without any of the library's own mechanics: modes of a ring by stepping through its wall,
-//! pressure piece by piece on panels of the arc, which pieces press by elimination.
+//! Contact of two concentric bodies without any of the library's own mechanics: their modes (`stepped_ring`), pressure piece
+//! by piece on panels of the arc, which pieces press by elimination.
 //!
 //! Lengths over the hole's radius; whole joint, per unit thickness.
 
-use jointsweep::mechanics::material::Idealization;
-
-/// A ring from radius 1 to `fixed_radius`, where it is held.
-#[derive(Clone, Copy, Debug)]
-pub struct Ring {
-    pub fixed_radius: f64,
-    pub youngs_modulus: f64,
-    pub poissons_ratio: f64,
-    pub idealization: Idealization,
-}
+use crate::stepped_ring::Ring;
 
 /// Force and contact half angle (rad) under an offset of the centres, e = dR + delta.
 #[derive(Clone, Copy, Debug)]
 pub struct NodalState {
     pub force: f64,
     pub half_angle: f64,
-}
-
-type Matrix = [[f64; 4]; 4];
-
-/// Modes beyond this many wall thicknesses do not feel the held side: what is left is below 1e-20.
-const DEEP: f64 = 30.0;
-
-impl Ring {
-    /// Displacement of the ring's edge away from the other body, over the pressure cos(n phi) that makes it.
-    fn mode(&self, n: usize) -> f64 {
-        let wall = self.fixed_radius.ln();
-        let (shear, lame) = self.lame();
-        if n as f64 * wall.abs() > DEEP {
-            // Flamant's half-plane with the curvature of the edge.
-            let (m, side) = (n as f64, wall.signum());
-            let kolosov = (lame + 3.0 * shear) / (lame + shear);
-            let beta = side * (kolosov - 1.0) / (kolosov + 1.0);
-            return (kolosov + 1.0) / (4.0 * shear) * (m + beta) / (m * m - 1.0);
-        }
-        // From the held side to the edge, in steps of ln r that are short for the mode.
-        let steps = (8.0 * (n as f64 + 2.0) * wall.abs()).ceil().max(4.0);
-        let step = exponential(&scaled(&self.generator(n as f64), -wall / steps));
-        let block = |rows: usize, columns: usize| -> [[f64; 2]; 2] {
-            std::array::from_fn(|i| std::array::from_fn(|j| step[2 * rows + i][2 * columns + j]))
-        };
-        let (uu, ut, tu, tt) = (block(0, 0), block(0, 1), block(1, 0), block(1, 1));
-        // Displacement over traction, 2 by 2.
-        let mut compliance = [[0.0; 2]; 2];
-        for _ in 0..steps as usize {
-            let displacement = add(&times(&uu, &compliance), &ut);
-            let traction = add(&times(&tu, &compliance), &tt);
-            compliance = times(&displacement, &inverse(&traction));
-        }
-        -wall.signum() * compliance[0][0]
-    }
-
-    /// Shear modulus and Lame's constant of the plane.
-    fn lame(&self) -> (f64, f64) {
-        let (e, nu) = (self.youngs_modulus, self.poissons_ratio);
-        let (shear, lame) = (e / (2.0 * (1.0 + nu)), e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)));
-        match self.idealization {
-            Idealization::PlaneStrain => (shear, lame),
-            Idealization::PlaneStress => (shear, 2.0 * lame * shear / (lame + 2.0 * shear)),
-        }
-    }
-
-    /// d/d(ln r) of (u_r, u_theta, r sigma_r, r sigma_r_theta), cos and sin of n phi taken out: Hooke's law and equilibrium.
-    fn generator(&self, n: f64) -> Matrix {
-        let (shear, lame) = self.lame();
-        let stiff = lame + 2.0 * shear;
-        let hoop = 4.0 * shear * (lame + shear) / stiff;
-        let share = lame / stiff;
-        [
-            [-share, -n * share, 1.0 / stiff, 0.0],
-            [n, 1.0, 0.0, 1.0 / shear],
-            [hoop, n * hoop, share, -n],
-            [n * hoop, n * n * hoop, n * share, -1.0],
-        ]
-    }
 }
 
 /// The joint of a pin and a plate with a radial clearance, its centres apart by `offset`, on so many panels of the half arc up
@@ -153,34 +85,4 @@ fn solve(mut rows: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
         right[row] = (right[row] - known) / rows[row][row];
     }
     right
-}
-
-fn exponential(matrix: &Matrix) -> Matrix {
-    let product = |a: &Matrix, b: &Matrix| -> Matrix {
-        std::array::from_fn(|i| std::array::from_fn(|j| (0..4).map(|k| a[i][k] * b[k][j]).sum()))
-    };
-    let mut term: Matrix = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
-    let mut sum = term;
-    for k in 1..30 {
-        term = scaled(&product(&term, matrix), 1.0 / f64::from(k));
-        sum = std::array::from_fn(|i| std::array::from_fn(|j| sum[i][j] + term[i][j]));
-    }
-    sum
-}
-
-fn scaled(matrix: &Matrix, factor: f64) -> Matrix {
-    matrix.map(|row| row.map(|value| factor * value))
-}
-
-fn times(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
-}
-
-fn add(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + b[i][j]))
-}
-
-fn inverse([[a, b], [c, d]]: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    let determinant = a * d - b * c;
-    [[d / determinant, -b / determinant], [-c / determinant, a / determinant]]
 }

@@ -14,14 +14,14 @@ use jointsweep::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates}
 use jointsweep::mechanics::solve::band::{BandStructure, TILE, Tile};
 use jointsweep::study::design::JointDesign;
 
-/// How the points of the two surfaces are paired, at angles m = (the pin's + the hole's)/2 from the load line.
+/// What meets, and along what it pushes, at angles m = (the pin's + the hole's)/2 from the load line.
 #[derive(Clone, Copy)]
 pub enum Pairing {
-    /// The engine's: both at m, gap dR - (dR + delta) cos(m).
-    CommonAngle,
-    /// Where the pin first touches: the hole's point is the one nearest to the pin's.
-    TrueGeometry,
-    /// As before, where the pin has gone down by delta as a rigid body.
+    /// The definition of docs/theory.md: on rays from the hole's centre where the pin first touches, along the hole's normal.
+    AtTouch,
+    /// The same points, along the pin's normal.
+    AlongPin,
+    /// As the first, where the pin has gone down by delta as a rigid body.
     Displaced,
 }
 
@@ -49,9 +49,6 @@ struct Paths {
 impl Pairing {
     /// The pin's and the hole's angle at m, the pin's centre `offset` below the hole's.
     fn angles(self, clearance: f64, offset: f64, mean: f64) -> [f64; 2] {
-        if let Pairing::CommonAngle = self {
-            return [mean; 2];
-        }
         let pin_radius = 1.0 - clearance;
         let mut pin = mean;
         for _ in 0..60 {
@@ -65,7 +62,7 @@ impl Pairing {
     fn paths(self, clearance: f64, indentation: f64, half_angle: f64) -> Paths {
         let arc = ContactArc::new(half_angle);
         let offset = match self {
-            Pairing::CommonAngle | Pairing::TrueGeometry => clearance,
+            Pairing::AtTouch | Pairing::AlongPin => clearance,
             Pairing::Displaced => clearance + indentation,
         };
         // Pieces of the arc in tau, short enough for any mesh below.
@@ -77,19 +74,17 @@ impl Pairing {
                 let tau = (f64::from(piece) + 0.5 + 0.5 * x) * width;
                 let mean = arc.angle(tau);
                 let [pin, hole] = self.angles(clearance, offset, mean);
-                let gap = match self {
-                    Pairing::CommonAngle => clearance - (clearance + indentation) * mean.cos(),
-                    Pairing::TrueGeometry | Pairing::Displaced => {
-                        let (sine, cosine) = pin.sin_cos();
-                        let (x, y) = ((1.0 - clearance) * sine, offset + (1.0 - clearance) * cosine);
-                        1.0 - x.hypot(y) - (clearance + indentation - offset) * hole.cos()
-                    }
-                };
+                let (sine, cosine) = pin.sin_cos();
+                let (x, y) = ((1.0 - clearance) * sine, offset + (1.0 - clearance) * cosine);
+                let along = if let Pairing::AlongPin = self { pin } else { hole };
+                // What is between along the ray is the longer along another normal.
+                let between = (1.0 - x.hypot(y)) / (along - hole).cos();
+                let gap = between - (clearance + indentation - offset) * along.cos();
                 PathPoint {
                     weight: 0.5 * weight * width,
                     trials: std::array::from_fn(|k| (2.0 * k as f64 * tau).cos()),
                     angles: [pin, hole],
-                    normal: [hole.sin(), -hole.cos()],
+                    normal: [along.sin(), -along.cos()],
                     gap,
                 }
             })

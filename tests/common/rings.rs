@@ -6,7 +6,7 @@ use jointsweep::mechanics::assembly::Assembly;
 use jointsweep::mechanics::body::{Body, MAX_PARAMETERS, SHAPES, Shape};
 use jointsweep::mechanics::compliance::RingCompliance;
 use jointsweep::mechanics::compliance::condense::by_cholesky;
-use jointsweep::mechanics::contact::ring_joint::RingBody;
+use jointsweep::mechanics::contact::node_contact::ring_joint::RingBody;
 use jointsweep::mechanics::element::stiffness::Elasticity;
 use jointsweep::mechanics::element::{ElementKind, side_functions};
 use jointsweep::mechanics::layers::Layers;

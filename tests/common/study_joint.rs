@@ -1,6 +1,6 @@
 //! The joint of Liu, Zhang & Yang (2007): steel in steel, plane stress, R2 = 100 mm, t = 1 mm, a plate fixed outside.
 
-use jointsweep::engine::backend::cpu::CpuBackend;
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::Response;
 use jointsweep::mechanics::body::{Shape, annulus};
 use jointsweep::mechanics::material::{Idealization, Material};
@@ -32,21 +32,21 @@ pub fn joint(
 
 /// Solves joints to an accuracy; keeps the bodies it has met.
 pub struct Solver {
-    backend: CpuBackend,
+    backend: Ladder<'static>,
     accuracy: f64,
 }
 
 impl Solver {
     pub fn new(accuracy: f64) -> Solver {
         let options = SolveOptions { accuracy, method: MethodChoice::Auto };
-        Solver { backend: CpuBackend::new(options), accuracy }
+        Solver { backend: Ladder::new(options), accuracy }
     }
 
     pub fn solve(&mut self, joint: JointDesign, load: Load) -> Response {
         let outcome = self.backend.solve(&[DesignCase { index: 0, joint, steps: vec![load] }]).remove(0);
         let step = &outcome.steps[0];
         let response = step.response.unwrap_or_else(|| panic!("{load:?}: {}", step.status));
-        assert!(response.force_error <= self.accuracy, "{load:?}: {}", step.status);
+        assert!(response.force_error <= self.accuracy, "{load:?}: {} {}", step.status, response.force_error);
         response
     }
 }

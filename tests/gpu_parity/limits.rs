@@ -1,6 +1,18 @@
 //! What must not matter, and what goes wrong: company, resuming, workgroups, bad systems, bad meshes, refusals.
 
+use jointsweep::engine::backend::gpu::works::ModeLoads;
+use jointsweep::mechanics::compliance::ring_modes::{Push, RingModes};
+
 use super::*;
+
+/// The works of eight modes of a whole ring on the bodies of a batch that was condensed.
+fn works_of_eight(kernels: &Kernels, batch: &SystemBatch, bodies: &Bodies) -> Vec<Option<Vec<f64>>> {
+    let pushes = Push::of(bodies.bodies[0].shape.side);
+    let loads = ModeLoads::new(kernels, &RingModes::whole(6, 8), pushes, &bodies.meshed[0].topology).unwrap();
+    let works = batch.works(&loads).unwrap();
+    assert_eq!(works.len(), bodies.count());
+    works.into_iter().map(|works| works.map(|works| works.works)).collect()
+}
 
 /// How steps are split over dispatches, and who else is in the batch, does not change a bit.
 #[test]
@@ -64,9 +76,12 @@ fn checks_at_run_time_change_nothing() {
             let solve = |kernels: &Kernels| {
                 let batch = SystemBatch::new(kernels, &bodies.layout.systems, bodies.count()).unwrap();
                 batch.assemble_and_condense(&bodies.layout, &bodies.numbers(), &settings, 40).unwrap();
-                (batch.read_compliance().unwrap(), batch.read_reports().unwrap().states)
+                let works = works_of_eight(kernels, &batch, &bodies);
+                (batch.read_compliance().unwrap(), batch.read_reports().unwrap().states, works)
             };
-            assert!(solve(&checked) == solve(kernels(precision)), "{name} {precision:?}");
+            let expected = solve(kernels(precision));
+            assert!(expected.2.iter().all(Option::is_some), "{name} {precision:?}");
+            assert!(solve(&checked) == expected, "{name} {precision:?}");
         }
     }
 }
@@ -281,14 +296,20 @@ fn any_size_of_workgroup_will_do() {
         let steps = MOST_TRIPS / bodies.counts().trips(u64::from(invocations));
         batch.pcg(&settings, steps as u32).unwrap();
         batch.condense().unwrap();
-        batch.read_compliance().unwrap()
+        (batch.read_compliance().unwrap(), works_of_eight(kernels, &batch, &bodies))
     };
-    let usual = compliance(kernels(Precision::F32), INVOCATIONS);
+    let (usual, usual_works) = compliance(kernels(Precision::F32), INVOCATIONS);
     for invocations in [2, 16, 256] {
         let other = Kernels::with_tree(device(), Precision::F32, invocations).unwrap();
-        let worst = difference(&compliance(&other, invocations), &usual);
-        println!("{invocations}: {worst:.1e}");
-        assert!(worst < 1e-5, "{invocations}: {worst:e}");
+        let (found, works) = compliance(&other, invocations);
+        let worst = difference(&found, &usual);
+        let of_works = works.iter().zip(&usual_works).map(|(found, usual)| match (found, usual) {
+            (Some(found), Some(usual)) => difference(found, usual),
+            other => panic!("{invocations}: {other:?}"),
+        });
+        let worst_work = greatest(of_works);
+        println!("{invocations}: {worst:.1e}, works {worst_work:.1e}");
+        assert!(worst < 1e-5 && worst_work < 1e-5, "{invocations}: {worst:e} {worst_work:e}");
     }
 }
 

@@ -9,10 +9,10 @@ mod common;
 mod draws;
 #[path = "../common/random.rs"]
 mod random;
-mod joints;
 mod limits;
 mod stages;
 mod sweeps;
+mod works;
 
 use std::collections::HashSet;
 use std::sync::OnceLock;
@@ -30,7 +30,7 @@ use jointsweep::mechanics::element::ElementKind;
 use jointsweep::mechanics::grading::GradingClass;
 use jointsweep::mechanics::layers::{Layers, SHRINK};
 use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::{Grading, corner_columns, ring_points};
+use jointsweep::mechanics::mesh::{Grading, RingTopology, corner_columns, ring_points};
 use jointsweep::mechanics::solve::pcg::{PcgOutcome, PcgReport, PcgSettings, pcg};
 use jointsweep::mechanics::solve::refine::{RefineSettings, refined};
 

@@ -1,8 +1,7 @@
 //! Whole designs on a device and on the processor.
 
-use jointsweep::engine::backend::cpu::CpuBackend;
-use jointsweep::engine::backend::gpu::solver::{GpuBackend, GpuChoice};
-use jointsweep::engine::backend::{Backend, Solver};
+use jointsweep::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
+use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method};
 use jointsweep::study::config::{MethodChoice, SolveOptions};
 use jointsweep::study::design::{DesignCase, Load, Part};
@@ -17,7 +16,11 @@ fn on_device(
     options: SolveOptions,
     cases: &[DesignCase],
 ) -> Vec<DesignOutcome> {
-    GpuBackend::new(GpuChoice { device: gpu, precision }, options).unwrap().solve(cases).unwrap()
+    let condenser = GpuCondenser::new(GpuChoice { device: gpu, precision }).unwrap();
+    let mut ladder = Ladder::new(options).on(Box::new(condenser));
+    let outcomes = ladder.solve(cases);
+    assert_eq!(ladder.library.lost(), None);
+    outcomes
 }
 
 /// The greatest relative difference of the forces and indentations, and how many steps have them; all else must be alike.
@@ -43,11 +46,12 @@ fn compare(found: &[DesignOutcome], expected: &[DesignOutcome], backend: Backend
     (greatest(differences), count)
 }
 
+/// Seen: 2.4e-5, 3.9e-11 and 1.3e-9.
 fn allowed(precision: Precision) -> f64 {
     match precision {
-        Precision::F32 => 1e-4,
-        Precision::F64 => 1e-9,
-        Precision::Mixed => 1e-7,
+        Precision::F32 => 3.2e-5,
+        Precision::F64 => 5.1e-11,
+        Precision::Mixed => 1.7e-9,
     }
 }
 
@@ -69,9 +73,9 @@ fn a_thousand_random_designs() {
         })
         .collect();
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
-    let expected = CpuBackend::new(options).solve(&cases);
+    let expected = Ladder::new(options).solve(&cases);
     // Negative control: forces of another mesh are not those of this one.
-    let finer = CpuBackend::new(SolveOptions { accuracy: 1e-3, ..options }).solve(&cases[..50]);
+    let finer = Ladder::new(SolveOptions { accuracy: 1e-3, ..options }).solve(&cases[..50]);
     let force = |outcome: &DesignOutcome| outcome.steps[0].response.unwrap().force;
     let other = greatest(expected[..50].iter().zip(&finer).map(|(a, b)| force(a) / force(b) - 1.0));
     assert!(finer.len() == 50 && other > 3.0 * allowed(Precision::F32), "{other:e}");
@@ -117,7 +121,7 @@ fn designs_of_every_kind_in_every_precision() {
         [(MethodChoice::Auto, 3e-3, [24, 44]), (MethodChoice::Fe, 0.01, [0, 68])]
     {
         let options = SolveOptions { accuracy, method };
-        let expected = CpuBackend::new(options).solve(&cases);
+        let expected = Ladder::new(options).solve(&cases);
         for (precision, _) in precisions() {
             let found = on_device(device(), precision, options, &cases);
             // What `auto` needs no mesh for stays with the processor.
@@ -149,31 +153,42 @@ fn designs_of_every_kind_in_every_precision() {
     }
 }
 
-/// What the device cannot hold the processor solves, and what has many steps comes in pieces.
+/// What the device cannot hold the processor condenses, and batches of one body give the same bits.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn what_the_device_cannot_hold_the_processor_solves() {
     let cases = draw(41, 4, half_disc_in_annulus);
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
-    let expected = CpuBackend::new(options).solve(&cases);
+    let expected = Ladder::new(options).solve(&cases);
     let mut small = device().clone();
-    // Room for the slots of one design, none for the iterates of a body.
+    // Not even for the iterates of one body.
     small.facts.limits.binding_bytes = 16_000;
     let found = on_device(&small, Precision::F32, options, &cases);
     assert_eq!(compare(&found, &expected, BackendKind::Cpu), (0.0, 4));
-    let within = |(worst, count): (f64, usize), all: usize| worst < allowed(Precision::F32) && count == all;
-    // Room for one design at a time.
+    let all = on_device(device(), Precision::F32, options, &cases);
+    let (worst, count) = compare(&all, &expected, BackendKind::Gpu);
+    assert!(count == 4 && worst > 0.0 && worst < allowed(Precision::F32), "{count} {worst:e}");
     small.facts.limits.binding_bytes = 1_000_000;
     let found = on_device(&small, Precision::F32, options, &cases);
-    assert!(within(compare(&found, &expected, BackendKind::Gpu), 4));
-    // One whose answers alone are too many does not drag the others along.
-    let mut cases = cases;
-    cases[1].steps = vec![cases[1].steps[0]; 21_000];
-    let expected = CpuBackend::new(options).solve(&cases);
-    let found = on_device(&small, Precision::F32, options, &cases);
-    assert_eq!(compare(&found[1..2], &expected[1..2], BackendKind::Cpu), (0.0, 21_000));
-    assert!(within(compare(&found[..1], &expected[..1], BackendKind::Gpu), 1));
-    assert!(within(compare(&found[2..], &expected[2..], BackendKind::Gpu), 2));
+    assert_eq!(compare(&found, &all, BackendKind::Gpu), (0.0, 4));
+}
+
+/// Nearly incompressible bodies in plane strain are beyond f32: no system of theirs reaches its goal, and the processor condenses
+/// them.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn what_f32_cannot_solve_the_processor_does() {
+    let mut cases = draw(61, 1, concentric);
+    for case in &mut cases {
+        let joint = &mut case.joint;
+        joint.idealization = Idealization::PlaneStrain;
+        joint.pin.material.poissons_ratio = 0.49999;
+        joint.plate.material.poissons_ratio = 0.49999;
+    }
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    let expected = Ladder::new(options).solve(&cases);
+    let found = on_device(device(), Precision::F32, options, &cases);
+    assert_eq!(compare(&found, &expected, BackendKind::Cpu), (0.0, 1));
 }
 
 /// A device that is lost in the middle of a sweep: its batch and all after it come from the processor, whole.
@@ -182,23 +197,30 @@ fn what_the_device_cannot_hold_the_processor_solves() {
 fn a_device_that_is_lost_loses_no_design() {
     let cases = draw(51, 6, concentric);
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
-    let expected = CpuBackend::new(options).solve(&cases);
+    let expected = Ladder::new(options).solve(&cases);
     // Not the one that the other tests share.
     let own = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap();
-    let backend = GpuBackend::new(GpuChoice { device: &own, precision: Precision::F32 }, options).unwrap();
-    let mut solver = Solver::with(Box::new(backend), options);
-    let (first, lost) = solver.solve(&cases[..2]);
-    assert_eq!(lost, None);
+    let condenser = GpuCondenser::new(GpuChoice { device: &own, precision: Precision::F32 }).unwrap();
+    let mut ladder = Ladder::new(options).on(Box::new(condenser));
+    let first = ladder.solve(&cases[..2]);
+    assert_eq!(ladder.library.lost(), None);
     let (worst, count) = compare(&first, &expected[..2], BackendKind::Gpu);
     assert!(worst < allowed(Precision::F32) && count == 2, "{worst:e} {count}");
+    let done = ladder.library.device().map(|device| (device.solves(), device.worst_residual()));
+    assert!(done.is_some_and(|(solves, residual)| solves > 0 && residual > 0.0), "{done:?}");
     own.device.destroy();
-    let (second, lost) = solver.solve(&cases[2..4]);
+    let second = ladder.solve(&cases[2..4]);
+    let lost = ladder.library.lost().cloned();
     println!("{lost:?}");
-    let lost = lost.unwrap();
-    assert!(matches!(lost, GpuError::Lost { .. }) && lost.to_string().lines().count() == 1, "{lost:?}");
+    assert!(
+        matches!(&lost, Some(error @ GpuError::Lost { .. }) if error.to_string().lines().count() == 1),
+        "{lost:?}"
+    );
     assert_eq!(compare(&second, &expected[2..4], BackendKind::Cpu), (0.0, 2));
-    let (third, lost) = solver.solve(&cases[4..]);
-    assert_eq!(lost, None);
+    let third = ladder.solve(&cases[4..]);
+    assert_eq!(ladder.library.lost(), lost.as_ref());
     assert_eq!(compare(&third, &expected[4..], BackendKind::Cpu), (0.0, 2));
-    assert!(solver.stages().iter().any(|(name, time)| name.ends_with("GPU") && !time.is_zero()));
+    // What it has done is still told.
+    assert_eq!(ladder.library.device().map(|device| (device.solves(), device.worst_residual())), done);
+    assert!(ladder.stages().iter().any(|(name, time)| name.ends_with("GPU") && !time.is_zero()));
 }

@@ -1,8 +1,8 @@
 //! Bodies whose compliance is one smooth function of a few coordinates.
 
+use crate::engine::spaces::THIN;
 use crate::mechanics::body::{Body, DEEPEST_MESHED, MAX_PARAMETERS, Shape};
 use crate::mechanics::compliance::near_field::PoissonRange;
-use crate::mechanics::compliance::thin_wall::THIN;
 use crate::mechanics::material::Idealization;
 
 /// Shape ratios and Poisson's ratio.

@@ -1,28 +1,38 @@
 //! The fit of a family, with its checked error.
 
+use std::collections::HashMap;
+
+use crate::engine::accuracy::fit_bound::FitBound;
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::interpolation::family::Family;
-use crate::engine::interpolation::held_out::{HeldOut, bounds_near, quantile, worst_near};
+use crate::engine::interpolation::basis::Basis;
+use crate::engine::interpolation::family::{Family, body_at, coordinate_count, coordinates};
+use crate::engine::interpolation::held_out::HeldOut;
 use crate::engine::interpolation::points::DEGREES;
 use crate::engine::interpolation::samples::{Expense, FINEST, Meshes};
-use crate::mechanics::compliance::body_fit::BodyFit;
-use crate::mechanics::contact::smooth_curve::CURVE_NODES;
-use crate::mechanics::contact::smooth_curve::nodes::CurveNodes;
+use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::mechanics::body::{Body, Side};
+use crate::mechanics::compliance::body_fit::{BodyFit, FitScratch};
+use crate::mechanics::compliance::pressure_space::JointCompliance;
+use crate::mechanics::compliance::{BodyCompliance, Boundary, infinite};
+use crate::mechanics::contact::outlines::Outlines;
 
 /// A fit with its error.
 pub struct FittedFamily {
     pub fit: BodyFit,
-    /// Bound of the relative error of the force at each node of a curve, of fit and meshes together.
-    pub bound: [f64; CURVE_NODES],
+    side: Side,
+    basis: Basis,
+    /// In each space that was prepared the compliances of its members, and what unit tilt adds to those of a pin.
+    in_spaces: HashMap<SpaceKey, [Vec<f64>; 2]>,
+    pub bound: FitBound,
     /// Bodies solved for it, on every mesh.
     pub solved: u64,
 }
 
-/// Modes end where what is left is below this share of the accuracy.
-const MODE_SHARE: f64 = 0.1;
+/// Members end where what is left is below this share of the accuracy.
+const MEMBER_SHARE: f64 = 0.1;
 
 /// A fit whose bound is below this share of the accuracy is good enough.
-const GOOD: f64 = 0.6;
+const GOOD: f64 = 0.5;
 
 /// One below this share is used where a better one would cost much: the rest is for what a design adds.
 const FAIR: f64 = 0.9;
@@ -41,14 +51,16 @@ impl Family {
         accuracy: f64,
         budget: f64,
         library: &mut BodyLibrary,
-        nodes: &CurveNodes,
+        spaces: &mut Spaces,
     ) -> Option<FittedFamily> {
         let Meshes { first, known } = self.meshes(accuracy);
         let levels = if self.exact { first..=first } else { first..=FINEST };
         let mut expense = Expense::default();
         let mut held_out = HeldOut::new(self, known);
         if !known {
-            held_out.solve(self, first - 1, library, nodes, &mut expense);
+            // What tells the error of a mesh is told in terms of it.
+            let basis = Basis::of(self, first);
+            held_out.solve(self, first - 1, &basis, library, spaces, &mut expense);
         }
         let mut best: Option<(f64, FittedFamily)> = None;
         // What is only fair is good enough where a better one would cost much.
@@ -57,8 +69,10 @@ impl Family {
             least <= GOOD || (least <= FAIR && expense.seconds > FAIR_BUDGET * budget)
         };
         for level in levels {
-            held_out.solve(self, level, library, nodes, &mut expense);
-            if worst_near(nodes, &quantile(&held_out.of_mesh)) > MESH_SHARE * accuracy && level < FINEST {
+            let basis = Basis::of(self, level);
+            held_out.solve(self, level, &basis, library, spaces, &mut expense);
+            let of_mesh = held_out.worst_of_mesh(spaces);
+            if of_mesh > MESH_SHARE * accuracy && level < FINEST {
                 continue;
             }
             let mut samples: Vec<Vec<f64>> = Vec::new();
@@ -71,14 +85,32 @@ impl Family {
                 if expense.seconds > budget || is_enough(&best, &expense) {
                     break;
                 }
-                samples.extend(self.solve(library, nodes, new, self.fidelity(level)));
-                let Some(fit) = BodyFit::new(polynomials, &points, &samples, MODE_SHARE * accuracy) else {
+                samples.extend(self.solve(library, new, self.fidelity(level), &basis));
+                let scales: Vec<f64> = (points.iter().zip(&samples))
+                    .map(|(point, sample)| {
+                        let [even, _] = infinite(&body_at(&self.example, point));
+                        even + sample.iter().map(|value| value * value).sum::<f64>().sqrt()
+                    })
+                    .collect();
+                let tolerance = MEMBER_SHARE * accuracy;
+                let Some(fit) = BodyFit::new(polynomials, &points, &samples, &scales, tolerance) else {
                     continue;
                 };
-                let bound = held_out.bound(&fit, nodes);
-                let worst = worst_near(nodes, &bound);
+                let bound = held_out.bound(&fit, &basis, spaces, level);
+                let of_mesh = if known { of_mesh } else { 0.0 };
+                let worst = bound.near().fold(0.0, f64::max).hypot(of_mesh);
                 if best.as_ref().is_none_or(|(least, _)| worst < *least) {
-                    best = Some((worst, FittedFamily { fit, bound, solved: 0 }));
+                    best = Some((
+                        worst,
+                        FittedFamily {
+                            fit,
+                            side: self.example.shape.side,
+                            basis,
+                            in_spaces: HashMap::new(),
+                            bound,
+                            solved: 0,
+                        },
+                    ));
                 }
                 if worst <= GOOD * accuracy {
                     break;
@@ -90,8 +122,56 @@ impl Family {
         }
         let (_, fitted) = best?;
         // A design at an arc whose bound is too large goes on to the meshes; not too many may.
-        let near: Vec<f64> = bounds_near(nodes, &fitted.bound).collect();
+        let near: Vec<f64> = fitted.bound.near().collect();
         let fair = near.iter().filter(|bound| **bound <= FAIR * accuracy).count();
         (2 * fair >= near.len()).then_some(FittedFamily { solved: expense.bodies, ..fitted })
+    }
+}
+
+impl FittedFamily {
+    /// Makes what joints in these spaces need.
+    pub fn prepare(&mut self, keys: impl Iterator<Item = SpaceKey>, spaces: &mut Spaces) {
+        for key in keys {
+            let mut images = |tilt: f64| {
+                self.fit.images(|numbers: &[f64]| {
+                    let boundary = self.basis.boundary(numbers);
+                    let member = BodyCompliance { even: 0.0, odd: 0.0, boundary };
+                    spaces.prepare([(key, &member)].into_iter());
+                    spaces.get(key).pressures.joint(&[(&member, 1.0)], tilt).values.into_owned()
+                })
+            };
+            let normal = images(0.0);
+            let mut tilted = Vec::new();
+            if self.side == Side::Pin {
+                tilted = images(1.0);
+                tilted.iter_mut().zip(&normal).for_each(|(tilted, normal)| *tilted -= normal);
+            }
+            self.in_spaces.insert(key, [normal, tilted]);
+        }
+    }
+
+    /// The part of a joint's compliance of a body with 1/E; `None` where it is outside of the box, and of spaces that were not prepared.
+    pub fn part(
+        &self,
+        (body, share): (&Body, f64),
+        outlines: &Outlines,
+        (key, spaces): (SpaceKey, &Spaces),
+        scratch: &mut FitScratch,
+    ) -> Option<JointCompliance<'static>> {
+        let [normal, tilted] = self.in_spaces.get(&key)?;
+        let point = &coordinates(body)[..coordinate_count(body.shape)];
+        if !self.fit.polynomials.contains(point) {
+            return None;
+        }
+        self.fit.find(point, scratch);
+        let infinite = BodyCompliance::new(body, Boundary::Bed(0.0));
+        let space = spaces.get(key);
+        let tilt = if self.side == Side::Pin { outlines.tilt() } else { 0.0 };
+        let mut part = space.pressures.joint(&[(&infinite, share)], tilt);
+        scratch.add_images(normal, share, part.values.to_mut());
+        if tilt != 0.0 {
+            scratch.add_images(tilted, share * tilt, part.values.to_mut());
+        }
+        Some(if self.side == Side::Pin { part } else { space.on_hole(part, outlines) })
     }
 }

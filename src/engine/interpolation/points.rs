@@ -50,7 +50,7 @@ impl Family {
         if self.exact { 1 } else { REPEATS[self.free()] }
     }
 
-    fn place(&self, unit: &[f64]) -> Vec<f64> {
+    pub(super) fn place(&self, unit: &[f64]) -> Vec<f64> {
         unit.iter().zip(&self.ranges).map(|(unit, (low, high))| low + unit * (high - low)).collect()
     }
 
@@ -83,7 +83,7 @@ impl Family {
     }
 
     /// Corners, edges and sides of the unit box: all points with these on each coordinate; one without width has one.
-    fn grid(&self, along: [f64; 3]) -> Vec<Vec<f64>> {
+    pub(super) fn grid(&self, along: [f64; 3]) -> Vec<Vec<f64>> {
         let mut points = vec![Vec::new()];
         for (low, high) in &self.ranges {
             let along = if high > low { &along[..] } else { &along[..1] };

@@ -1,16 +1,14 @@
 //! Samples of a family: solved, and what they cost.
 
-use rayon::prelude::*;
-
+use crate::engine::accuracy::known_errors::known_level;
 use crate::engine::bodies::BodyLibrary;
+use crate::engine::body_request::{BodyRequest, Fidelity, mesh_class, mesh_size};
+use crate::engine::interpolation::basis::Basis;
 use crate::engine::interpolation::family::{Family, MOST_COORDINATES, body_at};
 use crate::engine::interpolation::points::DEGREES;
-use crate::engine::known_errors::known_level;
 use crate::engine::plan::first_level;
-use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
-use crate::engine::unit_costs::{TOPOLOGY_SECONDS, body_seconds};
-use crate::mechanics::contact::smooth_curve::CURVE_TERMS;
-use crate::mechanics::contact::smooth_curve::nodes::CurveNodes;
+use crate::engine::unit_costs::{body_seconds, topology};
+use crate::mechanics::compliance::ring_modes::RingModes;
 
 /// Share of the lanes that samples of a box with so many coordinates fill, about.
 const LANES_FILLED: [f64; MOST_COORDINATES + 1] = [0.2, 0.8, 0.7, 0.6, 0.4];
@@ -50,27 +48,22 @@ impl Expense {
 }
 
 impl Family {
-    /// The compliances of bodies at points, at the nodes of curves, with their amplitudes.
+    /// What bodies at points change at their boundary, in terms of a basis.
     pub(super) fn solve(
         &self,
         library: &mut BodyLibrary,
-        nodes: &CurveNodes,
         points: &[Vec<f64>],
         fidelity: Fidelity,
+        basis: &Basis,
     ) -> Vec<Vec<f64>> {
-        let space = SpaceKey { half_ring: self.key.half_ring, terms: CURVE_TERMS };
         let mut solved = Vec::with_capacity(points.len());
         for points in points.chunks(BATCH) {
             let requests: Vec<BodyRequest> = points
                 .iter()
-                .map(|point| BodyRequest { body: body_at(&self.example, point), fidelity, space })
+                .map(|point| BodyRequest { body: body_at(&self.example, point), fidelity })
                 .collect();
             library.solve(&requests);
-            let shared = &*library;
-            let resample = |request: &BodyRequest| {
-                nodes.resample(shared.space(space), &shared.compliance(&request.key()).values)
-            };
-            solved.par_extend(requests.par_iter().map(resample));
+            solved.extend(basis.numbers(requests.iter().map(|request| &*library.solved(request).compliance)));
         }
         solved
     }
@@ -94,10 +87,16 @@ impl Family {
         }
     }
 
-    /// Estimated time of one sample.
+    /// Estimated time of one sample, s.
     fn sample_seconds(&self, level: usize) -> f64 {
         let filled = if self.exact { 1.0 } else { LANES_FILLED[self.free()] };
-        body_seconds(&self.example, self.fidelity(level), CURVE_TERMS) / filled
+        body_seconds(&BodyRequest { body: self.example, fidelity: self.fidelity(level) }) / filled
+    }
+
+    /// Estimated time of one topology of samples, s.
+    fn topology_seconds(&self, level: usize) -> f64 {
+        let modes = RingModes::of(&mesh_class(&self.example, level)).count;
+        topology(mesh_size(&self.example, level), modes).seconds()
     }
 
     /// Estimated time of the first fit, s.
@@ -107,7 +106,7 @@ impl Family {
         let samples = self.sample_total(DEGREES[free][0]);
         let held_out = self.held_out_total() as f64;
         let coarse = if known { 0.0 } else { held_out * self.sample_seconds(level - 1) };
-        let topologies = if self.exact { 0.0 } else { TOPOLOGIES[free] * TOPOLOGY_SECONDS };
+        let topologies = if self.exact { 0.0 } else { TOPOLOGIES[free] * self.topology_seconds(level) };
         (samples as f64 + held_out) * self.sample_seconds(level) + coarse + topologies
     }
 }

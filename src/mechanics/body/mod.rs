@@ -106,6 +106,11 @@ impl Body {
         (self.shape.depth_range)(&self.parameters)
     }
 
+    /// Of a concentric body, the radius of the circle that is held over the ring's: its outer or its core radius ratio.
+    pub fn fixed_radius_ratio(&self) -> Option<f64> {
+        self.shape.concentric.then_some(self.parameters[0])
+    }
+
     pub fn key(&self) -> BodyKey {
         let bits = self.parameters.map(f64::to_bits);
         (self.shape.name, bits, self.support, self.poissons_ratio.to_bits(), self.idealization)

@@ -56,18 +56,19 @@ impl ContactArc {
         if k == 0 { FRAC_PI_2 } else { 0.0 }
     }
 
-    /// Integrals of p_k (1 - cos phi) for k = 0, 1, ...: pi [delta_k0 - (-t^2)^k/sqrt(1 + b^2)], free of cancellation.
+    /// Integrals of p_k (1 - cos phi) over b^2, for k = 0, 1, ...: pi [delta_k0 - (-t^2)^k/sqrt(1 + b^2)]/b^2, free of
+    /// cancellation.
     #[inline(always)]
     pub fn versines<T: Real, const TERMS: usize>(b: T) -> [T; TERMS] {
         let (one, pi) = (T::from_f64(1.0), T::from_f64(PI));
         let root = (one + b * b).sqrt();
-        let t = b / (one + root);
-        let ratio = -(t * t);
-        let mut next = -(pi / root) * ratio;
-        let mut versines = [pi * b * b / (root * (one + root)); TERMS];
+        let inverse = one / (one + root);
+        let t = b * inverse;
+        let mut next = pi / root * inverse * inverse;
+        let mut versines = [pi / root * inverse; TERMS];
         for versine in &mut versines[1..] {
             *versine = next;
-            next = next * ratio;
+            next = -next * t * t;
         }
         versines
     }
@@ -124,7 +125,7 @@ mod tests {
                     0.5 * FRAC_PI_2 * w * (2.0 * k as f64 * tau).cos() * (1.0 - arc.angle(tau).cos())
                 })
                 .sum();
-            assert!((versine - sum).abs() < 1e-14, "k = {k}");
+            assert!((versine * arc.b * arc.b - sum).abs() < 1e-14, "k = {k}");
         }
     }
 }

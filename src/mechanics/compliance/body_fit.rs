@@ -1,13 +1,13 @@
-//! The compliance of bodies of one family as a function of their ratios and Poisson's ratio: a few modes, which are
-//! compliances themselves, times polynomials, found from samples by least squares.
+//! What the boundary changes of bodies of one family as a function of their ratios and Poisson's ratio: a few members, which are
+//! such changes themselves, times polynomials, found from samples by least squares.
 //!
 //! ```text
-//!   A(x) = sum over m of a_m(x) M_m,   a_m(x) = sum over |d| <= degree of a_md T_d1(x_1) T_d2(x_2) ...
+//!   D(x) = sum over m of a_m(x) D_m,   a_m(x) = sum over |d| <= degree of a_md T_d1(x_1) T_d2(x_2) ...
 //! ```
 //!
-//! The modes are sampled compliances made orthogonal, in the order in which they explain most of what is left (a
-//! reduced basis by a greedy choice: Quarteroni, Manzoni & Negri, Reduced Basis Methods for Partial Differential
-//! Equations, Springer 2016, section 7.1).
+//! The members are samples made orthogonal, in the order in which they explain most of what is left (a reduced basis by a
+//! greedy choice: Quarteroni, Manzoni & Negri, Reduced Basis Methods for Partial Differential Equations, Springer 2016,
+//! section 7.1).
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -82,53 +82,57 @@ impl Polynomials {
 #[derive(Clone, Debug)]
 pub struct BodyFit {
     pub polynomials: Polynomials,
-    pub mode_count: usize,
-    /// `[product][mode]`, each row as long as whole registers.
+    /// `[product][member]`, each row as long as whole registers.
     coefficients: Vec<f64>,
-    /// `[mode]`, each as a sample.
-    pub modes: Vec<f64>,
+    /// D_m: `[member][number]`, each as long as a sample.
+    members: Vec<f64>,
+    length: usize,
 }
 
-/// Numbers that `BodyFit::amplitudes` works with, kept from body to body.
+/// Of the amplitudes of so many members, at least one.
+fn stride(members: usize) -> usize {
+    members.max(1).next_multiple_of(LANES)
+}
+
+/// Numbers that a fit works with, kept from body to body.
 #[derive(Default)]
 pub struct FitScratch {
     work: Vec<f64>,
     products: Vec<f64>,
+    amplitudes: Vec<f64>,
+    shared: Vec<f64>,
 }
 
 impl BodyFit {
-    /// From points and the samples there (all of one length), each weighted by its own size. Modes are added until what
-    /// is left of each sample is below `tolerance` of it, which must be below 1. `None` where the points do not determine the polynomials.
+    /// From points and the samples there (all of one length), each weighted by the size of its body's compliance, `scales`.
+    /// Members are added until what is left of each sample is below `tolerance` of that. `None` where the points do not
+    /// determine the polynomials.
     pub fn new(
         polynomials: Polynomials,
         points: &[Vec<f64>],
         samples: &[Vec<f64>],
+        scales: &[f64],
         tolerance: f64,
     ) -> Option<BodyFit> {
         let (count, rows) = (polynomials.count(), points.len());
         if rows < count || samples.len() != rows || samples.is_empty() {
             return None;
         }
-        let scales: Vec<f64> = samples.iter().map(|sample| dot(sample, sample).sqrt()).collect();
-        if !scales.iter().all(|scale| scale.is_finite() && *scale > 0.0) {
+        let is_sound = samples.iter().flatten().all(|value| value.is_finite());
+        if !is_sound || !scales.iter().all(|scale| scale.is_finite() && *scale > 0.0) {
             return None;
         }
-        let modes = modes(samples, &scales, tolerance);
-        let length = samples[0].len();
-        let mode_count = modes.len() / length;
-        if mode_count == 0 {
-            return None;
-        }
+        let members = members(samples, scales, tolerance);
         let (mut work, mut values) = (Vec::new(), Vec::new());
         let mut design = Mat::<f64>::zeros(rows, count);
-        let mut amplitudes = Mat::<f64>::zeros(rows, mode_count);
-        for (row, ((point, sample), scale)) in points.iter().zip(samples).zip(&scales).enumerate() {
+        let mut amplitudes = Mat::<f64>::zeros(rows, members.len());
+        for (row, ((point, sample), scale)) in points.iter().zip(samples).zip(scales).enumerate() {
             polynomials.values(point, &mut work, &mut values);
             for (column, value) in values.iter().enumerate() {
                 design[(row, column)] = value / scale;
             }
-            for (column, mode) in modes.chunks_exact(length).enumerate() {
-                amplitudes[(row, column)] = dot(sample, mode) / scale;
+            for (column, member) in members.iter().enumerate() {
+                amplitudes[(row, column)] = dot(sample, member) / scale;
             }
         }
         // The points are dense at the ends like Chebyshev's, so the products are nearly orthogonal and the normal
@@ -136,140 +140,135 @@ impl BodyFit {
         let gram = design.transpose() * &design;
         let factor = gram.llt(Side::Lower).ok()?;
         let solution = factor.solve(design.transpose() * &amplitudes);
-        let stride = mode_count.next_multiple_of(LANES);
+        let stride = stride(members.len());
         let mut coefficients = vec![0.0; count * stride];
         for (product, row) in coefficients.chunks_exact_mut(stride).enumerate() {
-            for (mode, value) in row.iter_mut().take(mode_count).enumerate() {
-                *value = solution[(product, mode)];
+            for (member, value) in row.iter_mut().take(members.len()).enumerate() {
+                *value = solution[(product, member)];
             }
         }
         let sound = coefficients.iter().all(|value| value.is_finite());
-        sound.then_some(BodyFit { polynomials, mode_count, coefficients, modes })
+        sound.then_some(BodyFit {
+            polynomials,
+            coefficients,
+            members: members.concat(),
+            length: samples[0].len(),
+        })
     }
 
-    /// Appends the amplitudes of the modes at a point of the box, times `scale`; what is beyond `mode_count` is zero.
-    pub fn amplitudes(&self, point: &[f64], scale: f64, scratch: &mut FitScratch, amplitudes: &mut Vec<f64>) {
-        let FitScratch { work, products } = scratch;
+    /// How many members there are.
+    pub fn member_count(&self) -> usize {
+        self.members.len() / self.length
+    }
+
+    /// What is fitted at a point of the box, as the samples are.
+    pub fn at(&self, point: &[f64], scratch: &mut FitScratch) -> Vec<f64> {
+        self.find(point, scratch);
+        let mut sum = vec![0.0; self.length];
+        add_weighted(&self.members, &scratch.amplitudes, &mut sum);
+        sum
+    }
+
+    /// The amplitudes of the members at a point of the box, left in `scratch`.
+    pub fn find(&self, point: &[f64], scratch: &mut FitScratch) {
+        let FitScratch { work, products, amplitudes, .. } = scratch;
         self.polynomials.values(point, work, products);
-        let stride = self.mode_count.next_multiple_of(LANES);
-        let from = amplitudes.len();
-        amplitudes.resize(from + stride, 0.0);
-        let amplitudes = &mut amplitudes[from..];
-        add_weighted(&self.coefficients, stride, products.as_chunks::<1>().0, amplitudes);
-        amplitudes.iter_mut().for_each(|amplitude| *amplitude *= scale);
+        amplitudes.clear();
+        amplitudes.resize(stride(self.member_count()), 0.0);
+        add_weighted(&self.coefficients, products, amplitudes);
     }
 
-    /// Adds the compliances of up to `BODIES` bodies, given by their amplitudes, to `values`, as samples are, one behind
-    /// the other.
-    pub fn add_modes(&self, amplitudes: &[&[f64]], values: &mut [f64]) {
-        let stride = self.modes.len() / self.mode_count;
-        if amplitudes.len() == BODIES {
-            let weights: Vec<[f64; BODIES]> =
-                (0..self.mode_count).map(|mode| std::array::from_fn(|body| amplitudes[body][mode])).collect();
-            add_weighted(&self.modes, stride, &weights, values);
-        } else {
-            for (amplitudes, values) in amplitudes.iter().zip(values.chunks_exact_mut(stride)) {
-                add_weighted(&self.modes, stride, amplitudes.as_chunks::<1>().0, values);
-            }
-        }
-    }
-
-    /// The compliance at a point of the box, as the samples are.
-    pub fn at(&self, point: &[f64]) -> Vec<f64> {
-        let mut amplitudes = Vec::new();
-        self.amplitudes(point, 1.0, &mut FitScratch::default(), &mut amplitudes);
-        let mut values = vec![0.0; self.modes.len() / self.mode_count];
-        self.add_modes(&[&amplitudes], &mut values);
-        values
+    /// The members as something else is linear in them: `[member]`, each as `image` has it.
+    pub fn images(&self, image: impl FnMut(&[f64]) -> Vec<f64>) -> Vec<f64> {
+        self.members.chunks_exact(self.length).flat_map(image).collect()
     }
 }
 
-/// Bodies whose modes are added together: each is read once for all.
-pub const BODIES: usize = 4;
-
-/// Adds to each of `SETS` sums, one behind the other and as long as rows are apart, the rows times its own weights of them.
-fn add_weighted<const SETS: usize>(rows: &[f64], stride: usize, weights: &[[f64; SETS]], sums: &mut [f64]) {
-    Arch::new().dispatch(Weighted { rows, stride, weights, sums });
+impl FitScratch {
+    /// Adds to a sum the images of the members at the point found, times a share.
+    pub fn add_images(&mut self, images: &[f64], share: f64, sum: &mut [f64]) {
+        let FitScratch { amplitudes, shared, .. } = self;
+        shared.clear();
+        shared.extend(amplitudes.iter().map(|amplitude| share * amplitude));
+        add_weighted(images, shared, sum);
+    }
 }
 
-struct Weighted<'a, const SETS: usize> {
+/// Adds to a sum, as long as rows are apart, the rows times their weights.
+fn add_weighted(rows: &[f64], weights: &[f64], sum: &mut [f64]) {
+    Arch::new().dispatch(Weighted { rows, weights, sum });
+}
+
+struct Weighted<'a> {
     rows: &'a [f64],
-    stride: usize,
-    weights: &'a [[f64; SETS]],
-    sums: &'a mut [f64],
+    weights: &'a [f64],
+    sum: &'a mut [f64],
 }
 
 /// Registers that are summed side by side, so that additions do not wait for each other.
 const ABREAST: usize = 4;
 
-impl<const SETS: usize> WithSimd for Weighted<'_, SETS> {
+impl WithSimd for Weighted<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let mut from = 0;
-        while from + ABREAST * S::F64_LANES <= self.stride {
+        while from + ABREAST * S::F64_LANES <= self.sum.len() {
             self.block::<S, ABREAST>(simd, from);
             from += ABREAST * S::F64_LANES;
         }
-        while from + S::F64_LANES <= self.stride {
+        while from + S::F64_LANES <= self.sum.len() {
             self.block::<S, 1>(simd, from);
             from += S::F64_LANES;
         }
-        for (set, sums) in self.sums.chunks_exact_mut(self.stride).enumerate() {
-            for (row, weights) in self.rows.chunks_exact(self.stride).zip(self.weights) {
-                let rest = sums[from..].iter_mut().zip(&row[from..]);
-                rest.for_each(|(sum, value)| *sum += weights[set] * value);
-            }
+        for (row, weight) in self.rows.chunks_exact(self.sum.len()).zip(self.weights) {
+            self.sum[from..].iter_mut().zip(&row[from..]).for_each(|(sum, value)| *sum += weight * value);
         }
     }
 }
 
-impl<const SETS: usize> Weighted<'_, SETS> {
+impl Weighted<'_> {
     #[inline(always)]
     fn block<S: Simd, const COUNT: usize>(&mut self, simd: S, from: usize) {
         let length = COUNT * S::F64_LANES;
-        let mut registers = [[simd.splat_f64s(0.0); COUNT]; SETS];
-        for (row, weights) in self.rows.chunks_exact(self.stride).zip(self.weights) {
+        let mut registers = [simd.splat_f64s(0.0); COUNT];
+        for (row, weight) in self.rows.chunks_exact(self.sum.len()).zip(self.weights) {
             let (values, _) = S::as_simd_f64s(&row[from..from + length]);
-            for set in 0..SETS {
-                let weight = simd.splat_f64s(weights[set]);
-                for place in 0..COUNT {
-                    registers[set][place] = simd.mul_add_e_f64s(weight, values[place], registers[set][place]);
-                }
+            let weight = simd.splat_f64s(*weight);
+            for place in 0..COUNT {
+                registers[place] = simd.mul_add_e_f64s(weight, values[place], registers[place]);
             }
         }
-        for (sums, registers) in self.sums.chunks_exact_mut(self.stride).zip(&registers) {
-            let (sums, _) = S::as_mut_simd_f64s(&mut sums[from..from + length]);
-            for (sum, register) in sums.iter_mut().zip(registers) {
-                *sum = simd.add_f64s(*sum, *register);
-            }
+        let (sums, _) = S::as_mut_simd_f64s(&mut self.sum[from..from + length]);
+        for (sum, register) in sums.iter_mut().zip(&registers) {
+            *sum = simd.add_f64s(*sum, *register);
         }
     }
 }
 
-/// Orthonormal modes of samples, the most needed first.
-fn modes(samples: &[Vec<f64>], scales: &[f64], tolerance: f64) -> Vec<f64> {
+/// Orthonormal members of samples, the most needed first.
+fn members(samples: &[Vec<f64>], scales: &[f64], tolerance: f64) -> Vec<Vec<f64>> {
     let mut left: Vec<Vec<f64>> = samples
         .iter()
         .zip(scales)
         .map(|(sample, scale)| sample.iter().map(|value| value / scale).collect())
         .collect();
-    let mut modes: Vec<f64> = Vec::new();
+    let mut members: Vec<Vec<f64>> = Vec::new();
     for _ in 0..samples.len() {
         let sizes: Vec<f64> = left.iter().map(|sample| dot(sample, sample).sqrt()).collect();
         let Some((most, size)) = sizes.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) else { break };
         if *size <= tolerance {
             break;
         }
-        let mode: Vec<f64> = left[most].iter().map(|value| value / size).collect();
+        let member: Vec<f64> = left[most].iter().map(|value| value / size).collect();
         for sample in &mut left {
-            let share = dot(sample, &mode);
-            sample.iter_mut().zip(&mode).for_each(|(value, mode)| *value -= share * mode);
+            let share = dot(sample, &member);
+            sample.iter_mut().zip(&member).for_each(|(value, member)| *value -= share * member);
         }
-        modes.extend(mode);
+        members.push(member);
     }
-    modes
+    members
 }
 
 /// In eight sums, which the compiler keeps in registers.
@@ -289,7 +288,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Two modes times polynomials of the basis are found exactly; a coordinate without width is no obstacle.
+    /// Two members times polynomials of the basis are found exactly; a coordinate without width is no obstacle.
     #[test]
     fn what_is_in_the_space_is_found() {
         let ranges = vec![(-1.0, 3.0), (0.2, 0.2), (5.0, 6.0)];
@@ -297,21 +296,21 @@ mod tests {
         // 1 to x^4, z, x z, x^2 z and z^2.
         assert_eq!(polynomials().count(), 9);
         let length = 37;
-        let mode = |k: usize| move |i: usize| ((k + 1) as f64 * i as f64).sin();
+        let member = |k: usize| move |i: usize| ((k + 1) as f64 * i as f64).sin();
         let sample = |point: &[f64]| -> Vec<f64> {
             let (x, z) = (point[0], point[2]);
             let (a, b) = (3.0 + x - 0.2 * x.powi(4) + x * z, 0.1 * z * z - 2.0 * x * x);
-            (0..length).map(|i| a * mode(0)(i) + b * mode(1)(i)).collect()
+            (0..length).map(|i| a * member(0)(i) + b * member(1)(i)).collect()
         };
         let points: Vec<Vec<f64>> = (0..40)
             .map(|i| vec![-1.0 + 0.1 * f64::from(i), 0.2, 5.0 + (0.618 * f64::from(i)).fract()])
             .collect();
         let samples: Vec<Vec<f64>> = points.iter().map(|point| sample(point)).collect();
-        let fit = BodyFit::new(polynomials(), &points, &samples, 1e-9).unwrap();
-        assert_eq!(fit.mode_count, 2);
+        let fit = BodyFit::new(polynomials(), &points, &samples, &vec![10.0; 40], 1e-10).unwrap();
+        assert_eq!(fit.member_count(), 2);
         for point in [[0.33, 0.2, 5.5], [2.9, 0.2, 6.0]] {
             assert!(fit.polynomials.contains(&point));
-            let found = fit.at(&point);
+            let found = fit.at(&point, &mut FitScratch::default());
             assert_eq!(found.len(), length);
             for (found, expected) in found.iter().zip(sample(&point)) {
                 assert!((found - expected).abs() < 1e-9, "{found} {expected}");
@@ -326,12 +325,15 @@ mod tests {
     fn what_is_not_determined_is_refused() {
         let polynomials = || Polynomials::new(vec![(0.0, 1.0)], &[2]);
         let samples = vec![vec![1.0; 8]; 5];
-        assert!(BodyFit::new(polynomials(), &vec![vec![0.5]; 5], &samples, 1e-6).is_none());
+        let fit = |points: &[Vec<f64>], samples: &[Vec<f64>]| {
+            BodyFit::new(polynomials(), points, samples, &[3.0; 5][..points.len()], 1e-6)
+        };
+        assert!(fit(&vec![vec![0.5]; 5], &samples).is_none());
         let points: Vec<Vec<f64>> = (0..5).map(|i| vec![0.2 * f64::from(i)]).collect();
-        assert!(BodyFit::new(polynomials(), &points[..2], &samples[..2], 1e-6).is_none());
+        assert!(fit(&points[..2], &samples[..2]).is_none());
         let mut broken = samples.clone();
         broken[3][2] = f64::NAN;
-        assert!(BodyFit::new(polynomials(), &points, &broken, 1e-6).is_none());
-        assert!(BodyFit::new(polynomials(), &points, &samples, 1e-6).is_some());
+        assert!(fit(&points, &broken).is_none());
+        assert!(fit(&points, &samples).is_some());
     }
 }

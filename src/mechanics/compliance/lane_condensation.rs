@@ -1,38 +1,29 @@
-//! Finite-element compliance to the trial pressures, for several bodies of one topology at a time.
+//! Finite-element works of the ring modes, for several bodies of one topology at a time.
 //!
-//! Coordinates, element stiffness, band Cholesky down to the ring, then for each arc the Gram matrix of L^-1 f: all in
-//! the lanes of `Lanes`, one body a lane, in code compiled for the widest vectors of the processor.
+//! Coordinates, element stiffness, band Cholesky down to the ring, then the Gram matrix of L^-1 f: all in the lanes of
+//! `Lanes`, one body a lane, in code compiled for the widest vectors of the processor.
 
-use pulp::{Arch, Simd, WithSimd};
-
-use super::arc::{MAX_TERMS, TERM_CHOICES, packed_count};
-use super::pressure_space::PressureSpace;
-use super::ring_loads::{ArcLoads, RingLoads};
-use super::{NODE_COUNT, PressureCompliance};
+use super::arc::{packed, packed_count};
+use super::ring_modes::{Push, RingModes};
 use crate::mechanics::body::Body;
+use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::element::MAX_NODES;
 use crate::mechanics::element::stiffness::{
     Elasticity, ElementRule, element_stiffness, stiffness_operations,
 };
-use crate::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
+use crate::mechanics::mesh::{Grading, RingTopology, coordinates};
 use crate::mechanics::real::{LANES, Lanes, Real};
 use crate::mechanics::solve::band::{BandStructure, TILE, Tile};
 
-/// What bodies of one topology share: mesh, order of elimination, loads of the trial pressures.
+/// What bodies of one topology share: mesh, order of elimination, loads of the ring modes.
 pub struct CondensationPlan {
     grading: Grading,
     topology: RingTopology,
     structure: BandStructure,
     rule: ElementRule,
-    terms: usize,
-    loads: Vec<PlacedLoads>,
-}
-
-/// Loads of one arc in the order of elimination: from tile row `start` of the ring on, `[tile row][row in it][k]`.
-struct PlacedLoads {
-    start: usize,
-    rows: usize,
-    values: Vec<f64>,
+    modes: RingModes,
+    /// Of each way to push, in the order of elimination: `[ring unknown][m]`.
+    loads: Vec<Vec<f64>>,
 }
 
 /// Floating-point operations of condensing one body, a multiply-add counted as two.
@@ -42,26 +33,36 @@ pub struct Operations {
     pub elements: u64,
     /// The band's Cholesky factor.
     pub factorise: u64,
-    /// Substitution and Gram matrix at every arc.
-    pub arcs: u64,
+    /// Substitution and Gram matrix of the ring modes.
+    pub modes: u64,
 }
 
 impl Operations {
     pub fn total(&self) -> u64 {
-        self.elements + self.factorise + self.arcs
+        self.elements + self.factorise + self.modes
     }
 }
 
+/// Modes that are substituted side by side: some blocks of them are a plan's.
+const BLOCKS: [usize; 2] = [12, 8];
+
 impl CondensationPlan {
-    /// For bodies like `body` (same shape family, supports and class), divided by `grading`; `rings` are those of `space`.
-    pub fn new(body: &Body, grading: Grading, space: &PressureSpace, rings: &RingLoads) -> CondensationPlan {
+    /// For bodies like `body` (same shape family, supports and class), divided by `grading`.
+    pub fn new(body: &Body, grading: Grading, modes: RingModes) -> CondensationPlan {
         let topology = RingTopology::new(body, &grading);
         let structure = BandStructure::new(&topology);
-        let loads = rings.with(space, grading.element, &topology.ring_angles, |arcs| {
-            arcs.iter().map(|loads| place(&topology, &structure, loads, space.terms)).collect()
-        });
+        let of_push = |push: &Push| {
+            let mut loads = vec![0.0; (structure.size - structure.ring_start) * modes.count];
+            for (place, load) in modes.unknown_loads(*push, &topology) {
+                let position =
+                    structure.positions[topology.ring_start + place] as usize - structure.ring_start;
+                loads[position * modes.count..][..modes.count].copy_from_slice(&load);
+            }
+            loads
+        };
+        let loads = Push::of(body.shape.side).iter().map(of_push).collect();
         let rule = ElementRule::new(grading.element);
-        CondensationPlan { grading, topology, structure, rule, terms: space.terms, loads }
+        CondensationPlan { grading, topology, structure, rule, modes, loads }
     }
 
     pub fn unknown_count(&self) -> usize {
@@ -70,53 +71,34 @@ impl CondensationPlan {
 
     /// What the plan takes, but for what is small beside it.
     pub fn bytes(&self) -> usize {
-        let loads: usize = self.loads.iter().map(|loads| size_of_val(&loads.values[..])).sum();
-        loads + self.structure.bytes() + self.topology.bytes()
+        self.loads.len() * size_of_val(&self.loads[0][..]) + self.structure.bytes() + self.topology.bytes()
     }
 
     /// What one body costs.
     pub fn operations(&self) -> Operations {
-        let of_arc = |loads: &PlacedLoads| {
-            let products = (2 * loads.rows * TILE * packed_count(self.terms)) as u64;
-            self.structure.substitute_operations(loads.rows, self.terms) + products
-        };
+        let RingModes { count, .. } = self.modes;
+        let rows = self.rows();
+        // What tilt adds is not symmetric before it is made so.
+        let entries = packed_count(count) + (self.loads.len() - 1) * count * count;
+        let products = (2 * rows * TILE * entries) as u64;
+        let substitutions = self.loads.len() as u64 * self.structure.substitute_operations(rows, count);
         Operations {
             elements: self.topology.element_count() as u64 * stiffness_operations(self.topology.element),
             factorise: self.structure.factorise_operations(),
-            arcs: self.loads.iter().map(of_arc).sum(),
+            modes: substitutions + products,
         }
     }
 
-    /// Up to `LANES` bodies at a time; the order is kept. A body whose mesh is turned inside out or
-    /// whose stiffness is not positive definite gives NaN. The part -pi/2 c ln b of entry (0, 0), which
-    /// `PressureCompliance` leaves out, is still in: the near field takes it out.
-    pub fn condense(&self, bodies: &[Body]) -> Vec<PressureCompliance> {
-        bodies
-            .chunks(LANES)
-            .flat_map(|bodies| Arch::new().dispatch(Condense { plan: self, bodies }))
-            .collect()
+    /// Rows of tiles on the ring.
+    fn rows(&self) -> usize {
+        self.loads[0].len() / self.modes.count / TILE
     }
-}
 
-fn place(topology: &RingTopology, structure: &BandStructure, loads: &ArcLoads, terms: usize) -> PlacedLoads {
-    let mut placed = Vec::new();
-    for node in 0..loads.node_count {
-        for component in 0..2 {
-            let unknown = topology.unknowns[2 * topology.ring_nodes[node] as usize + component];
-            if unknown != SUPPORTED {
-                placed.push((structure.positions[unknown as usize] as usize, (node * 2 + component) * terms));
-            }
-        }
+    /// The works of the ring modes on each body, packed, one way to push after the other; the order is kept. A body whose mesh is
+    /// turned inside out or whose stiffness is not positive definite gives NaN.
+    pub fn condense(&self, bodies: &[Body]) -> Vec<Vec<f64>> {
+        bodies.chunks(LANES).flat_map(|bodies| in_lanes(Condense { plan: self, bodies })).collect()
     }
-    let first = placed.iter().map(|(position, _)| *position).min().unwrap_or(structure.ring_start);
-    let start = (first - structure.ring_start) / TILE;
-    let rows = (structure.size - structure.ring_start) / TILE - start;
-    let mut values = vec![0.0; rows * TILE * terms];
-    for (position, from) in placed {
-        let to = (position - structure.ring_start - start * TILE) * terms;
-        values[to..to + terms].copy_from_slice(&loads.values[from..from + terms]);
-    }
-    PlacedLoads { start, rows, values }
 }
 
 struct Condense<'a> {
@@ -124,48 +106,31 @@ struct Condense<'a> {
     bodies: &'a [Body],
 }
 
-impl WithSimd for Condense<'_> {
-    type Output = Vec<PressureCompliance>;
+impl LaneWork for Condense<'_> {
+    type Output = Vec<Vec<f64>>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
+    fn run<const FUSED: bool>(self) -> Vec<Vec<f64>> {
+        let mut tiles = self.plan.structure.empty::<Lanes<FUSED>>();
+        let smallest_jacobian = self.assemble(&mut tiles);
+        self.plan.structure.factorise(&mut tiles);
+        let CondensationPlan { modes: RingModes { count, .. }, loads, .. } = self.plan;
+        let mut works = vec![vec![0.0; loads.len() * packed_count(*count)]; self.bodies.len()];
+        if count.is_multiple_of(BLOCKS[0]) {
+            self.gram::<FUSED, { BLOCKS[0] }>(&tiles, &mut works);
+        } else {
+            self.gram::<FUSED, { BLOCKS[1] }>(&tiles, &mut works);
+        }
+        for (lane, works) in works.iter_mut().enumerate() {
+            if smallest_jacobian.0[lane].is_nan() || smallest_jacobian.0[lane] <= 0.0 {
+                works.fill(f64::NAN);
+            }
+        }
+        works
     }
 }
 
 impl Condense<'_> {
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) -> Vec<PressureCompliance> {
-        let mut tiles = self.plan.structure.empty::<Lanes<FUSED>>();
-        let smallest_jacobian = self.assemble(&mut tiles);
-        self.plan.structure.factorise(&mut tiles);
-        let entries = packed_count(self.plan.terms);
-        let mut compliances: Vec<PressureCompliance> = self
-            .bodies
-            .iter()
-            .map(|body| PressureCompliance {
-                terms: self.plan.terms,
-                amplitude: 2.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio),
-                bed: 0.0,
-                values: Vec::with_capacity(NODE_COUNT * entries),
-            })
-            .collect();
-        match self.plan.terms {
-            3 => self.gram::<FUSED, 3>(&tiles, &mut compliances),
-            6 => self.gram::<FUSED, 6>(&tiles, &mut compliances),
-            10 => self.gram::<FUSED, 10>(&tiles, &mut compliances),
-            16 => self.gram::<FUSED, 16>(&tiles, &mut compliances),
-            MAX_TERMS => self.gram::<FUSED, MAX_TERMS>(&tiles, &mut compliances),
-            other => unreachable!("no code for {other} trial pressures, only for {TERM_CHOICES:?}"),
-        }
-        for (lane, compliance) in compliances.iter_mut().enumerate() {
-            if smallest_jacobian.0[lane].is_nan() || smallest_jacobian.0[lane] <= 0.0 {
-                compliance.values.fill(f64::NAN);
-            }
-        }
-        compliances
-    }
-
     /// The stiffness of every body in its lane, and its least Jacobian; lanes without a body repeat the last one.
     #[inline(always)]
     fn assemble<const FUSED: bool>(&self, tiles: &mut [Tile<Lanes<FUSED>>]) -> Lanes<FUSED> {
@@ -203,40 +168,89 @@ impl Condense<'_> {
         smallest_jacobian
     }
 
-    /// The Gram matrices of L^-1 f at every arc, with the part -pi/2 c ln b of entry (0, 0) still in them.
+    /// Products of L^-1 f, in blocks of so many modes.
     #[inline(always)]
-    fn gram<const FUSED: bool, const TERMS: usize>(
+    fn gram<const FUSED: bool, const BLOCK: usize>(
         &self,
         tiles: &[Tile<Lanes<FUSED>>],
-        compliances: &mut [PressureCompliance],
+        works: &mut [Vec<f64>],
     ) {
-        let mut work = Vec::new();
-        for loads in &self.plan.loads {
-            work.clear();
-            work.resize(loads.rows, [[Lanes::<FUSED>::zero(); TERMS]; TILE]);
-            for (row, values) in work.iter_mut().flatten().zip(loads.values.chunks_exact(TERMS)) {
-                for (value, load) in row.iter_mut().zip(values) {
-                    *value = Lanes::from_f64(*load);
-                }
-            }
-            self.plan.structure.substitute_ring(tiles, loads.start, &mut work);
-            let mut matrix = [[Lanes::<FUSED>::zero(); TERMS]; TERMS];
-            for rows in &work {
-                for j in 0..TERMS {
-                    for k in 0..=j {
-                        let mut sum = matrix[j][k];
-                        for row in rows {
-                            sum = sum.minus_product(row[j], -row[k]);
+        let CondensationPlan { modes: RingModes { count, .. }, loads, .. } = self.plan;
+        let normal = self.substituted::<FUSED, BLOCK>(tiles, &loads[0]);
+        for (push, loads) in loads.iter().enumerate() {
+            let own;
+            let pushed = if push == 0 {
+                &normal
+            } else {
+                own = self.substituted::<FUSED, BLOCK>(tiles, loads);
+                &own
+            };
+            let from = push * packed_count(*count);
+            for (i, of_rows) in pushed.iter().enumerate() {
+                // The works of the normal loads are symmetric, those of others are made so.
+                let blocks = if push == 0 { i + 1 } else { normal.len() };
+                for (j, of_columns) in normal[..blocks].iter().enumerate() {
+                    let matrix = products(of_rows, of_columns);
+                    for (a, of_row) in matrix.iter().enumerate() {
+                        let row = i * BLOCK + a;
+                        for (b, value) in of_row.iter().enumerate() {
+                            let column = j * BLOCK + b;
+                            let share = match push {
+                                0 if column > row => continue,
+                                0 => 1.0,
+                                _ if column == row => 1.0,
+                                _ => 0.5,
+                            };
+                            let at = from + packed(row.max(column), row.min(column));
+                            for (lane, works) in works.iter_mut().enumerate() {
+                                works[at] += share * value.0[lane];
+                            }
                         }
-                        matrix[j][k] = sum;
                     }
-                }
-            }
-            for (lane, compliance) in compliances.iter_mut().enumerate() {
-                for (j, row) in matrix.iter().enumerate() {
-                    compliance.values.extend(row[..=j].iter().map(|value| value.0[lane]));
                 }
             }
         }
     }
+
+    /// L^-1 f on the ring: `[block of modes][row of tiles][row][mode]`.
+    #[inline(always)]
+    fn substituted<const FUSED: bool, const BLOCK: usize>(
+        &self,
+        tiles: &[Tile<Lanes<FUSED>>],
+        loads: &[f64],
+    ) -> Vec<Vec<Rows<FUSED, BLOCK>>> {
+        let count = self.plan.modes.count;
+        let mut blocks = Vec::with_capacity(count / BLOCK);
+        for first in (0..count).step_by(BLOCK) {
+            let mut block = vec![[[Lanes::<FUSED>::zero(); BLOCK]; TILE]; self.plan.rows()];
+            for (row, loads) in block.iter_mut().flatten().zip(loads.chunks_exact(count)) {
+                for (value, load) in row.iter_mut().zip(&loads[first..]) {
+                    *value = Lanes::from_f64(*load);
+                }
+            }
+            self.plan.structure.substitute_ring(tiles, 0, &mut block);
+            blocks.push(block);
+        }
+        blocks
+    }
+}
+
+/// A row of tiles of so many modes.
+type Rows<const FUSED: bool, const BLOCK: usize> = [[Lanes<FUSED>; BLOCK]; TILE];
+
+/// The sum over rows of the products of two blocks of modes.
+#[inline(always)]
+fn products<const FUSED: bool, const BLOCK: usize>(
+    one: &[Rows<FUSED, BLOCK>],
+    other: &[Rows<FUSED, BLOCK>],
+) -> [[Lanes<FUSED>; BLOCK]; BLOCK] {
+    let mut matrix = [[Lanes::<FUSED>::zero(); BLOCK]; BLOCK];
+    for (rows, columns) in one.iter().flatten().zip(other.iter().flatten()) {
+        for a in 0..BLOCK {
+            for b in 0..BLOCK {
+                matrix[a][b] = matrix[a][b].minus_product(rows[a], -columns[b]);
+            }
+        }
+    }
+    matrix
 }

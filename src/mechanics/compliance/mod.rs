@@ -2,16 +2,19 @@
 
 pub mod condense;
 pub mod arc;
-pub mod kernels;
-pub mod pressure_space;
+pub mod lane_work;
+pub mod infinite_body;
 pub mod thin_wall;
+pub mod ring_modes;
 pub mod series;
-pub mod ring_loads;
+pub mod pressure_space;
 pub mod lane_condensation;
 pub mod near_field;
 pub mod body_fit;
 
-pub use pressure_space::NODE_COUNT;
+use ring_modes::RingModes;
+
+use crate::mechanics::body::{Body, Side};
 
 /// Compliance of a ring: displacement of each of the ring's unknowns (the last ones of its `RingTopology`, in order)
 /// per unit force on each, for Young's modulus 1, thickness 1 and ring radius 1. Symmetric, row-major.
@@ -21,28 +24,67 @@ pub struct RingCompliance {
     pub values: Vec<f64>,
 }
 
-/// Compliance of a body to the trial pressures of a `PressureSpace`: the matrix of integrals of p_j u(p_k) over the
-/// half arc, u the normal displacement that p_k gives, for Young's modulus 1 and ring radius 1.
+/// How the ring of a body yields under normal pressure, for Young's modulus 1 and ring radius 1: as that of an infinite body,
+/// whose normal displacement under cos(n phi) is `even` n/(n^2 - 1) + `odd`/(n^2 - 1), and that along the ring, of a disc,
+/// `even`/(n^2 - 1) + `odd` n/(n^2 - 1) times sin(n phi); plus what its boundary changes.
+///
+/// A pin is not pressed along its own normal but along the hole's (`contact::outlines`). What that changes of its compliance
+/// is told per unit of tilt.
 #[derive(Clone, Debug)]
-pub struct PressureCompliance {
-    pub terms: usize,
-    /// c = 2/E': the part -pi/2 c ln b of entry (0, 0) is left out of `values`.
-    pub amplitude: f64,
-    /// lambda of the part that yields like a Winkler bed (`thin_wall`), which is left out of `values`, too: its closed form
-    /// is not smooth enough to be interpolated between nodes.
-    pub bed: f64,
-    /// `[node][packed lower triangle]`.
-    pub values: Vec<f64>,
+pub struct BodyCompliance {
+    /// c = 2/E'.
+    pub even: f64,
+    /// c (kappa - 1)/(kappa + 1), positive for a hole and negative for a disc.
+    pub odd: f64,
+    pub boundary: Boundary,
 }
 
-impl PressureCompliance {
-    /// The difference from another of the same space.
-    pub fn minus(&self, other: &PressureCompliance) -> PressureCompliance {
-        PressureCompliance {
-            terms: self.terms,
-            amplitude: self.amplitude - other.amplitude,
-            bed: self.bed - other.bed,
-            values: self.values.iter().zip(&other.values).map(|(own, other)| own - other).collect(),
-        }
+/// What its boundary changes of a body's compliance.
+#[derive(Clone, Debug)]
+pub enum Boundary {
+    /// Everything: a wall so thin that it yields like a Winkler bed, by so much per unit pressure.
+    Bed(f64),
+    /// Of a concentric body: the displacement under cos(n phi), n = 0, 1, ...; half of it for n = 0. Of a pin also the amplitude
+    /// of what is along the ring, sin(n phi).
+    Modes { normal: Vec<f64>, along: Vec<f64> },
+    /// The works of pressures in ring modes, packed; of a pin after them what unit tilt adds to them.
+    RingModes(RingModes, Vec<f64>),
+}
+
+impl Boundary {
+    /// The numbers of it.
+    fn values(&self) -> impl Iterator<Item = &f64> {
+        let [first, second]: [&[f64]; 2] = match self {
+            Boundary::Bed(compliance) => [std::slice::from_ref(compliance), &[]],
+            Boundary::Modes { normal, along } => [normal, along],
+            Boundary::RingModes(_, works) => [works, &[]],
+        };
+        first.iter().chain(second)
     }
+}
+
+impl BodyCompliance {
+    /// Of a body with that boundary.
+    pub fn new(body: &Body, boundary: Boundary) -> BodyCompliance {
+        let [even, odd] = infinite(body);
+        BodyCompliance { even, odd, boundary }
+    }
+
+    pub fn is_finite(&self) -> bool {
+        [self.even, self.odd].iter().chain(self.boundary.values()).all(|value| value.is_finite())
+    }
+
+    /// What it takes, in bytes, with what keeps it.
+    pub fn bytes(&self) -> usize {
+        const KEEPING: usize = 160;
+        KEEPING + size_of::<BodyCompliance>() + size_of::<f64>() * self.boundary.values().count()
+    }
+}
+
+/// `even` and `odd` of a body.
+pub fn infinite(body: &Body) -> [f64; 2] {
+    let even = 2.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio);
+    let kappa = body.idealization.kolosov(body.poissons_ratio);
+    let sign = if body.shape.side == Side::Plate { 1.0 } else { -1.0 };
+    [even, sign * even * (kappa - 1.0) / (kappa + 1.0)]
 }

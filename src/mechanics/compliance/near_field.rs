@@ -2,11 +2,11 @@
 //!
 //! The error of a condensed compliance is local: it comes from elements at the ring that are as large as the contact
 //! arc. It is the same for every body with those elements, so it is measured once for a class of bodies, on the
-//! concentric body that stands for the class, as the difference of its exact compliance (`series`) and its condensed
-//! one, and added to each:
+//! concentric body that stands for the class, as the difference of its exact works (`series`) and its condensed ones, and
+//! added to each:
 //!
 //! ```text
-//!   A = A_mesh(body) + [A_series(reference) - A_mesh(reference)].
+//!   D = C_mesh(body) - C_infinite + [C_series(reference) - C_mesh(reference)].
 //! ```
 //!
 //! Equivalently: contact sees the exact kernel of the reference, and the mesh only the smooth difference of two bodies
@@ -16,16 +16,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use pulp::{Arch, Simd, WithSimd};
-
 use super::lane_condensation::CondensationPlan;
-use super::pressure_space::PressureSpace;
-use super::ring_loads::RingLoads;
+use super::ring_modes::RingModes;
 use super::series::ConcentricBody;
-use super::{NODE_COUNT, PressureCompliance};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
 use crate::mechanics::grading::GradingClass;
-use crate::mechanics::material::Idealization;
+use crate::mechanics::material::{Compressibility, Idealization};
 use crate::mechanics::mesh::Grading;
 use crate::mechanics::real::LANES;
 
@@ -49,36 +45,28 @@ pub enum PoissonRange {
     Incompressible,
 }
 
-/// From this Poisson's ratio on, plane strain is nearly incompressible: the error of a mesh, with poles just beyond 1/2, is a smooth
-/// function of ln(1 - 2 nu) there. Below, it is one of a root of 1 - 2 nu, far enough from the poles and near enough to
-/// what is a polynomial of Poisson's ratio.
-pub const NEARLY_INCOMPRESSIBLE: f64 = 0.47;
-
 /// Of 1 - 2 nu: below it nothing changes any more.
 const LEAST_COMPRESSIBILITY: f64 = 1e-5;
-
-/// Up to this Poisson's ratio a mesh in plane stress resists shear as one in plane strain does compression close to 1/2: its
-/// error is a smooth function of ln(1 + nu).
-const NEARLY_CONFORMAL: f64 = -0.75;
 
 /// Of 1 + nu: below it nothing changes any more.
 const LEAST_SHEAR: f64 = 1e-3;
 
 impl PoissonRange {
     pub fn of(poissons_ratio: f64, idealization: Idealization) -> PoissonRange {
-        match idealization {
-            Idealization::PlaneStress if poissons_ratio < NEARLY_CONFORMAL => PoissonRange::Conformal,
-            Idealization::PlaneStress if poissons_ratio < 0.0 => PoissonRange::Auxetic,
-            Idealization::PlaneStress => PoissonRange::Positive,
-            Idealization::PlaneStrain if poissons_ratio < 0.0 => PoissonRange::Negative,
-            Idealization::PlaneStrain if poissons_ratio > NEARLY_INCOMPRESSIBLE => {
-                PoissonRange::Incompressible
+        match Compressibility::of(poissons_ratio, idealization) {
+            Compressibility::NearlyConformal => PoissonRange::Conformal,
+            Compressibility::Auxetic => PoissonRange::Auxetic,
+            Compressibility::Positive => PoissonRange::Positive,
+            Compressibility::Negative => PoissonRange::Negative,
+            Compressibility::Moderate | Compressibility::Stiff | Compressibility::VeryStiff => {
+                PoissonRange::Compressible
             }
-            Idealization::PlaneStrain => PoissonRange::Compressible,
+            Compressibility::NearlyIncompressible | Compressibility::Locking => PoissonRange::Incompressible,
         }
     }
 
-    /// What is interpolated in.
+    /// What is interpolated in: the error of a mesh is a smooth function of ln(1 - 2 nu) close to 1/2, with poles just beyond, of a root
+    /// of 1 - 2 nu below, and of ln(1 + nu) close to -1 in plane stress.
     pub fn coordinate(self, poissons_ratio: f64) -> f64 {
         match self {
             PoissonRange::Conformal => (1.0 + poissons_ratio).max(LEAST_SHEAR).ln(),
@@ -101,13 +89,15 @@ impl PoissonRange {
     /// Chebyshev nodes of the range, as coordinates, and their barycentric weights.
     pub fn nodes(self) -> [(f64, f64); LANES] {
         let (low, high) = match self {
-            PoissonRange::Conformal => (LEAST_SHEAR.ln(), (1.0 + NEARLY_CONFORMAL).ln()),
-            PoissonRange::Auxetic => (NEARLY_CONFORMAL, 0.0),
+            PoissonRange::Conformal => (LEAST_SHEAR.ln(), (1.0 + Compressibility::NEARLY_CONFORMAL).ln()),
+            PoissonRange::Auxetic => (Compressibility::NEARLY_CONFORMAL, 0.0),
             PoissonRange::Negative => (-1.0, 0.0),
             PoissonRange::Positive => (0.0, 0.5),
-            PoissonRange::Compressible => ((1.0 - 2.0 * NEARLY_INCOMPRESSIBLE).powf(0.25), 1.0),
+            PoissonRange::Compressible => {
+                ((1.0 - 2.0 * Compressibility::NEARLY_INCOMPRESSIBLE).powf(0.25), 1.0)
+            }
             PoissonRange::Incompressible => {
-                (LEAST_COMPRESSIBILITY.ln(), (1.0 - 2.0 * NEARLY_INCOMPRESSIBLE).ln())
+                (LEAST_COMPRESSIBILITY.ln(), (1.0 - 2.0 * Compressibility::NEARLY_INCOMPRESSIBLE).ln())
             }
         };
         std::array::from_fn(|i| {
@@ -127,35 +117,43 @@ pub struct NearFieldClass {
     pub grading: GradingClass,
     pub idealization: Idealization,
     pub range: PoissonRange,
-    /// By which layers grow, in units of `GROWTH_STEP`.
+    /// By which layers grow, in units of `GROWTH_UNIT`.
     pub growth: u32,
 }
 
 /// Between these steps of the layers' growth near fields are interpolated.
 pub const GROWTH_STEP: f64 = 0.25;
 
+/// So near to each other growths are the same.
+pub const GROWTH_UNIT: f64 = 1e-6;
+
 impl NearFieldClass {
     /// The two between which the near field of a body lies, by the growth of its layers where contact begins, and how far
-    /// from the first to the second (0 to 1).
+    /// from the first to the second (0 to 1); of a shape whose bodies all grow alike, its own twice.
     pub fn around(body: &Body, grading: GradingClass) -> ([NearFieldClass; 2], f64) {
         let Body { shape, parameters, poissons_ratio, idealization, .. } = body;
         let depth = (shape.depth)(parameters, 0.0);
-        let steps = grading.layers().growth(depth, 1.0) / GROWTH_STEP;
+        let own = grading.layers().growth(depth, 1.0);
         // A reference needs layers.
-        let below = steps.floor().max(1.0);
+        let steps = own.max(GROWTH_STEP) / GROWTH_STEP;
+        let around = if shape.parameters.is_empty() {
+            [own, own]
+        } else {
+            [steps.floor(), steps.floor() + 1.0].map(|steps| steps * GROWTH_STEP)
+        };
         let class = |growth: f64| NearFieldClass {
             side: shape.side,
             half_ring: shape.end_angle < PI,
             grading,
             idealization: *idealization,
             range: PoissonRange::of(*poissons_ratio, *idealization),
-            growth: growth as u32,
+            growth: (growth / GROWTH_UNIT).round() as u32,
         };
-        ([class(below), class(below + 1.0)], steps - below)
+        (around.map(class), steps.fract())
     }
 
     fn growth(&self) -> f64 {
-        f64::from(self.growth) * GROWTH_STEP
+        f64::from(self.growth) * GROWTH_UNIT
     }
 
     /// The layers of the reference.
@@ -171,36 +169,25 @@ impl NearFieldClass {
     /// The concentric body that stands for the class, but for its Poisson's ratio.
     pub fn reference(&self) -> ConcentricBody {
         let depth = self.layers().depth_at_growth(self.growth());
-        let fixed_radius = if self.side == Side::Plate { depth.exp() } else { (-depth).exp() };
-        ConcentricBody { fixed_radius, poissons_ratio: 0.0, idealization: self.idealization }
-    }
-
-    /// The highest mode whose moments the near field needs.
-    pub fn highest_mode(&self) -> usize {
-        self.reference().highest_mode()
+        let fixed_radius_ratio = if self.side == Side::Plate { depth.exp() } else { (-depth).exp() };
+        ConcentricBody { fixed_radius_ratio, poissons_ratio: 0.0, idealization: self.idealization }
     }
 }
 
-/// The difference between the exact and the condensed compliance of a class's reference body.
+/// The difference between the exact and the condensed works of ring modes on a class's reference body.
 pub struct NearField {
-    pub range: PoissonRange,
-    /// `[node of Poisson's ratio][node in eps][packed lower triangle]`.
-    pub values: [Vec<f64>; LANES],
+    range: PoissonRange,
+    /// `[node of Poisson's ratio]`, as the works of bodies are.
+    works: [Vec<f64>; LANES],
 }
 
 impl NearField {
-    /// `moments` are `space.moments(highest)` with `highest` at least the class's `highest_mode()`, `rings` those of `space`.
-    pub fn new(
-        class: &NearFieldClass,
-        space: &PressureSpace,
-        moments: &[[f64; NODE_COUNT]],
-        highest: usize,
-        rings: &RingLoads,
-    ) -> NearField {
+    pub fn new(class: &NearFieldClass) -> NearField {
         let NearFieldClass { side, half_ring, idealization, range, .. } = *class;
+        let modes = RingModes::of(&class.grading);
         let reference = class.reference();
         let mut parameters = [0.0; MAX_PARAMETERS];
-        parameters[0] = reference.fixed_radius;
+        parameters[0] = reference.fixed_radius_ratio;
         let bodies = range.nodes().map(|(coordinate, _)| Body {
             shape: if side == Side::Plate { &annulus::SHAPE } else { &cored_disc::SHAPE },
             parameters,
@@ -209,19 +196,19 @@ impl NearField {
             idealization,
         });
         let end_angle = if half_ring { FRAC_PI_2 } else { PI };
-        let plan = CondensationPlan::new(&bodies[0], whole_ring(&class.layers(), end_angle), space, rings);
-        let mut condensed = plan.condense(&bodies).into_iter();
-        let values = bodies.map(|body| {
-            let exact = ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference };
-            let exact = exact.modal_compliance(space, moments, highest);
-            let Some(mesh) = condensed.next() else { unreachable!("one compliance a body") };
-            exact.values.iter().zip(&mesh.values).map(|(exact, mesh)| exact - mesh).collect()
-        });
-        NearField { range, values }
+        let plan = CondensationPlan::new(&bodies[0], whole_ring(&class.layers(), end_angle), modes);
+        let condensed = plan.condense(&bodies);
+        let exact = bodies
+            .map(|body| ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference }.boundary_modes());
+        let mut works = modes.works_of_modes(side, &exact);
+        for (works, mesh) in works.iter_mut().zip(condensed) {
+            works.iter_mut().zip(mesh).for_each(|(exact, mesh)| *exact -= mesh);
+        }
+        NearField { range, works }
     }
 
     /// Shares of the `LANES` nodes of Poisson's ratio in the near field of a body; they sum to one.
-    pub fn shares(range: PoissonRange, poissons_ratio: f64) -> [f64; LANES] {
+    fn shares(range: PoissonRange, poissons_ratio: f64) -> [f64; LANES] {
         let nodes = range.nodes();
         let coordinate = range.coordinate(poissons_ratio);
         if let Some(node) = nodes.iter().position(|(node, _)| *node == coordinate) {
@@ -232,45 +219,20 @@ impl NearField {
         weights.map(|weight| weight / sum)
     }
 
-    /// Adds a share of the near field to a condensed compliance of a body of the class.
-    ///
-    /// The exact compliance comes without its -pi/2 c ln b, so the sum does too: c is a polynomial of Poisson's ratio.
-    pub fn add(&self, share: f64, poissons_ratio: f64, compliance: &mut PressureCompliance) {
-        let shares = NearField::shares(self.range, poissons_ratio).map(|of_node| share * of_node);
-        Arch::new().dispatch(AddShares { shares, nodes: &self.values, values: &mut compliance.values });
-    }
-
-    /// Adds to a condensed compliance the near field of a body that lies `between` (0 to 1) the first and the second of two
+    /// Adds to the condensed works of a body the near field that lies `between` (0 to 1) the first and the second of two
     /// classes.
-    pub fn correct(
-        around: [&NearField; 2],
-        between: f64,
-        poissons_ratio: f64,
-        compliance: &mut PressureCompliance,
-    ) {
-        around[0].add(1.0 - between, poissons_ratio, compliance);
-        around[1].add(between, poissons_ratio, compliance);
-    }
-}
-
-/// Adds to `values` the shares of what belongs to each node of Poisson's ratio.
-struct AddShares<'a> {
-    shares: [f64; LANES],
-    nodes: &'a [Vec<f64>; LANES],
-    values: &'a mut [f64],
-}
-
-impl WithSimd for AddShares<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let AddShares { shares, nodes, values } = self;
-        for (share, of_node) in shares.iter().zip(nodes) {
-            for (value, near) in values.iter_mut().zip(of_node) {
-                *value += share * near;
+    pub fn correct(around: [&NearField; 2], between: f64, poissons_ratio: f64, works: &mut [f64]) {
+        for (near_field, share) in around.into_iter().zip([1.0 - between, between]) {
+            let shares = NearField::shares(near_field.range, poissons_ratio).map(|of_node| share * of_node);
+            for (share, of_node) in shares.iter().zip(&near_field.works) {
+                works.iter_mut().zip(of_node).for_each(|(work, near)| *work += share * near);
             }
         }
+    }
+
+    /// What it takes.
+    pub fn bytes(&self) -> usize {
+        self.works.iter().map(|works| size_of_val(&works[..])).sum()
     }
 }
 

@@ -1,132 +1,211 @@
-//! Trial pressures on arcs of every size: all that does not depend on the body, at nodes in eps.
-//!
-//! All quantities are functions of the half angle alone; they are interpolated between Chebyshev nodes in sqrt(eps).
+//! Trial pressures on arcs of several sizes: all that does not depend on the bodies, and the compliances of bodies to them.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::f64::consts::{FRAC_1_PI, FRAC_2_PI, FRAC_PI_2};
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::arc::{ContactArc, MAX_TERMS, cosines, packed_count};
-use super::kernels::{cubic_kernel, kinked_rule, logarithmic_kernel, logarithmic_rule, quadratic_kernel};
+use super::arc::{ContactArc, MAX_TERMS, cosines, packed, packed_count};
+use super::infinite_body::InfiniteKernels;
+use super::ring_modes::RingModes;
+use super::thin_wall::bed_matrix;
+use super::{BodyCompliance, Boundary};
+use crate::mechanics::compliance::lane_work::{TermWork, in_lanes_with_terms};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
-/// Nodes in eps between which compliances are interpolated.
-pub const NODE_COUNT: usize = 32;
-
-/// Trial pressures at the nodes in eps, with all that does not depend on the body.
+/// Trial pressures on arcs.
 pub struct PressureSpace {
     pub terms: usize,
-    /// The largest contact half angle, rad.
-    pub limit: f64,
-    /// The arcs at the nodes.
+    /// As many as a multiple of `LANES`.
     pub arcs: Vec<ContactArc>,
-    /// Galerkin matrices of the kernels sum of (2/pi) cos(n phi) cos(n phi') f(n), packed, one row a node:
-    /// f = 1/n over n >= 1 (less its -pi/2 ln b), ...
-    pub logarithm: Vec<f64>,
-    /// ... f = 1/(n (n^2 - 1)) over n >= 2, ...
-    pub cubic: Vec<f64>,
-    /// ... f = 1/(n^2 - 1) over n >= 2.
-    pub quadratic: Vec<f64>,
-    weights: Vec<f64>,
-    abscissae: Vec<f64>,
+    /// Galerkin matrices, `[packed entry][arc]`: of the infinite body, `BodyCompliance::even` and `odd`, without the
+    /// -pi/2 ln b of entry (0, 0), and of a bed.
+    even: Vec<f64>,
+    odd: Vec<f64>,
+    bed: Vec<f64>,
+    /// What unit tilt adds to the first two of a pin.
+    tilted_even: Vec<f64>,
+    tilted_odd: Vec<f64>,
+    /// Integrals of p_k cos(n phi), n = 0, 1, ...
+    modes: Moments,
+    ring_modes: HashMap<RingModes, Moments>,
+    /// 2 cos(pi i/(2 terms)), i = 1 ... 2 terms: between the zeros of the highest trial pressure, the last where they all peak.
+    pub turns: Vec<f64>,
+}
+
+/// Integrals of the trial pressures over functions of the angle, `[arc / LANES][function][k]`, an arc a lane.
+#[derive(Default)]
+struct Moments {
+    values: Vec<[f64; LANES]>,
+    count: usize,
+}
+
+/// The compliance of both bodies of a joint to the trial pressures of a space.
+#[derive(Clone, Debug)]
+pub struct JointCompliance<'a> {
+    /// c of both: the part -pi/2 c ln b of entry (0, 0) is left out of `values`.
+    pub even: f64,
+    /// That of beds.
+    pub bed: f64,
+    /// `[packed entry][arc]`.
+    pub values: Cow<'a, [f64]>,
+}
+
+impl JointCompliance<'_> {
+    /// Of two bodies, each with its share.
+    pub fn of_both(one: &JointCompliance, other: &JointCompliance) -> JointCompliance<'static> {
+        JointCompliance {
+            even: one.even + other.even,
+            bed: one.bed + other.bed,
+            values: one.values.iter().zip(&*other.values).map(|(one, other)| one + other).collect(),
+        }
+    }
 }
 
 impl PressureSpace {
-    /// `terms` trial pressures on arcs up to `limit` (rad, below pi).
-    pub fn new(terms: usize, limit: f64) -> PressureSpace {
-        let count = NODE_COUNT as f64;
-        let angle = |i: usize| PI * (i as f64 + 0.5) / count;
-        let abscissae: Vec<f64> = (0..NODE_COUNT).map(|i| 0.5 * (1.0 + angle(i).cos())).collect();
-        let weights =
-            (0..NODE_COUNT).map(|i| if i % 2 == 0 { angle(i).sin() } else { -angle(i).sin() }).collect();
-        let arcs: Vec<ContactArc> = abscissae.iter().map(|x| ContactArc::new(limit * x * x)).collect();
-        let entries = packed_count(terms);
-        let mut space = PressureSpace {
+    /// `terms` trial pressures on arcs, as many as a multiple of `LANES`.
+    pub fn new(terms: usize, arcs: Vec<ContactArc>) -> PressureSpace {
+        let count = arcs.len();
+        let InfiniteKernels { even, odd, tilted_even, tilted_odd } = InfiniteKernels::new(&arcs, terms);
+        let mut bed = vec![0.0; packed_count(terms) * count];
+        for (place, arc) in arcs.iter().enumerate() {
+            for (entry, value) in bed_matrix(arc.b, terms).into_iter().enumerate() {
+                bed[entry * count + place] = value;
+            }
+        }
+        PressureSpace {
             terms,
-            limit,
-            logarithm: Vec::with_capacity(NODE_COUNT * entries),
-            cubic: Vec::with_capacity(NODE_COUNT * entries),
-            quadratic: Vec::with_capacity(NODE_COUNT * entries),
             arcs,
-            weights,
-            abscissae,
-        };
-        let logarithmic = logarithmic_rule(terms);
-        let kinked = kinked_rule(terms);
-        for arc in space.arcs.clone() {
-            space.logarithm.extend(logarithmic_kernel(&arc, terms));
-            space.cubic.extend(cubic_kernel(&arc, terms, &logarithmic));
-            space.quadratic.extend(quadratic_kernel(&arc, terms, &kinked));
+            even,
+            odd,
+            bed,
+            tilted_even,
+            tilted_odd,
+            modes: Moments::default(),
+            ring_modes: HashMap::new(),
+            turns: (1..=2 * terms).map(|i| 2.0 * (FRAC_PI_2 * i as f64 / terms as f64).cos()).collect(),
         }
-        space
     }
 
-    /// Abscissa and barycentric weight of each node; interpolation is in sqrt(eps/limit).
-    pub fn nodes(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.abscissae.iter().copied().zip(self.weights.iter().copied())
+    /// Makes what the sum over modes 0 to `highest` of a concentric body needs.
+    pub fn prepare_modes(&mut self, highest: usize) {
+        if highest >= self.modes.count {
+            self.modes = self.moments(highest + 1, |moments, arc, first| {
+                Arch::new().dispatch(ModeMoments { arc, terms: self.terms, first, moments });
+            });
+        }
     }
 
-    /// Interpolation weights of the nodes at half angles side by side; those of each lane sum to one.
-    #[inline(always)]
-    pub fn interpolation<const FUSED: bool>(&self, half_angles: [f64; LANES]) -> [Lanes<FUSED>; NODE_COUNT] {
-        let x = Lanes(half_angles.map(|half_angle| (half_angle / self.limit).sqrt()));
-        let mut weights = [Lanes::zero(); NODE_COUNT];
-        let mut sum = Lanes::zero();
-        for (i, weight) in weights.iter_mut().enumerate() {
-            *weight = Lanes::from_f64(self.weights[i]) / (x - Lanes::from_f64(self.abscissae[i]));
-            sum += *weight;
-        }
-        for weight in &mut weights {
-            *weight = *weight / sum;
-        }
-        for lane in (0..LANES).filter(|lane| sum.0[*lane].is_infinite()) {
-            // On a node itself.
-            for (weight, abscissa) in weights.iter_mut().zip(&self.abscissae) {
-                weight.0[lane] = if *abscissa == x.0[lane] { 1.0 } else { 0.0 };
-            }
-        }
-        weights
-    }
-
-    /// Moments m_kn = integral of p_k cos(n phi) at every node for n = 0 ... `highest`: `[n][k][node]`.
-    pub fn moments(&self, highest: usize) -> Vec<[f64; NODE_COUNT]> {
-        let mut moments = vec![[0.0; NODE_COUNT]; (highest + 1) * self.terms];
-        for (node, arc) in self.arcs.iter().enumerate() {
-            for (block, moments) in moments.chunks_mut(MODE_BLOCK * self.terms).enumerate() {
-                let block = Moments { arc, terms: self.terms, first: block * MODE_BLOCK };
-                let of_block = Arch::new().dispatch(block);
-                for (mode, moments) in moments.chunks_exact_mut(self.terms).enumerate() {
-                    moments.iter_mut().zip(&of_block).for_each(|(moment, modes)| moment[node] = modes[mode]);
+    /// Makes what bodies in these modes need.
+    pub fn prepare_ring_modes(&mut self, modes: &RingModes) {
+        if !self.ring_modes.contains_key(modes) {
+            let own = self.moments(modes.count, |moments, arc, first| {
+                if first == 0 {
+                    modes.moments(arc, self.terms, moments);
                 }
+            });
+            self.ring_modes.insert(*modes, own);
+        }
+    }
+
+    /// Makes what a body needs.
+    pub fn prepare(&mut self, body: &BodyCompliance) {
+        match &body.boundary {
+            Boundary::Bed(_) => {}
+            Boundary::Modes { normal, .. } => self.prepare_modes(normal.len() - 1),
+            Boundary::RingModes(modes, _) => self.prepare_ring_modes(modes),
+        }
+    }
+
+    /// For each arc and each block of functions, from `first` on, `fill` adds their integrals: `[function in block][k]`.
+    fn moments(&self, count: usize, fill: impl Fn(&mut [f64], &ContactArc, usize)) -> Moments {
+        let terms = self.terms;
+        let mut values = vec![[0.0; LANES]; count * terms * self.arcs.len() / LANES];
+        let mut block = Vec::new();
+        for (place, arc) in self.arcs.iter().enumerate() {
+            let own = &mut values[place / LANES * count * terms..][..count * terms];
+            for (number, to) in own.chunks_mut(BLOCK * terms).enumerate() {
+                block.clear();
+                block.resize(BLOCK * terms, 0.0);
+                fill(&mut block, arc, number * BLOCK);
+                to.iter_mut().zip(&block).for_each(|(to, value)| to[place % LANES] = *value);
             }
         }
-        moments
+        Moments { values, count }
+    }
+
+    /// The compliance of bodies with their shares: 1/E of one body of a joint, the negative for a difference; of pins under so much
+    /// tilt. Every body was prepared for.
+    pub fn joint(&self, bodies: &[(&BodyCompliance, f64)], tilt: f64) -> JointCompliance<'static> {
+        let sum = |of: fn(&BodyCompliance) -> f64| bodies.iter().map(|(body, share)| share * of(body)).sum();
+        let bed_of = |body: &BodyCompliance| match body.boundary {
+            Boundary::Bed(compliance) => compliance,
+            _ => 0.0,
+        };
+        let (even, odd, bed): (f64, f64, f64) = (sum(|body| body.even), sum(|body| body.odd), sum(bed_of));
+        let mut values: Vec<f64> =
+            self.even.iter().zip(&self.odd).map(|(own, other)| even * own + odd * other).collect();
+        if tilt != 0.0 {
+            let (even, odd) = (tilt * even, tilt * odd);
+            let tilted = self.tilted_even.iter().zip(&self.tilted_odd);
+            values
+                .iter_mut()
+                .zip(tilted)
+                .for_each(|(value, (own, other))| *value += even * own + odd * other);
+        }
+        if bed != 0.0 {
+            values.iter_mut().zip(&self.bed).for_each(|(value, own)| *value += bed * own);
+        }
+        for (body, share) in bodies {
+            let tilted;
+            let (moments, works) = match &body.boundary {
+                Boundary::Bed(_) => continue,
+                Boundary::Modes { normal, along } => (&self.modes, Works::Modes { normal, along, tilt }),
+                Boundary::RingModes(modes, works) => {
+                    let (normal, added) = works.split_at(packed_count(modes.count));
+                    let works = if tilt == 0.0 {
+                        normal
+                    } else {
+                        tilted = normal
+                            .iter()
+                            .zip(added)
+                            .map(|(own, added)| own + tilt * added)
+                            .collect::<Vec<_>>();
+                        &tilted
+                    };
+                    (&self.ring_modes[modes], Works::Packed(works))
+                }
+            };
+            in_lanes_with_terms(self.terms, Add { moments, works, share: *share, values: &mut values });
+        }
+        JointCompliance { even, bed, values: values.into() }
     }
 }
 
-/// Modes whose moments share a quadrature rule; they go through it side by side.
-const MODE_BLOCK: usize = 64;
+/// Functions whose moments share a quadrature rule.
+const BLOCK: usize = 64;
 
-/// The moments of a block of modes of one arc, from `first` on. Blocks, so that a moment does not depend on how many are
-/// asked for.
-struct Moments<'a> {
+/// Integrals of the trial pressures of one arc over cos(n phi), for a block of modes from `first` on: `[mode][k]`. Blocks, so
+/// that a moment does not depend on how many are asked for.
+struct ModeMoments<'a> {
     arc: &'a ContactArc,
     terms: usize,
     first: usize,
+    moments: &'a mut [f64],
 }
 
-impl WithSimd for Moments<'_> {
-    /// `[k][mode]`.
-    type Output = [[f64; MODE_BLOCK]; MAX_TERMS];
+impl WithSimd for ModeMoments<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Moments { arc, terms, first } = self;
-        let mut moments = [[0.0; MODE_BLOCK]; MAX_TERMS];
-        let mut waves = [0.0; MODE_BLOCK];
+    fn with_simd<S: Simd>(self, simd: S) {
+        let ModeMoments { arc, terms, first, moments } = self;
+        let mut sums = [[0.0; BLOCK]; MAX_TERMS];
+        let mut waves = [0.0; BLOCK];
         // The integrand is analytic and has period pi in tau, so the midpoint rule converges exponentially once it
         // resolves the fastest wave, which has n eps/2 periods.
-        let fastest = (first + MODE_BLOCK) as f64;
+        let fastest = (first + BLOCK) as f64;
         let points = 24 + terms + (0.5 * fastest * arc.half_angle) as usize;
         let weight = FRAC_PI_2 / points as f64;
         for i in 0..points {
@@ -142,51 +221,106 @@ impl WithSimd for Moments<'_> {
                 waves[mode] = turn * waves[mode - 1] - waves[mode - 2];
             }
             let turn = 2.0 * (TOGETHER as f64 * angle).cos();
-            for group in (2 * TOGETHER..MODE_BLOCK).step_by(TOGETHER) {
+            for group in (2 * TOGETHER..BLOCK).step_by(TOGETHER) {
                 for mode in group..group + TOGETHER {
                     waves[mode] = turn * waves[mode - TOGETHER] - waves[mode - 2 * TOGETHER];
                 }
             }
-            for (moments, trial) in moments[..terms].iter_mut().zip(&trials) {
+            for (sums, trial) in sums[..terms].iter_mut().zip(&trials) {
                 let trial = simd.splat_f64s(weight * trial);
-                let (sums, waves) = (S::as_mut_simd_f64s(moments).0, S::as_simd_f64s(&waves).0);
+                let (sums, waves) = (S::as_mut_simd_f64s(sums).0, S::as_simd_f64s(&waves).0);
                 for (sum, wave) in sums.iter_mut().zip(waves) {
                     *sum = simd.mul_add_e_f64s(trial, *wave, *sum);
                 }
             }
         }
-        moments
+        for (mode, moments) in moments.chunks_exact_mut(terms).enumerate() {
+            moments.iter_mut().zip(&sums).for_each(|(moment, sums)| *moment = sums[mode]);
+        }
     }
 }
 
 /// Modes whose waves follow from those as many before.
 const TOGETHER: usize = 8;
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Works of functions on functions.
+enum Works<'a> {
+    /// Of modes that do none on others but, where they are tilted, on the next ones.
+    Modes { normal: &'a [f64], along: &'a [f64], tilt: f64 },
+    /// Packed.
+    Packed(&'a [f64]),
+}
 
-    /// Each node has its own value, and a function of sqrt(eps) is found between them, to rounding.
-    #[test]
-    fn interpolation_goes_through_the_nodes() {
-        let space = PressureSpace::new(4, 2.0);
-        for first in (0..NODE_COUNT).step_by(LANES) {
-            let weights =
-                space.interpolation::<false>(std::array::from_fn(|i| space.arcs[first + i].half_angle));
-            for (node, weight) in weights.iter().enumerate() {
-                assert_eq!(weight.0, std::array::from_fn(|i| if node == first + i { 1.0 } else { 0.0 }));
+/// values[jk] += share * sum over m, n of M_mj W_mn M_nk, for all arcs.
+struct Add<'a> {
+    moments: &'a Moments,
+    works: Works<'a>,
+    share: f64,
+    values: &'a mut [f64],
+}
+
+impl TermWork for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool, const TERMS: usize>(self) {
+        let Add { moments, works, share, values } = self;
+        let arcs = values.len() / packed_count(TERMS);
+        for (chunk, moments) in moments.values.chunks_exact(moments.count * TERMS).enumerate() {
+            let moments = moments.as_chunks::<TERMS>().0;
+            let mut matrix = [[Lanes::<FUSED>::zero(); TERMS]; TERMS];
+            match works {
+                Works::Modes { normal, along, tilt } => {
+                    for (own, work) in moments.iter().zip(normal) {
+                        let factor = Lanes::from_f64(-share * FRAC_2_PI * work);
+                        for j in 0..TERMS {
+                            let scaled = factor * Lanes(own[j]);
+                            for k in 0..=j {
+                                matrix[j][k] = matrix[j][k].minus_product(scaled, Lanes(own[k]));
+                            }
+                        }
+                    }
+                    let along = if tilt == 0.0 { &[] } else { along };
+                    for (pair, along) in moments.windows(2).zip(along.windows(2)) {
+                        let factor = Lanes::from_f64(-share * FRAC_1_PI * tilt * (along[1] - along[0]));
+                        let [before, own] = [pair[0], pair[1]];
+                        for j in 0..TERMS {
+                            let (scaled, other) = (factor * Lanes(own[j]), factor * Lanes(before[j]));
+                            for k in 0..=j {
+                                let sum = matrix[j][k].minus_product(scaled, Lanes(before[k]));
+                                matrix[j][k] = sum.minus_product(other, Lanes(own[k]));
+                            }
+                        }
+                    }
+                }
+                Works::Packed(works) => {
+                    for (m, own) in moments.iter().enumerate() {
+                        // Half of the diagonal and all before it: the sum with its transpose is whole.
+                        let mut half = [Lanes::<FUSED>::zero(); TERMS];
+                        let row = &works[packed(m, 0)..=packed(m, m)];
+                        for (n, (work, other)) in row.iter().zip(moments).enumerate() {
+                            let factor = Lanes::from_f64(if n == m { -0.5 * share } else { -share } * work);
+                            for k in 0..TERMS {
+                                half[k] = half[k].minus_product(factor, Lanes(other[k]));
+                            }
+                        }
+                        for j in 0..TERMS {
+                            let own_j = Lanes::<FUSED>(own[j].map(|value| -value));
+                            let half_j = -half[j];
+                            for k in 0..=j {
+                                let sum = matrix[j][k].minus_product(own_j, half[k]);
+                                matrix[j][k] = sum.minus_product(half_j, Lanes(own[k]));
+                            }
+                        }
+                    }
+                }
             }
-        }
-        let half_angles = std::array::from_fn(|i| 0.01 * 1.9_f64.powi(i as i32));
-        let weights = space.interpolation::<false>(half_angles);
-        for (lane, half_angle) in half_angles.into_iter().enumerate() {
-            let function = |half_angle: f64| (half_angle.sqrt() - 0.3).cos();
-            let found: f64 = weights
-                .iter()
-                .zip(&space.arcs)
-                .map(|(weight, arc)| weight.0[lane] * function(arc.half_angle))
-                .sum();
-            assert!((found - function(half_angle)).abs() < 1e-14, "{half_angle}");
+            for j in 0..TERMS {
+                for k in 0..=j {
+                    let to = &mut values[packed(j, k) * arcs + chunk * LANES..][..LANES];
+                    to.iter_mut().zip(&matrix[j][k].0).for_each(|(to, value)| *to += value);
+                }
+            }
         }
     }
 }

@@ -1,11 +1,10 @@
-//! Pin against plate: unilateral and frictionless. `pressure` and `loading` are the method; `active_set` is the plain
-//! check, node by node, and `penalty` and `augmented_lagrangian` are what others do in its place, to be measured against it.
+//! Pin against plate: unilateral and frictionless. A load, the arcs it may reach, a free edge on each, and the curve through them.
+//! `node_contact` is what this is checked against.
 
-pub mod arc_state;
-pub mod pressure;
-pub mod loading;
-pub mod smooth_curve;
-pub mod ring_joint;
-pub mod active_set;
-pub mod penalty;
-pub mod augmented_lagrangian;
+pub mod load;
+pub mod outlines;
+pub mod state;
+pub mod edge;
+pub mod curve;
+pub mod search;
+pub mod node_contact;

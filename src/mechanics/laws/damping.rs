@@ -4,7 +4,7 @@
 
 use std::ops::Bound::{Excluded, Included};
 
-use super::error::{LawError, check, finite};
+use super::law_error::{LawError, check, finite};
 
 /// The factor lambda as four papers give it; all tend to zero for e -> 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 use std::ops::Bound::{Excluded, Included};
 
-use super::error::{LawError, POSITIVE, check, finite};
+use super::law_error::{LawError, POSITIVE, check, finite};
 use super::pair::Pair;
 
 pub const CITATION: &str = "H. Hertz, J. reine angew. Math. 92 (1881) 156-171; \

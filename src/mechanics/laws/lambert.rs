@@ -6,7 +6,7 @@
 use std::f64::consts::E;
 use std::ops::Bound::{Excluded, Included};
 
-use super::error::{LawError, check};
+use super::law_error::{LawError, check};
 
 /// E + E_REST is Euler's number to twice the precision.
 const E_REST: f64 = 1.445_646_891_729_250_2e-16;

@@ -3,8 +3,8 @@
 //! The law of two *spheres*, used for cylinders by habit: the whole force does not grow with the thickness t, so the
 //! force per thickness falls with it. The factors of dissipation are in `damping`.
 
-use super::curve::Form;
-use super::error::{POSITIVE, check};
+use super::law_curve::Form;
+use super::law_error::{POSITIVE, check};
 use super::power::Power;
 use super::{Curve, Law, LawError, Pair, Units};
 

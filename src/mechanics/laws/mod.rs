@@ -8,13 +8,13 @@
 //! A warning that holds for all of them: in two dimensions the indentation depends on the plate's extent and support,
 //! which none of these laws contains.
 
-pub mod error;
+pub mod law_error;
 pub mod pair;
 pub mod lambert;
 mod logarithmic;
 mod power;
 mod wedge;
-pub mod curve;
+pub mod law_curve;
 
 pub mod hertz;
 pub mod hertz_liu;
@@ -28,10 +28,10 @@ pub mod pereira;
 pub mod winkler;
 pub mod persson;
 
-pub use curve::Curve;
 pub use damping::Damping;
-pub use error::LawError;
 pub use hertz::HertzContact;
+pub use law_curve::Curve;
+pub use law_error::LawError;
 pub use pair::Pair;
 pub use persson::PerssonContact;
 

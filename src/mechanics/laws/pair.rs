@@ -2,7 +2,7 @@
 
 use std::ops::Bound::{Excluded, Included};
 
-use super::error::{LawError, POSITIVE, check, finite};
+use super::law_error::{LawError, POSITIVE, check, finite};
 use crate::mechanics::material::{Idealization, Material, effective_modulus};
 
 /// A pin in a hole. Lengths and moduli in any consistent units (forces follow), unless a law says otherwise.

@@ -9,8 +9,8 @@
 
 use std::ops::Bound::Included;
 
-use super::curve::Form;
-use super::error::check;
+use super::law_curve::Form;
+use super::law_error::check;
 use super::power::Power;
 use super::{Curve, Law, LawError, Pair, Units};
 

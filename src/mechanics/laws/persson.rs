@@ -9,7 +9,7 @@
 use std::f64::consts::PI;
 use std::ops::Bound::{Excluded, Included};
 
-use super::error::{LawError, POSITIVE, check, finite};
+use super::law_error::{LawError, POSITIVE, check, finite};
 use super::pair::Pair;
 
 pub const CITATION: &str = "A. Persson, On the stress distribution of cylindrical elastic bodies in contact, Chalmers \

@@ -5,8 +5,8 @@
 //! The springs give p0 and eps; the force is that of an *elliptic* pressure over the half width 2 R2 sin(eps/2), not
 //! the springs' own resultant E_w (dR + delta) (eps - sin eps cos eps)/2, which is 15 % to 29 % less.
 
-use super::curve::Form;
-use super::error::{LawError, finite};
+use super::law_curve::Form;
+use super::law_error::{LawError, finite};
 use super::wedge::Wedge;
 use super::{Curve, Law, Pair, Units};
 

@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 
 use crate::mechanics::laws::{Curve, LAWS, Law};
 use crate::study::design::{DesignCase, Load};
+use crate::tradeoff::answer::State;
 use crate::tradeoff::choice::{Choice, Family, Scope, Solution};
 use crate::tradeoff::joints::pair;
-use crate::tradeoff::state::State;
 
 pub static FAMILY: Family = Family { name: "closed-form", about: "closed forms", parameter: "", choices };
 

@@ -3,15 +3,15 @@
 
 use std::time::{Duration, Instant};
 
-use crate::engine::backend::Backend;
 use crate::engine::backend::gpu::context::{GpuDevice, GpuError};
 use crate::engine::backend::gpu::kernels::Precision;
-use crate::engine::backend::gpu::solver::{GpuBackend, GpuChoice};
+use crate::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
+use crate::engine::ladder::Ladder;
 use crate::engine::outcome::DesignOutcome;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
+use crate::tradeoff::answer::State;
 use crate::tradeoff::choice::{Choice, Family, Scope, Solution};
-use crate::tradeoff::state::State;
 
 pub static FAMILY: Family =
     Family { name: "gpu", about: "GPU, a sweep's own", parameter: "accuracy asked", choices };
@@ -42,11 +42,17 @@ fn solve(
 ) -> Result<Solution, GpuError> {
     let started = Instant::now();
     let options = SolveOptions { accuracy, method: MethodChoice::Fe };
-    let mut backend = GpuBackend::new(GpuChoice { device, precision }, options)?;
-    backend.solve(cases)?;
+    let condenser = GpuCondenser::new(GpuChoice { device, precision })?;
+    let mut ladder = Ladder::new(options).on(Box::new(condenser));
+    ladder.solve(cases);
     let first = started.elapsed();
-    let outcomes = backend.solve(cases)?;
+    // Every body anew.
+    ladder.library.forget();
+    let outcomes = ladder.solve(cases);
     let own = started.elapsed() - first;
+    if let Some(lost) = ladder.library.lost() {
+        return Err(lost.clone());
+    }
     let states = outcomes.iter().map(|outcome: &DesignOutcome| {
         outcome.steps.iter().map(|step| step.response.as_ref().and_then(State::of)).collect()
     });

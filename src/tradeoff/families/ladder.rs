@@ -1,16 +1,12 @@
-//! Contact with a moving edge on the ladder of meshes that a sweep climbs: Q8 as a sweep does it, Q4, and Q8 without the
-//! exact near field.
+//! Contact with a moving edge on the ladder of meshes that a sweep climbs: Q8 as a sweep does it, and Q4.
 
-use crate::engine::request::Fidelity;
-use crate::mechanics::compliance::arc::FEW_TERMS;
+use crate::engine::body_request::Fidelity;
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::tradeoff::choice::{Choice, Family, Solve};
-use crate::tradeoff::direct_edge::DirectPath;
 use crate::tradeoff::families::series;
 use crate::tradeoff::joints::Terms;
 use crate::tradeoff::meshed::{Condenser, MeshedPath};
-use crate::tradeoff::ring_mesh::Division;
 
 pub static QUAD8: Family = Family {
     name: "moving-edge-q8",
@@ -31,20 +27,6 @@ pub static QUAD4: Family = Family {
         levels(family, |level| {
             let (element, terms, condenser) = (ElementKind::Quad4, Terms::ByDepth, Condenser::Lanes);
             let path = MeshedPath { element, level, terms, condenser };
-            Box::new(move |cases| path.solve(cases))
-        })
-    },
-};
-
-/// With as few trial pressures as such meshes can bear.
-pub static NO_NEAR_FIELD: Family = Family {
-    name: "no-near-field",
-    about: "moving edge, Q8, no exact near field",
-    parameter: "mesh level",
-    choices: |family, _| {
-        levels(family, |level| {
-            let division = Division::Ladder { element: ElementKind::Quad8, level };
-            let path = DirectPath { division, terms: FEW_TERMS[0] };
             Box::new(move |cases| path.solve(cases))
         })
     },

@@ -4,7 +4,6 @@ pub mod closed_form;
 pub mod series;
 pub mod ladder;
 pub mod trial_pressures;
-pub mod contact_mesh;
 pub mod node_contact;
 pub mod penalty;
 pub mod augmented_lagrangian;
@@ -16,14 +15,12 @@ pub mod planner;
 use crate::tradeoff::choice::{Choice, Family, Scope};
 
 /// In the order of tables and legends.
-pub static FAMILIES: [&Family; 18] = [
+pub static FAMILIES: [&Family; 16] = [
     &closed_form::FAMILY,
     &series::FAMILY,
     &ladder::QUAD8,
     &ladder::QUAD4,
-    &ladder::NO_NEAR_FIELD,
     &trial_pressures::FAMILY,
-    &contact_mesh::FAMILY,
     &node_contact::QUAD8,
     &node_contact::QUAD4,
     &penalty::FAMILY,

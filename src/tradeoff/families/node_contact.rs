@@ -2,9 +2,11 @@
 
 use crate::mechanics::element::ElementKind;
 use crate::tradeoff::choice::{Choice, Family, Scope};
-use crate::tradeoff::families::contact_mesh::FINENESS;
 use crate::tradeoff::nodal::{Formulation, NodalPath};
 use crate::tradeoff::ring_mesh::Division;
+
+/// Elements over the least contact angle.
+pub const FINENESS: [f64; 3] = [2.0, 4.0, 8.0];
 
 pub static QUAD8: Family = Family {
     name: "node-contact-q8",

@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use crate::engine::backend::cpu::CpuBackend;
+use crate::engine::ladder::Ladder;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
+use crate::tradeoff::answer::{State, States};
 use crate::tradeoff::choice::{Choice, Family, Scope, Solution};
-use crate::tradeoff::state::{State, States};
 
 pub static FAMILY: Family =
     Family { name: "planner", about: "the planner (method auto)", parameter: "accuracy asked", choices };
@@ -24,13 +24,13 @@ fn choices<'a>(family: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
 /// Each body by itself: interpolation would need the whole sweep, of which these are a few designs.
 pub fn solve(accuracy: f64, cases: &[DesignCase]) -> Solution {
     let started = Instant::now();
-    let mut backend = CpuBackend::new(SolveOptions { accuracy, method: MethodChoice::Auto });
-    let outcomes = backend.solve(cases);
+    let mut ladder = Ladder::new(SolveOptions { accuracy, method: MethodChoice::Auto });
+    let outcomes = ladder.solve(cases);
     let elapsed = started.elapsed();
     let states: States = outcomes
         .iter()
         .map(|outcome| outcome.steps.iter().map(|step| State::of(step.response.as_ref()?)).collect())
         .collect();
-    let shared = backend.library.times.shared;
+    let shared = ladder.shared_time();
     Solution { states, shared, own: elapsed.saturating_sub(shared) }
 }

@@ -3,13 +3,14 @@
 use std::time::Instant;
 
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::request::{BodyRequest, Fidelity, SpaceKey};
+use crate::engine::body_request::{BodyRequest, Fidelity};
+use crate::engine::spaces::Spaces;
 use crate::mechanics::body::Body;
 use crate::study::design::DesignCase;
+use crate::tradeoff::answer::States;
 use crate::tradeoff::choice::{Choice, Family, Scope, Solution};
 use crate::tradeoff::joints::{Joints, Terms};
 use crate::tradeoff::moving_edge;
-use crate::tradeoff::state::States;
 
 pub static FAMILY: Family =
     Family { name: "series", about: "exact modes (series)", parameter: "trial pressures", choices };
@@ -37,20 +38,25 @@ pub fn solve_bodies(terms: Terms, fidelity: impl Fn(&Body) -> Fidelity, cases: &
         bodies.iter().all(|body| body.shape.concentric || fidelity(body) != Fidelity::Series)
     };
     let solved: Vec<DesignCase> = cases.iter().filter(|case| can(case)).cloned().collect();
-    let joints = Joints::new(&solved, |joint| terms.space(joint));
-    let request = |(body, space): (Body, SpaceKey)| BodyRequest { body, fidelity: fidelity(&body), space };
+    let joints = Joints::new(&solved, |_, _| ());
+    let request = |(body, ()): (Body, ())| BodyRequest { body, fidelity: fidelity(&body) };
     let mut library = BodyLibrary::default();
     library.solve(&joints.bodies.iter().copied().map(request).collect::<Vec<_>>());
-    let mut found = solved.iter().zip(&joints.of_case).map(|(case, bodies)| {
-        let [pin, plate] = bodies.map(|number| request(joints.bodies[number]));
-        let compliance = |request: &BodyRequest| library.compliance(&request.key());
-        moving_edge::states(case, library.space(pin.space), compliance(&pin), compliance(&plate))
+    let with_bodies = solved.iter().zip(&joints.of_case).map(|(case, bodies)| {
+        let compliance = |number: usize| &*library.solved(&request(joints.bodies[number])).compliance;
+        (case, terms.space(&case.joint), bodies.map(compliance))
     });
+    let of_spaces = Instant::now();
+    let mut spaces = Spaces::default();
+    spaces.prepare(with_bodies.clone().flat_map(|(_, key, bodies)| bodies.map(|body| (key, body))));
+    let of_spaces = of_spaces.elapsed();
+    let mut found =
+        with_bodies.map(|(case, key, [pin, plate])| moving_edge::states(case, (key, &spaces), pin, plate));
     let of_case = |case: &DesignCase| {
         let own = if can(case) { found.next() } else { None };
         own.unwrap_or_else(|| vec![None; case.steps.len()])
     };
     let states: States = cases.iter().map(of_case).collect();
-    let shared = library.times.shared;
+    let shared = library.times.shared + of_spaces;
     Solution { states, shared, own: started.elapsed().saturating_sub(shared) }
 }

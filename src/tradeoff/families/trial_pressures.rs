@@ -1,6 +1,6 @@
 //! How many trial pressures a mesh is worth.
 
-use crate::engine::request::Fidelity;
+use crate::engine::body_request::Fidelity;
 use crate::mechanics::compliance::arc::{FEW_TERMS, TERM_CHOICES};
 use crate::tradeoff::choice::{Choice, Family, Scope};
 use crate::tradeoff::families::series;

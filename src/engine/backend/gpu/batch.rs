@@ -13,6 +13,8 @@ use std::ops::Range;
 use std::time::Duration;
 
 use super::context::DeviceLimits;
+use crate::mechanics::compliance::arc::packed_count;
+use crate::mechanics::compliance::ring_modes::MOST_MODES;
 
 /// Systems (ring columns) that one workgroup of `pcg` advances abreast: the components of a WGSL vector.
 pub const COLUMNS_ABREAST: u64 = 4;
@@ -37,6 +39,11 @@ pub const MOST_BYTES: u64 = 1 << 30;
 
 /// A dispatch of fewer steps spends too much of its time loading and storing state: fewer bodies then.
 const FEWEST_STEPS: u64 = 10;
+
+/// Rows of the ring that `works` has in a workgroup's memory; the twin is in `works.wgsl`.
+const fn works_tile(invocations: u64) -> u64 {
+    if invocations < 16 { 1 } else { invocations / 16 }
+}
 
 /// What one body asks of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,23 +137,34 @@ impl BodyCounts {
 
     /// The most loop trips of one invocation in the kernels that are not split into steps. In `assemble`: its values,
     /// each of at most four elements, those of four points (most are of fewer, which leaves room for the search of each
-    /// line's growth); in `refine`: its rows, once with their entries; in `condense`: its rows, each over all unknowns.
+    /// line's growth); in `refine`: its rows, once with their entries; in `condense`: its rows, each over all unknowns; in
+    /// `works`: of each tile of rows of the ring its products, each over the blocks of columns, then its entries, each over the
+    /// rows of the tile; and the systems of all blocks.
     pub fn whole_trips(&self, invocations: u64) -> u64 {
         let assemble = self.matrix_values.div_ceil(invocations) * (1 + 4 * (1 + 4));
         // As many loops over the rows as a step has, and four over the systems of a block.
         let refine = self.trips(invocations) + 4 * COLUMNS_ABREAST;
         let condense = self.ring_columns.div_ceil(invocations) * (1 + COLUMNS_ABREAST + self.unknowns);
-        assemble.max(refine).max(condense)
+        let (tile, entries) = (works_tile(invocations), packed_count(MOST_MODES) as u64);
+        let products = (tile * MOST_MODES as u64).div_ceil(invocations) * (1 + self.blocks());
+        let of_tile = 1 + products + entries.div_ceil(invocations) * (1 + tile);
+        // Entries are also set to zero and written.
+        let works = self.ring_columns.div_ceil(tile) * of_tile
+            + 2 * entries.div_ceil(invocations)
+            + self.blocks() * (1 + COLUMNS_ABREAST);
+        assemble.max(refine).max(condense).max(works)
     }
 }
 
 impl KernelFacts {
-    /// Bytes that the invocations of a workgroup share at most, in `pcg` or in `refine`: partial sums of all columns
-    /// abreast, and their state; and in `pcg` what it keeps, of which there is one number if there is nothing.
+    /// Bytes that the invocations of a workgroup share at most. In `pcg` and in `refine`: partial sums of all columns
+    /// abreast, and their state; in `pcg` also what it keeps, of which there is one number if there is nothing. In `works`: a
+    /// tile of products.
     pub fn workgroup_bytes(&self, on_chip: OnChip) -> u64 {
         let sums = |bytes: u64| (self.invocations + 2) * COLUMNS_ABREAST * bytes + 2 * COLUMNS_ABREAST * 4;
         let kept = (on_chip.vectors * on_chip.capacity).max(1) * COLUMNS_ABREAST * self.bytes_per_real;
-        (sums(self.bytes_per_real) + kept).max(sums(self.bytes_per_wide))
+        let products = works_tile(self.invocations) * MOST_MODES as u64 * self.bytes_per_wide;
+        (sums(self.bytes_per_real) + kept).max(sums(self.bytes_per_wide)).max(products)
     }
 }
 

@@ -7,6 +7,7 @@ use wgpu::ShaderStages;
 
 use super::batch::{KernelFacts, OnChip};
 use super::context::{GpuDevice, GpuError};
+use crate::mechanics::compliance::ring_modes::MOST_MODES;
 use crate::mechanics::solve::pcg::ALLOWED_DRIFT;
 use crate::mechanics::solve::refine::RefineSettings;
 
@@ -154,22 +155,14 @@ pub const CONDENSE: KernelFile = KernelFile {
     summand: None,
 };
 
-pub const GRAM: KernelFile = KernelFile {
-    name: "gram",
-    text: include_str!("../../../../shaders/gram.wgsl"),
-    entry_points: &["gram"],
-    written: &[false, false, false, false, false, false, true],
-    summand: None,
-};
+/// Numbers of a body before its works: whether it is sound, and its worst true residual.
+pub const WORKS_HEADER: usize = 2;
 
-pub const CONTACT: KernelFile = KernelFile {
-    name: "contact",
-    text: concat!(
-        include_str!("../../../../shaders/functions.wgsl"),
-        include_str!("../../../../shaders/contact.wgsl")
-    ),
-    entry_points: &["sample", "find"],
-    written: &[false, false, false, false, false, true, true],
+pub const WORKS: KernelFile = KernelFile {
+    name: "works",
+    text: include_str!("../../../../shaders/works.wgsl"),
+    entry_points: &["sum_works"],
+    written: &[false, false, false, false, true],
     summand: None,
 };
 
@@ -182,9 +175,8 @@ pub const ROOFLINE: KernelFile = KernelFile {
     summand: None,
 };
 
-/// The files of kernels that turn bodies into compliances of their rings; those of the trial pressures are compiled for
-/// each count of them (`trial`).
-pub const KERNEL_FILES: [&KernelFile; 5] = [&ASSEMBLE, &NARROW, &PCG, &REFINE, &CONDENSE];
+/// The files of kernels that turn bodies into works of their rings' modes.
+pub const KERNEL_FILES: [&KernelFile; 6] = [&ASSEMBLE, &NARROW, &PCG, &REFINE, &CONDENSE, &WORKS];
 
 /// How the invocations of a workgroup add their parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -206,10 +198,17 @@ pub struct Variant {
     pub sums: Sums,
 }
 
+impl Variant {
+    /// With all vectors in storage and sums as a tree.
+    pub fn plain(precision: Precision, invocations: u32) -> Variant {
+        Variant { precision, invocations, on_chip: OnChip::NOTHING, sums: Sums::Tree }
+    }
+}
+
 impl KernelFile {
     /// The whole text in one precision and for one size of workgroup, with all vectors in storage and sums as a tree.
     pub fn source(&self, precision: Precision, invocations: u32) -> String {
-        self.variant(&Variant { precision, invocations, on_chip: OnChip::NOTHING, sums: Sums::Tree })
+        self.variant(&Variant::plain(precision, invocations))
     }
 
     pub fn variant(&self, variant: &Variant) -> String {
@@ -226,7 +225,8 @@ impl KernelFile {
         let double = precision.wide_bytes() == 8;
         format!(
             "alias real = {real};\nalias wide = {wide};\nconst IS_WIDE_DOUBLE = {double};\nconst INVOCATIONS = {invocations}u;\n\
-             const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\n{COMMON}\n{sums}\n{text}"
+             const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\nconst MOST_MODES = {MOST_MODES}u;\n\
+             const WORKS_HEADER = {WORKS_HEADER}u;\n{COMMON}\n{sums}\n{text}"
         )
     }
 }
@@ -249,6 +249,7 @@ pub struct Kernels<'a> {
     pcg: Mutex<HashMap<OnChip, Stage>>,
     pub refine: Stage,
     pub condense: Stage,
+    pub works: Stage,
     sums: Sums,
     is_checked: bool,
 }
@@ -301,6 +302,7 @@ impl<'a> Kernels<'a> {
             pcg: Mutex::default(),
             refine: stage(&REFINE)?,
             condense: stage(&CONDENSE)?,
+            works: stage(&WORKS)?,
             sums,
             is_checked,
         })
@@ -331,26 +333,18 @@ impl<'a> Kernels<'a> {
 }
 
 impl Stage {
-    fn new(
+    pub(super) fn new(
         gpu: &GpuDevice,
         file: &KernelFile,
         variant: &Variant,
-        is_checked: bool,
-    ) -> Result<Stage, GpuError> {
-        Stage::from_source(gpu, file, &file.variant(variant), is_checked)
-    }
-
-    pub(super) fn from_source(
-        gpu: &GpuDevice,
-        file: &KernelFile,
-        source: &str,
         is_checked: bool,
     ) -> Result<Stage, GpuError> {
         if file.written.len() > gpu.facts.limits.storage_buffers as usize {
             let what = format!("{} storage buffers", file.written.len());
             return Err(GpuError::Lacks { adapter: gpu.facts.name.clone(), what });
         }
-        gpu.checked(file.name, || Stage::build(&gpu.device, file, source, is_checked))
+        let source = file.variant(variant);
+        gpu.checked(file.name, || Stage::build(&gpu.device, file, &source, is_checked))
     }
 
     fn build(device: &wgpu::Device, file: &KernelFile, source: &str, is_checked: bool) -> Stage {

@@ -284,6 +284,26 @@ impl MeshLayout {
         }
     }
 
+    /// What it takes here, but for what is small beside it.
+    pub fn bytes(&self) -> u64 {
+        let SystemLayout { row_starts, columns, diagonal_places, sliced, .. } = &self.systems;
+        let Sliced { starts, columns: sliced_columns, diagonal_places: sliced_places, places } = sliced;
+        let lists = [
+            row_starts,
+            columns,
+            diagonal_places,
+            starts,
+            sliced_columns,
+            sliced_places,
+            places,
+            &self.source_starts,
+            &self.sources,
+            &self.element_grid,
+        ];
+        let numbers = size_of_val(&self.shared_numbers[..]);
+        (lists.iter().map(|list| size_of_val(&list[..])).sum::<usize>() + numbers) as u64
+    }
+
     /// Points of the grid of half elements: rows times columns.
     pub fn grid_count(&self) -> usize {
         (self.parameters.row_count * self.parameters.column_count) as usize

@@ -1,5 +1,5 @@
-//! The stages of a sweep as kernels, for many bodies and joints at once, on any device with a Vulkan driver: from a few
-//! numbers of each body to the answer of each load, with nothing read back between. docs/gpu.md has the whole.
+//! The condensation of bodies as kernels, for many bodies at once, on any device with a Vulkan driver: from a few numbers of each
+//! body to the works of its ring's modes, with nothing read back between. docs/gpu.md has the whole.
 
 pub mod context;
 pub mod batch;
@@ -7,10 +7,7 @@ pub mod layout;
 pub mod kernels;
 pub mod dispatch;
 pub mod stages;
-pub mod trial;
-pub mod slots;
-pub mod contact;
-mod grouping;
+pub mod works;
 pub mod work;
 pub mod solver;
 pub mod roofline;

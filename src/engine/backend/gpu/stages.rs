@@ -74,6 +74,14 @@ impl<'a> SystemBatch<'a> {
         })
     }
 
+    pub(super) fn kernels(&self) -> &'a Kernels<'a> {
+        self.kernels
+    }
+
+    pub(super) fn body_count(&self) -> usize {
+        self.body_count
+    }
+
     /// What the iteration keeps in the workgroups' own memory: as much as there is room for.
     pub fn on_chip(&self) -> OnChip {
         self.on_chip

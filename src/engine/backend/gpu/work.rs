@@ -9,13 +9,9 @@
 //! without end, and what bodies share moves once for all of them.
 
 use super::batch::COLUMNS_ABREAST;
-use super::contact::RESPONSE_SIZE;
-use super::kernels::Precision;
+use super::kernels::{Precision, WORKS_HEADER};
 use super::layout::{MeshLayout, SLICE, SystemState};
-use super::trial::{SLOT_HEADER, slot_size};
-use crate::mechanics::compliance::NODE_COUNT;
 use crate::mechanics::compliance::arc::packed_count;
-use crate::mechanics::real::LANES;
 
 /// Operations and bytes of one dispatch, or of several.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,21 +38,6 @@ pub struct Sizes {
     pub sides: u64,
     /// Numbers that make a body.
     pub body_numbers: u64,
-}
-
-/// What joints ask of the contact kernels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Joints {
-    /// Trial pressures.
-    pub terms: u64,
-    pub designs: u64,
-    /// Of all designs.
-    pub loads: u64,
-    /// Distinct slots of the bodies, and those of them on coarser meshes.
-    pub slots: u64,
-    pub coarse_slots: u64,
-    /// Evaluations of all searches.
-    pub evaluations: u64,
 }
 
 const POINTS: u64 = 4;
@@ -191,82 +172,17 @@ impl Sizes {
         Work { operations: bodies * self.ring_columns * self.ring_columns * entry, bytes: bodies * own }
     }
 
-    /// `gram`: of each arc C F, then F^T C F in its entries, and the near field, whose shares weigh nothing beside it.
-    pub fn gram(&self, terms: u64, bodies: u64, precision: Precision) -> Work {
+    /// `works`, of so many modes and ways to push: C F, then the symmetric part of P^T C F in its entries.
+    pub fn works(&self, [modes, pushes]: [u64; 2], bodies: u64, precision: Precision) -> Work {
         let wide = precision.wide_bytes();
-        let (nodes, entries, lanes) = (NODE_COUNT as u64, packed_count(terms as usize) as u64, LANES as u64);
-        let arc = 2 * self.ring_columns * self.ring_columns * terms
-            + 2 * self.ring_columns * entries
-            + 5 * lanes * entries;
-        // Near fields of two growths at least.
-        let shared = (nodes * (self.ring_columns * terms + 2 * lanes * entries) + 2 * lanes) * wide;
-        let own = (self.ring_columns * self.systems() + 3 + slot_size(terms as usize) as u64) * wide
+        let entries = packed_count(modes as usize) as u64;
+        let of_push =
+            2 * self.ring_columns * self.ring_columns * modes + (4 * self.ring_columns + 1) * entries;
+        let operations = pushes * of_push;
+        let own = (self.ring_columns * self.systems() + WORKS_HEADER as u64 + pushes * entries) * wide
             + self.system_bytes(precision);
-        Work { operations: bodies * nodes * arc, bytes: shared + bodies * own }
-    }
-}
-
-impl Joints {
-    /// A state at a half angle, from the matrix there: Cholesky, two right-hand sides, and what is read off.
-    fn evaluation(&self) -> u64 {
-        let terms = self.terms;
-        let entries = packed_count(terms as usize) as u64;
-        // Entry (row, column) takes 2 column operations and, below the diagonal, the scaling.
-        let factor: u64 = (0..terms).map(|row| row * (row + 1) + row + 2).sum();
-        let substitutions = 2 * 2 * (2 * (entries - terms) + terms);
-        let versines = 3 + 2 + 8 + 2 * (terms - 1);
-        3 + versines + factor + substitutions + 2 * terms + 1 + 17 * terms
-    }
-
-    /// Interpolation weights, then the sum over the nodes of both compliances with their shares.
-    fn interpolation(&self) -> u64 {
-        let nodes = NODE_COUNT as u64;
-        2 + 4 * nodes + packed_count(self.terms as usize) as u64 * nodes * 5
-    }
-
-    /// Logarithms of indentation and force, and dR/e.
-    const READINGS: u64 = 2 * LOGARITHM + 3 + 3;
-
-    fn numbers_bytes(&self, wide: u64) -> u64 {
-        // Space; then slots, shares and steps of the designs.
-        let space = (4 + 3 * NODE_COUNT as u64 + 4 * self.terms) * wide;
-        space + self.designs * (16 + 2 * wide)
-    }
-
-    /// `sample`: of each design an interpolated state and one at each node.
-    pub fn sample(&self, precision: Precision) -> Work {
-        let (wide, nodes) = (precision.wide_bytes(), NODE_COUNT as u64);
-        let entries = packed_count(self.terms as usize) as u64;
-        let each = TANGENT + 1 + LOGARITHM + 3 + self.evaluation() + Self::READINGS;
-        let design = (nodes + 1) * each + self.interpolation() + nodes * 3 * entries;
-        let own = self.slots - self.coarse_slots;
-        let bytes = self.numbers_bytes(wide)
-            + (own * slot_size(self.terms as usize) as u64 + self.coarse_slots * SLOT_HEADER as u64) * wide
-            + self.designs * (nodes + 1) * 4 * wide;
-        Work { operations: self.designs * design, bytes }
-    }
-
-    /// `find`: the evaluations of all searches, and of each load the change since the coarser meshes and the signs of
-    /// the pressure. The first guess is not counted.
-    pub fn find(&self, precision: Precision) -> Work {
-        let (wide, nodes, terms) = (precision.wide_bytes(), NODE_COUNT as u64, self.terms);
-        let entries = packed_count(terms as usize) as u64;
-        // The half angle, the state there, its excess, and inverse interpolation through three points.
-        let evaluation = (EXPONENTIAL + 2)
-            + (TANGENT + 1)
-            + LOGARITHM
-            + self.interpolation()
-            + self.evaluation()
-            + Self::READINGS
-            + 1
-            + 3 * (2 * 3 + 1);
-        let change = entries * (3 * nodes + 4);
-        let load = 2 * change + terms + 2 * terms * (2 * terms + 1);
-        let bytes = self.numbers_bytes(wide)
-            + self.slots * slot_size(terms as usize) as u64 * wide
-            + self.designs * (nodes + 1) * 4 * wide
-            + self.loads * (4 + wide + RESPONSE_SIZE as u64 * wide);
-        Work { operations: self.evaluations * evaluation + self.loads * load, bytes }
+        let shared = pushes * self.systems() * modes * wide;
+        Work { operations: bodies * operations, bytes: shared + bodies * own }
     }
 }
 
@@ -322,10 +238,12 @@ mod tests {
         assert_eq!(of(SIZES.refine(1, Precision::F64)), refined);
         // Nine entries of two products of length 5, a sum and a half; x and residuals in, three rows of four out.
         assert_eq!(of(SIZES.condense(1, Precision::F32)), (9 * 22, 4 * (2 * 5 + 3) * 4));
-        // Two terms, three entries, 32 arcs, 8 nodes in Poisson's ratio: C F 2 x 9 x 2, F^T C F 2 x 3 x 3, 5 x 8 x 3.
-        let slot = 3 + 32 * 3;
-        let bytes = (32 * (3 * 2 + 2 * 8 * 3) + 16) * 4 + (3 * 4 + 3 + slot) * 4 + 4 * (3 * 4 + 8);
-        assert_eq!(of(SIZES.gram(2, 1, Precision::F32)), (32 * (36 + 18 + 120), bytes));
+        // Two modes, three entries: C F 2 x 9 x 2, P^T C F twice 2 x 3 x 3, and half of each. Three rows of four, norms and states
+        // in; a header of two and the entries out; the loads of four rows, once for both bodies.
+        let works = (2 * (36 + 36 + 3), 4 * 2 * 4 + 2 * ((3 * 4 + 2 + 3) * 4 + 4 * (3 * 4 + 8)));
+        assert_eq!(of(SIZES.works([2, 1], 2, Precision::F32)), works);
+        let wide = (4 * (36 + 36 + 3), 2 * 4 * 2 * 8 + 2 * ((3 * 4 + 2 + 6) * 8 + 4 * (3 * 8 + 8)));
+        assert_eq!(of(SIZES.works([2, 2], 2, Precision::Mixed)), wide);
     }
 
     #[test]
@@ -343,21 +261,5 @@ mod tests {
         let span = 22 + 6 + 110 + 57 + 17 + 5;
         assert_eq!(block.operations - operations, 3 * (span - 2) + 2 * 16 + 18 + 3 * 8 + 2 * 9);
         assert_eq!(block.bytes - bytes, (2 * 6 + 6) * 8);
-    }
-
-    #[test]
-    fn an_evaluation_of_two_trial_pressures_is_counted_by_hand() {
-        let joints = Joints { terms: 2, designs: 2, loads: 3, slots: 8, coarse_slots: 4, evaluations: 0 };
-        // (0, 0) less its logarithm 3; versines 15; L00: pivot 2; L10 1, L11: 2 and the pivot 2; forward and back, two
-        // right-hand sides: one product each and two scalings; sums 4, a division, 17 for each term.
-        assert_eq!(joints.evaluation(), 3 + 15 + 2 + (1 + 2 + 2) + 2 * 2 * (2 + 2) + 4 + 1 + 34);
-        // Three entries of 32 nodes, two slots each, and the weights.
-        assert_eq!(joints.interpolation(), 130 + 3 * 32 * 5);
-        let one = joints.find(Precision::F64);
-        let more = Joints { evaluations: 5, ..joints }.find(Precision::F64);
-        // 2 changes of 3 entries, the peak, five cosine series.
-        assert_eq!(one.operations, 3 * (2 * 3 * 100 + 2 + 20));
-        assert_eq!(more.operations - one.operations, 5 * (42 + 109 + 52 + 610 + 80 + 110 + 1 + 21));
-        assert_eq!(more.bytes, one.bytes);
     }
 }

@@ -1,0 +1,103 @@
+//! How good a fit across bodies is, told by bodies that were held out.
+
+use crate::engine::accuracy::known_errors::known_error;
+use crate::mechanics::body::Body;
+use crate::mechanics::compliance::BodyCompliance;
+use crate::mechanics::contact::curve::CurveSpace;
+use crate::mechanics::contact::edge::EdgeStates;
+use crate::mechanics::contact::outlines::Outlines;
+
+/// Share of the bodies held out whose error is below the bound: each counts by its share in a joint, so more of the joints are
+/// (`tests/interpolation.rs`).
+const BOUNDED: f64 = 0.97;
+
+/// The fit's own error is raised by this: bodies held out are not the worst.
+const SAFETY: f64 = 1.5;
+
+/// Walls below this depth, |ln r|, count by themselves, and by the worst of them: what a fit leaves is greatest at the thin end of a box.
+const THIN_END: f64 = 0.2;
+
+/// Arcs beyond which contact with free edges hardly goes, rad: what a fit does there decides nothing.
+const WIDEST: f64 = 1.8;
+
+/// Bound of the relative error of the force that a fit leaves.
+pub struct FitBound {
+    /// By contact half angle, descending, rad: for walls that are not thin and for those that are. With what the meshes leave, where
+    /// these are not of a `known_level`.
+    bounds: Vec<(f64, [f64; 2])>,
+    /// Of the meshes the fit was made on, what is known of each body.
+    known_level: Option<usize>,
+}
+
+impl FitBound {
+    /// From the relative change that the fit makes of the work of each of the `bodies` held out, `[body][arc]`, and the error of its
+    /// mesh there, where it is not of a `known_level`.
+    pub fn new(
+        space: &CurveSpace,
+        bodies: &[Body],
+        of_fit: &[Vec<f64>],
+        of_mesh: &[Vec<f64>],
+        known_level: Option<usize>,
+    ) -> FitBound {
+        let sum = |(of_fit, of_mesh): (&Vec<f64>, &Vec<f64>)| {
+            let own = |of_mesh: &f64| if known_level.is_some() { 0.0 } else { *of_mesh };
+            of_fit.iter().zip(of_mesh).map(|(fit, mesh)| SAFETY * fit + own(mesh)).collect()
+        };
+        let errors: Vec<Vec<f64>> = of_fit.iter().zip(of_mesh).map(sum).collect();
+        let thin = bodies.iter().zip(&errors).filter(|(body, _)| is_thin(body)).map(|(_, errors)| errors);
+        let mut of_thin = quantile(&errors);
+        for errors in thin {
+            of_thin.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(*error));
+        }
+        let bounds = quantile(&errors).into_iter().zip(of_thin).map(|(of_most, of_thin)| [of_most, of_thin]);
+        let angles = space.arcs().iter().map(|arc| arc.half_angle);
+        FitBound { bounds: angles.zip(bounds).collect(), known_level }
+    }
+
+    /// Of a body, at a contact half angle, rad: of the fit the greater of the bounds around it. What meshes leave of the samples
+    /// and what the fit leaves between them have nothing to do with each other.
+    pub fn at(&self, body: &Body, half_angle: f64) -> f64 {
+        let below = self.bounds.partition_point(|(angle, _)| *angle > half_angle);
+        let around = &self.bounds[below.saturating_sub(1)..(below + 1).min(self.bounds.len())];
+        let place = usize::from(is_thin(body));
+        let of_fit = around.iter().fold(0.0, |worst: f64, (_, bounds)| worst.max(bounds[place]));
+        let known = |level| known_error(body, level, half_angle).unwrap_or(f64::INFINITY);
+        of_fit.hypot(self.known_level.map_or(0.0, known))
+    }
+
+    /// At the arcs that contact comes to, of walls that are not thin, without what is known of the meshes.
+    pub fn near(&self) -> impl Iterator<Item = f64> {
+        self.bounds.iter().filter(|(half_angle, _)| *half_angle < WIDEST).map(|(_, [of_most, _])| *of_most)
+    }
+}
+
+fn is_thin(body: &Body) -> bool {
+    body.depth_range().0 < THIN_END
+}
+
+/// What few of the bodies exceed at the worst of the arcs that contact comes to; `[body][arc]`.
+pub fn worst_near(space: &CurveSpace, errors: &[Vec<f64>]) -> f64 {
+    let near = space.arcs().iter().zip(quantile(errors)).filter(|(arc, _)| arc.half_angle < WIDEST);
+    near.fold(0.0, |worst, (_, bound)| worst.max(bound))
+}
+
+/// At each arc what few of the bodies exceed.
+fn quantile(errors: &[Vec<f64>]) -> Vec<f64> {
+    let count = errors.first().map_or(0, Vec::len);
+    let of_arc = |arc: usize| {
+        let mut of_arc: Vec<f64> = errors.iter().map(|of_body| of_body[arc]).collect();
+        of_arc.sort_by(f64::total_cmp);
+        let place = (BOUNDED * of_arc.len() as f64) as usize;
+        of_arc.get(place.min(of_arc.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY)
+    };
+    (0..count).map(of_arc).collect()
+}
+
+/// Relative changes of the work of a body alone at each node; infinite where they have no value.
+pub fn changes(space: &CurveSpace, expected: &BodyCompliance, found: &BodyCompliance) -> Vec<f64> {
+    let alone = space.pressures.joint(&[(expected, 1.0)], 0.0);
+    let change = space.pressures.joint(&[(found, 1.0), (expected, -1.0)], 0.0);
+    let changes =
+        EdgeStates::new(&space.pressures, &alone, &Outlines::ALIKE).work_shares(&space.pressures, &change);
+    changes.into_iter().map(|change| if change.is_finite() { change.abs() } else { f64::INFINITY }).collect()
+}

@@ -1,0 +1,229 @@
+//! What a mesh level is worth, measured: where that is enough, one mesh does, and no second one must tell how good it is.
+//!
+//! `known_errors.csv` is what `cargo run --release --example mesh_errors` prints: of random bodies of every kind the error of the work of the
+//! contact pressure on each level, against `series` or the finest mesh, the partner being rigid. The error of a joint's force
+//! is that of its bodies, each by its share of the work.
+
+use std::sync::LazyLock;
+
+use crate::engine::spaces::THIN;
+use crate::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
+use crate::mechanics::material::Compressibility;
+
+/// Levels that are known of any shape, coarsest first.
+pub const KNOWN_LEVELS: usize = 5;
+
+/// Contact half angles at which the next column begins, deg.
+pub const COLUMNS: [f64; 3] = [10.0, 45.0, 75.0];
+
+/// Least depths, |ln r|, at which the next kind of body begins; and the deepest that was drawn.
+pub const DEPTHS: [f64; 7] = [0.0198, 0.1, 0.18, 0.35, 0.7, 1.5, 5.71];
+
+/// How stiff a body is beside its shear modulus. Corners between held and free sides are the worse the stiffer it is in plane strain,
+/// and coarse meshes are worse where it is auxetic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stiffness {
+    /// A negative Poisson's ratio.
+    Auxetic,
+    Ordinary,
+    Stiff,
+    VeryStiff,
+    NearlyIncompressible,
+}
+
+impl Stiffness {
+    pub const ALL: [Stiffness; 5] = [
+        Stiffness::Auxetic,
+        Stiffness::Ordinary,
+        Stiffness::Stiff,
+        Stiffness::VeryStiff,
+        Stiffness::NearlyIncompressible,
+    ];
+
+    /// Least and greatest Poisson's ratio in plane strain.
+    pub fn range(self) -> [f64; 2] {
+        match self {
+            Stiffness::Auxetic => [Compressibility::NEARLY_CONFORMAL, 0.0],
+            Stiffness::Ordinary => [0.0, Compressibility::STIFF],
+            Stiffness::Stiff => [Compressibility::STIFF, Compressibility::VERY_STIFF],
+            Stiffness::VeryStiff => [Compressibility::VERY_STIFF, Compressibility::NEARLY_INCOMPRESSIBLE],
+            Stiffness::NearlyIncompressible => {
+                [Compressibility::NEARLY_INCOMPRESSIBLE, Compressibility::LOCKING]
+            }
+        }
+    }
+
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stiffness::Auxetic => "auxetic",
+            Stiffness::Ordinary => "ordinary",
+            Stiffness::Stiff => "stiff",
+            Stiffness::VeryStiff => "very stiff",
+            Stiffness::NearlyIncompressible => "nearly incompressible",
+        }
+    }
+
+    /// `None` where it is so little stiff, or so much, that meshes behave otherwise.
+    pub fn of(body: &Body) -> Option<Stiffness> {
+        match Compressibility::of(body.poissons_ratio, body.idealization) {
+            Compressibility::NearlyConformal | Compressibility::Locking => None,
+            Compressibility::Auxetic | Compressibility::Negative => Some(Stiffness::Auxetic),
+            Compressibility::Stiff => Some(Stiffness::Stiff),
+            Compressibility::VeryStiff => Some(Stiffness::VeryStiff),
+            Compressibility::NearlyIncompressible => Some(Stiffness::NearlyIncompressible),
+            _ => Some(Stiffness::Ordinary),
+        }
+    }
+}
+
+/// Shapes whose meshes err alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    Concentric,
+    HalfDisc,
+    BlockOnBase,
+    BlockHeldAround,
+}
+
+impl Group {
+    pub const ALL: [Group; 4] =
+        [Group::Concentric, Group::HalfDisc, Group::BlockOnBase, Group::BlockHeldAround];
+
+    /// The name in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Group::Concentric => "concentric",
+            Group::HalfDisc => "half disc",
+            Group::BlockOnBase => "block on its base",
+            Group::BlockHeldAround => "block held around",
+        }
+    }
+
+    /// `None` for shapes that were not measured.
+    fn of(body: &Body) -> Option<Group> {
+        let is = |name: &str| body.shape.name == name;
+        if is(annulus::SHAPE.name) || is(cored_disc::SHAPE.name) {
+            Some(Group::Concentric)
+        } else if is(half_disc::SHAPE.name) {
+            Some(Group::HalfDisc)
+        } else if is(block::SHAPE.name) {
+            Some(if body.support == 0 { Group::BlockOnBase } else { Group::BlockHeldAround })
+        } else {
+            None
+        }
+    }
+
+    /// The least and the greatest depth that were drawn.
+    pub fn depths(self) -> [f64; 2] {
+        match self {
+            Group::Concentric | Group::HalfDisc => [DEPTHS[0], DEPTHS[DEPTHS.len() - 1]],
+            Group::BlockOnBase | Group::BlockHeldAround => [DEPTHS[2], 2.65],
+        }
+    }
+}
+
+/// A kind of body whose meshes were measured: group, stiffness, and the place of its least depth among `DEPTHS`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    pub group: Group,
+    pub stiffness: Stiffness,
+    pub depth: usize,
+}
+
+impl Kind {
+    /// `None` for bodies that were not measured, or behave otherwise.
+    pub fn of(body: &Body) -> Option<Kind> {
+        let group = Group::of(body)?;
+        let stiffness = Stiffness::of(body)?;
+        let (least, greatest) = body.depth_range();
+        let depth = DEPTHS.iter().rposition(|depth| least >= *depth)?;
+        // Thin walls squeeze what is nearly incompressible along them.
+        let may_be_film =
+            stiffness == Stiffness::NearlyIncompressible && (group == Group::Concentric || least < THIN);
+        let [shallowest, deepest] = group.depths();
+        let is_measured =
+            least >= shallowest && greatest <= deepest && depth < DEPTHS.len() - 1 && !may_be_film;
+        is_measured.then_some(Kind { group, stiffness, depth })
+    }
+
+    fn number(self) -> usize {
+        let (group, stiffness) = (self.group as usize, self.stiffness as usize);
+        (group * Stiffness::ALL.len() + stiffness) * DEPTHS.len() + self.depth
+    }
+}
+
+/// A row a level, coarsest first.
+type Table = [[f64; COLUMNS.len() + 1]; KNOWN_LEVELS];
+
+/// By the numbers of kinds; `None` for those that were not drawn often enough.
+static TABLES: LazyLock<Vec<Option<Table>>> = LazyLock::new(|| {
+    let mut tables = vec![None; Group::ALL.len() * Stiffness::ALL.len() * DEPTHS.len()];
+    for row in include_str!("known_errors.csv").lines().skip(1) {
+        let (kind, level, errors) = parsed(row);
+        let table: &mut Option<Table> = &mut tables[kind.number()];
+        table.get_or_insert([[f64::NAN; 4]; KNOWN_LEVELS])[level] = errors;
+    }
+    tables
+});
+
+/// A row of the file: group, stiffness, least depth, level, errors.
+///
+/// # Panics
+/// Where the file is broken; a test reads it.
+fn parsed(row: &str) -> (Kind, usize, [f64; 4]) {
+    let cells: Vec<&str> = row.split(',').collect();
+    let number = |place: usize| cells[place].parse::<f64>().unwrap_or(f64::NAN);
+    let group = Group::ALL.into_iter().find(|group| group.name() == cells[0]);
+    let stiffness = Stiffness::ALL.into_iter().find(|stiffness| stiffness.name() == cells[1]);
+    let depth = DEPTHS.iter().position(|depth| *depth == number(2));
+    let (Some(group), Some(stiffness), Some(depth)) = (group, stiffness, depth) else {
+        panic!("known_errors.csv: {row}")
+    };
+    (Kind { group, stiffness, depth }, number(3) as usize, std::array::from_fn(|column| number(4 + column)))
+}
+
+/// Of a half angle, rad.
+pub fn column(half_angle: f64) -> usize {
+    COLUMNS.iter().take_while(|begin| half_angle.to_degrees() >= **begin).count()
+}
+
+fn table(body: &Body) -> Option<&'static Table> {
+    TABLES[Kind::of(body)?.number()].as_ref()
+}
+
+/// The error of the force, relative, at a contact half angle (rad) on a mesh level at most; `None` for bodies and levels
+/// that were not measured, or behave otherwise: nearly incompressible, nearly conformal.
+pub fn known_error(body: &Body, level: usize, half_angle: f64) -> Option<f64> {
+    Some(table(body)?.get(level)?[column(half_angle)])
+}
+
+/// The worst of all half angles.
+pub fn worst_known_error(body: &Body, level: usize) -> Option<f64> {
+    Some(table(body)?.get(level)?.iter().fold(0.0, |worst: f64, error| worst.max(*error)))
+}
+
+/// The coarsest level that is known to be good enough whatever the load and the other body.
+pub fn known_level(body: &Body, accuracy: f64) -> Option<usize> {
+    (0..KNOWN_LEVELS).find(|level| worst_known_error(body, *level).is_some_and(|error| error <= accuracy))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every row is read, every kind has all levels, and a finer one is never said to be worse.
+    #[test]
+    fn the_file_is_whole_and_monotone() {
+        let rows = include_str!("known_errors.csv").lines().count() - 1;
+        let tables: Vec<&Table> = TABLES.iter().flatten().collect();
+        assert_eq!(rows, tables.len() * KNOWN_LEVELS);
+        assert!(tables.len() > 40, "{}", tables.len());
+        for table in tables {
+            assert!(table.iter().flatten().all(|error| *error > 0.0 && *error < 0.2), "{table:?}");
+            for pair in table.windows(2) {
+                assert!(pair[0].iter().zip(&pair[1]).all(|(coarse, fine)| fine <= coarse), "{table:?}");
+            }
+        }
+    }
+}

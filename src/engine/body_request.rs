@@ -1,0 +1,112 @@
+//! What is asked of a body: how finely, and what it then shares with others.
+
+use crate::mechanics::body::{Body, BodyKey};
+use crate::mechanics::compliance::series::ConcentricBody;
+use crate::mechanics::element::ElementKind;
+use crate::mechanics::grading::GradingClass;
+use crate::mechanics::material::Idealization;
+use crate::mechanics::mesh::{Grading, held_columns};
+
+/// How a body's compliance is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Fidelity {
+    /// Exact, mode by mode; concentric bodies only.
+    Series,
+    /// On a mesh of this level.
+    Mesh { level: usize },
+}
+
+/// A body to solve.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyRequest {
+    pub body: Body,
+    pub fidelity: Fidelity,
+}
+
+/// Equal for requests with the same answer.
+pub type RequestKey = (BodyKey, Fidelity);
+
+impl BodyRequest {
+    pub fn key(&self) -> RequestKey {
+        (self.body.key(), self.fidelity)
+    }
+}
+
+/// The elements of every mesh: the error of a compliance is of fourth order with Q8, of second with Q4 (tests/lame.rs).
+pub const ELEMENT: ElementKind = ElementKind::Quad8;
+
+/// The class of a body's mesh at a level.
+pub fn mesh_class(body: &Body, level: usize) -> GradingClass {
+    GradingClass::of(body, ELEMENT, level)
+}
+
+/// How large a body's mesh is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MeshSize {
+    pub unknowns: u64,
+    pub layers: u64,
+}
+
+impl MeshSize {
+    /// Unknowns of a layer.
+    pub fn width(self) -> f64 {
+        self.unknowns as f64 / self.layers as f64
+    }
+}
+
+/// The size of a body's mesh at a level.
+pub fn mesh_size(body: &Body, level: usize) -> MeshSize {
+    let class = mesh_class(body, level);
+    let columns = class.grading(body.shape.end_angle).angles.len() as u64 - 1;
+    let layers = class.layer_count as u64;
+    // Two unknowns a node: corner rows of 2 columns + 1 nodes, mid-side rows of columns + 1; supports are few.
+    MeshSize { unknowns: 2 * layers * (3 * columns + 2), layers }
+}
+
+/// Bodies with one of these share their topology, and can fill one batch.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct TopologyKey {
+    shape: &'static str,
+    idealization: Idealization,
+    held: Vec<bool>,
+    pub class: GradingClass,
+}
+
+/// Bodies of one topology.
+pub type Group = (TopologyKey, Vec<BodyRequest>);
+
+impl TopologyKey {
+    /// Of a body on a mesh.
+    pub fn of(request: &BodyRequest) -> TopologyKey {
+        let body = &request.body;
+        let level = match request.fidelity {
+            Fidelity::Mesh { level } => level,
+            Fidelity::Series => unreachable!("an exact body has no mesh"),
+        };
+        let class = mesh_class(body, level);
+        // Only where the far boundary is partly held does the topology depend on the body's own ratios.
+        let held = if body.shape.sides.is_empty() {
+            Vec::new()
+        } else {
+            held_columns(body, &class.grading(body.shape.end_angle))
+        };
+        TopologyKey { shape: body.shape.name, idealization: body.idealization, held, class }
+    }
+
+    /// The division of the ring of a body of this topology.
+    pub fn grading(&self, body: &Body) -> Grading {
+        self.class.grading(body.shape.end_angle)
+    }
+}
+
+/// An annulus or a disc as `series` takes it.
+pub fn concentric(body: &Body) -> ConcentricBody {
+    let Some(fixed_radius_ratio) = body.fixed_radius_ratio() else {
+        unreachable!("a `{}` has no modes", body.shape.name)
+    };
+    ConcentricBody {
+        fixed_radius_ratio,
+        poissons_ratio: body.poissons_ratio,
+        idealization: body.idealization,
+    }
+}

@@ -1,0 +1,44 @@
+//! What a design will come to, roughly, before it is solved: enough to choose where to begin, never to say how good an
+//! answer is. That is judged when it is there.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use crate::mechanics::material::effective_modulus;
+use crate::study::design::{DesignCase, JointDesign, Load};
+
+/// What is foreseen of a design.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExpectedContact {
+    /// Of the widest contact among the steps, rad; rather too wide, since bodies are taken for Winkler beds.
+    pub half_angle: f64,
+    /// Of the work that goes into the pin and into the plate: as their moduli have it.
+    pub shares: [f64; 2],
+}
+
+impl ExpectedContact {
+    pub fn of(case: &DesignCase) -> ExpectedContact {
+        let joint = &case.joint;
+        let [pin, plate] =
+            [&joint.pin, &joint.plate].map(|part| part.material.plane_modulus(joint.idealization));
+        let of_pin = plate / (pin + plate);
+        let half_angle = case.steps.iter().map(|load| half_angle(joint, *load)).fold(0.0, f64::max);
+        ExpectedContact { half_angle, shares: [of_pin, 1.0 - of_pin] }
+    }
+}
+
+/// Of the contact under one load, rad.
+pub fn half_angle(joint: &JointDesign, load: Load) -> f64 {
+    let radial_clearance = joint.radial_clearance;
+    match load {
+        // A neat fit opens at once.
+        _ if radial_clearance == 0.0 => FRAC_PI_2,
+        // Where the rigid outlines cross.
+        Load::Indentation(delta) => (radial_clearance / (radial_clearance + delta)).acos(),
+        // Persson's narrow contact, tan(eps/2)^2 = F/(pi E* dR).
+        Load::Force(force) => {
+            let modulus = effective_modulus(&joint.pin.material, &joint.plate.material, joint.idealization);
+            let half_tangent = (force / joint.thickness / (PI * modulus * radial_clearance)).sqrt();
+            (2.0 * half_tangent.atan()).min(FRAC_PI_2)
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! What of a study is interpolated: decided from the whole of it, before the first design is solved.
+//!
+//! A few thousand designs, spread over the study, tell which families of bodies it has, over which ranges, and about how
+//! many distinct ones. A pair of families is fitted where that is cheaper than the bodies of their designs.
+
+use std::collections::{HashMap, HashSet};
+
+use crate::engine::accuracy::known_errors::known_level;
+use crate::engine::body_request::{BodyRequest, Fidelity};
+use crate::engine::interpolation::family::{
+    Family, FamilyKey, MOST_COORDINATES, Point, coordinate_count, coordinates,
+};
+use crate::engine::plan::first_level;
+use crate::engine::spaces::SpaceKey;
+use crate::engine::unit_costs::{body_seconds, curve, design, interpolated_design, spread_seconds};
+use crate::mechanics::body::{Body, BodyKey};
+use crate::study::config::{MethodChoice, SolveOptions, Study};
+use crate::study::design::JointDesign;
+
+/// Designs looked at.
+const LOOKED_AT: u64 = 4096;
+
+/// The least accuracy (relative, of the force) that curves between nodes are good for.
+const FINEST_ACCURACY: f64 = 1e-3;
+
+/// A fit must save this many times what it costs.
+const GAIN: f64 = 2.0;
+
+/// What is fitted for a study, and for which designs.
+#[derive(Clone, Debug)]
+pub struct InterpolationPlan {
+    pub accuracy: f64,
+    /// With the time that each fit may take, s.
+    pub families: Vec<(Family, f64)>,
+    /// Families of pin and plate whose joints are interpolated.
+    pub pairs: HashSet<(FamilyKey, FamilyKey)>,
+}
+
+/// The families of a joint's pin and plate, each with its body.
+pub fn pair(joint: &JointDesign) -> Option<[(FamilyKey, Body); 2]> {
+    let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
+    let half_ring = pin.shape.end_angle < std::f64::consts::PI;
+    Some([(FamilyKey::of(&pin, half_ring)?, pin), (FamilyKey::of(&plate, half_ring)?, plate)])
+}
+
+/// Bodies of one family among those looked at.
+struct Members {
+    example: Body,
+    low: Point,
+    high: Point,
+    distinct: HashSet<BodyKey>,
+    seen: u64,
+}
+
+impl Members {
+    fn new(example: Body) -> Members {
+        let point = coordinates(&example);
+        Members { example, low: point, high: point, distinct: HashSet::new(), seen: 0 }
+    }
+
+    fn meet(&mut self, body: &Body) {
+        let point = coordinates(body);
+        for i in 0..MOST_COORDINATES {
+            self.low[i] = self.low[i].min(point[i]);
+            self.high[i] = self.high[i].max(point[i]);
+        }
+        self.distinct.insert(body.key());
+        self.seen += 1;
+    }
+
+    /// About how many distinct bodies there are among `all` designs like those seen.
+    fn distinct_of(&self, all: f64) -> f64 {
+        let (found, seen) = (self.distinct.len() as f64, self.seen as f64);
+        // Of D bodies, equally frequent, D (1 - exp(-seen/D)) are met.
+        let (mut low, mut high) = (found, all.max(found));
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if middle * (1.0 - (-seen / middle).exp()) < found { low = middle } else { high = middle }
+        }
+        low
+    }
+}
+
+impl InterpolationPlan {
+    /// For a study, which may do without.
+    pub fn of_study(study: &Study) -> Option<InterpolationPlan> {
+        if !study.interpolation || !may_interpolate(&study.solve) {
+            return None;
+        }
+        let count = study.design_count();
+        let mut cases = study.cases().ok()?;
+        let mut joints = Vec::new();
+        let mut next = 0;
+        for wanted in picks(count) {
+            // A list that cannot be read is complained of where its designs are drawn.
+            joints.push(cases.nth(usize::try_from(wanted - next).ok()?)?.ok()?.joint);
+            next = wanted + 1;
+        }
+        InterpolationPlan::new(&study.solve, count, &joints)
+    }
+
+    /// For `count` designs of which `joints` stand for all.
+    pub fn new(solve: &SolveOptions, count: u64, joints: &[JointDesign]) -> Option<InterpolationPlan> {
+        if !may_interpolate(solve) || joints.is_empty() {
+            return None;
+        }
+        let mut members: HashMap<FamilyKey, Members> = HashMap::new();
+        let mut pairs: Vec<((FamilyKey, FamilyKey), [Members; 2])> = Vec::new();
+        for joint in joints {
+            let Some([pin, plate]) = pair(joint) else { continue };
+            let both = (pin.0, plate.0);
+            let place = match pairs.iter().position(|(known, _)| *known == both) {
+                Some(place) => place,
+                None => {
+                    pairs.push((both, [Members::new(pin.1), Members::new(plate.1)]));
+                    pairs.len() - 1
+                }
+            };
+            for ((key, body), of_pair) in [pin, plate].iter().zip(&mut pairs[place].1) {
+                of_pair.meet(body);
+                members.entry(*key).or_insert_with(|| Members::new(*body)).meet(body);
+            }
+        }
+        // What is not looked at may lie a little outside of what is.
+        let margin = if joints.len() as u64 == count { 0.0 } else { 2.0 / joints.len() as f64 };
+        let family = |key: FamilyKey, members: &Members| {
+            let coordinates = coordinate_count(members.example.shape);
+            let ranges = (members.low.iter().zip(&members.high).take(coordinates))
+                .map(|(low, high)| (low - margin * (high - low), high + margin * (high - low)))
+                .collect();
+            let exact = members.example.shape.concentric && solve.method != MethodChoice::Fe;
+            Family { key, example: members.example, ranges, exact }
+        };
+        let families: HashMap<FamilyKey, Family> =
+            members.iter().map(|(key, members)| (*key, family(*key, members))).collect();
+        let level = first_level(solve.accuracy);
+        let mut plan =
+            InterpolationPlan { accuracy: solve.accuracy, families: Vec::new(), pairs: HashSet::new() };
+        for (both, of_pair) in &pairs {
+            let designs = count as f64 * of_pair[0].seen as f64 / joints.len() as f64;
+            let [pin, plate] = of_pair.each_ref().map(|members| members.example);
+            let space = SpaceKey::coarsest(&pin, &plate, solve.accuracy, 0.0);
+            let mut saved = designs
+                * (curve(space).seconds() + design(0.0).seconds() - interpolated_design(0.0).seconds());
+            let mut cost = 0.0;
+            for (key, members) in [both.0, both.1].iter().zip(of_pair) {
+                let Some(family) = families.get(key) else { continue };
+                let request = |fidelity| BodyRequest { body: members.example, fidelity };
+                let requests = if family.exact {
+                    vec![request(Fidelity::Series)]
+                } else if let Some(level) = known_level(&members.example, solve.accuracy) {
+                    vec![request(Fidelity::Mesh { level })]
+                } else {
+                    [level, level - 1].map(|level| request(Fidelity::Mesh { level })).to_vec()
+                };
+                let distinct = members.distinct_of(designs);
+                for request in &requests {
+                    saved += distinct * body_seconds(request) + designs * spread_seconds(request, space);
+                }
+                cost += family.least_seconds(solve.accuracy);
+            }
+            if saved < GAIN * cost {
+                continue;
+            }
+            plan.pairs.insert(*both);
+            for key in [both.0, both.1] {
+                let Some(family) = families.get(&key) else { continue };
+                match plan.families.iter_mut().find(|(known, _)| known.key == key) {
+                    Some((_, budget)) => *budget += 0.5 * saved,
+                    None => plan.families.push((family.clone(), 0.5 * saved)),
+                }
+            }
+        }
+        (!plan.pairs.is_empty()).then_some(plan)
+    }
+}
+
+impl InterpolationPlan {
+    /// Whether a joint is in the boxes of a pair of families.
+    pub fn covers(&self, joint: &JointDesign) -> bool {
+        let Some([pin, plate]) = pair(joint) else { return false };
+        let is_inside = |(key, body): &(FamilyKey, Body)| {
+            let family = self.families.iter().find(|(family, _)| family.key == *key);
+            family.is_some_and(|(family, _)| {
+                let point = coordinates(body);
+                let mut ranges = family.ranges.iter().zip(&point);
+                ranges.all(|((low, high), value)| low <= value && value <= high)
+            })
+        };
+        self.pairs.contains(&(pin.0, plate.0)) && is_inside(&pin) && is_inside(&plate)
+    }
+
+    /// Estimated time of the fits, s.
+    pub fn seconds(&self) -> f64 {
+        self.families.iter().map(|(family, _)| family.least_seconds(self.accuracy)).sum()
+    }
+}
+
+/// Whether the method and the accuracy leave room for it: who asks for `series` wants it exact.
+fn may_interpolate(solve: &SolveOptions) -> bool {
+    matches!(solve.method, MethodChoice::Auto | MethodChoice::Fe) && solve.accuracy >= FINEST_ACCURACY
+}
+
+/// The numbers of the designs looked at, ascending: one in each of equal shares of the study, at no fixed distance, so that
+/// they do not keep step with a grid.
+fn picks(count: u64) -> Vec<u64> {
+    if count <= LOOKED_AT {
+        return (0..count).collect();
+    }
+    let share = count as f64 / LOOKED_AT as f64;
+    let golden = 0.618_033_988_749_894_9;
+    let pick = |i: u64| (share * (i as f64 + (golden * i as f64).fract())) as u64;
+    let mut picks: Vec<u64> = (0..LOOKED_AT).map(|i| pick(i).min(count - 1)).collect();
+    // Shares of hardly more than one design may have the same one.
+    picks.dedup();
+    picks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In the study, each once, ascending, and everywhere.
+    #[test]
+    fn picks_are_spread_over_the_study() {
+        for count in [1, 4096, 4097, 6000, 100_000, 1_000_000_000] {
+            let picks = picks(count);
+            assert!(picks.windows(2).all(|pair| pair[0] < pair[1]), "{count}");
+            assert!(picks[0] <= count / 1000 && picks[picks.len() - 1] < count, "{count}");
+            // Of shares of hardly more than one design a quarter have the pick of their neighbour.
+            assert!(picks.len() as u64 > 3 * count.min(LOOKED_AT) / 4, "{count}: {}", picks.len());
+            let most = 2 * count.div_ceil(LOOKED_AT) + 1;
+            assert!(count - picks[picks.len() - 1] <= most, "{count}");
+            assert!(picks.windows(2).all(|pair| pair[1] - pair[0] <= most), "{count}");
+        }
+    }
+
+    /// Not those of every other value of a grid's last axis.
+    #[test]
+    fn picks_do_not_keep_step_with_a_grid() {
+        for axis in [2_u64, 10, 16, 100] {
+            let mut counts = vec![0; axis as usize];
+            picks(4096 * axis).iter().for_each(|pick| counts[(pick % axis) as usize] += 1);
+            let fair = 4096 / axis as i32;
+            assert!(counts.iter().all(|count| (count - fair).abs() <= fair / 4 + 2), "{axis}: {counts:?}");
+        }
+    }
+}

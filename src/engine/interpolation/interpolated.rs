@@ -1,0 +1,125 @@
+//! Designs with interpolated bodies: each is found in its fit, and their contact is that of any two bodies.
+
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+use crate::engine::accuracy::Want;
+use crate::engine::accuracy::body_errors::{ErrorSource, JudgedBody};
+use crate::engine::bodies::BodyLibrary;
+use crate::engine::expected_contact::ExpectedContact;
+use crate::engine::interpolation::family::FamilyKey;
+use crate::engine::interpolation::fit::FittedFamily;
+use crate::engine::interpolation::fit_plan::{InterpolationPlan, pair};
+use crate::engine::joint_contact::solve_joint;
+use crate::engine::joint_scale::JointScale;
+use crate::engine::outcome::{BackendKind, DesignOutcome, Method};
+use crate::engine::row::Solving;
+use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::mechanics::compliance::body_fit::FitScratch;
+use crate::study::design::DesignCase;
+
+/// The rung: fits of a plan, made when the first designs come.
+pub struct Interpolation {
+    plan: InterpolationPlan,
+    fitted: Option<HashMap<FamilyKey, FittedFamily>>,
+    /// Time spent on fits, from start to end.
+    pub fit_time: Duration,
+    /// Time spent on designs, summed over threads.
+    pub design_time: Duration,
+}
+
+impl Interpolation {
+    pub fn new(plan: InterpolationPlan) -> Interpolation {
+        Interpolation { plan, fitted: None, fit_time: Duration::ZERO, design_time: Duration::ZERO }
+    }
+
+    /// Fits every family of the plan, whatever designs come first.
+    fn prepare(&mut self, library: &mut BodyLibrary, spaces: &mut Spaces) {
+        if self.fitted.is_some() {
+            return;
+        }
+        let started = Instant::now();
+        let mut fitted = HashMap::new();
+        for (family, budget) in &self.plan.families {
+            if let Some(mut fit) = family.fit(self.plan.accuracy, *budget, library, spaces) {
+                let coarsest = SpaceKey::beside_thick_walls(family.key.half_ring, self.plan.accuracy);
+                fit.prepare(coarsest.flat_map(|key| [Some(key), key.with_more_terms()]).flatten(), spaces);
+                fitted.insert(family.key, fit);
+            }
+        }
+        self.fitted = Some(fitted);
+        self.fit_time += started.elapsed();
+    }
+
+    /// Bodies solved for the fits.
+    pub fn solved_bodies(&self) -> u64 {
+        self.fitted.iter().flat_map(HashMap::values).map(|family| family.solved).sum()
+    }
+
+    /// The fits, with the ranges they hold over.
+    pub fn fits(&self) -> impl Iterator<Item = &FittedFamily> {
+        self.fitted.iter().flat_map(HashMap::values)
+    }
+
+    /// The outcomes of the designs that are known well enough; `None` for those that are left to others.
+    pub fn solve(
+        &mut self,
+        library: &mut BodyLibrary,
+        spaces: &mut Spaces,
+        cases: &[DesignCase],
+    ) -> Vec<Option<DesignOutcome>> {
+        self.prepare(library, spaces);
+        let (this, spaces) = (&*self, &*spaces);
+        let solved: Vec<(Option<DesignOutcome>, Duration)> = cases
+            .par_iter()
+            .with_min_len(16)
+            .map_init(FitScratch::default, |scratch, case| {
+                let started = Instant::now();
+                (this.solve_design(spaces, case, scratch), started.elapsed())
+            })
+            .collect();
+        self.design_time += solved.iter().map(|(_, time)| *time).sum::<Duration>();
+        solved.into_iter().map(|(outcome, _)| outcome).collect()
+    }
+
+    fn solve_design(
+        &self,
+        spaces: &Spaces,
+        case: &DesignCase,
+        scratch: &mut FitScratch,
+    ) -> Option<DesignOutcome> {
+        let InterpolationPlan { accuracy, pairs, .. } = &self.plan;
+        let [pin, plate] = pair(&case.joint)?;
+        let families = pairs.contains(&(pin.0, plate.0)).then_some(self.fitted.as_ref()?)?;
+        let fits = [families.get(&pin.0)?, families.get(&plate.0)?];
+        let bodies = [(&pin.1, &case.joint.pin), (&plate.1, &case.joint.plate)];
+        let expected = ExpectedContact::of(case).half_angle;
+        let outlines = JointScale::of(&case.joint).outlines;
+        let mut key = SpaceKey::coarsest(&pin.1, &plate.1, *accuracy, expected);
+        loop {
+            let mut judged = |side: usize| -> Option<JudgedBody> {
+                let (body, part) = bodies[side];
+                let share = 1.0 / part.material.youngs_modulus;
+                let part = fits[side].part((body, share), &outlines, (key, spaces), scratch)?;
+                Some(JudgedBody { body, source: ErrorSource::Fit(&fits[side].bound), part })
+            };
+            let judged = [judged(0)?, judged(1)?];
+            let space = spaces.get(key);
+            let (backend, method) = (BackendKind::Cpu, Method::Interpolated);
+            let solving =
+                Solving { backend, method, limit: outlines.of_hole(space.limit), accuracy: *accuracy };
+            let (outcome, want) =
+                solve_joint(space, &judged, outlines, None, solving, [case].into_iter()).pop()?;
+            match want {
+                Want::Nothing => {
+                    let is_whole = outcome.steps.iter().all(|step| step.response.is_some());
+                    return is_whole.then_some(outcome);
+                }
+                Want::MoreTerms => key = key.with_more_terms()?,
+                Want::MoreNodes | Want::FinerMesh => return None,
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! The contact of designs with one joint, its bodies being solved: their states, how good they are, and what they want.
+
+use crate::engine::accuracy::body_errors::{BodyErrors, ErrorSource, JudgedBody};
+use crate::engine::accuracy::geometry_error::{WIDEST_CLEARANCE, outline_error};
+use crate::engine::accuracy::mesh_change::Trust;
+use crate::engine::accuracy::{Estimate, ForceError, Want};
+use crate::engine::bodies::BodyLibrary;
+use crate::engine::body_request::{Fidelity, RequestKey};
+use crate::engine::joint_scale::JointScale;
+use crate::engine::outcome::{BackendKind, DesignOutcome, Method};
+use crate::engine::plan::JointPlan;
+use crate::engine::row::Solving;
+use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::mechanics::compliance::Boundary;
+use crate::mechanics::compliance::pressure_space::JointCompliance;
+use crate::mechanics::contact::curve::{ContactCurve, CurveSpace};
+use crate::mechanics::contact::load::NoState;
+use crate::mechanics::contact::outlines::Outlines;
+use crate::study::design::DesignCase;
+
+/// Joints with one of these have a curve in common: sizes and loads are left.
+pub type JointKey = (RequestKey, RequestKey, [u64; 3], SpaceKey, Estimate);
+
+/// Of a design with its plan.
+pub fn joint_key(plan: &JointPlan, case: &DesignCase) -> JointKey {
+    let [pin, plate] = [&case.joint.pin, &case.joint.plate].map(|part| part.material.youngs_modulus);
+    let numbers = [pin, plate, JointScale::of(&case.joint).outlines.radial_clearance].map(f64::to_bits);
+    (plan.pin.key(), plan.plate.key(), numbers, plan.space, plan.estimate)
+}
+
+/// The answers to designs of one `JointKey`, on one rung, and what each wants of the next. Bodies and space of the plan were
+/// prepared.
+pub fn solve_designs<'a>(
+    library: &BodyLibrary,
+    spaces: &Spaces,
+    plan: &JointPlan,
+    cases: impl Iterator<Item = &'a DesignCase> + Clone,
+    accuracy: f64,
+) -> Vec<(DesignOutcome, Want)> {
+    let Some(first) = cases.clone().next() else { return Vec::new() };
+    let space = spaces.get(plan.space);
+    let outlines = JointScale::of(&first.joint).outlines;
+    let mut backend = BackendKind::Cpu;
+    let parts = [(plan.pin, &first.joint.pin), (plan.plate, &first.joint.plate)];
+    let members = parts.each_ref().map(|(request, part)| {
+        let solved = library.solved(request);
+        if solved.backend == BackendKind::Gpu {
+            backend = BackendKind::Gpu;
+        }
+        let (compliance, share) = (&*solved.compliance, 1.0 / part.material.youngs_modulus);
+        let source = match (request.fidelity, plan.coarser(request)) {
+            (Fidelity::Series, _) if matches!(compliance.boundary, Boundary::Bed(_)) => ErrorSource::Bed,
+            (Fidelity::Series, _) => ErrorSource::Exact,
+            (Fidelity::Mesh { .. }, Some(coarser)) => {
+                let coarse = &*library.solved(&coarser).compliance;
+                ErrorSource::MeshBeside { fine: compliance, coarse, share }
+            }
+            (Fidelity::Mesh { level }, None) => ErrorSource::Mesh(level),
+        };
+        JudgedBody {
+            body: &request.body,
+            source,
+            part: space.part(request.body.shape.side, &[(compliance, share)], &outlines),
+        }
+    });
+    let solving = Solving { backend, method: plan.method(), limit: outlines.of_hole(space.limit), accuracy };
+    let trust = match plan.estimate {
+        Estimate::Change(trust) => Some((trust, plan.level)),
+        Estimate::Exact | Estimate::Known => None,
+    };
+    solve_joint(space, &members, outlines, trust, solving, cases)
+}
+
+/// The same of designs whose joint is one of these bodies, with these outlines, in a space; with a trust and a level where their meshes are told by the
+/// change since coarser ones.
+pub fn solve_joint<'a>(
+    space: &CurveSpace,
+    bodies: &[JudgedBody; 2],
+    outlines: Outlines,
+    trust: Option<(Trust, usize)>,
+    solving: Solving,
+    cases: impl Iterator<Item = &'a DesignCase>,
+) -> Vec<(DesignOutcome, Want)> {
+    let joint = JointCompliance::of_both(&bodies[0].part, &bodies[1].part);
+    let Some(curve) = ContactCurve::new(space, &joint, outlines) else {
+        let is_too_wide = outlines.radial_clearance >= WIDEST_CLEARANCE;
+        let (reason, want) = if is_too_wide {
+            (NoState::ClearanceTooWide, Want::Nothing)
+        } else {
+            (NoState::BrokenCompliance, Want::FinerMesh)
+        };
+        return cases.map(|case| (solving.all_failed(case, reason), want)).collect();
+    };
+    let errors = BodyErrors::new(&curve, bodies, trust);
+    let of_curve = curve.error(solving.method == Method::Series);
+    let answer = |case: &DesignCase| {
+        let scale = JointScale::of(&case.joint);
+        let states = curve.states(scale.loads_in_contact(&case.steps));
+        let states = states.into_iter().map(|state| {
+            let (state, node) = state?;
+            let of_outlines = outline_error(&case.joint, &outlines, state.half_angle);
+            Ok((state, ForceError::new(&state, of_curve, errors.at(state.half_angle, node), of_outlines)))
+        });
+        solving.respond(case, states)
+    };
+    cases.map(answer).collect()
+}

@@ -1,0 +1,156 @@
+//! The climb from cheap to dear: every design is answered by the cheapest rung that is foreseen to do, judged, and answered again
+//! on the next one until it is good enough or there is no more. Rungs are bodies interpolated between others, then plans of
+//! ever finer meshes and pressure spaces; whatever condenses the bodies.
+
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+use crate::engine::accuracy::Want;
+use crate::engine::backend::Device;
+use crate::engine::bodies::BodyLibrary;
+use crate::engine::body_request::BodyRequest;
+use crate::engine::interpolation::fit_plan::InterpolationPlan;
+use crate::engine::interpolation::interpolated::Interpolation;
+use crate::engine::joint_contact::{JointKey, joint_key, solve_designs};
+use crate::engine::outcome::{BackendKind, DesignOutcome};
+use crate::engine::plan::JointPlan;
+use crate::engine::refusal::Refusal;
+use crate::engine::row::{all_failed, closed_form};
+use crate::engine::spaces::Spaces;
+use crate::study::config::{MethodChoice, SolveOptions};
+use crate::study::design::DesignCase;
+
+/// Designs of one joint that a thread solves.
+const TOGETHER: usize = 64;
+
+/// An attempt, with the place of its design among those tried together.
+type Placed = (usize, (DesignOutcome, Want));
+
+/// Solves batches of designs; keeps the bodies it has met.
+pub struct Ladder<'a> {
+    options: SolveOptions,
+    pub library: BodyLibrary<'a>,
+    spaces: Spaces,
+    pub interpolation: Option<Interpolation>,
+    times: LadderTimes,
+}
+
+#[derive(Default)]
+struct LadderTimes {
+    spaces: Duration,
+    /// Summed over threads.
+    contact: Duration,
+}
+
+impl<'a> Ladder<'a> {
+    pub fn new(options: SolveOptions) -> Ladder<'a> {
+        Ladder {
+            options,
+            library: BodyLibrary::default(),
+            spaces: Spaces::default(),
+            interpolation: None,
+            times: LadderTimes::default(),
+        }
+    }
+
+    /// With bodies interpolated where there is a plan for it.
+    pub fn interpolating(self, plan: Option<InterpolationPlan>) -> Ladder<'a> {
+        Ladder { interpolation: plan.map(Interpolation::new), ..self }
+    }
+
+    /// With bodies condensed on a device as long as that lasts.
+    pub fn on(self, device: Box<dyn Device + 'a>) -> Ladder<'a> {
+        Ladder { library: BodyLibrary::on(device), ..self }
+    }
+
+    /// Outcomes of `cases`, in their order.
+    pub fn solve(&mut self, cases: &[DesignCase]) -> Vec<DesignOutcome> {
+        let SolveOptions { method, accuracy } = self.options;
+        if method == MethodChoice::ClosedForm {
+            return cases.par_iter().map(|case| closed_form(case.clone())).collect();
+        }
+        let mut outcomes: Vec<Option<DesignOutcome>> = vec![None; cases.len()];
+        if let Some(interpolation) = &mut self.interpolation {
+            outcomes = interpolation.solve(&mut self.library, &mut self.spaces, cases);
+        }
+        let mut open = Vec::new();
+        for (index, (case, outcome)) in cases.iter().zip(&mut outcomes).enumerate() {
+            if outcome.is_none() {
+                match JointPlan::cheapest(case, method, accuracy) {
+                    Ok(plan) => open.push((index, plan)),
+                    Err(refusal) => *outcome = Some(refused(case, &refusal)),
+                }
+            }
+        }
+        while !open.is_empty() {
+            let solved = self.climb(cases, &open);
+            let mut unsettled = Vec::new();
+            for ((index, plan), (outcome, want)) in open.into_iter().zip(solved) {
+                outcomes[index] = Some(outcome);
+                unsettled.extend(plan.next(want).map(|plan| (index, plan)));
+            }
+            open = unsettled;
+        }
+        outcomes.into_iter().flatten().collect()
+    }
+
+    /// One attempt at each of some designs, by its number and plan.
+    fn climb(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(DesignOutcome, Want)> {
+        let requests: Vec<BodyRequest> = open.iter().flat_map(|(_, plan)| plan.requests()).collect();
+        self.library.solve(&requests);
+        let started = Instant::now();
+        let Ladder { library, spaces, .. } = self;
+        let bodies = open.iter().flat_map(|(_, plan)| plan.requests().map(|request| (plan.space, request)));
+        spaces.prepare(bodies.map(|(space, request)| (space, &*library.solved(&request).compliance)));
+        self.times.spaces += started.elapsed();
+        let mut joints: HashMap<JointKey, Vec<usize>> = HashMap::new();
+        for (place, (index, plan)) in open.iter().enumerate() {
+            joints.entry(joint_key(plan, &cases[*index])).or_default().push(place);
+        }
+        let joints: Vec<Vec<usize>> = joints.into_values().collect();
+        let (library, spaces, accuracy) = (&self.library, &self.spaces, self.options.accuracy);
+        let solved: Vec<(Vec<Placed>, Duration)> = joints
+            .par_iter()
+            .with_min_len(16)
+            .flat_map_iter(|places| places.chunks(TOGETHER))
+            .map(|places| {
+                let started = Instant::now();
+                let own = places.iter().map(|place| &cases[open[*place].0]);
+                let solved = solve_designs(library, spaces, &open[places[0]].1, own, accuracy);
+                (places.iter().copied().zip(solved).collect(), started.elapsed())
+            })
+            .collect();
+        self.times.contact += solved.iter().map(|(_, time)| *time).sum::<Duration>();
+        let mut in_order: Vec<Option<(DesignOutcome, Want)>> = vec![None; open.len()];
+        for (place, solved) in solved.into_iter().flat_map(|(solved, _)| solved) {
+            in_order[place] = Some(solved);
+        }
+        in_order.into_iter().flatten().collect()
+    }
+
+    /// Time spent on what bodies and joints share.
+    pub fn shared_time(&self) -> Duration {
+        self.library.times.shared + self.times.spaces
+    }
+
+    /// Where the time went, summed over threads of the processor, in the order the stages run.
+    pub fn stages(&self) -> Vec<(&'static str, Duration)> {
+        let times = self.library.times;
+        let mut stages = vec![("preparation", self.shared_time())];
+        stages.extend(self.library.device().map(Device::stages).unwrap_or_default());
+        stages.extend([
+            ("series", times.series),
+            ("condensation", times.condense),
+            ("contact", self.times.contact),
+            ("fits", self.interpolation.as_ref().map_or(Duration::ZERO, |rung| rung.fit_time)),
+            ("interpolation", self.interpolation.as_ref().map_or(Duration::ZERO, |rung| rung.design_time)),
+        ]);
+        stages
+    }
+}
+
+fn refused(case: &DesignCase, refusal: &Refusal) -> DesignOutcome {
+    all_failed(case, BackendKind::Cpu, &format!("failed: {refusal}"))
+}

@@ -1,0 +1,157 @@
+//! From the states of a joint under its loads to the rows of the table, each with what a reader must know of it. The same for
+//! every backend.
+
+use std::borrow::Cow;
+
+use crate::engine::accuracy::geometry_error::{LARGE_DISPLACEMENT, WIDEST_CLEARANCE, linearity_error};
+use crate::engine::accuracy::{ForceError, Want};
+use crate::engine::joint_scale::JointScale;
+use crate::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
+use crate::mechanics::contact::load::NoState;
+use crate::mechanics::contact::state::ContactState;
+use crate::mechanics::laws;
+use crate::study::design::{DesignCase, Load};
+
+/// How a design was solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Solving {
+    pub backend: BackendKind,
+    pub method: Method,
+    /// The largest contact half angle, rad.
+    pub limit: f64,
+    /// Asked: relative, of the force.
+    pub accuracy: f64,
+}
+
+pub const NOT_A_PUSH: &str = "failed: the bodies do not push each other, the mesh is too coarse for them";
+
+impl Solving {
+    /// The outcome of a design from the states of its `loads_in_contact`, in their order, and what it wants.
+    pub fn respond(
+        &self,
+        case: &DesignCase,
+        states: impl IntoIterator<Item = Result<(ContactState, ForceError), NoState>>,
+    ) -> (DesignOutcome, Want) {
+        let scale = JointScale::of(&case.joint);
+        let mut states = states.into_iter();
+        let mut want = Want::Nothing;
+        let step = |load: &Load| {
+            if scale.load(*load).is_none() {
+                return unloaded(self.method);
+            }
+            let (state, error) = match states.next().unwrap_or(Err(NoState::BrokenCompliance)) {
+                // A mesh far too coarse for its body may answer with a pull.
+                Ok((state, _)) if !state.is_a_push() => {
+                    want = Want::FinerMesh;
+                    return StepOutcome { response: None, status: NOT_A_PUSH.into() };
+                }
+                Ok(found) => found,
+                Err(reason) => {
+                    return StepOutcome { response: None, status: failure(reason, self.limit).into() };
+                }
+            };
+            want = want.max(error.want(self.accuracy, state.pressure_is_positive));
+            let error = error.total();
+            let accurate = error <= self.accuracy;
+            let mut response = scale.response(*load, &state, error, self.method);
+            let of_linearity = linearity_error(&case.joint, &response);
+            response.linearity_error = Some(of_linearity);
+            let remarks = [
+                (scale.outlines.radial_clearance >= WIDEST_CLEARANCE, "clearance beyond the model"),
+                (of_linearity > self.accuracy.max(LARGE_DISPLACEMENT), "large displacement"),
+                (!state.pressure_is_positive, "pressure not positive everywhere"),
+                (!accurate, "accuracy not met"),
+            ];
+            StepOutcome { response: Some(response), status: status(&remarks) }
+        };
+        let steps = case.steps.iter().map(step).collect();
+        (DesignOutcome { case: case.clone(), backend: self.backend, steps }, want)
+    }
+
+    /// The outcome of a design without any state.
+    pub fn all_failed(&self, case: &DesignCase, reason: NoState) -> DesignOutcome {
+        all_failed(case, self.backend, &failure(reason, self.limit))
+    }
+}
+
+pub fn all_failed(case: &DesignCase, backend: BackendKind, status: &str) -> DesignOutcome {
+    let steps = case
+        .steps
+        .iter()
+        .map(|_| StepOutcome { response: None, status: status.to_string().into() })
+        .collect();
+    DesignOutcome { case: case.clone(), backend, steps }
+}
+
+fn unloaded(method: Method) -> StepOutcome {
+    let response = Response {
+        indentation: 0.0,
+        force: 0.0,
+        tangent_stiffness: 0.0,
+        contact_half_angle: Some(0.0),
+        peak_pressure: Some(0.0),
+        energy: Some(0.0),
+        force_error: 0.0,
+        linearity_error: Some(0.0),
+        method,
+    };
+    StepOutcome { response: Some(response), status: "ok".into() }
+}
+
+fn failure(reason: NoState, limit: f64) -> String {
+    match reason {
+        NoState::ContactTooWide => format!("failed: contact wider than {:.0} deg", limit.to_degrees()),
+        NoState::BrokenCompliance => "failed: compliance not positive definite".into(),
+        NoState::ClearanceTooWide => "failed: clearance beyond the model".into(),
+    }
+}
+
+/// What a reader of a row must know: those remarks that apply.
+fn status(remarks: &[(bool, &'static str)]) -> Cow<'static, str> {
+    let said: Vec<&str> = remarks.iter().filter(|(applies, _)| *applies).map(|(_, remark)| *remark).collect();
+    if said.is_empty() { "ok".into() } else { said.join("; ").into() }
+}
+
+/// Johnson's law. It knows nothing of the plate's extent, so it is right to a factor of two at best.
+pub fn closed_form(case: DesignCase) -> DesignOutcome {
+    let joint = &case.joint;
+    let pair = laws::Pair::new(
+        joint.hole_radius,
+        joint.radial_clearance,
+        joint.thickness,
+        &joint.pin.material,
+        &joint.plate.material,
+        joint.idealization,
+    );
+    let curve = pair.and_then(|pair| laws::johnson::LAW.curve(&pair));
+    let step = |load: &Load| -> Result<StepOutcome, laws::LawError> {
+        let curve = curve?;
+        let indentation = match *load {
+            Load::Indentation(delta) => delta,
+            Load::Force(force) => curve.indentation(force / joint.thickness)?,
+        };
+        let response = Response {
+            indentation,
+            force: joint.thickness * curve.force_per_thickness(indentation)?,
+            tangent_stiffness: joint.thickness * curve.tangent_stiffness_per_thickness(indentation)?,
+            contact_half_angle: None,
+            peak_pressure: None,
+            energy: None,
+            force_error: 1.0,
+            linearity_error: None,
+            method: Method::ClosedForm,
+        };
+        Ok(StepOutcome { response: Some(response), status: "plate extent not modelled".into() })
+    };
+    let steps = case
+        .steps
+        .iter()
+        .map(|load| {
+            step(load).unwrap_or_else(|error| StepOutcome {
+                response: None,
+                status: format!("failed: {error}").into(),
+            })
+        })
+        .collect();
+    DesignOutcome { case, backend: BackendKind::Cpu, steps }
+}

@@ -1,0 +1,148 @@
+//! The pressure spaces of joints: how many trial pressures, at how many nodes of a curve. Each is made once and kept.
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
+use crate::mechanics::body::{Body, THINNEST_RING};
+use crate::mechanics::compliance::arc::TERM_CHOICES;
+use crate::mechanics::compliance::ring_modes::LARGEST_HELD;
+use crate::mechanics::compliance::{BodyCompliance, Boundary};
+use crate::mechanics::contact::curve::{CurveSpace, Variable};
+
+/// Which pressure space a joint is solved in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SpaceKey {
+    /// Whether the pin's ring ends at pi/2.
+    pub half_ring: bool,
+    /// Trial pressures.
+    pub terms: usize,
+    /// Nodes of a curve, and what it is a polynomial of.
+    pub nodes: usize,
+    pub variable: Variable,
+}
+
+/// Counts of nodes.
+pub const NODE_CHOICES: [usize; 5] = [24, 32, 48, 64, 96];
+
+/// Beside beds.
+const NODES_OF_BEDS: usize = 64;
+
+/// Beyond any free contact of a whole ring, rad.
+const WIDEST: f64 = 2.4;
+
+impl SpaceKey {
+    /// The largest contact half angle, rad: just short of a half ring's end, where its face is held.
+    pub fn limit(self) -> f64 {
+        if self.half_ring { LARGEST_HELD } else { WIDEST }
+    }
+
+    /// The coarsest for an accuracy of the force and contacts up to a half angle, rad, beside a thinnest wall (|ln r|).
+    ///
+    /// The layer between contact and far boundary must be resolved, too. What few trial pressures leave of contacts up to a
+    /// half angle is measured in `tests/series.rs`, what few nodes leave in `tests/curves.rs`.
+    pub fn coarsest(pin: &Body, plate: &Body, accuracy: f64, half_angle: f64) -> SpaceKey {
+        let thinnest = pin.depth_range().0.min(plate.depth_range().0);
+        SpaceKey::beside(thinnest, pin.shape.end_angle < std::f64::consts::PI, accuracy, half_angle)
+    }
+
+    /// The same for a depth of the thinnest wall.
+    pub fn beside(thinnest: f64, half_ring: bool, accuracy: f64, half_angle: f64) -> SpaceKey {
+        // For deep, middling and thin walls terms and nodes.
+        let of_depth = match accuracy {
+            _ if accuracy >= 1e-2 => [(6, 24), (6, 32), (10, 48)],
+            _ if accuracy >= 1e-4 && half_angle < WIDE => [(6, 24), (6, 32), (16, 48)],
+            _ if accuracy >= 1e-4 => [(10, 24), (10, 32), (16, 48)],
+            _ => [(10, 48), (16, 48), (24, 64)],
+        };
+        let (terms, nodes) = match thinnest {
+            depth if depth > DEEP => of_depth[0],
+            depth if depth > THIN => of_depth[1],
+            _ => of_depth[2],
+        };
+        if thinnest < THINNEST_RING {
+            return SpaceKey { half_ring, terms, nodes: NODES_OF_BEDS, variable: Variable::Logarithm };
+        }
+        SpaceKey { half_ring, terms, nodes, variable: Variable::Root }
+    }
+
+    /// Of all contacts between walls no thinner than `THIN`.
+    pub fn beside_thick_walls(half_ring: bool, accuracy: f64) -> impl Iterator<Item = SpaceKey> {
+        let of_angle = move |half_angle| {
+            [2.0 * DEEP, DEEP].map(|depth| SpaceKey::beside(depth, half_ring, accuracy, half_angle))
+        };
+        [0.0, WIDE].into_iter().flat_map(of_angle)
+    }
+
+    /// The next one with more trial pressures, `None` where there is none.
+    pub fn with_more_terms(self) -> Option<SpaceKey> {
+        next(&TERM_CHOICES, self.terms).map(|terms| SpaceKey { terms, ..self })
+    }
+
+    /// The next one with more nodes of the curve.
+    pub fn with_more_nodes(self) -> Option<SpaceKey> {
+        next(&NODE_CHOICES, self.nodes).map(|nodes| SpaceKey { nodes, ..self })
+    }
+}
+
+fn next(choices: &[usize], now: usize) -> Option<usize> {
+    choices.iter().copied().find(|choice| *choice > now)
+}
+
+/// From this contact half angle on, rad, few trial pressures leave something of the half angle and the peak pressure.
+const WIDE: f64 = 1.4;
+
+/// |ln r| from which on walls ask for more.
+const DEEP: f64 = 0.35;
+pub const THIN: f64 = 0.15;
+
+/// The spaces met so far.
+#[derive(Default)]
+pub struct Spaces {
+    spaces: HashMap<SpaceKey, CurveSpace>,
+}
+
+impl Spaces {
+    /// A space that was prepared.
+    pub fn get(&self, key: SpaceKey) -> &CurveSpace {
+        &self.spaces[&key]
+    }
+
+    /// Makes spaces with what these bodies need in them, as far as it is not there yet.
+    pub fn prepare<'a>(&mut self, bodies: impl Iterator<Item = (SpaceKey, &'a BodyCompliance)>) {
+        // Of each space the body with the highest mode, and one of each kind of ring modes.
+        let mut needs: HashMap<SpaceKey, Vec<&BodyCompliance>> = HashMap::new();
+        for (key, body) in bodies {
+            let own = needs.entry(key).or_default();
+            match own.iter_mut().find(|known| is_alike(known, body)) {
+                Some(known) if highest(body) > highest(known) => *known = body,
+                Some(_) => {}
+                None => own.push(body),
+            }
+        }
+        let open = needs.into_iter().map(|(key, bodies)| (key, bodies, self.spaces.remove(&key)));
+        let made: Vec<(SpaceKey, CurveSpace)> = open
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|(key, bodies, known)| {
+                let mut space =
+                    known.unwrap_or_else(|| CurveSpace::new(key.variable, key.terms, key.nodes, key.limit()));
+                bodies.iter().for_each(|body| space.pressures.prepare(body));
+                (key, space)
+            })
+            .collect();
+        self.spaces.extend(made);
+    }
+}
+
+fn is_alike(one: &BodyCompliance, other: &BodyCompliance) -> bool {
+    match (&one.boundary, &other.boundary) {
+        (Boundary::Bed(_), Boundary::Bed(_)) | (Boundary::Modes { .. }, Boundary::Modes { .. }) => true,
+        (Boundary::RingModes(one, _), Boundary::RingModes(other, _)) => one == other,
+        _ => false,
+    }
+}
+
+fn highest(body: &BodyCompliance) -> usize {
+    if let Boundary::Modes { normal, .. } = &body.boundary { normal.len() } else { 0 }
+}

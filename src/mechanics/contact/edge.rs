@@ -1,0 +1,498 @@
+//! Contact with a free edge on given arcs: the state of a joint as a function of its contact half angle.
+//!
+//! On the hole's ray at phi the pin has come nearer by delta cos(phi), and the gap was dR (1 - cos phi') (`outlines`). So the pressure
+//! on |phi| < eps closes
+//!
+//! ```text
+//!   u_pin[p] + u_plate[p] = delta cos(phi) - dR (1 - cos phi'),
+//! ```
+//!
+//! in the weak sense: integral of p_j times both sides, for every trial pressure. The system is linear in delta and dR, and the
+//! edge is free of singularity where the coefficients of the pressure sum to zero. Hence, without iteration, x = delta/e and F/e as
+//! functions of eps, with e = dR + delta, the offset of the centres. All that is singular in the compliance A of an arc is
+//! -pi/2 c ln b in entry (0, 0). With that row eliminated last,
+//!
+//! ```text
+//!   A = | A_00  r^T |    y = B^-1 r,      S = A_00 - r.y,                   D = 1 - sum(y),
+//!       |  r     B  |    w_v = B^-1 v',   V = v_0 - y.v',   Q = w_v.v',     N = sum(w_v),
+//!                        w_g = B^-1 g',   G = g_0 - y.g',   Q_vg = w_v.g',  N_g = sum(w_g),   Q_gg = w_g.g',
+//! ```
+//!
+//! where v and g are the integrals of p_k (1 - cos phi) and p_k (1 - cos phi'), the state with a free edge is
+//!
+//! ```text
+//!   x = (G + S N_g/D)/[pi/2 - V + G - S (N - N_g)/D],      W = [x N + (1 - x) N_g]/D,
+//!   p_0 = W,    p' = -W y - x w_v - (1 - x) w_g,
+//!   F/e = 2 [W (pi/2 - V) + x Q + (1 - x) Q_vg],           dF/d delta = 2 [(pi/2 - V)^2/S + Q],
+//!   U/e^2 = S W^2 + x^2 Q + 2 x (1 - x) Q_vg + (1 - x)^2 Q_gg.
+//! ```
+//!
+//! The stiffness is that of a punch that keeps its arc, because the pressure at a free edge does not change to first order as
+//! the edge moves (Barber, Contact Mechanics, section 9.3; Mossakovskii 1963).
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::outlines::Outlines;
+use super::state::ContactState;
+use crate::mechanics::compliance::arc::{ContactArc, packed};
+use crate::mechanics::compliance::lane_work::{LaneWork, TermWork, in_lanes, in_lanes_with_terms};
+use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
+use crate::mechanics::real::{LANES, Lanes, Real};
+
+/// Of two trial pressures over the two before: slower than that their fall is not told by four.
+const SLOWEST: f64 = 0.9;
+
+/// Tension that truncation may leave at the edge, over the peak pressure.
+const TENSION: f64 = 0.01;
+
+/// What the equations of one arc come to, without what goes to zero with the arc. b is the pin's.
+#[derive(Clone, Copy, Debug)]
+pub struct Reduced<T> {
+    /// S.
+    pub singular: T,
+    /// D.
+    pub edge: T,
+    /// N/b^2 and N_g/b^2.
+    pub edge_of_versine: T,
+    pub edge_of_gap: T,
+    /// V/b^2 and G/b^2.
+    pub versine: T,
+    pub gap: T,
+    /// Q/b^4, Q_vg/b^4 and Q_gg/b^4.
+    pub work: T,
+    pub mixed_work: T,
+    pub work_of_gap: T,
+    /// The pressure at the load line times 2 b is W `peak` - b^2 [x `peak_of_versine` + (1 - x) `peak_of_gap`].
+    pub peak: T,
+    pub peak_of_versine: T,
+    pub peak_of_gap: T,
+}
+
+/// A state with a free edge, as the fields of `ContactState`.
+#[derive(Clone, Copy, Debug)]
+pub struct FreeEdge<T> {
+    pub indentation: T,
+    pub force: T,
+    pub tangent_stiffness: T,
+    pub energy: T,
+    pub peak_pressure: T,
+}
+
+/// How many functions of the arc a `Reduced` has.
+pub const FUNCTIONS: usize = 12;
+
+/// Those that force and energy follow from, the first of `Reduced::functions`: all but those of the peak pressure.
+pub const DECISIVE: usize = 9;
+
+impl<T: Copy> Reduced<T> {
+    /// Those that have a place in the error of a curve come first.
+    #[inline(always)]
+    pub fn functions(&self) -> [T; FUNCTIONS] {
+        [
+            self.singular,
+            self.edge,
+            self.edge_of_versine,
+            self.edge_of_gap,
+            self.versine,
+            self.gap,
+            self.work,
+            self.mixed_work,
+            self.work_of_gap,
+            self.peak,
+            self.peak_of_versine,
+            self.peak_of_gap,
+        ]
+    }
+
+    /// The reverse of `functions`.
+    #[inline(always)]
+    pub fn of_functions(functions: [T; FUNCTIONS]) -> Reduced<T> {
+        let [
+            singular,
+            edge,
+            edge_of_versine,
+            edge_of_gap,
+            versine,
+            gap,
+            work,
+            mixed_work,
+            work_of_gap,
+            peak,
+            peak_of_versine,
+            peak_of_gap,
+        ] = functions;
+        Reduced {
+            singular,
+            edge,
+            edge_of_versine,
+            edge_of_gap,
+            versine,
+            gap,
+            work,
+            mixed_work,
+            work_of_gap,
+            peak,
+            peak_of_versine,
+            peak_of_gap,
+        }
+    }
+
+    /// With those functions that grow like 1/S beside a bed over a scale, and S times it.
+    #[inline(always)]
+    pub fn scaled(&self, scale: T) -> Reduced<T>
+    where
+        T: Real,
+    {
+        Reduced {
+            singular: self.singular * scale,
+            edge_of_versine: self.edge_of_versine / scale,
+            edge_of_gap: self.edge_of_gap / scale,
+            work: self.work / scale,
+            mixed_work: self.mixed_work / scale,
+            work_of_gap: self.work_of_gap / scale,
+            peak_of_versine: self.peak_of_versine / scale,
+            peak_of_gap: self.peak_of_gap / scale,
+            ..*self
+        }
+    }
+}
+
+impl<T: Real> Reduced<T> {
+    /// W/b^2 of a state with that x.
+    #[inline(always)]
+    fn first(&self, indentation: T) -> T {
+        self.between(indentation, self.edge_of_versine, self.edge_of_gap) / self.edge
+    }
+
+    /// x a + (1 - x) b.
+    #[inline(always)]
+    fn between(&self, indentation: T, of_versine: T, of_gap: T) -> T {
+        of_gap + indentation * (of_versine - of_gap)
+    }
+
+    /// Strain energy over e^2 b^4.
+    #[inline(always)]
+    fn energy(&self, indentation: T) -> T {
+        let first = self.first(indentation);
+        let [of_versine, of_gap] = [[self.work, self.mixed_work], [self.mixed_work, self.work_of_gap]]
+            .map(|[of_versine, of_gap]| self.between(indentation, of_versine, of_gap));
+        self.singular * first * first + self.between(indentation, of_versine, of_gap)
+    }
+
+    #[inline(always)]
+    pub fn free_edge(&self, b: T, outlines: &Outlines) -> FreeEdge<T> {
+        let (two, half_pi) = (T::from_f64(2.0), T::from_f64(FRAC_PI_2));
+        let b2 = b * b;
+        let arm = half_pi - b2 * self.versine;
+        let flexible = self.singular / self.edge;
+        let closed = b2 * (self.gap + flexible * self.edge_of_gap);
+        let indentation = closed / (arm + closed - b2 * flexible * self.edge_of_versine);
+        let first = b2 * self.first(indentation);
+        let work = b2 * b2 * self.between(indentation, self.work, self.mixed_work);
+        let peak = self.between(indentation, self.peak_of_versine, self.peak_of_gap);
+        FreeEdge {
+            indentation,
+            // 2 makes the whole joint of both halves.
+            force: two * (first * arm + work),
+            tangent_stiffness: two * (arm * arm / self.singular + b2 * b2 * self.work),
+            energy: b2 * b2 * self.energy(indentation),
+            // Over the hole's b.
+            peak_pressure: (first * self.peak - b2 * peak) * T::from_f64(0.5 * outlines.ratio()) / b,
+        }
+    }
+}
+
+/// The joint at one arc.
+#[derive(Clone, Copy, Debug)]
+pub struct Edge {
+    pub reduced: Reduced<f64>,
+    pub free: FreeEdge<f64>,
+    pub truncation: f64,
+    pub pressure_is_positive: bool,
+    /// Work of the pressure over e^2 b^4.
+    work: f64,
+}
+
+impl Edge {
+    /// Whether the compliance is positive definite: the square root of a negative pivot makes everything after it NaN, and S
+    /// has no pivot of its own.
+    pub fn is_sound(&self) -> bool {
+        self.reduced.singular > 0.0
+    }
+
+    /// The state at an arc of the pin; `None` where there is none.
+    pub fn state(&self, arc: &ContactArc, outlines: &Outlines) -> Option<ContactState> {
+        let FreeEdge { indentation, force, tangent_stiffness, energy, peak_pressure } = self.free;
+        (self.is_sound() && indentation.is_finite() && force.is_finite()).then_some(ContactState {
+            half_angle: outlines.of_hole(arc.half_angle),
+            indentation,
+            force,
+            tangent_stiffness,
+            energy,
+            peak_pressure,
+            truncation: self.truncation,
+            pressure_is_positive: self.pressure_is_positive,
+        })
+    }
+}
+
+/// The joint at the arcs of a space.
+pub struct EdgeStates {
+    pub edges: Vec<Edge>,
+    /// Coefficients of the trial pressures over e b^2: `[arc / LANES][k]`, an arc a lane.
+    pressure: Vec<[f64; LANES]>,
+}
+
+impl EdgeStates {
+    /// `joint` is of `space`, whose arcs are the pin's.
+    pub fn new(space: &PressureSpace, joint: &JointCompliance, outlines: &Outlines) -> EdgeStates {
+        in_lanes_with_terms(space.terms, Solve { space, joint, outlines })
+    }
+
+    /// At each arc, the share by which a change of the joint's compliance changes the work of the pressure: since that is
+    /// stationary in the pressure, to first order the relative change of the energy at a given indentation, and of the force
+    /// where it changes evenly with the load. Of a whole body it is the share of the work that goes into it.
+    pub fn work_shares(&self, space: &PressureSpace, change: &JointCompliance) -> Vec<f64> {
+        let works = in_lanes(Work { space, change, pressure: &self.pressure });
+        works.iter().zip(&self.edges).map(|(change, edge)| change / edge.work).collect()
+    }
+}
+
+struct Solve<'a> {
+    space: &'a PressureSpace,
+    joint: &'a JointCompliance<'a>,
+    outlines: &'a Outlines,
+}
+
+impl TermWork for Solve<'_> {
+    type Output = EdgeStates;
+
+    #[inline(always)]
+    fn run<const FUSED: bool, const TERMS: usize>(self) -> EdgeStates {
+        let count = self.space.arcs.len();
+        let mut found = EdgeStates {
+            edges: Vec::with_capacity(count),
+            pressure: Vec::with_capacity(TERMS * count / LANES),
+        };
+        for chunk in 0..count / LANES {
+            self.run_chunk::<FUSED, TERMS>(chunk, &mut found);
+        }
+        found
+    }
+}
+
+impl Solve<'_> {
+    #[inline(always)]
+    fn run_chunk<const FUSED: bool, const TERMS: usize>(&self, chunk: usize, found: &mut EdgeStates) {
+        let Solve { space: PressureSpace { arcs, turns, .. }, joint, outlines } = *self;
+        let JointCompliance { even, values, .. } = joint;
+        let (zero, one) = (Lanes::<FUSED>::zero(), Lanes::<FUSED>::from_f64(1.0));
+        let at = chunk * LANES;
+        let load = |row: usize, column: usize| {
+            let mut lanes = zero;
+            lanes.0.copy_from_slice(&values[packed(row, column) * arcs.len() + at..][..LANES]);
+            lanes
+        };
+        let mut matrix = [[zero; TERMS]; TERMS];
+        for row in 1..TERMS {
+            for column in 1..=row {
+                matrix[row][column] = load(row, column);
+            }
+        }
+        let coupling: [Lanes<FUSED>; TERMS] = std::array::from_fn(|row| load(row, 0));
+        let b = Lanes::<FUSED>(std::array::from_fn(|lane| arcs[at + lane].b));
+        // Of the hole's arc and of that of the gap, over the square of the pin's b.
+        let versines = |ratio: f64| {
+            let own: [Lanes<FUSED>; TERMS] = ContactArc::versines(b * Lanes::from_f64(1.0 / ratio));
+            own.map(|value| value * Lanes::from_f64(1.0 / (ratio * ratio)))
+        };
+        let (versine, gap) = (versines(outlines.ratio()), versines(outlines.ratio().sqrt()));
+        let mut solved = [coupling, versine, gap];
+        solve_in_place(&mut matrix, &mut solved);
+        let [y, w_v, w_g] = solved;
+        let logarithm = Lanes::<FUSED>(b.0.map(|b| FRAC_PI_2 * even * b.ln()));
+        let mut reduced = Reduced {
+            singular: coupling[0] - logarithm,
+            edge: one,
+            edge_of_versine: zero,
+            edge_of_gap: zero,
+            versine: versine[0],
+            gap: gap[0],
+            work: zero,
+            mixed_work: zero,
+            work_of_gap: zero,
+            peak: one,
+            peak_of_versine: zero,
+            peak_of_gap: zero,
+        };
+        for k in 1..TERMS {
+            reduced.singular = reduced.singular.minus_product(coupling[k], y[k]);
+            reduced.versine = reduced.versine.minus_product(y[k], versine[k]);
+            reduced.gap = reduced.gap.minus_product(y[k], gap[k]);
+            reduced.work = reduced.work.minus_product(-w_v[k], versine[k]);
+            reduced.mixed_work = reduced.mixed_work.minus_product(-w_v[k], gap[k]);
+            reduced.work_of_gap = reduced.work_of_gap.minus_product(-w_g[k], gap[k]);
+            reduced.edge -= y[k];
+            reduced.edge_of_versine += w_v[k];
+            reduced.edge_of_gap += w_g[k];
+            if k % 2 == 0 {
+                reduced.peak -= y[k];
+                reduced.peak_of_versine += w_v[k];
+                reduced.peak_of_gap += w_g[k];
+            } else {
+                reduced.peak += y[k];
+                reduced.peak_of_versine -= w_v[k];
+                reduced.peak_of_gap -= w_g[k];
+            }
+        }
+        let free = reduced.free_edge(b, outlines);
+        // Over e b^2.
+        let first = reduced.first(free.indentation);
+        let mut pressure = [first; TERMS];
+        for k in 1..TERMS {
+            pressure[k] = -(first * y[k] + reduced.between(free.indentation, w_v[k], w_g[k]));
+        }
+        let size = |lanes: Lanes<FUSED>| Lanes::<FUSED>(lanes.0.map(f64::abs));
+        let mut most = Lanes::<FUSED>::from_f64(f64::MIN_POSITIVE);
+        for value in pressure {
+            most = -(-most).least(-size(value));
+        }
+        let last = size(pressure[TERMS - 2]) + size(pressure[TERMS - 1]);
+        let before = match TERMS.checked_sub(4) {
+            Some(from) => size(pressure[from]) + size(pressure[from + 1]),
+            None => most,
+        };
+        // What was left out goes on falling as these do.
+        let ratio = (last / before).least(Lanes::from_f64(SLOWEST));
+        let falling = one - ratio;
+        let tail = last / (most * falling);
+        let least = least_pressure::<FUSED, TERMS>(&pressure, turns);
+        let work = reduced.energy(free.indentation);
+        // Films that are squeezed along a wall yield most to what was left out.
+        let of_last = |k: usize| load(k, k) * pressure[k] * pressure[k];
+        let tail_work = (of_last(TERMS - 2) + of_last(TERMS - 1)) / (work * falling * falling);
+        for lane in 0..LANES {
+            found.edges.push(Edge {
+                reduced: Reduced::of_functions(reduced.functions().map(|value| value.0[lane])),
+                free: FreeEdge {
+                    indentation: free.indentation.0[lane],
+                    force: free.force.0[lane],
+                    tangent_stiffness: free.tangent_stiffness.0[lane],
+                    energy: free.energy.0[lane],
+                    peak_pressure: free.peak_pressure.0[lane],
+                },
+                truncation: tail_work.0[lane].max(tail.0[lane] * tail.0[lane]),
+                pressure_is_positive: least.0[lane] >= 0.0,
+                work: work.0[lane],
+            });
+        }
+        found.pressure.extend(pressure.map(|lanes| lanes.0));
+    }
+}
+
+/// Solves for right-hand sides by Cholesky, A = L L^T in the lower triangle, of rows and columns from 1 on.
+#[inline(always)]
+fn solve_in_place<T: Real, const TERMS: usize, const SIDES: usize>(
+    matrix: &mut [[T; TERMS]; TERMS],
+    sides: &mut [[T; TERMS]; SIDES],
+) {
+    let mut inverse = [T::zero(); TERMS];
+    for row in 1..TERMS {
+        for column in 1..=row {
+            let mut value = matrix[row][column];
+            for k in 1..column {
+                value = value.minus_product(matrix[row][k], matrix[column][k]);
+            }
+            matrix[row][column] = if column < row { value * inverse[column] } else { value };
+        }
+        inverse[row] = T::from_f64(1.0) / matrix[row][row].sqrt();
+        // Each sum waits for itself: all sides abreast.
+        for k in 1..row {
+            for side in sides.iter_mut() {
+                side[row] = side[row].minus_product(matrix[row][k], side[k]);
+            }
+        }
+        for side in sides.iter_mut() {
+            side[row] = side[row] * inverse[row];
+        }
+    }
+    for row in (1..TERMS).rev() {
+        for k in row + 1..TERMS {
+            for side in sides.iter_mut() {
+                side[row] = side[row].minus_product(matrix[k][row], side[k]);
+            }
+        }
+        for side in sides.iter_mut() {
+            side[row] = side[row] * inverse[row];
+        }
+    }
+}
+
+/// Places that are looked at side by side: each waits for itself alone.
+const ABREAST: usize = 4;
+
+/// The least pressure between the zeros of the highest trial pressure, above the tension allowed.
+#[inline(always)]
+fn least_pressure<const FUSED: bool, const TERMS: usize>(
+    pressure: &[Lanes<FUSED>; TERMS],
+    turns: &[f64],
+) -> Lanes<FUSED> {
+    let mut peak = Lanes::<FUSED>::zero();
+    for (k, value) in pressure.iter().enumerate() {
+        if k % 2 == 0 { peak += *value } else { peak -= *value }
+    }
+    let mut least = peak;
+    for turns in turns.chunks(ABREAST) {
+        let turns: [f64; ABREAST] = std::array::from_fn(|place| turns[place.min(turns.len() - 1)]);
+        let mut current = [Lanes::<FUSED>::zero(); ABREAST];
+        let mut previous = current;
+        for coefficient in pressure[1..].iter().rev() {
+            for place in 0..ABREAST {
+                let turn = Lanes::from_f64(-turns[place]);
+                let next = (*coefficient - previous[place]).minus_product(turn, current[place]);
+                (current[place], previous[place]) = (next, current[place]);
+            }
+        }
+        for place in 0..ABREAST {
+            let half = Lanes::from_f64(-0.5 * turns[place]);
+            least = least.least((pressure[0] - previous[place]).minus_product(half, current[place]));
+        }
+    }
+    least - peak * Lanes::from_f64(-TENSION)
+}
+
+/// p^T A p at each arc.
+struct Work<'a> {
+    space: &'a PressureSpace,
+    change: &'a JointCompliance<'a>,
+    pressure: &'a [[f64; LANES]],
+}
+
+impl LaneWork for Work<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> Vec<f64> {
+        let Work { space: PressureSpace { arcs, terms, .. }, change, pressure } = self;
+        let mut works = Vec::with_capacity(arcs.len());
+        for (chunk, pressure) in pressure.chunks_exact(*terms).enumerate() {
+            let at = chunk * LANES;
+            let mut work = Lanes::<FUSED>::zero();
+            for row in 0..*terms {
+                let mut sum = Lanes::<FUSED>::zero();
+                for column in 0..=row {
+                    let mut entry = Lanes::<FUSED>::zero();
+                    entry.0.copy_from_slice(&change.values[packed(row, column) * arcs.len() + at..][..LANES]);
+                    let own = Lanes::<FUSED>(pressure[column]);
+                    sum = sum.minus_product(if column < row { -(own + own) } else { -own }, entry);
+                }
+                work = work.minus_product(-sum, Lanes(pressure[row]));
+            }
+            let first = Lanes::<FUSED>(pressure[0]);
+            let logarithm = |lane: usize| FRAC_PI_2 * change.even * arcs[at + lane].b.ln();
+            let work = work.minus_product(Lanes(std::array::from_fn(logarithm)), first * first);
+            works.extend(work.0);
+        }
+        works
+    }
+}

@@ -1,0 +1,118 @@
+//! Contact of two concentric bodies on their true outlines, nothing expanded: rays from the hole's centre meet the pin where they
+//! meet it, the gap is what is between, the pressure acts along the ray on both bodies. Modes are those of `stepped_ring`.
+//!
+//! Pressures that vanish at the edge, tried against ones that are singular there: one equation more than pressures, for the
+//! indentation. Lengths over the hole's radius; whole joint, per unit thickness.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use crate::stepped_ring::Ring;
+
+/// A state of contact at a contact half angle of the hole.
+#[derive(Clone, Copy, Debug)]
+pub struct TrueState {
+    pub indentation: f64,
+    pub force: f64,
+    pub peak_pressure: f64,
+}
+
+/// Pressures that are tried.
+const TERMS: usize = 14;
+
+/// Highest mode times the contact half angle.
+const RESOLVED: f64 = 1500.0;
+
+/// The state of a joint with a radial clearance whose contact is as wide as that, rad.
+pub fn true_state([pin, plate]: [Ring; 2], clearance: f64, half_angle: f64) -> TrueState {
+    let b = (0.5 * half_angle).tan();
+    let highest = (RESOLVED / half_angle.min(1.0)) as usize;
+    let points = 64 + (highest as f64 * half_angle * (1.0 + 2.0 * clearance)) as usize;
+    let weight = FRAC_PI_2 / points as f64;
+    let pin_radius = 1.0 - clearance;
+    // Of each side, hole and pin along and across its normal, the integrals over the modes: `[n][tested, then tried]`.
+    const BOTH: usize = 2 * TERMS + 1;
+    let mut sums = vec![[[0.0; BOTH]; 3]; highest + 1];
+    let (mut closes, mut gaps) = ([0.0; BOTH], [0.0; BOTH]);
+    for i in 0..points {
+        let tau = (i as f64 + 0.5) * weight;
+        let phi = 2.0 * (b * tau.cos()).atan();
+        let pressures: [f64; BOTH] = std::array::from_fn(|k| {
+            weight
+                * if k <= TERMS {
+                    (2.0 * k as f64 * tau).cos()
+                } else {
+                    ((2 * (k - TERMS) - 1) as f64 * tau).sin() * tau.sin()
+                }
+        });
+        let tilt = (clearance * phi.sin() / pin_radius).asin();
+        let theta = phi + tilt;
+        let gap = 1.0 - clearance * phi.cos() - pin_radius * tilt.cos();
+        for (k, pressure) in pressures.iter().enumerate() {
+            closes[k] += pressure * phi.cos();
+            gaps[k] += pressure * gap;
+        }
+        let (mut hole, mut along) = ((1.0, 0.0), (1.0, 0.0));
+        let turns = [phi.sin_cos(), theta.sin_cos()];
+        let (across, normal) = tilt.sin_cos();
+        for of_mode in &mut sums {
+            let waves = [hole.0, along.0 * normal, along.1 * across];
+            for (sums, wave) in of_mode.iter_mut().zip(waves) {
+                sums.iter_mut().zip(&pressures).for_each(|(sum, pressure)| *sum += wave * pressure);
+            }
+            hole = turned(hole, turns[0]);
+            along = turned(along, turns[1]);
+        }
+    }
+    let mut rows = vec![vec![0.0; TERMS + 2]; TERMS + 1];
+    for (n, [hole, along, across]) in sums.iter().enumerate() {
+        let share = if n == 0 { 1.0 } else { 2.0 } / PI;
+        let (of_plate, of_pin) = (plate.mode(n), pin.compliance(n));
+        for (j, row) in rows.iter_mut().enumerate() {
+            for (k, value) in row[..TERMS].iter_mut().enumerate() {
+                let k = TERMS + 1 + k;
+                let inward = of_pin[0][0] * along[k] - of_pin[0][1] * across[k];
+                let around = of_pin[1][1] * across[k] - of_pin[1][0] * along[k];
+                *value += share * (hole[j] * of_plate * hole[k] + along[j] * inward + across[j] * around);
+            }
+        }
+    }
+    for (j, row) in rows.iter_mut().enumerate() {
+        row[TERMS] = -closes[j];
+        row[TERMS + 1] = -gaps[j];
+    }
+    let solution = solve(rows);
+    let pressure = |of: &dyn Fn(usize) -> f64| (0..TERMS).map(|k| solution[k] * of(k)).sum::<f64>();
+    TrueState {
+        indentation: solution[TERMS],
+        force: 2.0 * pressure(&|k| closes[TERMS + 1 + k]),
+        peak_pressure: pressure(&|k| if k % 2 == 0 { 1.0 } else { -1.0 }) / (2.0 * b),
+    }
+}
+
+/// cos and sin of an angle, turned by one of which sin and cos are given.
+fn turned((cosine, sine): (f64, f64), (by_sine, by_cosine): (f64, f64)) -> (f64, f64) {
+    (cosine * by_cosine - sine * by_sine, sine * by_cosine + cosine * by_sine)
+}
+
+/// Gauss with pivots, the right-hand side in the last column.
+fn solve(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
+    let count = rows.len();
+    for pivot in 0..count {
+        let largest = (pivot..count).max_by(|a, b| rows[*a][pivot].abs().total_cmp(&rows[*b][pivot].abs()));
+        rows.swap(pivot, largest.unwrap_or(pivot));
+        let (above, below) = rows.split_at_mut(pivot + 1);
+        for row in below {
+            let factor = row[pivot] / above[pivot][pivot];
+            row[pivot..]
+                .iter_mut()
+                .zip(&above[pivot][pivot..])
+                .for_each(|(value, own)| *value -= factor * own);
+        }
+    }
+    let mut solution = vec![0.0; count];
+    for row in (0..count).rev() {
+        let known: f64 = (row + 1..count).map(|column| rows[row][column] * solution[column]).sum();
+        solution[row] = (rows[row][count] - known) / rows[row][row];
+    }
+    solution
+}
