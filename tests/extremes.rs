@@ -200,7 +200,7 @@ fn interpolated_joints_are_right_or_say_so() {
     let cases: Vec<DesignCase> = (0..draws() as u64 / 4).map(|index| extreme(&mut random, index)).collect();
     let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint).collect();
     let exact = solve(&cases, MethodChoice::Series, 0.01);
-    let of_meshes = Seen { compared: 0.747, failed: 0.228, warned: 0.024, bounded: 0.998 };
+    let of_meshes = Seen { compared: 0.737, failed: 0.228, warned: 0.032, bounded: 0.998 };
     let of_series = Seen { compared: 0.974, failed: 0.006, warned: 0.019, bounded: 0.998 };
     for (method, seen) in [(MethodChoice::Fe, of_meshes), (MethodChoice::Auto, of_series)] {
         let options = SolveOptions { accuracy: 0.01, method };
