@@ -71,8 +71,8 @@ pub fn solve_designs<'a>(
     solve_joint(space, &members, outlines, trust, solving, cases)
 }
 
-/// The same of designs whose joint is one of these bodies, with these outlines, in a space; with a trust and a level where their meshes are told by the
-/// change since coarser ones.
+/// The same of designs whose joint is one of these bodies, with these outlines, in a space; with a trust and a level where their
+/// meshes are told by the change since coarser ones.
 pub fn solve_joint<'a>(
     space: &CurveSpace,
     bodies: &[JudgedBody; 2],

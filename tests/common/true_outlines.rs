@@ -6,6 +6,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+
 use crate::stepped_ring::Ring;
 
 /// A state of contact at a contact half angle of the hole.
@@ -63,27 +66,28 @@ pub fn true_state([pin, plate]: [Ring; 2], clearance: f64, half_angle: f64) -> T
             along = turned(along, turns[1]);
         }
     }
-    let mut rows = vec![vec![0.0; TERMS + 2]; TERMS + 1];
+    let mut matrix = Mat::<f64>::zeros(TERMS + 1, TERMS + 1);
     for (n, [hole, along, across]) in sums.iter().enumerate() {
         let share = if n == 0 { 1.0 } else { 2.0 } / PI;
         let (of_plate, of_pin) = (plate.mode(n), pin.compliance(n));
-        for (j, row) in rows.iter_mut().enumerate() {
-            for (k, value) in row[..TERMS].iter_mut().enumerate() {
-                let k = TERMS + 1 + k;
+        for j in 0..=TERMS {
+            for column in 0..TERMS {
+                let k = TERMS + 1 + column;
                 let inward = of_pin[0][0] * along[k] - of_pin[0][1] * across[k];
                 let around = of_pin[1][1] * across[k] - of_pin[1][0] * along[k];
-                *value += share * (hole[j] * of_plate * hole[k] + along[j] * inward + across[j] * around);
+                matrix[(j, column)] +=
+                    share * (hole[j] * of_plate * hole[k] + along[j] * inward + across[j] * around);
             }
         }
     }
-    for (j, row) in rows.iter_mut().enumerate() {
-        row[TERMS] = -closes[j];
-        row[TERMS + 1] = -gaps[j];
+    for j in 0..=TERMS {
+        matrix[(j, TERMS)] = -closes[j];
     }
-    let solution = solve(rows);
-    let pressure = |of: &dyn Fn(usize) -> f64| (0..TERMS).map(|k| solution[k] * of(k)).sum::<f64>();
+    let right = Mat::from_fn(TERMS + 1, 1, |j, _| -gaps[j]);
+    let solution = matrix.partial_piv_lu().solve(right);
+    let pressure = |of: &dyn Fn(usize) -> f64| (0..TERMS).map(|k| solution[(k, 0)] * of(k)).sum::<f64>();
     TrueState {
-        indentation: solution[TERMS],
+        indentation: solution[(TERMS, 0)],
         force: 2.0 * pressure(&|k| closes[TERMS + 1 + k]),
         peak_pressure: pressure(&|k| if k % 2 == 0 { 1.0 } else { -1.0 }) / (2.0 * b),
     }
@@ -92,27 +96,4 @@ pub fn true_state([pin, plate]: [Ring; 2], clearance: f64, half_angle: f64) -> T
 /// cos and sin of an angle, turned by one of which sin and cos are given.
 fn turned((cosine, sine): (f64, f64), (by_sine, by_cosine): (f64, f64)) -> (f64, f64) {
     (cosine * by_cosine - sine * by_sine, sine * by_cosine + cosine * by_sine)
-}
-
-/// Gauss with pivots, the right-hand side in the last column.
-fn solve(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
-    let count = rows.len();
-    for pivot in 0..count {
-        let largest = (pivot..count).max_by(|a, b| rows[*a][pivot].abs().total_cmp(&rows[*b][pivot].abs()));
-        rows.swap(pivot, largest.unwrap_or(pivot));
-        let (above, below) = rows.split_at_mut(pivot + 1);
-        for row in below {
-            let factor = row[pivot] / above[pivot][pivot];
-            row[pivot..]
-                .iter_mut()
-                .zip(&above[pivot][pivot..])
-                .for_each(|(value, own)| *value -= factor * own);
-        }
-    }
-    let mut solution = vec![0.0; count];
-    for row in (0..count).rev() {
-        let known: f64 = (row + 1..count).map(|column| rows[row][column] * solution[column]).sum();
-        solution[row] = (rows[row][count] - known) / rows[row][row];
-    }
-    solution
 }

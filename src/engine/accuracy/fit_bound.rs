@@ -14,7 +14,8 @@ const BOUNDED: f64 = 0.97;
 /// The fit's own error is raised by this: bodies held out are not the worst.
 const SAFETY: f64 = 1.5;
 
-/// Walls below this depth, |ln r|, count by themselves, and by the worst of them: what a fit leaves is greatest at the thin end of a box.
+/// Walls below this depth, |ln r|, count by themselves, and by the worst of them: what a fit leaves is greatest at the thin end of a
+/// box.
 const THIN_END: f64 = 0.2;
 
 /// Arcs beyond which contact with free edges hardly goes, rad: what a fit does there decides nothing.
@@ -45,11 +46,12 @@ impl FitBound {
         };
         let errors: Vec<Vec<f64>> = of_fit.iter().zip(of_mesh).map(sum).collect();
         let thin = bodies.iter().zip(&errors).filter(|(body, _)| is_thin(body)).map(|(_, errors)| errors);
-        let mut of_thin = quantile(&errors);
+        let of_most = quantile(&errors);
+        let mut of_thin = of_most.clone();
         for errors in thin {
             of_thin.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(*error));
         }
-        let bounds = quantile(&errors).into_iter().zip(of_thin).map(|(of_most, of_thin)| [of_most, of_thin]);
+        let bounds = of_most.into_iter().zip(of_thin).map(|(of_most, of_thin)| [of_most, of_thin]);
         let angles = space.arcs().iter().map(|arc| arc.half_angle);
         FitBound { bounds: angles.zip(bounds).collect(), known_level }
     }

@@ -43,8 +43,8 @@ pub struct CurveSpace {
     widest: f64,
     /// Logarithm of z, or of b, at the nodes: where loads are searched.
     pub(super) logarithms: Vec<f64>,
-    /// What functions are polynomials of, from 0 to 1, at the nodes, and barycentric weights.
-    places: Vec<(f64, f64)>,
+    /// What functions are polynomials of, from 0 to 1, at the nodes, and their barycentric weights.
+    weighted: Vec<(f64, f64)>,
     /// Of the Chebyshev transform: `[degree][node]`.
     transform: Vec<Vec<f64>>,
 }
@@ -83,7 +83,7 @@ impl CurveSpace {
             variable,
             widest,
             logarithms,
-            places: (0..nodes).map(|node| (unit(node), weight(node))).collect(),
+            weighted: (0..nodes).map(|node| (unit(node), weight(node))).collect(),
             transform: (0..nodes).map(of_degree).collect(),
         }
     }
@@ -301,11 +301,11 @@ impl<'a> ContactCurve<'a> {
     }
 }
 
-/// s.
+/// s, beside a bed.
 #[inline(always)]
 fn scale<T: Real>(even: f64, bed: f64, b: T) -> T {
     let number = T::from_f64;
-    if bed == 0.0 { number(1.0) } else { b * number(even + bed) / (number(even) * b + number(bed)) }
+    b * number(even + bed) / (number(even) * b + number(bed))
 }
 
 /// From values on the arcs of a space, `[packed entry][arc]`, to those on arcs whose b is smaller by a ratio, by the polynomials
@@ -324,8 +324,8 @@ impl LaneWork for OnHole<'_> {
     fn run<const FUSED: bool>(self) {
         let OnHole { space, ratio, values, moved } = self;
         let number = Lanes::<FUSED>::from_f64;
-        let count = space.places.len();
-        let least = space.places[count - 1].0;
+        let count = space.weighted.len();
+        let least = space.weighted[count - 1].0;
         let mut weights = vec![Lanes::<FUSED>::zero(); count];
         for chunk in 0..count / LANES {
             let b = std::array::from_fn(|lane| space.arcs()[chunk * LANES + lane].b / ratio);
@@ -339,7 +339,7 @@ impl LaneWork for OnHole<'_> {
             };
             let wanted = Lanes::<FUSED>(wanted);
             let mut sum = Lanes::<FUSED>::zero();
-            for (own, (place, weight)) in weights.iter_mut().zip(&space.places) {
+            for (own, (place, weight)) in weights.iter_mut().zip(&space.weighted) {
                 let distance = wanted - number(*place);
                 // At a node its own value is all that counts.
                 let distance = Lanes(distance.0.map(|value| if value == 0.0 { 1e-200 } else { value }));

@@ -45,28 +45,60 @@ const SLOWEST: f64 = 0.9;
 /// Tension that truncation may leave at the edge, over the peak pressure.
 const TENSION: f64 = 0.01;
 
-/// What the equations of one arc come to, without what goes to zero with the arc. b is the pin's.
-#[derive(Clone, Copy, Debug)]
-pub struct Reduced<T> {
-    /// S.
-    pub singular: T,
-    /// D.
-    pub edge: T,
-    /// N/b^2 and N_g/b^2.
-    pub edge_of_versine: T,
-    pub edge_of_gap: T,
-    /// V/b^2 and G/b^2.
-    pub versine: T,
-    pub gap: T,
-    /// Q/b^4, Q_vg/b^4 and Q_gg/b^4.
-    pub work: T,
-    pub mixed_work: T,
-    pub work_of_gap: T,
-    /// The pressure at the load line times 2 b is W `peak` - b^2 [x `peak_of_versine` + (1 - x) `peak_of_gap`].
-    pub peak: T,
-    pub peak_of_versine: T,
-    pub peak_of_gap: T,
+macro_rules! reduced {
+    ($($(#[$about:meta])* $function:ident,)*) => {
+        /// What the equations of one arc come to, without what goes to zero with the arc. b is the pin's.
+        #[derive(Clone, Copy, Debug)]
+        pub struct Reduced<T> {
+            $($(#[$about])* pub $function: T,)*
+        }
+
+        /// How many functions of the arc a `Reduced` has.
+        pub const FUNCTIONS: usize = [$(stringify!($function)),*].len();
+
+        impl<T: Copy> Reduced<T> {
+            #[inline(always)]
+            pub fn functions(&self) -> [T; FUNCTIONS] {
+                [$(self.$function),*]
+            }
+
+            /// The reverse of `functions`.
+            #[inline(always)]
+            pub fn of_functions(functions: [T; FUNCTIONS]) -> Reduced<T> {
+                let [$($function),*] = functions;
+                Reduced { $($function),* }
+            }
+        }
+    };
 }
+
+reduced! {
+    /// S.
+    singular,
+    /// D.
+    edge,
+    /// N/b^2.
+    edge_of_versine,
+    /// N_g/b^2.
+    edge_of_gap,
+    /// V/b^2.
+    versine,
+    /// G/b^2.
+    gap,
+    /// Q/b^4.
+    work,
+    /// Q_vg/b^4.
+    mixed_work,
+    /// Q_gg/b^4.
+    work_of_gap,
+    /// The pressure at the load line times 2 b is W `peak` - b^2 [x `peak_of_versine` + (1 - x) `peak_of_gap`].
+    peak,
+    peak_of_versine,
+    peak_of_gap,
+}
+
+/// Those that force and energy follow from, the first of `Reduced::functions`: all but those of the peak pressure.
+pub const DECISIVE: usize = 9;
 
 /// A state with a free edge, as the fields of `ContactState`.
 #[derive(Clone, Copy, Debug)]
@@ -78,71 +110,10 @@ pub struct FreeEdge<T> {
     pub peak_pressure: T,
 }
 
-/// How many functions of the arc a `Reduced` has.
-pub const FUNCTIONS: usize = 12;
-
-/// Those that force and energy follow from, the first of `Reduced::functions`: all but those of the peak pressure.
-pub const DECISIVE: usize = 9;
-
-impl<T: Copy> Reduced<T> {
-    /// Those that have a place in the error of a curve come first.
-    #[inline(always)]
-    pub fn functions(&self) -> [T; FUNCTIONS] {
-        [
-            self.singular,
-            self.edge,
-            self.edge_of_versine,
-            self.edge_of_gap,
-            self.versine,
-            self.gap,
-            self.work,
-            self.mixed_work,
-            self.work_of_gap,
-            self.peak,
-            self.peak_of_versine,
-            self.peak_of_gap,
-        ]
-    }
-
-    /// The reverse of `functions`.
-    #[inline(always)]
-    pub fn of_functions(functions: [T; FUNCTIONS]) -> Reduced<T> {
-        let [
-            singular,
-            edge,
-            edge_of_versine,
-            edge_of_gap,
-            versine,
-            gap,
-            work,
-            mixed_work,
-            work_of_gap,
-            peak,
-            peak_of_versine,
-            peak_of_gap,
-        ] = functions;
-        Reduced {
-            singular,
-            edge,
-            edge_of_versine,
-            edge_of_gap,
-            versine,
-            gap,
-            work,
-            mixed_work,
-            work_of_gap,
-            peak,
-            peak_of_versine,
-            peak_of_gap,
-        }
-    }
-
+impl<T: Real> Reduced<T> {
     /// With those functions that grow like 1/S beside a bed over a scale, and S times it.
     #[inline(always)]
-    pub fn scaled(&self, scale: T) -> Reduced<T>
-    where
-        T: Real,
-    {
+    pub fn scaled(&self, scale: T) -> Reduced<T> {
         Reduced {
             singular: self.singular * scale,
             edge_of_versine: self.edge_of_versine / scale,
@@ -155,9 +126,7 @@ impl<T: Copy> Reduced<T> {
             ..*self
         }
     }
-}
 
-impl<T: Real> Reduced<T> {
     /// W/b^2 of a state with that x.
     #[inline(always)]
     fn first(&self, indentation: T) -> T {

@@ -99,12 +99,11 @@ impl RingJoint {
         }
         let angles: Vec<f64> = pairs().map(|(_, &angle)| angle).collect();
         let count = angles.len();
-
         let pin_compliance = normal_compliance(pin.compliance, pin.topology, &angles);
         let plate_compliance = normal_compliance(plate.compliance, plate.topology, &angles);
-        let mut compliance = Vec::with_capacity(angles.len() * angles.len());
-        for i in 0..angles.len() {
-            for j in 0..angles.len() {
+        let mut compliance = Vec::with_capacity(count * count);
+        for i in 0..count {
+            for j in 0..count {
                 compliance.push(
                     pin_compliance[i * count + j] / pin.youngs_modulus
                         + plate_compliance[i * count + j] / plate.youngs_modulus,
