@@ -1,10 +1,10 @@
 //! The distinct bodies of a sweep: each is solved once, in batches of one topology, and kept while it is in use.
 
-use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::engine::backend::Device;
@@ -84,7 +84,7 @@ impl<'a> BodyLibrary<'a> {
     /// Solves the requests that have no answer yet.
     pub fn solve(&mut self, requests: &[BodyRequest]) {
         let mut missing: Vec<BodyRequest> = Vec::new();
-        let mut asked = HashSet::new();
+        let mut asked = HashSet::default();
         for request in requests {
             if asked.insert(request.key()) && !self.solved.contains_key(&request.key()) {
                 missing.push(*request);
@@ -225,13 +225,13 @@ struct SolvedGroup {
 
 /// The requests by topology, in portions each of which ends where it needs more than `PORTION` near fields.
 fn portions(requests: &[BodyRequest]) -> Vec<Vec<Group>> {
-    let mut groups: HashMap<TopologyKey, Vec<BodyRequest>> = HashMap::new();
+    let mut groups: HashMap<TopologyKey, Vec<BodyRequest>> = HashMap::default();
     for request in requests {
         groups.entry(TopologyKey::of(request)).or_default().push(*request);
     }
     let mut portions: Vec<Vec<Group>> = Vec::new();
     let mut portion = Vec::new();
-    let mut near_fields: HashSet<NearFieldClass> = HashSet::new();
+    let mut near_fields: HashSet<NearFieldClass> = HashSet::default();
     for (key, group) in groups {
         for request in &group {
             near_fields.extend(NearFieldClass::around(&request.body, key.class).0);

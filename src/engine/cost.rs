@@ -1,7 +1,9 @@
 //! What a sweep will cost, told without solving any of it.
 
-use std::collections::{HashMap, HashSet};
-use std::hash::{BuildHasher, RandomState};
+use std::hash::BuildHasher;
+
+use foldhash::fast::RandomState;
+use foldhash::{HashMap, HashSet};
 
 use crate::engine::accuracy::Estimate as HowKnown;
 use crate::engine::accuracy::mesh_change::Trust;

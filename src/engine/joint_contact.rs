@@ -7,7 +7,7 @@ use crate::engine::accuracy::{Estimate, ForceError, Want};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::body_request::{Fidelity, RequestKey};
 use crate::engine::joint_scale::JointScale;
-use crate::engine::outcome::{BackendKind, DesignOutcome, Method};
+use crate::engine::outcome::{Answer, BackendKind, Method};
 use crate::engine::plan::JointPlan;
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
@@ -36,7 +36,7 @@ pub fn solve_designs<'a>(
     plan: &JointPlan,
     cases: impl Iterator<Item = &'a DesignCase> + Clone,
     accuracy: f64,
-) -> Vec<(DesignOutcome, Want)> {
+) -> Vec<(Answer, Want)> {
     let Some(first) = cases.clone().next() else { return Vec::new() };
     let space = spaces.get(plan.space);
     let outlines = JointScale::of(&first.joint).outlines;
@@ -80,7 +80,7 @@ pub fn solve_joint<'a>(
     trust: Option<(Trust, usize)>,
     solving: Solving,
     cases: impl Iterator<Item = &'a DesignCase>,
-) -> Vec<(DesignOutcome, Want)> {
+) -> Vec<(Answer, Want)> {
     let joint = JointCompliance::of_both(&bodies[0].part, &bodies[1].part);
     let Some(curve) = ContactCurve::new(space, &joint, outlines) else {
         let is_too_wide = outlines.radial_clearance >= WIDEST_CLEARANCE;

@@ -2,9 +2,9 @@
 //! on the next one until it is good enough or there is no more. Rungs are bodies interpolated between others, then plans of
 //! ever finer meshes and pressure spaces; whatever condenses the bodies.
 
-use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
+use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
@@ -14,7 +14,7 @@ use crate::engine::body_request::BodyRequest;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::interpolation::interpolated::Interpolation;
 use crate::engine::joint_contact::{JointKey, joint_key, solve_designs};
-use crate::engine::outcome::{BackendKind, DesignOutcome};
+use crate::engine::outcome::{Answer, BackendKind, DesignOutcome};
 use crate::engine::plan::JointPlan;
 use crate::engine::refusal::Refusal;
 use crate::engine::row::{all_failed, closed_form};
@@ -26,7 +26,7 @@ use crate::study::design::DesignCase;
 const TOGETHER: usize = 64;
 
 /// An attempt, with the place of its design among those tried together.
-type Placed = (usize, (DesignOutcome, Want));
+type Placed = (usize, (Answer, Want));
 
 /// Solves batches of designs; keeps the bodies it has met.
 pub struct Ladder<'a> {
@@ -67,37 +67,43 @@ impl<'a> Ladder<'a> {
 
     /// Outcomes of `cases`, in their order.
     pub fn solve(&mut self, cases: &[DesignCase]) -> Vec<DesignOutcome> {
+        let answers = self.answers(cases);
+        cases.iter().zip(answers).map(|(case, answer)| DesignOutcome::new(case.clone(), answer)).collect()
+    }
+
+    /// Answers to `cases`, in their order.
+    pub fn answers(&mut self, cases: &[DesignCase]) -> Vec<Answer> {
         let SolveOptions { method, accuracy } = self.options;
         if method == MethodChoice::ClosedForm {
-            return cases.par_iter().map(|case| closed_form(case.clone())).collect();
+            return cases.par_iter().map(closed_form).collect();
         }
-        let mut outcomes: Vec<Option<DesignOutcome>> = vec![None; cases.len()];
+        let mut answers: Vec<Option<Answer>> = vec![None; cases.len()];
         if let Some(interpolation) = &mut self.interpolation {
-            outcomes = interpolation.solve(&mut self.library, &mut self.spaces, cases);
+            answers = interpolation.solve(&mut self.library, &mut self.spaces, cases);
         }
         let mut open = Vec::new();
-        for (index, (case, outcome)) in cases.iter().zip(&mut outcomes).enumerate() {
-            if outcome.is_none() {
+        for (index, (case, answer)) in cases.iter().zip(&mut answers).enumerate() {
+            if answer.is_none() {
                 match JointPlan::cheapest(case, method, accuracy) {
                     Ok(plan) => open.push((index, plan)),
-                    Err(refusal) => *outcome = Some(refused(case, &refusal)),
+                    Err(refusal) => *answer = Some(refused(case, &refusal)),
                 }
             }
         }
         while !open.is_empty() {
             let solved = self.climb(cases, &open);
             let mut unsettled = Vec::new();
-            for ((index, plan), (outcome, want)) in open.into_iter().zip(solved) {
-                outcomes[index] = Some(outcome);
+            for ((index, plan), (answer, want)) in open.into_iter().zip(solved) {
+                answers[index] = Some(answer);
                 unsettled.extend(plan.next(want).map(|plan| (index, plan)));
             }
             open = unsettled;
         }
-        outcomes.into_iter().flatten().collect()
+        answers.into_iter().flatten().collect()
     }
 
     /// One attempt at each of some designs, by its number and plan.
-    fn climb(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(DesignOutcome, Want)> {
+    fn climb(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
         let requests: Vec<BodyRequest> = open.iter().flat_map(|(_, plan)| plan.requests()).collect();
         self.library.solve(&requests);
         let started = Instant::now();
@@ -105,7 +111,7 @@ impl<'a> Ladder<'a> {
         let bodies = open.iter().flat_map(|(_, plan)| plan.requests().map(|request| (plan.space, request)));
         spaces.prepare(bodies.map(|(space, request)| (space, &*library.solved(&request).compliance)));
         self.times.spaces += started.elapsed();
-        let mut joints: HashMap<JointKey, Vec<usize>> = HashMap::new();
+        let mut joints: HashMap<JointKey, Vec<usize>> = HashMap::default();
         for (place, (index, plan)) in open.iter().enumerate() {
             joints.entry(joint_key(plan, &cases[*index])).or_default().push(place);
         }
@@ -123,7 +129,7 @@ impl<'a> Ladder<'a> {
             })
             .collect();
         self.times.contact += solved.iter().map(|(_, time)| *time).sum::<Duration>();
-        let mut in_order: Vec<Option<(DesignOutcome, Want)>> = vec![None; open.len()];
+        let mut in_order: Vec<Option<(Answer, Want)>> = vec![None; open.len()];
         for (place, solved) in solved.into_iter().flat_map(|(solved, _)| solved) {
             in_order[place] = Some(solved);
         }
@@ -151,6 +157,6 @@ impl<'a> Ladder<'a> {
     }
 }
 
-fn refused(case: &DesignCase, refusal: &Refusal) -> DesignOutcome {
+fn refused(case: &DesignCase, refusal: &Refusal) -> Answer {
     all_failed(case, BackendKind::Cpu, &format!("failed: {refusal}"))
 }

@@ -73,10 +73,23 @@ pub struct StepOutcome {
     pub status: Cow<'static, str>,
 }
 
-/// A design with an outcome for each of its steps, in order.
+/// An outcome for each step of a design, in order.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    pub backend: BackendKind,
+    pub steps: Vec<StepOutcome>,
+}
+
+/// A design with its answer.
 #[derive(Clone, Debug)]
 pub struct DesignOutcome {
     pub case: DesignCase,
     pub backend: BackendKind,
     pub steps: Vec<StepOutcome>,
+}
+
+impl DesignOutcome {
+    pub fn new(case: DesignCase, Answer { backend, steps }: Answer) -> DesignOutcome {
+        DesignOutcome { case, backend, steps }
+    }
 }

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use crate::engine::accuracy::geometry_error::{LARGE_DISPLACEMENT, WIDEST_CLEARANCE, linearity_error};
 use crate::engine::accuracy::{ForceError, Want};
 use crate::engine::joint_scale::JointScale;
-use crate::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
+use crate::engine::outcome::{Answer, BackendKind, Method, Response, StepOutcome};
 use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::state::ContactState;
 use crate::mechanics::laws;
@@ -26,12 +26,12 @@ pub struct Solving {
 pub const NOT_A_PUSH: &str = "failed: the bodies do not push each other, the mesh is too coarse for them";
 
 impl Solving {
-    /// The outcome of a design from the states of its `loads_in_contact`, in their order, and what it wants.
+    /// The answer to a design from the states of its `loads_in_contact`, in their order, and what it wants.
     pub fn respond(
         &self,
         case: &DesignCase,
         states: impl IntoIterator<Item = Result<(ContactState, ForceError), NoState>>,
-    ) -> (DesignOutcome, Want) {
+    ) -> (Answer, Want) {
         let scale = JointScale::of(&case.joint);
         let mut states = states.into_iter();
         let mut want = Want::Nothing;
@@ -65,22 +65,22 @@ impl Solving {
             StepOutcome { response: Some(response), status: status(&remarks) }
         };
         let steps = case.steps.iter().map(step).collect();
-        (DesignOutcome { case: case.clone(), backend: self.backend, steps }, want)
+        (Answer { backend: self.backend, steps }, want)
     }
 
-    /// The outcome of a design without any state.
-    pub fn all_failed(&self, case: &DesignCase, reason: NoState) -> DesignOutcome {
+    /// The answer to a design without any state.
+    pub fn all_failed(&self, case: &DesignCase, reason: NoState) -> Answer {
         all_failed(case, self.backend, &failure(reason, self.limit))
     }
 }
 
-pub fn all_failed(case: &DesignCase, backend: BackendKind, status: &str) -> DesignOutcome {
+pub fn all_failed(case: &DesignCase, backend: BackendKind, status: &str) -> Answer {
     let steps = case
         .steps
         .iter()
         .map(|_| StepOutcome { response: None, status: status.to_string().into() })
         .collect();
-    DesignOutcome { case: case.clone(), backend, steps }
+    Answer { backend, steps }
 }
 
 fn unloaded(method: Method) -> StepOutcome {
@@ -113,7 +113,7 @@ fn status(remarks: &[(bool, &'static str)]) -> Cow<'static, str> {
 }
 
 /// Johnson's law. It knows nothing of the plate's extent, so it is right to a factor of two at best.
-pub fn closed_form(case: DesignCase) -> DesignOutcome {
+pub fn closed_form(case: &DesignCase) -> Answer {
     let joint = &case.joint;
     let pair = laws::Pair::new(
         joint.hole_radius,
@@ -153,5 +153,5 @@ pub fn closed_form(case: DesignCase) -> DesignOutcome {
             })
         })
         .collect();
-    DesignOutcome { case, backend: BackendKind::Cpu, steps }
+    Answer { backend: BackendKind::Cpu, steps }
 }

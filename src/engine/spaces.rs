@@ -1,7 +1,6 @@
 //! The pressure spaces of joints: how many trial pressures, at how many nodes of a curve. Each is made once and kept.
 
-use std::collections::HashMap;
-
+use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::mechanics::body::{Body, THINNEST_RING};
@@ -111,7 +110,7 @@ impl Spaces {
     /// Makes spaces with what these bodies need in them, as far as it is not there yet.
     pub fn prepare<'a>(&mut self, bodies: impl Iterator<Item = (SpaceKey, &'a BodyCompliance)>) {
         // Of each space the body with the highest mode, and one of each kind of ring modes.
-        let mut needs: HashMap<SpaceKey, Vec<&BodyCompliance>> = HashMap::new();
+        let mut needs: HashMap<SpaceKey, Vec<&BodyCompliance>> = HashMap::default();
         for (key, body) in bodies {
             let own = needs.entry(key).or_default();
             match own.iter_mut().find(|known| is_alike(known, body)) {

@@ -1,11 +1,14 @@
 //! Designs x plan x backend -> outcomes in design order.
 
-use std::collections::{BTreeMap, HashSet};
-use std::hash::{BuildHasher, RandomState};
+use std::collections::BTreeMap;
+use std::hash::BuildHasher;
 use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
+
+use foldhash::HashSet;
+use foldhash::fast::RandomState;
 
 use crate::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
@@ -158,7 +161,10 @@ fn solve_all(
         }
     };
     for batch in drawn {
-        let outcomes = batch.map(|batch| pool.install(|| ladder.solve(&batch)));
+        let outcomes = batch.map(|batch| {
+            let answers = pool.install(|| ladder.answers(&batch));
+            batch.into_iter().zip(answers).map(|(case, answer)| DesignOutcome::new(case, answer)).collect()
+        });
         if let Some(error) = ladder.library.lost().filter(|_| fallback.is_none()) {
             fallback = given_up(options, &error.to_string());
         }

@@ -1,7 +1,7 @@
 //! What the bodies of a joint leave of the error of its force: each by its share of the work.
 
-use crate::engine::accuracy::fit_bound::FitBound;
-use crate::engine::accuracy::known_errors::known_error;
+use crate::engine::accuracy::fit_bound::{BodyBound, FitBound};
+use crate::engine::accuracy::known_errors::{Known, column, known_errors};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::BodyCompliance;
@@ -38,9 +38,16 @@ pub struct BodyErrors<'a> {
     trust: Option<(Trust, usize)>,
     /// That change of the work, relative, summed over the bodies: at each node.
     change: Vec<f64>,
-    bodies: &'a [JudgedBody<'a>; 2],
-    /// Of the work, the share of each body: at each node. Empty where nobody asks for it.
-    shares: [Vec<f64>; 2],
+    /// What is known of each body, whatever the change, with its share of the work at each node.
+    bodies: [(OwnError<'a>, Vec<f64>); 2],
+}
+
+/// What the share of a body in the work is to be multiplied by.
+enum OwnError<'a> {
+    Nothing,
+    Bed(&'a Body),
+    Mesh(Known),
+    Fit(BodyBound<'a>),
 }
 
 impl<'a> BodyErrors<'a> {
@@ -51,14 +58,21 @@ impl<'a> BodyErrors<'a> {
         trust: Option<(Trust, usize)>,
     ) -> BodyErrors<'a> {
         let pressures = &curve.space.pressures;
-        let counts = |body: &JudgedBody| {
-            matches!(body.source, ErrorSource::Bed | ErrorSource::Mesh(_) | ErrorSource::Fit(_))
-        };
-        let mut shares = [Vec::new(), Vec::new()];
-        if bodies.iter().any(counts) {
-            let of_pin = curve.states.work_shares(pressures, &bodies[0].part);
-            shares = [of_pin.clone(), of_pin.iter().map(|share| 1.0 - share).collect()];
+        let own_errors = bodies.each_ref().map(|JudgedBody { body, source, .. }| match source {
+            ErrorSource::Exact | ErrorSource::MeshBeside { .. } => OwnError::Nothing,
+            ErrorSource::Bed => OwnError::Bed(body),
+            ErrorSource::Mesh(level) => {
+                OwnError::Mesh(known_errors(body, *level).copied().unwrap_or([f64::INFINITY; _]))
+            }
+            ErrorSource::Fit(bound) => OwnError::Fit(bound.of(body)),
+        });
+        // Where nobody asks for shares there are none.
+        let mut of_pin = Vec::new();
+        if own_errors.iter().any(|own| !matches!(own, OwnError::Nothing)) {
+            of_pin = curve.states.work_shares(pressures, &bodies[0].part);
         }
+        let of_plate = of_pin.iter().map(|share| 1.0 - share).collect();
+        let [pin, plate] = own_errors;
         let mut change = vec![0.0; pressures.arcs.len()];
         for body in bodies {
             if let ErrorSource::MeshBeside { fine, coarse, share } = body.source {
@@ -68,7 +82,7 @@ impl<'a> BodyErrors<'a> {
                 change.iter_mut().zip(changes).for_each(|(sum, change)| *sum += change.abs());
             }
         }
-        BodyErrors { trust, change, bodies, shares }
+        BodyErrors { trust, change, bodies: [(pin, of_pin), (plate, of_plate)] }
     }
 
     /// The relative errors of the force by meshes and fits, and by beds, at a contact half angle, rad, between a node and the next.
@@ -77,15 +91,13 @@ impl<'a> BodyErrors<'a> {
             |(trust, level): (Trust, usize)| trust.error(level, ContactCurve::around(node, &self.change));
         let mut of_bodies = self.trust.map_or(0.0, of_change);
         let mut of_beds = 0.0;
-        for (JudgedBody { body, source, .. }, shares) in self.bodies.iter().zip(&self.shares) {
+        for (own, shares) in &self.bodies {
             let share = || ContactCurve::around(node, shares);
-            match source {
-                ErrorSource::Exact | ErrorSource::MeshBeside { .. } => {}
-                ErrorSource::Bed => of_beds += share() * bed_error(body, half_angle),
-                ErrorSource::Mesh(level) => {
-                    of_bodies += share() * known_error(body, *level, half_angle).unwrap_or(f64::INFINITY);
-                }
-                ErrorSource::Fit(bound) => of_bodies += share() * bound.at(body, half_angle),
+            match own {
+                OwnError::Nothing => {}
+                OwnError::Bed(body) => of_beds += share() * bed_error(body, half_angle),
+                OwnError::Mesh(known) => of_bodies += share() * known[column(half_angle)],
+                OwnError::Fit(bound) => of_bodies += share() * bound.at(half_angle),
             }
         }
         [of_bodies, of_beds]

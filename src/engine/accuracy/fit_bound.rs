@@ -1,6 +1,6 @@
 //! How good a fit across bodies is, told by bodies that were held out.
 
-use crate::engine::accuracy::known_errors::known_error;
+use crate::engine::accuracy::known_errors::{Known, column, known_errors};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::contact::curve::CurveSpace;
@@ -56,20 +56,39 @@ impl FitBound {
         FitBound { bounds: angles.zip(bounds).collect(), known_level }
     }
 
-    /// Of a body, at a contact half angle, rad: of the fit the greater of the bounds around it. What meshes leave of the samples
-    /// and what the fit leaves between them have nothing to do with each other.
-    pub fn at(&self, body: &Body, half_angle: f64) -> f64 {
-        let below = self.bounds.partition_point(|(angle, _)| *angle > half_angle);
-        let around = &self.bounds[below.saturating_sub(1)..(below + 1).min(self.bounds.len())];
-        let place = usize::from(is_thin(body));
-        let of_fit = around.iter().fold(0.0, |worst: f64, (_, bounds)| worst.max(bounds[place]));
-        let known = |level| known_error(body, level, half_angle).unwrap_or(f64::INFINITY);
-        of_fit.hypot(self.known_level.map_or(0.0, known))
+    /// Of a body.
+    pub fn of(&self, body: &Body) -> BodyBound<'_> {
+        let known = |level| known_errors(body, level).copied().unwrap_or([f64::INFINITY; _]);
+        BodyBound {
+            bounds: &self.bounds,
+            place: usize::from(is_thin(body)),
+            of_mesh: self.known_level.map_or([0.0; _], known),
+        }
     }
 
     /// At the arcs that contact comes to, of walls that are not thin, without what is known of the meshes.
     pub fn near(&self) -> impl Iterator<Item = f64> {
         self.bounds.iter().filter(|(half_angle, _)| *half_angle < WIDEST).map(|(_, [of_most, _])| *of_most)
+    }
+}
+
+/// The same of one body.
+pub struct BodyBound<'a> {
+    bounds: &'a [(f64, [f64; 2])],
+    place: usize,
+    /// Of the meshes the fit was made on.
+    of_mesh: Known,
+}
+
+impl BodyBound<'_> {
+    /// At a contact half angle, rad: of the fit the greater of the bounds around it. What meshes leave of the samples and what the
+    /// fit leaves between them have nothing to do with each other.
+    pub fn at(&self, half_angle: f64) -> f64 {
+        let below = self.bounds.partition_point(|(angle, _)| *angle > half_angle);
+        let around = &self.bounds[below.saturating_sub(1)..(below + 1).min(self.bounds.len())];
+        let of_fit = around.iter().fold(0.0, |worst: f64, (_, bounds)| worst.max(bounds[self.place]));
+        let of_mesh = self.of_mesh[column(half_angle)];
+        (of_fit * of_fit + of_mesh * of_mesh).sqrt()
     }
 }
 

@@ -154,7 +154,7 @@ impl Kind {
 }
 
 /// A row a level, coarsest first.
-type Table = [[f64; COLUMNS.len() + 1]; KNOWN_LEVELS];
+type Table = [Known; KNOWN_LEVELS];
 
 /// By the numbers of kinds; `None` for those that were not drawn often enough.
 static TABLES: LazyLock<Vec<Option<Table>>> = LazyLock::new(|| {
@@ -162,7 +162,7 @@ static TABLES: LazyLock<Vec<Option<Table>>> = LazyLock::new(|| {
     for row in include_str!("known_errors.csv").lines().skip(1) {
         let (kind, level, errors) = parsed(row);
         let table: &mut Option<Table> = &mut tables[kind.number()];
-        table.get_or_insert([[f64::NAN; 4]; KNOWN_LEVELS])[level] = errors;
+        table.get_or_insert([[f64::NAN; COLUMNS.len() + 1]; KNOWN_LEVELS])[level] = errors;
     }
     tables
 });
@@ -171,7 +171,7 @@ static TABLES: LazyLock<Vec<Option<Table>>> = LazyLock::new(|| {
 ///
 /// # Panics
 /// Where the file is broken; a test reads it.
-fn parsed(row: &str) -> (Kind, usize, [f64; 4]) {
+fn parsed(row: &str) -> (Kind, usize, Known) {
     let cells: Vec<&str> = row.split(',').collect();
     let number = |place: usize| cells[place].parse::<f64>().unwrap_or(f64::NAN);
     let group = Group::ALL.into_iter().find(|group| group.name() == cells[0]);
@@ -188,19 +188,23 @@ pub fn column(half_angle: f64) -> usize {
     COLUMNS.iter().take_while(|begin| half_angle.to_degrees() >= **begin).count()
 }
 
-fn table(body: &Body) -> Option<&'static Table> {
-    TABLES[Kind::of(body)?.number()].as_ref()
+/// What is known of a body on a mesh level, by `column`.
+pub type Known = [f64; COLUMNS.len() + 1];
+
+/// Errors of the force at most, relative; `None` for bodies and levels that were not measured, or behave otherwise: nearly
+/// incompressible, nearly conformal.
+pub fn known_errors(body: &Body, level: usize) -> Option<&'static Known> {
+    TABLES[Kind::of(body)?.number()].as_ref()?.get(level)
 }
 
-/// The error of the force, relative, at a contact half angle (rad) on a mesh level at most; `None` for bodies and levels
-/// that were not measured, or behave otherwise: nearly incompressible, nearly conformal.
+/// That at a contact half angle, rad.
 pub fn known_error(body: &Body, level: usize, half_angle: f64) -> Option<f64> {
-    Some(table(body)?.get(level)?[column(half_angle)])
+    Some(known_errors(body, level)?[column(half_angle)])
 }
 
 /// The worst of all half angles.
 pub fn worst_known_error(body: &Body, level: usize) -> Option<f64> {
-    Some(table(body)?.get(level)?.iter().fold(0.0, |worst: f64, error| worst.max(*error)))
+    Some(known_errors(body, level)?.iter().fold(0.0, |worst: f64, error| worst.max(*error)))
 }
 
 /// The coarsest level that is known to be good enough whatever the load and the other body.

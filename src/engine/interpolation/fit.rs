@@ -1,6 +1,6 @@
 //! The fit of a family, with its checked error.
 
-use std::collections::HashMap;
+use foldhash::HashMap;
 
 use crate::engine::accuracy::fit_bound::FitBound;
 use crate::engine::bodies::BodyLibrary;
@@ -106,7 +106,7 @@ impl Family {
                             fit,
                             side: self.example.shape.side,
                             basis,
-                            in_spaces: HashMap::new(),
+                            in_spaces: HashMap::default(),
                             bound,
                             solved: 0,
                         },

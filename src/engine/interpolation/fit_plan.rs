@@ -3,7 +3,7 @@
 //! A few thousand designs, spread over the study, tell which families of bodies it has, over which ranges, and about how
 //! many distinct ones. A pair of families is fitted where that is cheaper than the bodies of their designs.
 
-use std::collections::{HashMap, HashSet};
+use foldhash::{HashMap, HashSet};
 
 use crate::engine::accuracy::known_errors::known_level;
 use crate::engine::body_request::{BodyRequest, Fidelity};
@@ -55,7 +55,7 @@ struct Members {
 impl Members {
     fn new(example: Body) -> Members {
         let point = coordinates(&example);
-        Members { example, low: point, high: point, distinct: HashSet::new(), seen: 0 }
+        Members { example, low: point, high: point, distinct: HashSet::default(), seen: 0 }
     }
 
     fn meet(&mut self, body: &Body) {
@@ -104,7 +104,7 @@ impl InterpolationPlan {
         if !may_interpolate(solve) || joints.is_empty() {
             return None;
         }
-        let mut members: HashMap<FamilyKey, Members> = HashMap::new();
+        let mut members: HashMap<FamilyKey, Members> = HashMap::default();
         let mut pairs: Vec<((FamilyKey, FamilyKey), [Members; 2])> = Vec::new();
         for joint in joints {
             let Some([pin, plate]) = pair(joint) else { continue };
@@ -135,7 +135,7 @@ impl InterpolationPlan {
             members.iter().map(|(key, members)| (*key, family(*key, members))).collect();
         let level = first_level(solve.accuracy);
         let mut plan =
-            InterpolationPlan { accuracy: solve.accuracy, families: Vec::new(), pairs: HashSet::new() };
+            InterpolationPlan { accuracy: solve.accuracy, families: Vec::new(), pairs: HashSet::default() };
         for (both, of_pair) in &pairs {
             let designs = count as f64 * of_pair[0].seen as f64 / joints.len() as f64;
             let [pin, plate] = of_pair.each_ref().map(|members| members.example);

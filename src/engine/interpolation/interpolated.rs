@@ -1,8 +1,8 @@
 //! Designs with interpolated bodies: each is found in its fit, and their contact is that of any two bodies.
 
-use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
+use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
@@ -14,7 +14,7 @@ use crate::engine::interpolation::fit::FittedFamily;
 use crate::engine::interpolation::fit_plan::{InterpolationPlan, pair};
 use crate::engine::joint_contact::solve_joint;
 use crate::engine::joint_scale::JointScale;
-use crate::engine::outcome::{BackendKind, DesignOutcome, Method};
+use crate::engine::outcome::{Answer, BackendKind, Method};
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::compliance::body_fit::FitScratch;
@@ -41,7 +41,7 @@ impl Interpolation {
             return;
         }
         let started = Instant::now();
-        let mut fitted = HashMap::new();
+        let mut fitted = HashMap::default();
         for (family, budget) in &self.plan.families {
             if let Some(mut fit) = family.fit(self.plan.accuracy, *budget, library, spaces) {
                 let coarsest = SpaceKey::beside_thick_walls(family.key.half_ring, self.plan.accuracy);
@@ -63,16 +63,16 @@ impl Interpolation {
         self.fitted.iter().flat_map(HashMap::values)
     }
 
-    /// The outcomes of the designs that are known well enough; `None` for those that are left to others.
+    /// The answers to the designs that are known well enough; `None` for those that are left to others.
     pub fn solve(
         &mut self,
         library: &mut BodyLibrary,
         spaces: &mut Spaces,
         cases: &[DesignCase],
-    ) -> Vec<Option<DesignOutcome>> {
+    ) -> Vec<Option<Answer>> {
         self.prepare(library, spaces);
         let (this, spaces) = (&*self, &*spaces);
-        let solved: Vec<(Option<DesignOutcome>, Duration)> = cases
+        let solved: Vec<(Option<Answer>, Duration)> = cases
             .par_iter()
             .with_min_len(16)
             .map_init(FitScratch::default, |scratch, case| {
@@ -84,12 +84,7 @@ impl Interpolation {
         solved.into_iter().map(|(outcome, _)| outcome).collect()
     }
 
-    fn solve_design(
-        &self,
-        spaces: &Spaces,
-        case: &DesignCase,
-        scratch: &mut FitScratch,
-    ) -> Option<DesignOutcome> {
+    fn solve_design(&self, spaces: &Spaces, case: &DesignCase, scratch: &mut FitScratch) -> Option<Answer> {
         let InterpolationPlan { accuracy, pairs, .. } = &self.plan;
         let [pin, plate] = pair(&case.joint)?;
         let families = pairs.contains(&(pin.0, plate.0)).then_some(self.fitted.as_ref()?)?;

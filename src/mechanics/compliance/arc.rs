@@ -31,6 +31,7 @@ pub struct ContactArc {
     pub half_angle: f64,
     /// b = tan(eps/2).
     pub b: f64,
+    pub ln_b: f64,
     /// t = tan(atan(b)/2): 1 + b^2 cos^2(tau) = (1 + 2 t^2 cos(2 tau) + t^4)/(1 - t^2)^2.
     pub(super) t: f64,
 }
@@ -38,7 +39,7 @@ pub struct ContactArc {
 impl ContactArc {
     pub fn new(half_angle: f64) -> ContactArc {
         let b = (0.5 * half_angle).tan();
-        ContactArc { half_angle, b, t: b / (1.0 + (1.0 + b * b).sqrt()) }
+        ContactArc { half_angle, b, ln_b: b.ln(), t: b / (1.0 + (1.0 + b * b).sqrt()) }
     }
 
     /// phi at tau.

@@ -43,7 +43,7 @@ pub struct CurveSpace {
     widest: f64,
     /// Logarithm of z, or of b, at the nodes: where loads are searched.
     pub(super) logarithms: Vec<f64>,
-    /// What functions are polynomials of, from 0 to 1, at the nodes, and their barycentric weights.
+    /// What functions are polynomials of, from 0 to 1, at the nodes, x_i, and 1/product of all x_i - x_j.
     weighted: Vec<(f64, f64)>,
     /// Of the Chebyshev transform: `[degree][node]`.
     transform: Vec<Vec<f64>>,
@@ -55,8 +55,12 @@ impl CurveSpace {
         let angle = |node: usize| std::f64::consts::PI * (node as f64 + 0.5) / nodes as f64;
         // From 0 to 1.
         let unit = |node: usize| 0.5 * (1.0 + angle(node).cos());
-        let weight =
-            |node: usize| if node.is_multiple_of(2) { angle(node).sin() } else { -angle(node).sin() };
+        // The product of all x - x_j is a Chebyshev polynomial: its slope at a node is known.
+        let size = 4.0_f64.powi(nodes as i32 - 1) / nodes as f64;
+        let weight = |node: usize| {
+            let weight = size * angle(node).sin();
+            if node.is_multiple_of(2) { weight } else { -weight }
+        };
         let units = (0..nodes).map(unit);
         let widest = match variable {
             Variable::Root => (0.25 * limit).tan(),
@@ -337,28 +341,33 @@ impl LaneWork for OnHole<'_> {
                     b.map(|b: f64| (1.0 - (b.ln() - space.widest) / NARROWEST.ln()).max(least))
                 }
             };
+            // Lagrange's polynomials: products of the distances to all nodes before, then to all behind.
             let wanted = Lanes::<FUSED>(wanted);
-            let mut sum = Lanes::<FUSED>::zero();
+            let distance = |place: f64| wanted - number(place);
+            let mut before = number(1.0);
             for (own, (place, weight)) in weights.iter_mut().zip(&space.weighted) {
-                let distance = wanted - number(*place);
-                // At a node its own value is all that counts.
-                let distance = Lanes(distance.0.map(|value| if value == 0.0 { 1e-200 } else { value }));
-                *own = number(*weight) / distance;
-                sum += *own;
+                *own = before * number(*weight);
+                before = before * distance(*place);
             }
-            let scale = number(1.0) / sum;
-            for own in &mut weights {
-                *own = *own * scale;
+            let mut behind = number(1.0);
+            for (own, (place, _)) in weights.iter_mut().zip(&space.weighted).rev() {
+                *own = *own * behind;
+                behind = behind * distance(*place);
             }
-            for (values, moved) in
-                values.chunks_exact(ABREAST * count).zip(moved.chunks_exact_mut(ABREAST * count))
-            {
-                combine::<FUSED, ABREAST>(&weights, values, chunk, moved);
-            }
-            let rest = values.len() / (ABREAST * count) * ABREAST * count;
-            let rest = values[rest..].chunks_exact(count).zip(moved[rest..].chunks_exact_mut(count));
-            for (values, moved) in rest {
-                combine::<FUSED, 1>(&weights, values, chunk, moved);
+            // The last group begins where it ends with the entries.
+            let last = values.len() / count - ABREAST;
+            for entry in (0..=last).step_by(ABREAST).chain((!last.is_multiple_of(ABREAST)).then_some(last)) {
+                let own: [&[f64]; ABREAST] =
+                    std::array::from_fn(|place| &values[(entry + place) * count..][..count]);
+                let mut sums = [Lanes::<FUSED>::zero(); ABREAST];
+                for node in 0..count {
+                    for (sum, own) in sums.iter_mut().zip(own) {
+                        *sum = sum.minus_product(-weights[node], Lanes::from_f64(own[node]));
+                    }
+                }
+                for (sum, moved) in sums.iter().zip(moved[entry * count..].chunks_exact_mut(count)) {
+                    moved[chunk * LANES..][..LANES].copy_from_slice(&sum.0);
+                }
             }
         }
     }
@@ -366,26 +375,6 @@ impl LaneWork for OnHole<'_> {
 
 /// Entries that are combined side by side: each waits for itself alone.
 const ABREAST: usize = 3;
-
-/// Weighted sums of the values of so many entries, for the arcs of one chunk.
-#[inline(always)]
-fn combine<const FUSED: bool, const ENTRIES: usize>(
-    weights: &[Lanes<FUSED>],
-    values: &[f64],
-    chunk: usize,
-    moved: &mut [f64],
-) {
-    let count = weights.len();
-    let mut sums = [Lanes::<FUSED>::zero(); ENTRIES];
-    for (place, weight) in weights.iter().enumerate() {
-        for (entry, sum) in sums.iter_mut().enumerate() {
-            *sum = sum.minus_product(-*weight, Lanes::from_f64(values[entry * count + place]));
-        }
-    }
-    for (entry, sum) in sums.iter().enumerate() {
-        moved[entry * count + chunk * LANES..][..LANES].copy_from_slice(&sum.0);
-    }
-}
 
 /// One number of each function, in whole registers.
 type Functions = [f64; ROW];

@@ -279,7 +279,7 @@ impl Solve<'_> {
         let mut solved = [coupling, versine, gap];
         solve_in_place(&mut matrix, &mut solved);
         let [y, w_v, w_g] = solved;
-        let logarithm = Lanes::<FUSED>(b.0.map(|b| FRAC_PI_2 * even * b.ln()));
+        let logarithm = Lanes::<FUSED>(std::array::from_fn(|lane| FRAC_PI_2 * even * arcs[at + lane].ln_b));
         let mut reduced = Reduced {
             singular: coupling[0] - logarithm,
             edge: one,
@@ -458,7 +458,7 @@ impl LaneWork for Work<'_> {
                 work = work.minus_product(-sum, Lanes(pressure[row]));
             }
             let first = Lanes::<FUSED>(pressure[0]);
-            let logarithm = |lane: usize| FRAC_PI_2 * change.even * arcs[at + lane].b.ln();
+            let logarithm = |lane: usize| FRAC_PI_2 * change.even * arcs[at + lane].ln_b;
             let work = work.minus_product(Lanes(std::array::from_fn(logarithm)), first * first);
             works.extend(work.0);
         }
