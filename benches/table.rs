@@ -4,6 +4,7 @@
 use divan::Bencher;
 use divan::counter::{BytesCount, ItemsCount};
 use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
+use jointsweep::engine::status::Status;
 use jointsweep::mechanics::body::{annulus, cored_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
 use jointsweep::output::table::Table;
@@ -38,7 +39,7 @@ fn outcome(index: u64, step_count: usize) -> DesignOutcome {
             linearity_error: Some(0.0012),
             method: Method::Fe,
         }),
-        status: "ok".into(),
+        status: Status::OK,
     };
     let steps = (0..step_count).map(|step| Load::Indentation(wild(0.01, step as u64))).collect();
     DesignOutcome {

@@ -23,6 +23,7 @@ use std::time::{Duration, Instant, SystemTime};
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
 use jointsweep::engine::body_request::Fidelity;
 use jointsweep::engine::ladder::Ladder;
+use jointsweep::engine::status::Remark;
 use jointsweep::mechanics::body::Body;
 use jointsweep::mechanics::compliance::arc::{FEW_TERMS, TERM_CHOICES};
 use jointsweep::mechanics::grading::LEVEL_COUNT;
@@ -267,7 +268,7 @@ fn measure(name: &'static str, cases: &[DesignCase], oracle: &States, runs: usiz
             estimates: rows.iter().map(|row| estimate(row.response)).collect(),
             claimed: rows
                 .iter()
-                .map(|row| row.response.is_some() && !row.status.contains("accuracy not met"))
+                .map(|row| row.response.is_some() && !row.status.has(Remark::AccuracyNotMet))
                 .collect(),
         }
     });

@@ -59,6 +59,14 @@ pub enum Error {
     #[error("there is no design {design}: the sweep has {count}, counted from 0")]
     NoSuchDesign { design: u64, count: u64 },
 
+    /// A folder that holds no result of a finished run.
+    #[error("{}: {problem}", dir.display())]
+    NoResult { dir: PathBuf, problem: String },
+
+    /// A joint that cannot be, or has no answer; the quantity is empty where the whole joint is meant.
+    #[error("{}{problem}", if quantity.is_empty() { String::new() } else { format!("{quantity}: ") })]
+    Joint { quantity: String, problem: String },
+
     #[error("cannot draw the plot: {problem}")]
     Plot { problem: String },
 }

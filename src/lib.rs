@@ -1,27 +1,20 @@
 //! Parametric sweeps of pin joints with clearance.
 //!
 //! ```
-//! use jointsweep::engine::ladder::Ladder;
-//! use jointsweep::mechanics::body::{annulus, cored_disc};
-//! use jointsweep::mechanics::material::{Idealization, Material};
-//! use jointsweep::study::config::{MethodChoice, SolveOptions};
-//! use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+//! use jointsweep::{Dimensions, Idealization, Joint, Load, Material, Options, Part};
 //!
 //! let steel = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
-//! let joint = JointDesign {
-//!     idealization: Idealization::PlaneStress,
-//!     hole_radius: 10.0,
-//!     radial_clearance: 0.05,
-//!     thickness: 8.0,
-//!     pin: Part { shape: &cored_disc::SHAPE, parameters: [0.2, 0.0, 0.0], support: 0, material: steel },
-//!     plate: Part { shape: &annulus::SHAPE, parameters: [3.0, 0.0, 0.0], support: 0, material: steel },
-//! };
-//! let case = DesignCase { index: 0, joint, steps: vec![Load::Indentation(0.01), Load::Force(2e4)] };
-//! let mut backend = Ladder::new(SolveOptions { accuracy: 0.01, method: MethodChoice::Auto });
-//! let outcome = &backend.solve(&[case])[0];
-//! let response = outcome.steps[1].response.expect("the contact is free");
-//! assert!(response.tangent_stiffness > outcome.steps[0].response.unwrap().tangent_stiffness);
-//! assert!(response.force_error < 1e-5);
+//! let joint = Joint::new(
+//!     Dimensions { hole_radius: 10.0, radial_clearance: 0.05, thickness: 8.0 },
+//!     Idealization::PlaneStress,
+//!     Part::new("rigid-core", &[("core_radius_ratio", 0.2)], None, steel)?,
+//!     Part::new("annulus", &[("outer_radius_ratio", 3.0)], None, steel)?,
+//! )?;
+//! let curve = joint.curve(Options { accuracy: 1e-3, ..Options::default() })?;
+//! let under_20_kn = curve.at(Load::Force(2e4))?;
+//! assert!(under_20_kn.tangent_stiffness > curve.tangent_stiffness(0.01)?);
+//! assert!(under_20_kn.force_error < 1e-3);
+//! # Ok::<(), jointsweep::Error>(())
 //! ```
 //!
 //! Data runs one way:
@@ -34,6 +27,8 @@ pub mod mechanics;
 pub mod study;
 /// How it is computed: the only wing with threads and devices.
 pub mod engine;
+/// One joint and its curve, for programs that use the library.
+pub mod joint;
 /// What each choice costs and what it is worth: designs run through all of them, timed and compared.
 pub mod tradeoff;
 /// What is handed over: the only wing that writes files.
@@ -42,4 +37,10 @@ pub mod output;
 /// Errors for people: each variant carries the values that explain it.
 pub mod error;
 
+pub use engine::outcome::{Response, StepOutcome};
+pub use engine::status::Status;
 pub use error::Error;
+pub use joint::{Curve, Dimensions, Joint, Options, solve};
+pub use mechanics::material::{Idealization, Material};
+pub use study::config::{MethodChoice, Study as Sweep};
+pub use study::design::{Load, Part};

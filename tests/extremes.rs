@@ -20,6 +20,7 @@ use greatest::greatest;
 use jointsweep::engine::interpolation::fit_plan::InterpolationPlan;
 use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::{DesignOutcome, Method, Response};
+use jointsweep::engine::status::{Remark, Status};
 use jointsweep::mechanics::body::{annulus, block, cored_disc, half_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
 use jointsweep::study::config::{MethodChoice, SolveOptions};
@@ -145,15 +146,17 @@ fn check(cases: &[DesignCase], found: &[DesignOutcome], exact: &[DesignOutcome],
         assert_eq!([found.steps.len(), exact.steps.len()], [cases[index].steps.len(); 2]);
         for (found, exact) in found.steps.iter().zip(&exact.steps) {
             steps += 1;
-            *statuses.entry(found.status.replace(is_of_number, "")).or_default() += 1;
+            *statuses.entry(found.status.to_string().replace(is_of_number, "")).or_default() += 1;
             let Some(response) = &found.response else {
                 failed += 1;
-                assert!(found.status.starts_with("failed: "), "{} {:?}", found.status, cases[index]);
+                assert!(found.status.is_failed(), "{} {:?}", found.status, cases[index]);
                 continue;
             };
             assert!(is_sound(response), "{response:?} {:?}", cases[index]);
             // A standard that warns of itself is none.
-            let warns = |status: &str| status.contains("accuracy not met") || status.contains("not positive");
+            let warns = |status: &Status| {
+                status.has(Remark::AccuracyNotMet) || status.has(Remark::PressureNotPositive)
+            };
             if warns(&found.status) {
                 warned += 1;
                 continue;

@@ -13,6 +13,7 @@ use std::ops::ControlFlow;
 use jointsweep::engine::cost;
 use jointsweep::engine::ladder::Ladder;
 use jointsweep::engine::outcome::Response;
+use jointsweep::engine::status::Status;
 use jointsweep::engine::sweep::{self, SweepOptions};
 use jointsweep::mechanics::body::{annulus, cored_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
@@ -58,7 +59,7 @@ impl Joint {
         let case = DesignCase { index: 0, joint, steps };
         let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Auto };
         let outcome = Ladder::new(options).solve(&[case]).remove(0);
-        outcome.steps.into_iter().map(|step| (step.status.into_owned(), step.response)).collect()
+        outcome.steps.into_iter().map(|step| (step.status.to_string(), step.response)).collect()
     }
 
     fn solve(&self, deltas: &[f64]) -> Vec<Response> {
@@ -223,7 +224,7 @@ fn bodies_beyond_what_is_supported_cost_nothing_and_change_nothing() {
     let solve = |study: &Study| {
         let mut outcomes = Vec::new();
         sweep::run(study, &SweepOptions::default(), &mut |outcome| {
-            outcomes.push(outcome.steps[0].clone());
+            outcomes.push(outcome.steps[0]);
             Ok(ControlFlow::Continue(()))
         })
         .unwrap();
@@ -240,9 +241,13 @@ fn bodies_beyond_what_is_supported_cost_nothing_and_change_nothing() {
         } else {
             "failed: the thinnest ligament of the block is "
         };
-        assert!(refused.response.is_none() && refused.status.starts_with(reason), "{}", refused.status);
+        assert!(
+            refused.response.is_none() && refused.status.to_string().starts_with(reason),
+            "{}",
+            refused.status
+        );
     }
-    assert!(expected.iter().all(|step| step.status == "ok"));
+    assert!(expected.iter().all(|step| step.status == Status::OK));
     // What they cost is known beforehand, too: the time of a design that is looked at.
     let [of_mixed, of_good] = [&mixed, &good].map(|study| cost::estimate(study).unwrap());
     assert_eq!((of_mixed.refused, of_good.refused, of_mixed.unknowns), (1000, 0, of_good.unknowns));

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use jointsweep::Error;
 use jointsweep::engine::explain::{Explainer, Explanation, percent};
 use jointsweep::engine::ladder::Ladder;
+use jointsweep::engine::status::Status;
 use jointsweep::study::config::Study;
 use jointsweep::study::design::DesignCase;
 
@@ -76,7 +77,7 @@ fn solved(study: &Study, case: DesignCase) -> Option<String> {
     let responses: Vec<_> = outcome.steps.iter().filter_map(|step| step.response).collect();
     let worst = responses.iter().map(|response| response.force_error).fold(0.0, f64::max);
     let method = responses.first()?.method.name();
-    let warned = outcome.steps.iter().filter(|step| step.status != "ok").count();
+    let warned = outcome.steps.iter().filter(|step| step.status != Status::OK).count();
     Some(match warned {
         0 => format!("alone, by {method}: force_error is {} at most, every row is ok", percent(worst)),
         _ => format!(

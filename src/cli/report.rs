@@ -56,7 +56,7 @@ pub fn summary(manifest: &Manifest, table: &Path) -> String {
     if counts.failed_rows > 0 {
         let rows = plural(counts.failed_rows, "row", "rows");
         _ = writeln!(text, "failed: {rows} of {}", plural(counts.failed_designs, "design", "designs"));
-        text += &causes(&counts.failures);
+        text += &causes(counts.by_status.failures());
     }
     _ = writeln!(text, "{}", table.display());
     text

@@ -37,13 +37,8 @@ pub fn worst_difference(
                 (Some(own), Some(other)) => (own.force, other.force),
                 (None, None) => continue,
                 _ => {
-                    let (found, expected) = (own.status.clone(), other.status.clone());
-                    return Err(Disagreement::Answer {
-                        design,
-                        step,
-                        found: found.into(),
-                        expected: expected.into(),
-                    });
+                    let (found, expected) = (own.status.to_string(), other.status.to_string());
+                    return Err(Disagreement::Answer { design, step, found, expected });
                 }
             };
             let difference =

@@ -16,7 +16,7 @@ use crate::mechanics::compliance::pressure_space::JointCompliance;
 use crate::mechanics::contact::curve::{ContactCurve, CurveSpace};
 use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::outlines::Outlines;
-use crate::study::design::DesignCase;
+use crate::study::design::{DesignCase, JointDesign};
 
 /// Joints with one of these have a curve in common: sizes and loads are left.
 pub type JointKey = (RequestKey, RequestKey, [u64; 3], SpaceKey, Estimate);
@@ -28,21 +28,32 @@ pub fn joint_key(plan: &JointPlan, case: &DesignCase) -> JointKey {
     (plan.pin.key(), plan.plate.key(), numbers, plan.space, plan.estimate)
 }
 
-/// The answers to designs of one `JointKey`, on one rung, and what each wants of the next. Bodies and space of the plan were
-/// prepared.
-pub fn solve_designs<'a>(
+/// The curve of a joint, where it has one. Bodies and space of the plan were prepared.
+pub fn with_curve<T>(
     library: &BodyLibrary,
     spaces: &Spaces,
     plan: &JointPlan,
-    cases: impl Iterator<Item = &'a DesignCase> + Clone,
-    accuracy: f64,
-) -> Vec<(Answer, Want)> {
-    let Some(first) = cases.clone().next() else { return Vec::new() };
+    joint: &JointDesign,
+    ask: impl FnOnce(&ContactCurve) -> T,
+) -> Option<T> {
     let space = spaces.get(plan.space);
-    let outlines = JointScale::of(&first.joint).outlines;
+    let outlines = JointScale::of(joint).outlines;
+    let (bodies, _) = judged_bodies(library, space, plan, joint, &outlines);
+    let compliance = JointCompliance::of_both(&bodies[0].part, &bodies[1].part);
+    ContactCurve::new(space, &compliance, outlines).map(|curve| ask(&curve))
+}
+
+/// The bodies of a joint, and what has solved them.
+fn judged_bodies<'a>(
+    library: &'a BodyLibrary,
+    space: &CurveSpace,
+    plan: &'a JointPlan,
+    joint: &JointDesign,
+    outlines: &Outlines,
+) -> ([JudgedBody<'a>; 2], BackendKind) {
     let mut backend = BackendKind::Cpu;
-    let parts = [(plan.pin, &first.joint.pin), (plan.plate, &first.joint.plate)];
-    let members = parts.each_ref().map(|(request, part)| {
+    let parts = [(&plan.pin, &joint.pin), (&plan.plate, &joint.plate)];
+    let bodies = parts.map(|(request, part)| {
         let solved = library.solved(request);
         if solved.backend == BackendKind::Gpu {
             backend = BackendKind::Gpu;
@@ -60,9 +71,25 @@ pub fn solve_designs<'a>(
         JudgedBody {
             body: &request.body,
             source,
-            part: space.part(request.body.shape.side, &[(compliance, share)], &outlines),
+            part: space.part(request.body.shape.side, &[(compliance, share)], outlines),
         }
     });
+    (bodies, backend)
+}
+
+/// The answers to designs of one `JointKey`, on one rung, and what each wants of the next. Bodies and space of the plan were
+/// prepared.
+pub fn solve_designs<'a>(
+    library: &BodyLibrary,
+    spaces: &Spaces,
+    plan: &JointPlan,
+    cases: impl Iterator<Item = &'a DesignCase> + Clone,
+    accuracy: f64,
+) -> Vec<(Answer, Want)> {
+    let Some(first) = cases.clone().next() else { return Vec::new() };
+    let space = spaces.get(plan.space);
+    let outlines = JointScale::of(&first.joint).outlines;
+    let (members, backend) = judged_bodies(library, space, plan, &first.joint, &outlines);
     let solving = Solving { backend, method: plan.method(), limit: outlines.of_hole(space.limit), accuracy };
     let trust = match plan.estimate {
         Estimate::Change(trust) => Some((trust, plan.level)),

@@ -19,6 +19,7 @@ use crate::engine::plan::JointPlan;
 use crate::engine::refusal::Refusal;
 use crate::engine::row::{all_failed, closed_form};
 use crate::engine::spaces::Spaces;
+use crate::engine::status::Failure;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
 
@@ -86,7 +87,7 @@ impl<'a> Ladder<'a> {
             if answer.is_none() {
                 match JointPlan::cheapest(case, method, accuracy) {
                     Ok(plan) => open.push((index, plan)),
-                    Err(refusal) => *answer = Some(refused(case, &refusal)),
+                    Err(refusal) => *answer = Some(refused(case, refusal)),
                 }
             }
         }
@@ -157,6 +158,6 @@ impl<'a> Ladder<'a> {
     }
 }
 
-fn refused(case: &DesignCase, refusal: &Refusal) -> Answer {
-    all_failed(case, BackendKind::Cpu, &format!("failed: {refusal}"))
+fn refused(case: &DesignCase, refusal: Refusal) -> Answer {
+    all_failed(case, BackendKind::Cpu, Failure::Refused(refusal))
 }

@@ -1,7 +1,6 @@
 //! What one load step of one design came to. mm, N, MPa.
 
-use std::borrow::Cow;
-
+use crate::engine::status::{Failure, Status};
 use crate::study::design::DesignCase;
 
 /// How a number was found, cheapest first.
@@ -65,12 +64,18 @@ pub struct Response {
     pub method: Method,
 }
 
-/// One row of the table: a response with its remark, or why there is none.
-#[derive(Clone, Debug, PartialEq)]
+/// One row of the table: a response with remarks, or why there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepOutcome {
+    /// `None` where the status is a failure, and only there.
     pub response: Option<Response>,
-    /// "ok", or what a reader must know, or why the step failed; short, without commas.
-    pub status: Cow<'static, str>,
+    pub status: Status,
+}
+
+impl StepOutcome {
+    pub fn failed(failure: Failure) -> StepOutcome {
+        StepOutcome { response: None, status: Status::Failed(failure) }
+    }
 }
 
 /// An outcome for each step of a design, in order.

@@ -1,12 +1,11 @@
 //! From the states of a joint under its loads to the rows of the table, each with what a reader must know of it. The same for
 //! every backend.
 
-use std::borrow::Cow;
-
 use crate::engine::accuracy::geometry_error::{LARGE_DISPLACEMENT, WIDEST_CLEARANCE, linearity_error};
 use crate::engine::accuracy::{ForceError, Want};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind, Method, Response, StepOutcome};
+use crate::engine::status::{Failure, Remark, Remarks, Status};
 use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::state::ContactState;
 use crate::mechanics::laws;
@@ -22,8 +21,6 @@ pub struct Solving {
     /// Asked: relative, of the force.
     pub accuracy: f64,
 }
-
-pub const NOT_A_PUSH: &str = "failed: the bodies do not push each other, the mesh is too coarse for them";
 
 impl Solving {
     /// The answer to a design from the states of its `loads_in_contact`, in their order, and what it wants.
@@ -43,12 +40,10 @@ impl Solving {
                 // A mesh far too coarse for its body may answer with a pull.
                 Ok((state, _)) if !state.is_a_push() => {
                     want = Want::FinerMesh;
-                    return StepOutcome { response: None, status: NOT_A_PUSH.into() };
+                    return StepOutcome::failed(Failure::NotAPush);
                 }
                 Ok(found) => found,
-                Err(reason) => {
-                    return StepOutcome { response: None, status: failure(reason, self.limit).into() };
-                }
+                Err(reason) => return StepOutcome::failed(Failure::NoState(reason, self.limit)),
             };
             want = want.max(error.want(self.accuracy, state.pressure_is_positive));
             let error = error.total();
@@ -57,12 +52,12 @@ impl Solving {
             let of_linearity = linearity_error(&case.joint, &response);
             response.linearity_error = Some(of_linearity);
             let remarks = [
-                (scale.outlines.radial_clearance >= WIDEST_CLEARANCE, "clearance beyond the model"),
-                (of_linearity > self.accuracy.max(LARGE_DISPLACEMENT), "large displacement"),
-                (!state.pressure_is_positive, "pressure not positive everywhere"),
-                (!accurate, "accuracy not met"),
+                (scale.outlines.radial_clearance >= WIDEST_CLEARANCE, Remark::ClearanceBeyondModel),
+                (of_linearity > self.accuracy.max(LARGE_DISPLACEMENT), Remark::LargeDisplacement),
+                (!state.pressure_is_positive, Remark::PressureNotPositive),
+                (!accurate, Remark::AccuracyNotMet),
             ];
-            StepOutcome { response: Some(response), status: status(&remarks) }
+            StepOutcome { response: Some(response), status: Status::Answered(Remarks::of(&remarks)) }
         };
         let steps = case.steps.iter().map(step).collect();
         (Answer { backend: self.backend, steps }, want)
@@ -70,17 +65,12 @@ impl Solving {
 
     /// The answer to a design without any state.
     pub fn all_failed(&self, case: &DesignCase, reason: NoState) -> Answer {
-        all_failed(case, self.backend, &failure(reason, self.limit))
+        all_failed(case, self.backend, Failure::NoState(reason, self.limit))
     }
 }
 
-pub fn all_failed(case: &DesignCase, backend: BackendKind, status: &str) -> Answer {
-    let steps = case
-        .steps
-        .iter()
-        .map(|_| StepOutcome { response: None, status: status.to_string().into() })
-        .collect();
-    Answer { backend, steps }
+pub fn all_failed(case: &DesignCase, backend: BackendKind, failure: Failure) -> Answer {
+    Answer { backend, steps: vec![StepOutcome::failed(failure); case.steps.len()] }
 }
 
 fn unloaded(method: Method) -> StepOutcome {
@@ -95,21 +85,7 @@ fn unloaded(method: Method) -> StepOutcome {
         linearity_error: Some(0.0),
         method,
     };
-    StepOutcome { response: Some(response), status: "ok".into() }
-}
-
-fn failure(reason: NoState, limit: f64) -> String {
-    match reason {
-        NoState::ContactTooWide => format!("failed: contact wider than {:.0} deg", limit.to_degrees()),
-        NoState::BrokenCompliance => "failed: compliance not positive definite".into(),
-        NoState::ClearanceTooWide => "failed: clearance beyond the model".into(),
-    }
-}
-
-/// What a reader of a row must know: those remarks that apply.
-fn status(remarks: &[(bool, &'static str)]) -> Cow<'static, str> {
-    let said: Vec<&str> = remarks.iter().filter(|(applies, _)| *applies).map(|(_, remark)| *remark).collect();
-    if said.is_empty() { "ok".into() } else { said.join("; ").into() }
+    StepOutcome { response: Some(response), status: Status::OK }
 }
 
 /// Johnson's law. It knows nothing of the plate's extent, so it is right to a factor of two at best.
@@ -141,17 +117,10 @@ pub fn closed_form(case: &DesignCase) -> Answer {
             linearity_error: None,
             method: Method::ClosedForm,
         };
-        Ok(StepOutcome { response: Some(response), status: "plate extent not modelled".into() })
+        let remarks = Remarks::of(&[(true, Remark::PlateNotModelled)]);
+        Ok(StepOutcome { response: Some(response), status: Status::Answered(remarks) })
     };
-    let steps = case
-        .steps
-        .iter()
-        .map(|load| {
-            step(load).unwrap_or_else(|error| StepOutcome {
-                response: None,
-                status: format!("failed: {error}").into(),
-            })
-        })
-        .collect();
+    let failed = |error| StepOutcome::failed(Failure::Law(error));
+    let steps = case.steps.iter().map(|load| step(load).unwrap_or_else(failed)).collect();
     Answer { backend: BackendKind::Cpu, steps }
 }

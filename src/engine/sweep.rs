@@ -1,6 +1,5 @@
 //! Designs x plan x backend -> outcomes in design order.
 
-use std::collections::BTreeMap;
 use std::hash::BuildHasher;
 use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -24,8 +23,6 @@ pub struct Statistics {
     pub designs: u64,
     pub steps: u64,
     pub distinct_bodies: u64,
-    /// Steps by status.
-    pub statuses: BTreeMap<String, u64>,
     /// Wall time of each stage, in the order they run, summed over threads.
     pub stages: Vec<(&'static str, Duration)>,
     /// Designs that the processor solved, of those given to a GPU.
@@ -202,14 +199,6 @@ fn receive_all(
             statistics.designs += 1;
             statistics.steps += outcome.steps.len() as u64;
             statistics.designs_on_cpu += u64::from(outcome.backend == BackendKind::Cpu);
-            for step in &outcome.steps {
-                match statistics.statuses.get_mut(step.status.as_ref()) {
-                    Some(count) => *count += 1,
-                    None => {
-                        statistics.statuses.insert(step.status.to_string(), 1);
-                    }
-                }
-            }
             if receive(outcome)?.is_break() {
                 statistics.interrupted = true;
                 return Ok(());

@@ -1,13 +1,14 @@
 //! `manifest.json`: what was asked, by which program and on what machine, what came of it and how long it took.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 
 use crate::engine::backend::gpu::solver::GpuChoice;
 use crate::engine::outcome::DesignOutcome;
+use crate::engine::status::StatusCounts;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
 use crate::output::host::{Host, Program, peak_memory, processor_seconds, utc};
@@ -139,33 +140,31 @@ pub struct Counts {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub designs_on_cpu: Option<u64>,
     /// Rows by status, and of these the failed ones.
-    pub statuses: BTreeMap<String, u64>,
-    pub failures: BTreeMap<String, u64>,
+    #[serde(flatten, serialize_with = "rows_by_status")]
+    pub by_status: StatusCounts,
+}
+
+fn rows_by_status<S: Serializer>(counts: &StatusCounts, serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(2))?;
+    map.serialize_entry("statuses", &counts.by_text())?;
+    map.serialize_entry("failures", counts.failures())?;
+    map.end()
 }
 
 impl Counts {
     pub fn add(&mut self, outcome: &DesignOutcome) {
         let failed_before = self.failed_rows;
         for step in &outcome.steps {
-            count(&mut self.statuses, &step.status);
+            self.by_status.add(&step.status);
             let of_linearity = step.response.and_then(|response| response.linearity_error).unwrap_or(0.0);
             self.greatest_linearity_error = self.greatest_linearity_error.max(of_linearity);
             if step.response.is_none() {
                 self.failed_rows += 1;
-                count(&mut self.failures, &step.status);
             }
         }
         self.designs += 1;
         self.rows += outcome.steps.len() as u64;
         self.failed_designs += u64::from(self.failed_rows > failed_before);
-    }
-}
-
-fn count(counts: &mut BTreeMap<String, u64>, status: &str) {
-    // Nearly every status has been seen before: no allocation then.
-    match counts.get_mut(status) {
-        Some(count) => *count += 1,
-        None => _ = counts.insert(status.to_string(), 1),
     }
 }
 

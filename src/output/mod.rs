@@ -1,9 +1,11 @@
 mod number;
+pub mod schema;
 pub mod table;
 pub mod host;
 pub mod manifest;
 pub mod lock;
 pub mod folder;
+pub mod results;
 pub mod recorder;
 pub mod benchmark;
 pub mod gpu_benchmark;

@@ -2,29 +2,20 @@
 //!
 //! The inputs are exact: a table's own input columns are a valid designs file. Results have nine significant digits.
 
-use crate::engine::outcome::{BackendKind, DesignOutcome, Response, StepOutcome};
+use std::borrow::Cow;
+
+use crate::engine::outcome::{DesignOutcome, Response, StepOutcome};
+use crate::engine::status::{Failure, Status};
 use crate::output::number::{push_exact, push_rounded};
-use crate::study::columns::{self, Cell, Column};
+use crate::output::schema::{Kind, TableColumn, table_columns};
+use crate::study::columns::Cell;
 use crate::study::design::{DesignCase, Load};
-
-/// A result: its name, and its value where the method gives one.
-type ResultColumn = (&'static str, fn(&Response) -> Option<f64>);
-
-/// The results after the load (indentation and force).
-const RESULTS: [ResultColumn; 6] = [
-    ("tangent_stiffness_n_per_mm", |response| Some(response.tangent_stiffness)),
-    ("contact_half_angle_deg", |response| response.contact_half_angle.map(f64::to_degrees)),
-    ("peak_pressure_mpa", |response| response.peak_pressure),
-    ("energy_mj", |response| response.energy),
-    ("force_error", |response| Some(response.force_error)),
-    ("linearity_error", |response| response.linearity_error),
-];
-
-const REMARKS: [&str; 3] = ["method", "backend", "status"];
 
 /// Writes outcomes as rows.
 pub struct Table {
-    inputs: Vec<Column>,
+    columns: Vec<TableColumn>,
+    /// How many of the columns are the same in each row of a design.
+    input_count: usize,
     /// The text of a design's inputs, the same in each of its rows; kept only to spare the allocation.
     input_text: Vec<u8>,
     /// The values of the loads of the design before, with their text: most sweeps load all designs alike.
@@ -33,24 +24,18 @@ pub struct Table {
 
 impl Default for Table {
     fn default() -> Table {
-        Table { inputs: columns::joint_columns(), input_text: Vec::new(), loads: Vec::new() }
+        let columns = table_columns();
+        let is_input = |column: &&TableColumn| matches!(column.kind, Kind::Design | Kind::Input(_));
+        let input_count = columns.iter().take_while(is_input).count();
+        Table { columns, input_count, input_text: Vec::new(), loads: Vec::new() }
     }
 }
 
 impl Table {
-    /// The names of all columns.
-    pub fn names(&self) -> Vec<String> {
-        let mut names = vec!["design".to_string()];
-        names.extend(self.inputs.iter().map(Column::name));
-        let load = [columns::INDENTATION, columns::FORCE];
-        let others = load.into_iter().chain(RESULTS.map(|(name, _)| name)).chain(REMARKS);
-        names.extend(others.map(str::to_string));
-        names
-    }
-
     /// Appends the row of names.
     pub fn push_header(&self, out: &mut Vec<u8>) {
-        out.extend_from_slice(self.names().join(",").as_bytes());
+        let names: Vec<&str> = self.columns.iter().map(|column| &*column.name).collect();
+        out.extend_from_slice(names.join(",").as_bytes());
         out.push(b'\n');
     }
 
@@ -58,8 +43,9 @@ impl Table {
     /// its step is turned into a failed one, here and in `outcome`.
     pub fn push_rows(&mut self, out: &mut Vec<u8>, outcome: &mut DesignOutcome) {
         assert_eq!(outcome.case.steps.len(), outcome.steps.len(), "an outcome for every step");
+        let (inputs, results) = self.columns.split_at(self.input_count);
         self.input_text.clear();
-        push_inputs(&mut self.input_text, &self.inputs, &outcome.case);
+        push_inputs(&mut self.input_text, inputs, &outcome.case);
         // NaN is no load, and equals none.
         self.loads.resize(outcome.steps.len(), (f64::NAN, Vec::new()));
         for ((load, text), step) in outcome.case.steps.iter().zip(&mut self.loads).zip(&mut outcome.steps) {
@@ -69,64 +55,56 @@ impl Table {
                 text.1.clear();
                 push_exact(&mut text.1, value);
             }
-            refuse_non_finite(step);
+            if let Some(name) = step.response.and_then(|response| non_finite(results, &response)) {
+                *step = StepOutcome::failed(Failure::NotFinite(name));
+            }
             out.extend_from_slice(&self.input_text);
-            push_step(out, (load, &text.1), step, outcome.backend);
+            for column in results {
+                let response = step.response.as_ref();
+                match column.kind {
+                    Kind::Load(own) if (own.asked)(*load).is_some() => out.extend_from_slice(&text.1),
+                    Kind::Load(own) => push_result(out, response.map(own.found)),
+                    Kind::Result(value) => push_result(out, response.and_then(value)),
+                    Kind::Word(word) => out.extend_from_slice(word(step, outcome.backend).as_bytes()),
+                    Kind::Status if step.status == Status::OK => out.extend_from_slice(b"ok"),
+                    Kind::Status => push_text(out, &step.status.to_string()),
+                    Kind::Design | Kind::Input(_) => {}
+                }
+                out.push(b',');
+            }
+            out.pop();
+            out.push(b'\n');
         }
     }
-}
-
-/// `load` with its text.
-fn push_step(out: &mut Vec<u8>, load: (&Load, &[u8]), step: &StepOutcome, backend: BackendKind) {
-    let response = step.response.as_ref();
-    match load {
-        (Load::Indentation(_), text) => {
-            out.extend_from_slice(text);
-            out.push(b',');
-            push_result(out, response.map(|response| response.force));
-        }
-        (Load::Force(_), text) => {
-            push_result(out, response.map(|response| response.indentation));
-            out.push(b',');
-            out.extend_from_slice(text);
-        }
-    }
-    for (_, value) in RESULTS {
-        out.push(b',');
-        push_result(out, response.and_then(value));
-    }
-    let (method, backend) = response.map_or(("", ""), |r| (r.method.name(), backend.name()));
-    for word in [method, backend] {
-        out.push(b',');
-        out.extend_from_slice(word.as_bytes());
-    }
-    out.push(b',');
-    push_text(out, &step.status);
-    out.push(b'\n');
 }
 
 /// Appends the design's number and its inputs, each with a comma behind.
-fn push_inputs(out: &mut Vec<u8>, inputs: &[Column], case: &DesignCase) {
-    out.extend_from_slice(case.index.to_string().as_bytes());
-    out.push(b',');
+fn push_inputs(out: &mut Vec<u8>, inputs: &[TableColumn], case: &DesignCase) {
     for column in inputs {
-        match column.cell(&case.joint) {
-            Cell::Number(value) => push_exact(out, value),
-            Cell::Word(word) => out.extend_from_slice(word.as_bytes()),
-            Cell::Empty => {}
+        match column.kind {
+            Kind::Input(input) => match input.cell(&case.joint) {
+                Cell::Number(value) => push_exact(out, value),
+                Cell::Word(word) => out.extend_from_slice(word.as_bytes()),
+                Cell::Empty => {}
+            },
+            _ => out.extend_from_slice(case.index.to_string().as_bytes()),
         }
         out.push(b',');
     }
 }
 
-/// Drops a response with a NaN or an infinity in it, and says which value it was.
-fn refuse_non_finite(step: &mut StepOutcome) {
-    let Some(response) = &step.response else { return };
-    let load = [(columns::INDENTATION, Some(response.indentation)), (columns::FORCE, Some(response.force))];
-    let results = RESULTS.iter().map(|(name, value)| (*name, value(response)));
-    let culprit = load.into_iter().chain(results).find(|(_, value)| value.is_some_and(|v| !v.is_finite()));
-    if let Some((name, _)) = culprit {
-        *step = StepOutcome { response: None, status: format!("{name} is not a finite number").into() };
+/// The first column that would hold a NaN or an infinity.
+fn non_finite(results: &[TableColumn], response: &Response) -> Option<&'static str> {
+    let value = |column: &TableColumn| match column.kind {
+        Kind::Load(own) => Some((own.found)(response)),
+        Kind::Result(value) => value(response),
+        _ => None,
+    };
+    let culprit = results.iter().find(|column| value(column).is_some_and(|value| !value.is_finite()))?;
+    // The names of results are constants.
+    match culprit.name {
+        Cow::Borrowed(name) => Some(name),
+        Cow::Owned(_) => None,
     }
 }
 
@@ -148,9 +126,12 @@ fn push_text(out: &mut Vec<u8>, text: &str) {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::Bound::Included;
+
     use super::*;
-    use crate::engine::outcome::Method;
+    use crate::engine::outcome::{BackendKind, Method};
     use crate::mechanics::body::{annulus, half_disc};
+    use crate::mechanics::laws::LawError;
     use crate::mechanics::material::{Idealization, Material};
     use crate::study::design::{JointDesign, Part};
 
@@ -183,23 +164,21 @@ mod tests {
         String::from_utf8(text).unwrap()
     }
 
-    fn step(response: Option<Response>, status: &'static str) -> StepOutcome {
-        StepOutcome { response, status: status.into() }
-    }
+    const OK: StepOutcome = StepOutcome { response: Some(RESPONSE), status: Status::OK };
 
     const INPUTS: &str =
         "7,100,0.30000000000000004,1,plane-stress,rigid-midplane,,200000,0.3,annulus,2,,,,,200000,0.3";
 
     #[test]
     fn a_prescribed_indentation_is_exact_and_its_force_rounded() {
-        let text = rows(&[Load::Indentation(0.1 + 0.2)], vec![step(Some(RESPONSE), "ok")]);
+        let text = rows(&[Load::Indentation(0.1 + 0.2)], vec![OK]);
         let results = "0.30000000000000004,0.333333333,144700,45,,2e-7,0.0012,0.02,fe,cpu,ok";
         assert_eq!(text, format!("{INPUTS},{results}\n"));
     }
 
     #[test]
     fn a_prescribed_force_is_exact_and_its_indentation_found() {
-        let text = rows(&[Load::Force(0.1 + 0.2)], vec![step(Some(RESPONSE), "ok")]);
+        let text = rows(&[Load::Force(0.1 + 0.2)], vec![OK]);
         let results = "0.1,0.30000000000000004,144700,45,,2e-7,0.0012,0.02,fe,cpu,ok";
         assert_eq!(text, format!("{INPUTS},{results}\n"));
     }
@@ -207,21 +186,32 @@ mod tests {
     #[test]
     fn a_failed_step_keeps_its_load_and_says_why() {
         let loads = [Load::Indentation(0.1), Load::Force(5.0)];
-        let text = rows(&loads, vec![step(None, "no contact, \"lost\""), step(None, "no root")]);
+        let law = LawError::OutOfRange {
+            law: "x",
+            quantity: "y",
+            value: 2.0,
+            allowed: (Included(0.0), Included(1.0)),
+        };
+        let steps = [Failure::Law(law), Failure::NotAPush].map(StepOutcome::failed).to_vec();
+        let text = rows(&loads, steps);
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], format!("{INPUTS},0.1,,,,,,,,,,\"no contact, \"\"lost\"\"\""));
-        assert_eq!(lines[1], format!("{INPUTS},,5,,,,,,,,,no root"));
+        // Commas are quoted.
+        assert_eq!(lines[0], format!("{INPUTS},0.1,,,,,,,,,,\"failed: x: y = 2 is outside [0, 1]\""));
+        let why = "the bodies do not push each other, the mesh is too coarse for them";
+        assert_eq!(lines[1], format!("{INPUTS},,5,,,,,,,,,\"failed: {why}\""));
     }
 
     #[test]
     fn a_response_with_a_nan_or_an_infinity_becomes_a_failed_row() {
         let nan = Response { energy: Some(f64::NAN), ..RESPONSE };
         let infinite = Response { force: f64::INFINITY, ..RESPONSE };
-        let text =
-            rows(&[Load::Indentation(0.1); 2], vec![step(Some(nan), "ok"), step(Some(infinite), "ok")]);
+        let text = rows(
+            &[Load::Indentation(0.1); 2],
+            [nan, infinite].map(|response| StepOutcome { response: Some(response), ..OK }).to_vec(),
+        );
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], format!("{INPUTS},0.1,,,,,,,,,,energy_mj is not a finite number"));
-        assert_eq!(lines[1], format!("{INPUTS},0.1,,,,,,,,,,force_n is not a finite number"));
+        assert_eq!(lines[0], format!("{INPUTS},0.1,,,,,,,,,,failed: energy_mj is not a finite number"));
+        assert_eq!(lines[1], format!("{INPUTS},0.1,,,,,,,,,,failed: force_n is not a finite number"));
     }
 
     /// Read by an independent CSV reader, which refuses rows of another length than the header's.
@@ -229,11 +219,12 @@ mod tests {
     fn every_row_has_a_cell_for_each_column() {
         let mut text = Vec::new();
         Table::default().push_header(&mut text);
-        let steps = vec![step(Some(RESPONSE), "ok"), step(None, "a \"quoted\", long\nstatus")];
+        let steps = vec![OK, StepOutcome::failed(Failure::NotAPush)];
         text.extend_from_slice(rows(&[Load::Indentation(0.1); 2], steps).as_bytes());
         let mut reader = csv::Reader::from_reader(text.as_slice());
         let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         assert_eq!(records.len(), 2);
-        assert_eq!(records[1].iter().next_back(), Some("a \"quoted\", long\nstatus"));
+        let status = records[1].iter().next_back().unwrap();
+        assert!(status.starts_with("failed: ") && status.contains(", the mesh"), "{status}");
     }
 }

@@ -2,6 +2,7 @@
 //! are read and for the tables that are written. What shapes add to them comes from the registry of shapes.
 
 use crate::mechanics::body::{Shape, Side};
+use crate::mechanics::material::Idealization;
 use crate::study::design::{JointDesign, Part};
 
 /// One input of a joint.
@@ -73,6 +74,51 @@ impl Column {
             Column::Support(side) => format!("{}_support", side_name(side)),
             Column::YoungsModulus(side) => format!("{}_youngs_modulus_mpa", side_name(side)),
             Column::PoissonsRatio(side) => format!("{}_poissons_ratio", side_name(side)),
+        }
+    }
+
+    /// "-" for ratios and words.
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Column::HoleRadius | Column::RadialClearance | Column::Thickness => "mm",
+            Column::YoungsModulus(_) => "MPa",
+            _ => "-",
+        }
+    }
+
+    /// What it means.
+    pub fn about(&self) -> String {
+        match *self {
+            Column::HoleRadius => "radius of the hole, R2".into(),
+            Column::RadialClearance => "hole radius less pin radius, dR (not the diametral clearance)".into(),
+            Column::Thickness => "length of the joint along its axis, t".into(),
+            Column::Idealization => {
+                let names = Idealization::ALL.map(|one| format!("`{}`", one.name()));
+                names.join(" or ")
+            }
+            Column::Model(side) => {
+                let names: Vec<String> =
+                    Shape::of_side(side).map(|shape| format!("`{}`", shape.name)).collect();
+                names.join(" or ")
+            }
+            Column::Parameter(side, name) => {
+                let shapes = Shape::of_side(side);
+                let of = shapes.filter(|shape| shape.parameters.iter().any(|own| own.name == name));
+                let of: Vec<String> = of.map(|shape| format!("`{}`", shape.name)).collect();
+                let radius = match side {
+                    Side::Pin => "pin",
+                    Side::Plate => "hole",
+                };
+                format!("of {}: over the {radius} radius", of.join(" and "))
+            }
+            Column::Support(side) => {
+                let shapes = Shape::of_side(side);
+                let names: Vec<String> =
+                    shapes.flat_map(|shape| shape.supports).map(|support| format!("`{support}`")).collect();
+                format!("how it is held: {}", names.join(" or "))
+            }
+            Column::YoungsModulus(side) => format!("Young's modulus of the {}", side_name(side)),
+            Column::PoissonsRatio(side) => format!("Poisson's ratio of the {}", side_name(side)),
         }
     }
 

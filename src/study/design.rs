@@ -1,6 +1,9 @@
 //! One point of a sweep: a joint and the load steps it is run through. mm, N, MPa.
 
-use crate::mechanics::body::{Body, MAX_PARAMETERS, Shape, ShapeParameter};
+use std::fmt;
+
+use crate::error::{Error, shortened, suggest};
+use crate::mechanics::body::{Body, MAX_PARAMETERS, SHAPES, Shape, ShapeParameter, Side};
 use crate::mechanics::material::{Idealization, Material};
 
 /// The values a quantity may take: from `low`, itself allowed or not, to below `high`.
@@ -66,6 +69,57 @@ impl Part {
     }
 }
 
+impl Part {
+    /// Of a model by its name, such as "annulus", with its ratios by theirs; those that have a default may be left out. E in MPa.
+    pub fn new(
+        model: &str,
+        ratios: &[(&str, f64)],
+        support: Option<&str>,
+        material: Material,
+    ) -> Result<Part, Error> {
+        let refuse =
+            |quantity: &str, problem: String| Err(Error::Joint { quantity: quantity.to_string(), problem });
+        let names: Vec<&str> = SHAPES.iter().map(|shape| shape.name).collect();
+        let Some(shape) = SHAPES.into_iter().find(|shape| shape.name == model) else {
+            return refuse("model", format!("`{}`: not known; {}", shortened(model), suggest(model, &names)));
+        };
+        let allowed: Vec<&str> = shape.parameters.iter().map(|parameter| parameter.name).collect();
+        for (name, _) in ratios {
+            if !allowed.contains(name) {
+                let hint = suggest(name, &allowed);
+                return refuse(&shortened(name), format!("model `{model}` does not have this ratio; {hint}"));
+            }
+        }
+        let mut parameters = [0.0; MAX_PARAMETERS];
+        for (slot, parameter) in parameters.iter_mut().zip(shape.parameters) {
+            let given = ratios.iter().find(|(name, _)| *name == parameter.name).map(|(_, value)| *value);
+            let Some(value) = given.or(parameter.default) else {
+                return refuse(parameter.name, format!("model `{model}` needs this ratio"));
+            };
+            check(parameter.name, value, Limits::of_parameter(parameter))?;
+            *slot = value;
+        }
+        let support = match support {
+            None => 0,
+            Some(name) => match shape.supports.iter().position(|own| *own == name) {
+                Some(place) => place,
+                None => {
+                    let hint = suggest(name, shape.supports);
+                    return refuse("support", format!("`{}`: not known; {hint}", shortened(name)));
+                }
+            },
+        };
+        check("youngs_modulus", material.youngs_modulus, Limits::POSITIVE)?;
+        check("poissons_ratio", material.poissons_ratio, Limits::POISSONS_RATIO)?;
+        Ok(Part { shape, parameters, support, material })
+    }
+}
+
+fn check(quantity: &str, value: f64, limits: Limits) -> Result<(), Error> {
+    let refuse = |problem| Error::Joint { quantity: quantity.into(), problem: format!("{value}: {problem}") };
+    limits.refuse(value).map_err(refuse)
+}
+
 /// A pin in a hole with clearance.
 #[derive(Clone, Copy, Debug)]
 pub struct JointDesign {
@@ -81,6 +135,30 @@ pub struct JointDesign {
 }
 
 impl JointDesign {
+    /// Whether such a joint can be: sizes and moduli in their ranges, a pin in a plate.
+    pub fn check(&self) -> Result<(), Error> {
+        check("hole_radius", self.hole_radius, Limits::POSITIVE)?;
+        check("radial_clearance", self.radial_clearance, Limits::NOT_NEGATIVE)?;
+        check("thickness", self.thickness, Limits::POSITIVE)?;
+        let refuse =
+            |quantity: &str, problem: String| Err(Error::Joint { quantity: quantity.to_string(), problem });
+        if self.radial_clearance >= self.hole_radius {
+            let problem = format!("{}: must be below the hole radius", self.radial_clearance);
+            return refuse("radial_clearance", problem);
+        }
+        for (part, side, what) in [(&self.pin, Side::Pin, "pin"), (&self.plate, Side::Plate, "plate")] {
+            if part.shape.side != side {
+                return refuse(what, format!("`{}` is not a model of a {what}", part.shape.name));
+            }
+            for (value, parameter) in part.parameters.into_iter().zip(part.shape.parameters) {
+                check(parameter.name, value, Limits::of_parameter(parameter))?;
+            }
+            check("youngs_modulus", part.material.youngs_modulus, Limits::POSITIVE)?;
+            check("poissons_ratio", part.material.poissons_ratio, Limits::POISSONS_RATIO)?;
+        }
+        Ok(())
+    }
+
     /// The dimensionless body of one half.
     pub fn body(&self, part: &Part) -> Body {
         Body {
@@ -100,6 +178,15 @@ pub enum Load {
     Indentation(f64),
     /// Force of each step, N, >= 0.
     Force(f64),
+}
+
+impl fmt::Display for Load {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Load::Indentation(value) => write!(out, "indentation {value} mm"),
+            Load::Force(value) => write!(out, "force {value} N"),
+        }
+    }
 }
 
 /// A design with its load steps, in the order of the config.

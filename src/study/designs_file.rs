@@ -73,6 +73,13 @@ type Guarded = LineGuard<Fingerprinted<File>>;
 
 impl Rows {
     fn open(path: &Path, checked: Option<DesignsFile>) -> Result<Rows, Error> {
+        let mut names: Vec<String> = joint_columns().iter().map(Column::name).collect();
+        names.extend([INDENTATION.to_string(), FORCE.to_string()]);
+        Ok(Rows { checked, ..Rows::open_columns(path, &names)? })
+    }
+
+    /// Of any file whose columns are among these.
+    pub fn open_columns(path: &Path, names: &[String]) -> Result<Rows, Error> {
         let file = File::open(path).map_err(|source| unreadable(path, source))?;
         let guarded = LineGuard::new(Fingerprinted::new(file));
         let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(guarded);
@@ -80,8 +87,6 @@ impl Rows {
             Ok(header) => header.clone(),
             Err(error) => return Err(csv_error(path, reader.get_ref(), error)),
         };
-        let mut names: Vec<String> = joint_columns().iter().map(Column::name).collect();
-        names.extend([INDENTATION.to_string(), FORCE.to_string()]);
         let refuse = |key: &str, problem: String| Error::Input {
             file: path.to_path_buf(),
             line: Some(1),
@@ -102,26 +107,26 @@ impl Rows {
                 return Err(refuse(found, "the column stands there twice".to_string()));
             }
         }
-        let place = |name: String| {
-            let place = header.iter().position(|found| found == name);
-            (name, place)
-        };
+        let place = |name: &String| (name.clone(), header.iter().position(|found| found == name));
         Ok(Rows {
             path: path.to_path_buf(),
             reader,
             record: StringRecord::new(),
-            places: names.into_iter().map(place).collect(),
+            places: names.iter().map(place).collect(),
             next: 0,
-            checked,
+            checked: None,
             failed: false,
         })
     }
 
+    /// Goes on to the next row; `false` at the end.
+    pub fn read(&mut self) -> Result<bool, Error> {
+        let found = self.reader.read_record(&mut self.record);
+        found.map_err(|error| csv_error(&self.path, self.reader.get_ref(), error))
+    }
+
     fn advance(&mut self) -> Result<Option<DesignCase>, Error> {
-        let found = match self.reader.read_record(&mut self.record) {
-            Ok(found) => found,
-            Err(error) => return Err(csv_error(&self.path, self.reader.get_ref(), error)),
-        };
+        let found = self.read()?;
         if let Some(checked) = &self.checked {
             let is_over = self.next == checked.row_count;
             if found == is_over || (is_over && self.fingerprint() != checked.fingerprint) {
@@ -142,7 +147,8 @@ impl Rows {
         self.reader.get_ref().inner().fingerprint()
     }
 
-    fn joint(&self) -> Result<JointDesign, Error> {
+    /// The joint of the current row.
+    pub fn joint(&self) -> Result<JointDesign, Error> {
         let hole_radius = self.number(&Column::HoleRadius.name(), Limits::POSITIVE)?;
         let radial_clearance = self.number(&Column::RadialClearance.name(), Limits::NOT_NEGATIVE)?;
         if radial_clearance >= hole_radius {
@@ -209,7 +215,7 @@ impl Rows {
     }
 
     /// The cell of the current row; `None` when it is empty or its column was left out.
-    fn cell(&self, name: &str) -> Option<&str> {
+    pub fn cell(&self, name: &str) -> Option<&str> {
         let place = self.places.iter().find(|place| place.0 == name)?.1?;
         self.record.get(place).filter(|cell| !cell.is_empty())
     }
@@ -232,6 +238,19 @@ impl Rows {
         }
         limits.refuse(number).map_err(refuse)?;
         Ok(number)
+    }
+
+    /// A finite number, where there is one.
+    pub fn optional_number(&self, name: &str) -> Result<Option<f64>, Error> {
+        let anything = Limits { low: f64::NEG_INFINITY, low_allowed: true, high: f64::INFINITY };
+        self.cell(name).map(|_| self.number(name, anything)).transpose()
+    }
+
+    /// A whole number.
+    pub fn whole(&self, name: &str) -> Result<u64, Error> {
+        let cell = self.needed(name)?;
+        let refuse = |_| self.complain(name, format!("`{}`: not a whole number", shortened(cell)));
+        cell.parse().map_err(refuse)
     }
 
     fn word(&self, name: &str, allowed: &[&str]) -> Result<usize, Error> {

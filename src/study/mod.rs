@@ -7,5 +7,5 @@ mod source;
 mod values;
 mod sampling;
 mod recipe;
-mod designs_file;
+pub mod designs_file;
 pub mod config;

@@ -162,6 +162,18 @@ impl CurveSpace {
         }
     }
 
+    /// The same of one b, that the polynomials reach down to.
+    pub(super) fn place(&self, b: f64) -> f64 {
+        match self.variable {
+            // tan(eps/4) from tan(eps/2).
+            Variable::Root => (b / (1.0 + (1.0 + b * b).sqrt()) / self.widest).sqrt(),
+            // Below the narrowest contact nothing but the bed changes.
+            Variable::Logarithm => {
+                (1.0 - (b.ln() - self.widest) / NARROWEST.ln()).max(self.weighted[self.weighted.len() - 1].0)
+            }
+        }
+    }
+
     /// What of S is left out of its polynomials goes with this times the logarithm: a logarithm is a polynomial of itself.
     fn logarithm_share(&self, even: f64) -> f64 {
         match self.variable {
@@ -329,18 +341,10 @@ impl LaneWork for OnHole<'_> {
         let OnHole { space, ratio, values, moved } = self;
         let number = Lanes::<FUSED>::from_f64;
         let count = space.weighted.len();
-        let least = space.weighted[count - 1].0;
         let mut weights = vec![Lanes::<FUSED>::zero(); count];
         for chunk in 0..count / LANES {
-            let b = std::array::from_fn(|lane| space.arcs()[chunk * LANES + lane].b / ratio);
-            let wanted = match space.variable {
-                // tan(eps/4) from tan(eps/2).
-                Variable::Root => b.map(|b| (b / (1.0 + (1.0 + b * b).sqrt()) / space.widest).sqrt()),
-                // Below the narrowest contact nothing but the bed changes.
-                Variable::Logarithm => {
-                    b.map(|b: f64| (1.0 - (b.ln() - space.widest) / NARROWEST.ln()).max(least))
-                }
-            };
+            let wanted =
+                std::array::from_fn(|lane| space.place(space.arcs()[chunk * LANES + lane].b / ratio));
             // Lagrange's polynomials: products of the distances to all nodes before, then to all behind.
             let wanted = Lanes::<FUSED>(wanted);
             let distance = |place: f64| wanted - number(place);

@@ -218,6 +218,11 @@ impl EdgeStates {
         in_lanes_with_terms(space.terms, Solve { space, joint, outlines })
     }
 
+    /// That of a trial pressure, of so many, over e b^2 at an arc.
+    pub(super) fn coefficient(&self, terms: usize, arc: usize, k: usize) -> f64 {
+        self.pressure[arc / LANES * terms + k][arc % LANES]
+    }
+
     /// At each arc, the share by which a change of the joint's compliance changes the work of the pressure: since that is
     /// stationary in the pressure, to first order the relative change of the energy at a given indentation, and of the force
     /// where it changes evenly with the load. Of a whole body it is the share of the work that goes into it.

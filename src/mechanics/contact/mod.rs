@@ -6,5 +6,6 @@ pub mod outlines;
 pub mod state;
 pub mod edge;
 pub mod curve;
+pub mod arc_pressure;
 pub mod search;
 pub mod node_contact;

@@ -1,0 +1,95 @@
+//! The whole curve of one joint, solved once and asked as often as one likes.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::engine::accuracy::Want;
+use crate::engine::bodies::BodyLibrary;
+use crate::engine::joint_contact::{solve_designs, with_curve};
+use crate::engine::joint_scale::JointScale;
+use crate::engine::outcome::StepOutcome;
+use crate::engine::plan::JointPlan;
+use crate::engine::spaces::Spaces;
+use crate::engine::status::Failure;
+use crate::study::config::{MethodChoice, SolveOptions};
+use crate::study::design::{DesignCase, JointDesign, Load};
+
+/// Of one joint, at one resolution from the first contact on: its values are those of one smooth curve.
+pub struct JointCurve {
+    joint: JointDesign,
+    accuracy: f64,
+    library: BodyLibrary<'static>,
+    spaces: Spaces,
+    plan: JointPlan,
+}
+
+/// Indentations that the resolution is chosen for, over the clearance.
+const LOOKED_AT: [f64; 9] = [1e-3, 1e-2, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0];
+
+/// That of a neat fit, over the hole's radius: it has one state.
+const OF_NEAT_FIT: f64 = 1e-3;
+
+impl JointCurve {
+    /// Solves the bodies as finely as an accuracy of the force wants over the whole curve; where none does, as finely as can be,
+    /// and every answer says so. `method` is not `closed-form`.
+    pub fn new(joint: &JointDesign, options: SolveOptions) -> Result<JointCurve, Failure> {
+        let SolveOptions { accuracy, method } = options;
+        assert!(method != MethodChoice::ClosedForm, "a closed form has no curve of the joint");
+        let steps: Vec<Load> = if joint.radial_clearance == 0.0 {
+            vec![Load::Indentation(OF_NEAT_FIT * joint.hole_radius)]
+        } else {
+            LOOKED_AT.map(|ratio| Load::Indentation(ratio * joint.radial_clearance)).into()
+        };
+        let case = DesignCase { index: 0, joint: *joint, steps };
+        let mut plan = JointPlan::cheapest(&case, method, accuracy).map_err(Failure::Refused)?;
+        let (mut library, mut spaces) = (BodyLibrary::default(), Spaces::default());
+        loop {
+            let requests: Vec<_> = plan.requests().collect();
+            library.solve(&requests);
+            let bodies = requests.iter().map(|request| (plan.space, &*library.solved(request).compliance));
+            spaces.prepare(bodies);
+            let answers = solve_designs(&library, &spaces, &plan, std::iter::once(&case), accuracy);
+            let want = answers.first().map_or(Want::Nothing, |(_, want)| *want);
+            match plan.next(want) {
+                Some(next) => plan = next,
+                None => return Ok(JointCurve { joint: *joint, accuracy, library, spaces, plan }),
+            }
+        }
+    }
+
+    pub fn joint(&self) -> &JointDesign {
+        &self.joint
+    }
+
+    /// The accuracy that was asked.
+    pub fn accuracy(&self) -> f64 {
+        self.accuracy
+    }
+
+    /// What a row of a table says under each of these loads (mm or N, not negative).
+    pub fn answers(&self, loads: &[Load]) -> Vec<StepOutcome> {
+        let case = DesignCase { index: 0, joint: self.joint, steps: loads.to_vec() };
+        let answers =
+            solve_designs(&self.library, &self.spaces, &self.plan, std::iter::once(&case), self.accuracy);
+        answers.into_iter().next().map_or(Vec::new(), |(answer, _)| answer.steps)
+    }
+
+    /// The contact pressure along the arc under a load, from the load line to where it ends, evenly spaced: angles at the hole's
+    /// centre, rad, and MPa per area of the hole. Empty where the load has no state.
+    pub fn pressure(&self, load: Load, points: usize) -> Vec<(f64, f64)> {
+        let scale = JointScale::of(&self.joint);
+        let Some(dimensionless) = scale.load(load) else { return Vec::new() };
+        with_curve(&self.library, &self.spaces, &self.plan, &self.joint, |curve| {
+            let Some(Ok((state, above))) = curve.states(std::iter::once(dimensionless)).into_iter().next()
+            else {
+                return Vec::new();
+            };
+            let offset = scale.offset(load, &state);
+            let pressure = curve.pressure(&state, above);
+            let place = |i: usize| i as f64 / (points.max(2) - 1) as f64;
+            // Denser at the end, where the pressure falls like a root.
+            let angle = |i: usize| state.half_angle * (FRAC_PI_2 * place(i)).sin();
+            (0..points.max(2)).map(|i| (angle(i), offset * pressure.at(angle(i)))).collect()
+        })
+        .unwrap_or_default()
+    }
+}

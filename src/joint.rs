@@ -1,0 +1,125 @@
+//! What a program that uses the library needs: a joint, its curve, and what is on it.
+
+use crate::engine::joint_curve::JointCurve;
+use crate::engine::outcome::{Response, StepOutcome};
+use crate::engine::status::Status;
+use crate::error::Error;
+use crate::mechanics::material::Idealization;
+use crate::study::config::{MethodChoice, SolveOptions};
+use crate::study::design::{JointDesign, Load, Part};
+
+/// A joint that can be: every constructor has checked it.
+#[derive(Clone, Copy, Debug)]
+pub struct Joint(JointDesign);
+
+/// Sizes of a joint, mm.
+#[derive(Clone, Copy, Debug)]
+pub struct Dimensions {
+    pub hole_radius: f64,
+    /// Hole radius less pin radius; 0 is a neat fit.
+    pub radial_clearance: f64,
+    pub thickness: f64,
+}
+
+impl Joint {
+    /// Of a pin in a plate. An error says which value is impossible, and what is allowed.
+    pub fn new(
+        dimensions: Dimensions,
+        idealization: Idealization,
+        pin: Part,
+        plate: Part,
+    ) -> Result<Joint, Error> {
+        let Dimensions { hole_radius, radial_clearance, thickness } = dimensions;
+        Joint::try_from(JointDesign { idealization, hole_radius, radial_clearance, thickness, pin, plate })
+    }
+
+    pub fn design(&self) -> &JointDesign {
+        &self.0
+    }
+
+    /// Solves its bodies; from then on any load costs microseconds.
+    pub fn curve(&self, options: Options) -> Result<Curve, Error> {
+        if !(options.accuracy > 0.0 && options.accuracy < 1.0) {
+            let problem = format!("{}: must be above 0 and below 1", options.accuracy);
+            return Err(Error::Joint { quantity: "accuracy".into(), problem });
+        }
+        if options.method == MethodChoice::ClosedForm {
+            let problem = "a closed form has no curve of the joint; see `mechanics::laws`".into();
+            return Err(Error::Joint { quantity: "method".into(), problem });
+        }
+        match JointCurve::new(&self.0, options) {
+            Ok(curve) => Ok(Curve(curve)),
+            Err(failure) => Err(Error::Joint { quantity: String::new(), problem: failure.to_string() }),
+        }
+    }
+}
+
+impl TryFrom<JointDesign> for Joint {
+    type Error = Error;
+
+    fn try_from(design: JointDesign) -> Result<Joint, Error> {
+        design.check()?;
+        Ok(Joint(design))
+    }
+}
+
+/// How a joint is to be solved: the relative error of the force, and by which method.
+pub type Options = SolveOptions;
+
+/// The curve of one joint: one smooth function of the load.
+pub struct Curve(JointCurve);
+
+impl Curve {
+    pub fn joint(&self) -> Joint {
+        Joint(*self.0.joint())
+    }
+
+    /// Answers with their status to loads, as rows of a table have them.
+    pub fn answers(&self, loads: &[Load]) -> Result<Vec<StepOutcome>, Error> {
+        for load in loads {
+            let (quantity, value) = match *load {
+                Load::Indentation(value) => ("indentation", value),
+                Load::Force(value) => ("force", value),
+            };
+            if !(value >= 0.0 && value.is_finite()) {
+                let problem = format!("{value}: must be 0 or more, and finite");
+                return Err(Error::Joint { quantity: quantity.into(), problem });
+            }
+        }
+        Ok(self.0.answers(loads))
+    }
+
+    /// The state under a load; an error where there is none.
+    pub fn at(&self, load: Load) -> Result<Response, Error> {
+        let step = self.answers(&[load])?.pop();
+        let status = step.map_or(Status::OK, |step| step.status);
+        let failed = || Error::Joint { quantity: format!("{load}"), problem: status.to_string() };
+        step.and_then(|step| step.response).ok_or_else(failed)
+    }
+
+    /// N, at an indentation in mm.
+    pub fn force(&self, indentation: f64) -> Result<f64, Error> {
+        Ok(self.at(Load::Indentation(indentation))?.force)
+    }
+
+    /// mm, under a force in N.
+    pub fn indentation(&self, force: f64) -> Result<f64, Error> {
+        Ok(self.at(Load::Force(force))?.indentation)
+    }
+
+    /// dF/d delta, N/mm, at an indentation in mm.
+    pub fn tangent_stiffness(&self, indentation: f64) -> Result<f64, Error> {
+        Ok(self.at(Load::Indentation(indentation))?.tangent_stiffness)
+    }
+
+    /// The contact pressure from the load line to where it ends: angles at the hole's centre, rad, and MPa per area of the hole.
+    pub fn pressure(&self, load: Load, points: usize) -> Result<Vec<(f64, f64)>, Error> {
+        self.at(load)?;
+        Ok(self.0.pressure(load, points))
+    }
+}
+
+/// Answers to loads on a joint, with their status.
+pub fn solve(joint: &Joint, loads: &[Load], options: Options) -> Result<Vec<StepOutcome>, Error> {
+    joint.curve(options)?.answers(loads)
+}
