@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn exact_data_are_found_and_dependent_columns_refused() {
-        let rows: Vec<[f64; 3]> = (1..9).map(|i| f64::from(i)).map(|x| [1.0, x, 1.0 / x]).collect();
+        let rows: Vec<[f64; 3]> = (1..9).map(f64::from).map(|x| [1.0, x, 1.0 / x]).collect();
         let values: Vec<f64> = rows.iter().map(|row| 2.0 * row[0] - 0.5 * row[1] + 3.0 * row[2]).collect();
         let (found, _) = least_squares(&rows, &values, &[0.7; 8]).unwrap();
         for (found, expected) in found.into_iter().zip([2.0, -0.5, 3.0]) {
