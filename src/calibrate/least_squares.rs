@@ -60,7 +60,7 @@ pub fn minimum(problem: &mut impl Problem, start: &[f64]) -> Result<Minimum, NoM
         let slope = Slope::new(&columns, &residuals).ok_or(NoMinimum::NotSettled(iteration))?;
         let sum = norm_squared(&residuals);
         let mut moved = None;
-        let is_over = is_settled && slope.is_minimum(sum);
+        let is_over = slope.is_minimum(sum, 1e-5) || (is_settled && slope.is_minimum(sum, 1.0));
         while !is_over && damping <= MOST_DAMPING {
             let step = slope.step(damping);
             let longest = step.iter().fold(0.0_f64, |most, step| most.max(step.abs()));
@@ -83,7 +83,7 @@ pub fn minimum(problem: &mut impl Problem, start: &[f64]) -> Result<Minimum, NoM
                 is_settled = norm_squared(&less) > (1.0 - 1e-12) * sum;
                 (unknowns, residuals) = (trial, less);
             }
-            None if slope.is_minimum(sum) => {
+            None if slope.is_minimum(sum, 1.0) => {
                 let (inverse, inflation, condition) = slope.inverse();
                 return Ok(Minimum { unknowns, residuals, inverse, inflation, condition, iterations: iteration });
             }
@@ -141,14 +141,15 @@ impl Slope {
         self.frame.iter().zip(&self.norms).map(|(row, norm)| of(row) / norm).collect()
     }
 
-    /// Whether the whole way that is left, along directions the residuals decide, is nothing, or nothing beside the standard error.
-    fn is_minimum(&self, sum: f64) -> bool {
+    /// Whether the whole way that is left, along directions the residuals decide, is nothing, or nothing beside the standard
+    /// error; both `stricter` times.
+    fn is_minimum(&self, sum: f64, stricter: f64) -> bool {
         let spare = self.rows.saturating_sub(self.norms.len()).max(1);
         let deviation = (sum / spare as f64).sqrt();
         let least_norm = self.norms.iter().copied().fold(f64::INFINITY, f64::min);
         (0..self.singular.len()).filter(|k| self.is_decided(*k)).all(|k| {
             let left = self.residuals[k].abs();
-            left <= WITHIN_ERROR * deviation || left / self.singular[k] <= NOTHING_LEFT * least_norm
+            left <= stricter * WITHIN_ERROR * deviation || left / self.singular[k] <= stricter * NOTHING_LEFT * least_norm
         })
     }
 

@@ -104,6 +104,13 @@ fn no_answer(problem: &str) -> Error {
     Error::Calibration { problem: problem.to_string() }
 }
 
+struct Solved {
+    scaled: Vec<f64>,
+    setup: Setup,
+    /// Of each point; `None` before first touch.
+    responses: Vec<Option<Response>>,
+}
+
 /// Measured points against a setup whose unknowns are scaled: logarithms of what is positive, the others over a typical size.
 pub struct Fit<'a> {
     start: Setup,
@@ -113,8 +120,8 @@ pub struct Fit<'a> {
     points: &'a [MeasuredPoint],
     /// Of an indentation and of a compliance in the measurement.
     scale: [f64; 2],
-    /// The last setup that was solved, with its curve: derivatives are asked where residuals were.
-    last: Option<(Vec<f64>, Setup, Curve)>,
+    /// The last setup that was solved: derivatives are asked where residuals were.
+    last: Option<Solved>,
     /// Why the last setup had no answer.
     pub problem: Option<Error>,
 }
@@ -173,8 +180,10 @@ impl<'a> Fit<'a> {
     fn solve(&mut self, scaled: &[f64]) -> Result<Vec<f64>, Error> {
         let setup = self.setup(scaled);
         let curve = setup.curve(self.options)?;
-        let forces = setup.forces(&curve, &self.indentations)?;
-        self.last = Some((scaled.to_vec(), setup, curve));
+        let answers = setup.answers(&curve, &self.indentations)?;
+        let responses: Vec<_> = answers.iter().map(|step| step.and_then(|step| step.response)).collect();
+        let forces = responses.iter().map(|response| response.map_or(0.0, |response| response.force)).collect();
+        self.last = Some(Solved { scaled: scaled.to_vec(), setup, responses });
         Ok(forces)
     }
 }
@@ -198,12 +207,10 @@ impl Problem for Fit<'_> {
 
     /// With the descent delta held, dF = (df + k dw - k F dC)/(1 + k C) for w = u - u0.
     fn derivatives(&mut self, scaled: &[f64]) -> Option<Vec<Vec<f64>>> {
-        if self.last.as_ref().is_none_or(|(last, ..)| last != scaled) {
+        if self.last.as_ref().is_none_or(|last| last.scaled != scaled) {
             self.solve(scaled).ok()?;
         }
-        let (_, setup, curve) = self.last.as_ref()?;
-        let answers = setup.answers(curve, &self.indentations).ok()?;
-        let responses: Vec<_> = answers.iter().map(|step| step.and_then(|step| step.response)).collect();
+        let Solved { setup, responses, .. } = self.last.as_ref()?;
         let loads: Vec<Load> =
             responses.iter().flatten().map(|response| Load::Indentation(response.indentation)).collect();
         let mut columns = Vec::new();
@@ -233,7 +240,7 @@ impl Problem for Fit<'_> {
                 };
                 change / (1.0 + stiffness * setup.support_compliance) * Self::weight(point)
             };
-            columns.push(self.points.iter().zip(&responses).map(slope).collect());
+            columns.push(self.points.iter().zip(responses).map(slope).collect());
         }
         Some(columns)
     }
