@@ -36,12 +36,8 @@ const TRUE: Truth = Truth {
     support_compliance: 0.0,
     zero_offset: 0.0,
 };
-const CONFIG: Truth = Truth {
-    plate_youngs_modulus: 110_000.0,
-    pin_youngs_modulus: 150_000.0,
-    radial_clearance: 0.08,
-    ..TRUE
-};
+const CONFIG: Truth =
+    Truth { plate_youngs_modulus: 110_000.0, pin_youngs_modulus: 150_000.0, radial_clearance: 0.08, ..TRUE };
 
 impl Truth {
     fn of(&self, unknown: Unknown) -> f64 {
@@ -62,8 +58,7 @@ impl Truth {
         let material = |youngs_modulus| Material { youngs_modulus, poissons_ratio: 0.3 };
         let pin = Part::new("rigid-core", &[], None, material(self.pin_youngs_modulus)).unwrap();
         let plate = Part::new(self.plate, ratios, None, material(self.plate_youngs_modulus)).unwrap();
-        let sizes =
-            Dimensions { hole_radius: 10.0, radial_clearance: self.radial_clearance, thickness: 8.0 };
+        let sizes = Dimensions { hole_radius: 10.0, radial_clearance: self.radial_clearance, thickness: 8.0 };
         Joint::new(sizes, Idealization::PlaneStress, pin, plate).unwrap()
     }
 
@@ -211,7 +206,11 @@ fn points_that_no_value_fits_are_said() {
     assert!(good.warnings.is_empty() && good.reduced_chi_square.unwrap() < 1e-6, "{:?}", good.warnings);
     let bad = fit(&Truth { radial_clearance: 0.3, ..truth }, &[Unknown::PlateYoungsModulus], &points);
     assert!(bad.reduced_chi_square.unwrap() > 2.0);
-    assert!(bad.warnings[0].starts_with("the points are farther from the fitted curve"), "{:?}", bad.warnings);
+    assert!(
+        bad.warnings[0].starts_with("the points are farther from the fitted curve"),
+        "{:?}",
+        bad.warnings
+    );
 }
 
 #[test]
@@ -236,7 +235,9 @@ fn what_cannot_be_fitted_is_refused() {
     assert_eq!(few, "1 measured points are too few for 2 unknowns");
     let untouched: Vec<MeasuredPoint> =
         points.iter().map(|point| MeasuredPoint { force: 0.0, ..*point }).collect();
-    assert!(refused(&TRUE, &[Unknown::PlateYoungsModulus], &untouched).contains("every measured force is zero"));
+    assert!(
+        refused(&TRUE, &[Unknown::PlateYoungsModulus], &untouched).contains("every measured force is zero")
+    );
     let neat = Truth { radial_clearance: 0.0, ..TRUE };
     assert!(refused(&neat, &[Unknown::RadialClearance], &points).starts_with("radial_clearance: "));
     let names = |names: &[&str]| {

@@ -89,7 +89,9 @@ pub fn calibrate(
         return refuse("every measured force is zero: nothing was touched".into());
     }
     if unknowns.contains(&Unknown::RadialClearance) && joint.design().radial_clearance == 0.0 {
-        return refuse("radial_clearance: cannot be fitted from 0; give the config a clearance to start from".into());
+        return refuse(
+            "radial_clearance: cannot be fitted from 0; give the config a clearance to start from".into(),
+        );
     }
     let start = Setup { joint: *joint.design(), support_compliance: 0.0, zero_offset: 0.0 };
     let options = Options { accuracy: options.accuracy.min(LEAST_ACCURACY), ..options };
@@ -118,7 +120,8 @@ pub fn calibrate(
         statuses.add(&step.status);
         model_error = model_error.max(step.response.map_or(0.0, |response| response.force_error));
     }
-    let force = |place: usize| answers[place].and_then(|step| step.response).map_or(0.0, |response| response.force);
+    let force =
+        |place: usize| answers[place].and_then(|step| step.response).map_or(0.0, |response| response.force);
     let points: Vec<FittedPoint> = points
         .iter()
         .enumerate()
@@ -159,10 +162,13 @@ pub fn calibrate(
         ));
     }
     if spread.deviation.is_none() {
-        warnings.push("there are as many unknowns as points: without further points there are no intervals".into());
+        warnings.push(
+            "there are as many unknowns as points: without further points there are no intervals".into(),
+        );
     }
     if fitted.iter().any(|one| one.unknown == Unknown::SupportCompliance && one.value < 0.0) {
-        warnings.push("support_compliance is below zero: the measured joint is stiffer than the config's".into());
+        warnings
+            .push("support_compliance is below zero: the measured joint is stiffer than the config's".into());
     }
     for (status, count) in statuses.by_text() {
         if status != Status::OK.to_string() {
@@ -235,11 +241,7 @@ fn correlation(minimum: &Minimum) -> Vec<Vec<Option<f64>>> {
 }
 
 /// Which unknowns do nearly the same to the curve.
-fn not_told_apart(
-    unknowns: &[Unknown],
-    minimum: &Minimum,
-    correlation: &[Vec<Option<f64>>],
-) -> Vec<String> {
+fn not_told_apart(unknowns: &[Unknown], minimum: &Minimum, correlation: &[Vec<Option<f64>>]) -> Vec<String> {
     let mut warnings = Vec::new();
     let mut told = vec![false; unknowns.len()];
     for i in 0..unknowns.len() {
@@ -256,7 +258,8 @@ fn not_told_apart(
         }
     }
     let is_open = |place: usize| minimum.inflation[place] > MOST_INFLATION;
-    let open: Vec<&str> = (0..unknowns.len()).filter(|place| is_open(*place)).map(|k| unknowns[k].name()).collect();
+    let open: Vec<&str> =
+        (0..unknowns.len()).filter(|place| is_open(*place)).map(|k| unknowns[k].name()).collect();
     if (0..unknowns.len()).any(|place| is_open(place) && !told[place]) {
         warnings.push(match open.as_slice() {
             [alone] => format!("the points say nothing about {alone}"),

@@ -85,7 +85,14 @@ pub fn minimum(problem: &mut impl Problem, start: &[f64]) -> Result<Minimum, NoM
             }
             None if slope.is_minimum(sum, 1.0) => {
                 let (inverse, inflation, condition) = slope.inverse();
-                return Ok(Minimum { unknowns, residuals, inverse, inflation, condition, iterations: iteration });
+                return Ok(Minimum {
+                    unknowns,
+                    residuals,
+                    inverse,
+                    inflation,
+                    condition,
+                    iterations: iteration,
+                });
             }
             None => return Err(NoMinimum::NotSettled(iteration)),
         }
@@ -149,7 +156,8 @@ impl Slope {
         let least_norm = self.norms.iter().copied().fold(f64::INFINITY, f64::min);
         (0..self.singular.len()).filter(|k| self.is_decided(*k)).all(|k| {
             let left = self.residuals[k].abs();
-            left <= stricter * WITHIN_ERROR * deviation || left / self.singular[k] <= stricter * NOTHING_LEFT * least_norm
+            left <= stricter * WITHIN_ERROR * deviation
+                || left / self.singular[k] <= stricter * NOTHING_LEFT * least_norm
         })
     }
 

@@ -63,7 +63,9 @@ impl Setup {
                         let excess = *descent + self.support_compliance * response.force - reach[*place];
                         let slope = 1.0 + self.support_compliance * response.tangent_stiffness;
                         if slope <= 0.0 {
-                            return Err(no_answer("the support compliance is negative beyond the joint's own"));
+                            return Err(no_answer(
+                                "the support compliance is negative beyond the joint's own",
+                            ));
                         }
                         excess / slope
                     }
@@ -127,7 +129,12 @@ pub struct Fit<'a> {
 }
 
 impl<'a> Fit<'a> {
-    pub fn new(start: Setup, unknowns: &'a [Unknown], options: Options, points: &'a [MeasuredPoint]) -> Fit<'a> {
+    pub fn new(
+        start: Setup,
+        unknowns: &'a [Unknown],
+        options: Options,
+        points: &'a [MeasuredPoint],
+    ) -> Fit<'a> {
         let greatest = |of: fn(&MeasuredPoint) -> f64| points.iter().map(of).fold(0.0, f64::max);
         let indentation = greatest(|point| point.indentation.abs()).max(f64::MIN_POSITIVE);
         let force = greatest(|point| point.force).max(f64::MIN_POSITIVE);
@@ -182,7 +189,8 @@ impl<'a> Fit<'a> {
         let curve = setup.curve(self.options)?;
         let answers = setup.answers(&curve, &self.indentations)?;
         let responses: Vec<_> = answers.iter().map(|step| step.and_then(|step| step.response)).collect();
-        let forces = responses.iter().map(|response| response.map_or(0.0, |response| response.force)).collect();
+        let forces =
+            responses.iter().map(|response| response.map_or(0.0, |response| response.force)).collect();
         self.last = Some(Solved { scaled: scaled.to_vec(), setup, responses });
         Ok(forces)
     }
@@ -226,7 +234,11 @@ impl Problem for Fit<'_> {
                         steps.into_iter().map(|step| Some(step.response?.force)).collect::<Option<Vec<f64>>>()
                     });
                     let (above, below) = (sides.next()??, sides.next()??);
-                    above.into_iter().zip(below).map(|(above, below)| (above - below) / (2.0 * STEP)).collect()
+                    above
+                        .into_iter()
+                        .zip(below)
+                        .map(|(above, below)| (above - below) / (2.0 * STEP))
+                        .collect()
                 }
             };
             let mut own = own.into_iter();

@@ -80,7 +80,9 @@ fn summary(calibration: &Calibration, dir: &Path) -> String {
     }
     let points = calibration.points.len();
     match calibration.residual_deviation {
-        Some(deviation) => _ = writeln!(text, "{points} points, residuals of {} N (standard deviation)", digits(deviation)),
+        Some(deviation) => {
+            _ = writeln!(text, "{points} points, residuals of {} N (standard deviation)", digits(deviation))
+        }
         None => _ = writeln!(text, "{points} points"),
     }
     if let Some(chi_square) = calibration.reduced_chi_square {
@@ -112,7 +114,8 @@ fn next(args: &CalibrateArgs, study: &Study, calibration: &Calibration) -> Optio
     if settings.len() == args.settings.set.len() {
         return None;
     }
-    let quoted: String = settings.iter().map(|setting| format!(" --set \"{}\"", setting.replace('"', "\\\""))).collect();
+    let quoted: String =
+        settings.iter().map(|setting| format!(" --set \"{}\"", setting.replace('"', "\\\""))).collect();
     Some(format!("jointsweep run {}{quoted}", args.config.display()))
 }
 

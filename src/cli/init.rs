@@ -30,7 +30,8 @@ mod tests {
     #[test]
     fn the_config_and_its_alternatives_are_read() {
         let study = |text: &str| Study::from_text(Path::new("joint.toml"), text.into());
-        let designs = |text: String| study(&text).map(|study| (study.design_count(), study.steps_per_design()));
+        let designs =
+            |text: String| study(&text).map(|study| (study.design_count(), study.steps_per_design()));
         assert_eq!(designs(CONFIG.into()).unwrap(), (2, 20));
         let block = CONFIG
             .replace("model              = \"annulus\"", "# model =")

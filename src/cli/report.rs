@@ -75,8 +75,7 @@ pub fn summary(manifest: &Manifest, dir: &Path, verbose: bool) -> String {
         let [least, greatest] = [least, greatest].map(newtons);
         let to = if least == greatest { String::new() } else { format!(" to {greatest}") };
         _ = writeln!(text, "force: {least}{to}");
-        let [force, linearity] =
-            [counts.greatest_force_error, counts.greatest_linearity_error].map(percent);
+        let [force, linearity] = [counts.greatest_force_error, counts.greatest_linearity_error].map(percent);
         _ = writeln!(text, "force_error: {force} at most; linearity_error: {linearity} at most");
     }
     text += "written:\n";

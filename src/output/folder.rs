@@ -123,9 +123,10 @@ impl ResultFolder {
             Some(origin) if origin.text == study.source_text() => {
                 Occupant::Other(format!("the result of {} for another list of designs", origin.path))
             }
-            Some(origin) if Path::new(&origin.path) == study.path() => {
-                Occupant::Other(format!("the result of {} as it was before its last change, or with other values set", origin.path))
-            }
+            Some(origin) if Path::new(&origin.path) == study.path() => Occupant::Other(format!(
+                "the result of {} as it was before its last change, or with other values set",
+                origin.path
+            )),
             Some(origin) => Occupant::Other(format!("the result of another config ({})", origin.path)),
         })
     }

@@ -80,7 +80,9 @@ fn draw(title: &str, calibration: &Calibration, text: &mut String) -> Drawn {
         PathElement::new(vec![(x, y - reach), (x, y + reach)], POINT.mix(0.35).stroke_width(1))
     }))?;
     chart.draw_series(
-        points.iter().map(|point| Circle::new((point.measured.indentation, point.residual()), 3, POINT.filled())),
+        points
+            .iter()
+            .map(|point| Circle::new((point.measured.indentation, point.residual()), 3, POINT.filled())),
     )?;
     root.present()?;
     Ok(())
@@ -88,8 +90,8 @@ fn draw(title: &str, calibration: &Calibration, text: &mut String) -> Drawn {
 
 /// Around all values, with a little room; never empty.
 fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
-    let (low, high) =
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) = values
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     let room = match high - low {
         room if room > 0.0 => 0.05 * room,
         _ if high.abs() > 0.0 => 0.05 * high.abs(),

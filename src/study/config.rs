@@ -53,7 +53,7 @@ impl Default for SolveOptions {
 }
 
 /// The most steps [load] may have.
-const MAX_STEPS: u64 = 100_000;
+pub const MAX_STEPS: u64 = 100_000;
 
 /// What a config asks for. All that can be wrong with it has been found when there is one.
 #[derive(Debug)]

@@ -11,3 +11,4 @@ mod recipe;
 pub mod designs_file;
 pub mod measured;
 pub mod config;
+pub mod keys;

@@ -101,7 +101,8 @@ mod tests {
 
     #[test]
     fn a_value_takes_the_place_of_the_old_one_and_all_else_stays() {
-        let text = "# my joint\n[joint]\nplate = { model = \"annulus\" } # held\nthickness   = \"5 mm\" # thin\n";
+        let text =
+            "# my joint\n[joint]\nplate = { model = \"annulus\" } # held\nthickness   = \"5 mm\" # thin\n";
         assert_eq!(
             set(text, &["joint.thickness=6 mm", "joint.plate.model = block"]),
             "# my joint\n[joint]\nplate = { model = \"block\" } # held\nthickness   = \"6 mm\" # thin\n"
@@ -110,7 +111,10 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_made() {
-        assert_eq!(set("title = \"t\"\n", &["solve.accuracy=0.1%"]), "title = \"t\"\n\n[solve]\naccuracy = \"0.1%\"\n");
+        assert_eq!(
+            set("title = \"t\"\n", &["solve.accuracy=0.1%"]),
+            "title = \"t\"\n\n[solve]\naccuracy = \"0.1%\"\n"
+        );
         let pin = set("joint = { thickness = \"5 mm\" }\n", &["joint.pin.poissons_ratio=0.3"]);
         assert_eq!(pin, "joint = { thickness = \"5 mm\" , pin = { poissons_ratio = 0.3 } }\n");
         let table = toml::from_str::<toml::Table>(&pin).unwrap();

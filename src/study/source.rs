@@ -123,7 +123,9 @@ impl Source {
 
     /// A complaint about the line of byte `start`, or about what was set.
     pub fn error(&self, start: Option<usize>, key: &str, problem: String) -> Error {
-        let is_of = |edit: &Edit| key == edit.key || key.strip_prefix(&edit.key).is_some_and(|rest| rest.starts_with('.'));
+        let is_of = |edit: &Edit| {
+            key == edit.key || key.strip_prefix(&edit.key).is_some_and(|rest| rest.starts_with('.'))
+        };
         if self.edits.iter().any(is_of) {
             return Error::Input { file: PLACE.into(), line: None, key: key.to_string(), problem };
         }
