@@ -2,7 +2,7 @@
 //! to what its reader takes and refuses.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use jointsweep::output::schema;
 use jointsweep::study::config::Study;
@@ -34,17 +34,9 @@ indentation = "0.01 mm"
 type Table = toml::Table;
 
 fn study(table: &Table) -> Result<Study, String> {
-    let path = config_folder().join("base.toml");
+    // Where the example's list of designs is.
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/base.toml");
     Study::from_text(&path, table.to_string()).map_err(|error| error.to_string())
-}
-
-/// Where an example's list of designs is.
-fn config_folder() -> PathBuf {
-    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("documentation");
-    std::fs::create_dir_all(&dir).unwrap();
-    let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/designs-example.csv");
-    std::fs::copy(list, dir.join("designs.csv")).unwrap();
-    dir
 }
 
 /// The table of a dotted key, made where it is missing.

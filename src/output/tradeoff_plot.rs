@@ -133,7 +133,7 @@ fn decades(values: impl Iterator<Item = f64>, least: std::ops::Range<f64>) -> st
 /// A power of ten as a person writes it.
 fn decade_label(value: f64) -> String {
     let value: f64 = format!("{value:.1e}").parse().unwrap_or(value);
-    if (0.0099..2e4).contains(&value) { format!("{value}") } else { format!("{value:e}") }
+    if (0.0099..5e3).contains(&value) { format!("{value}") } else { format!("{value:e}") }
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;

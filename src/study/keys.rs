@@ -114,7 +114,7 @@ pub fn config_keys() -> Vec<ConfigKey> {
         key("load", "force", "steps of the force of the whole joint", "force", &steps, "{ from = \"10 N\", to = \"10 kN\", count = 20, spacing = \"log\" }")
             .needed("needed, or `indentation`"),
         key("designs", "file", "a CSV list of designs, one load case a row, in the place of [joint], [load] and [sampling]; \
-             relative to the config's folder", "-", "a file", "\"designs.csv\"")
+             relative to the config's folder", "-", "a file", "\"designs-example.csv\"")
             .needed("needed in [designs]"),
         key("sampling", "method", "how the lists and ranges of [joint] combine: every combination, the first with the first and so on, or \
              as many samples as `count` says", "-", &schemes, "\"sobol\"")
