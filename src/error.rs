@@ -33,6 +33,17 @@ pub enum Error {
     #[error("{} is the list of designs and would be overwritten: name another folder with --out", path.display())]
     DesignsInTheWay { path: PathBuf },
 
+    #[error("{} is there already: name another file, or overwrite it with --force", path.display())]
+    FileExists { path: PathBuf },
+
+    /// Something that a command reads stands where it would write.
+    #[error("{} is read and would be overwritten: name another folder with --out", path.display())]
+    InputInTheWay { path: PathBuf },
+
+    /// Measured points that cannot be fitted as asked.
+    #[error("{problem}")]
+    Calibration { problem: String },
+
     #[error("none of {looked_for} is here: name the configs to measure")]
     NothingToMeasure { looked_for: String },
 

@@ -11,5 +11,7 @@ pub mod results;
 pub mod recorder;
 pub mod benchmark;
 pub mod gpu_benchmark;
+pub mod residual_plot;
+pub mod calibration;
 pub mod tradeoff_plot;
 pub mod tradeoff;
