@@ -16,6 +16,7 @@ mod explain;
 mod interrupt;
 mod progress;
 mod report;
+mod report_page;
 mod run;
 mod tradeoff;
 
@@ -42,6 +43,8 @@ enum Command {
     Run(RunArgs),
     /// Says what each design is solved with and why, what was ruled out, and the estimated error and time
     Explain(ExplainArgs),
+    /// Makes one page of a result, for people: curves, map, errors, what failed and why
+    Report(ReportArgs),
     /// Measures whole runs of configs and writes sweep.csv and sweep.manifest.json
     Bench(BenchArgs),
     /// Measures a GPU: checks it, times whole sweeps and each kernel, and compares them with the processor and the peaks
@@ -85,6 +88,25 @@ struct ExplainArgs {
     /// Only this design, by its number in the table [default: all, by what is chosen for them]
     #[arg(long, value_name = "N")]
     design: Option<u64>,
+}
+
+#[derive(Args)]
+struct ReportArgs {
+    /// Folder of a finished run
+    #[arg(value_name = "DIR")]
+    dir: PathBuf,
+    /// Draw the curves of these designs, by their numbers in the table [default: a handful spread over the sweep]
+    #[arg(long, value_name = "N", num_args = 1..)]
+    design: Vec<u64>,
+    /// The page [default: DIR/report.html]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Overwrite a page that is there already
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
 }
 
 #[derive(Args)]
@@ -196,6 +218,7 @@ pub fn main() -> ExitCode {
     let ending = match cli.command {
         Command::Run(args) => run::run(&args),
         Command::Explain(args) => explain::explain(&args),
+        Command::Report(args) => report_page::report_page(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::BenchGpu(args) => bench_gpu::bench_gpu(&args),
         Command::Tradeoff(args) => tradeoff::tradeoff(&args),

@@ -6,6 +6,8 @@ pub mod manifest;
 pub mod lock;
 pub mod folder;
 pub mod results;
+pub mod chart;
+pub mod report;
 pub mod recorder;
 pub mod benchmark;
 pub mod gpu_benchmark;
