@@ -1,71 +1,39 @@
-//! Draws the figures of docs/liu2007.md, each an SVG with its data from the joint's own curves, and their manifest.
+//! Draws the figures of docs/liu2007.md, and their manifest.
 //!
 //! ```sh
 //! cargo run --release --example liu2007_figures -- results/liu2007
 //! ```
 
+#[path = "common/study_figures.rs"]
+mod study_figures;
+
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
-use jointsweep::mechanics::laws::{LAWS, HertzContact, Law, Pair, PerssonContact, winkler};
-use jointsweep::output::chart::text::number;
-use jointsweep::output::chart::{Axis, LineChart, Marking, Series};
+use jointsweep::Error;
 use jointsweep::output::host::{Host, Program, utc};
-use jointsweep::output::manifest::{FileEntry, stage, publish, write_whole};
+use jointsweep::output::manifest::{FileEntry, publish, stage, write_whole};
 use jointsweep::study::fingerprint::Fingerprint;
-use jointsweep::{
-    Curve, Dimensions, Error, Idealization, Joint, Load, Material, MethodChoice, Options, Part, Response,
-};
-
-/// The study's joint: steel in steel, plane stress, a half disc under a rigid plane.
-const STEEL: Material = Material { youngs_modulus: 200e3, poissons_ratio: 0.3 };
-const HOLE_RADIUS: f64 = 100.0;
-/// E* of steel on steel in plane stress, MPa.
-const EFFECTIVE_MODULUS: f64 = 1e5;
-const PLATES: [f64; 5] = [1.5, 2.0, 3.0, 5.0, 10.0];
-/// The plate of configs/liu2007.toml.
-const PLATE: f64 = 2.0;
-/// The study's largest indentation, mm.
-const DEEPEST: f64 = 0.2;
-/// Where the load parameter is one function of the angle: so small that R1 = R2 to 1e-5.
-const CLEARANCE: f64 = 1e-3;
-const ACCURACY: f64 = 2e-4;
-const POINTS: usize = 100;
-
-type Anything = Box<dyn std::error::Error>;
+use study_figures::{ACCURACY, Anything, PLATES, figures};
 
 fn main() -> Result<(), Anything> {
     let Some(dir) = std::env::args().nth(1).map(PathBuf::from) else {
         return Err("name the folder of the figures: liu2007_figures DIR".into());
     };
-    let started = std::time::SystemTime::now();
+    let started = SystemTime::now();
     std::fs::create_dir_all(&dir)?;
-    let figures = [
-        ("force-1mm", force(1.0)?),
-        ("force-0.1mm", force(0.1)?),
-        ("load-parameter-b", against_tangent()?),
-        ("load-parameter-k", against_sine()?),
-        ("pressure-30deg", pressure(30.0)?),
-        ("pressure-60deg", pressure(60.0)?),
-        ("pressure-80deg", pressure(80.0)?),
-        ("peak-pressure", peak_pressure()?),
-        ("laws-5mm", laws(5.0)?),
-        ("laws-1mm", laws(1.0)?),
-        ("laws-0.5mm", laws(0.5)?),
-        ("laws-0.1mm", laws(0.1)?),
-    ];
     let mut files = Vec::new();
-    for (name, chart) in figures {
-        let name = format!("{name}.svg");
-        let path = dir.join(&name);
+    for (name, chart) in figures()? {
+        let path = dir.join(name);
         write_whole(&path, chart.alone().as_bytes())?;
-        files.push(FileEntry::new(&name, &Fingerprint::of_file(&path)?));
+        files.push(FileEntry::new(name, &Fingerprint::of_file(&path)?));
     }
     save_manifest(&dir, files, started)?;
     println!("{}", dir.display());
     Ok(())
 }
 
-fn save_manifest(dir: &Path, files: Vec<FileEntry>, started: std::time::SystemTime) -> Result<(), Error> {
+fn save_manifest(dir: &Path, files: Vec<FileEntry>, started: SystemTime) -> Result<(), Error> {
     #[derive(serde::Serialize)]
     struct Figures {
         #[serde(flatten)]
@@ -91,213 +59,4 @@ fn save_manifest(dir: &Path, files: Vec<FileEntry>, started: std::time::SystemTi
     };
     stage(&figures, &path)?;
     publish(&path)
-}
-
-fn curve(plate: f64, radial_clearance: f64) -> Result<Curve, Error> {
-    let pin = Part::new("rigid-midplane", &[], None, STEEL)?;
-    let plate = Part::new("annulus", &[("outer_radius_ratio", plate)], None, STEEL)?;
-    let sizes = Dimensions { hole_radius: HOLE_RADIUS, radial_clearance, thickness: 1.0 };
-    let joint = Joint::new(sizes, Idealization::PlaneStress, pin, plate)?;
-    joint.curve(Options { accuracy: ACCURACY, method: MethodChoice::Auto })
-}
-
-fn pair(clearance: f64) -> Pair {
-    let plane_stress = Idealization::PlaneStress;
-    Pair::new(HOLE_RADIUS, clearance, 1.0, &STEEL, &STEEL, plane_stress).expect("the study's joint is a pair")
-}
-
-/// Answers to indentations from `low` to `high`, mm, in even ratios.
-fn responses(curve: &Curve, low: f64, high: f64) -> Result<Vec<Response>, Error> {
-    let at = |i: usize| low * (high / low).powf(i as f64 / POINTS as f64);
-    let loads: Vec<Load> = (0..=POINTS).map(at).map(Load::Indentation).collect();
-    Ok(curve.answers(&loads)?.into_iter().filter_map(|step| step.response).collect())
-}
-
-/// Answers to indentations up to the study's largest, denser where they begin.
-fn up_to_deepest(curve: &Curve) -> Result<Vec<Response>, Error> {
-    let at = |i: usize| DEEPEST * (i as f64 / POINTS as f64).powi(2);
-    let loads: Vec<Load> = (1..=POINTS).map(at).map(Load::Indentation).collect();
-    Ok(curve.answers(&loads)?.into_iter().filter_map(|step| step.response).collect())
-}
-
-fn plate_name(plate: f64) -> String {
-    format!("plate {plate} R\u{2082}")
-}
-
-/// A law over the study's indentations, as far as it goes: mm and kN.
-fn law_points(law: &Law, clearance: f64) -> Vec<(f64, f64)> {
-    let Ok(curve) = law.curve(&pair(clearance)) else { return Vec::new() };
-    let end = DEEPEST.min(curve.indentation_limit() * (1.0 - 1e-9));
-    // Denser at the end, where some laws rise without bound.
-    let at = |i: usize| end * (0.5 * std::f64::consts::PI * i as f64 / POINTS as f64).sin();
-    let force = |indentation| Some((indentation, 1e-3 * curve.force_per_thickness(indentation).ok()?));
-    (0..=POINTS).map(at).filter_map(force).collect()
-}
-
-/// Force against indentation in every plate, with the compression that the study calls Hertz's, and Johnson's.
-fn force(clearance: f64) -> Result<LineChart, Error> {
-    let mut series = vec![];
-    for (place, plate) in PLATES.into_iter().enumerate() {
-        let curve = curve(plate, clearance)?;
-        let mut points = vec![(0.0, 0.0)];
-        points.extend(up_to_deepest(&curve)?.iter().map(|r| (r.indentation, 1e-3 * r.force)));
-        series.push(Series::new(plate_name(plate), place, Marking::Line, points));
-    }
-    let top = series.iter().flat_map(|one| &one.points).map(|point| point.1).fold(0.0, f64::max);
-    for (place, name, words) in [(7, "hertz-liu-as-printed", "Hertz as printed"), (6, "johnson", "Johnson")] {
-        let law = Law::named(name).expect("one of the laws");
-        series.push(Series::new(words, place, Marking::Dashed, law_points(law, clearance)));
-    }
-    Ok(LineChart {
-        title: format!("Force against indentation, \u{394}R = {clearance} mm"),
-        x: Axis::from_zero("indentation \u{3b4}, mm", [DEEPEST].into_iter()),
-        y: Axis::from_zero("force, kN", [1.1 * top].into_iter()),
-        series,
-        limits: Vec::new(),
-    })
-}
-
-/// E* dR/F against b = tan(eps/2), every plate and Persson's infinite one.
-fn against_tangent() -> Result<LineChart, Error> {
-    let mut series = load_parameters(|angle| (0.5 * angle).tan())?;
-    let persson = |i: usize| {
-        let b = 0.05 + (0.91 - 0.05) * i as f64 / POINTS as f64;
-        let contact = PerssonContact::from_contact_half_angle(&pair(CLEARANCE), 2.0 * b.atan()).ok()?;
-        Some((b, EFFECTIVE_MODULUS * CLEARANCE / contact.force_per_thickness()))
-    };
-    let points = (0..=POINTS).filter_map(persson).collect();
-    series.push(Series::new("Persson", 7, Marking::Dashed, points));
-    Ok(LineChart {
-        title: "Load parameter against contact angle".into(),
-        x: Axis::from_zero("b = tan(\u{3b5}/2)", [0.95].into_iter()),
-        y: Axis::log("E* \u{394}R/F", [0.03, 100.0].into_iter()),
-        series,
-        limits: vec![(0.6, "the study: from b = 0.6 on".into())],
-    })
-}
-
-/// E* dR/F against k = sin(eps/2), eps where the undeformed circles cross, with the study's Winkler law.
-fn against_sine() -> Result<LineChart, Error> {
-    let sine = |indentation: f64| (indentation / (2.0 * (CLEARANCE + indentation))).sqrt();
-    let mut series = Vec::new();
-    for (place, plate) in PLATES.into_iter().enumerate() {
-        let responses = responses(&curve(plate, CLEARANCE)?, 0.01 * CLEARANCE, 12.0 * CLEARANCE)?;
-        let point = |r: &Response| (sine(r.indentation), EFFECTIVE_MODULUS * CLEARANCE / r.force);
-        series.push(Series::new(plate_name(plate), place, Marking::Line, responses.iter().map(point).collect()));
-    }
-    let law = Law::named("winkler").and_then(|law| law.curve(&pair(CLEARANCE)).ok());
-    let law = law.expect("a law for any clearance");
-    let point = |i: usize| {
-        let k = 0.06 + (0.68 - 0.06) * i as f64 / POINTS as f64;
-        let indentation = 2.0 * k * k / (1.0 - 2.0 * k * k) * CLEARANCE;
-        Some((k, EFFECTIVE_MODULUS * CLEARANCE / law.force_per_thickness(indentation).ok()?))
-    };
-    series.push(Series::new("Winkler law", 7, Marking::Dashed, (0..=POINTS).filter_map(point).collect()));
-    Ok(LineChart {
-        title: "Load parameter against k".into(),
-        x: Axis::from_zero("k = sin(\u{3b5}/2)", [0.7].into_iter()),
-        y: Axis::log("E* \u{394}R/F", [0.03, 100.0].into_iter()),
-        series,
-        limits: vec![(0.2, "the study: within 2 % from k = 0.2 on".into())],
-    })
-}
-
-/// For every plate E* dR/F against a measure of FE's own angle.
-fn load_parameters(measure: impl Fn(f64) -> f64) -> Result<Vec<Series>, Error> {
-    let mut series = Vec::new();
-    for (place, plate) in PLATES.into_iter().enumerate() {
-        let responses = responses(&curve(plate, CLEARANCE)?, 0.01 * CLEARANCE, 60.0 * CLEARANCE)?;
-        let point = |r: &Response| Some((measure(r.contact_half_angle?), EFFECTIVE_MODULUS * CLEARANCE / r.force));
-        let points = responses.iter().filter_map(point).collect();
-        series.push(Series::new(plate_name(plate), place, Marking::Line, points));
-    }
-    Ok(series)
-}
-
-/// The pressure along the arc over the mean pressure F/(2 R2 t), where the contact ends at `degrees`.
-fn pressure(degrees: f64) -> Result<LineChart, Anything> {
-    let mut series = Vec::new();
-    for (place, plate) in PLATES.into_iter().enumerate() {
-        let curve = curve(plate, CLEARANCE)?;
-        let load = at_angle(&curve, degrees.to_radians())?;
-        let mean = curve.at(load)?.force / (2.0 * HOLE_RADIUS);
-        let points = curve.pressure(load, POINTS)?;
-        let points = points.into_iter().map(|(angle, pressure)| (angle.to_degrees(), pressure / mean)).collect();
-        series.push(Series::new(plate_name(plate), place, Marking::Line, points));
-    }
-    let contact = PerssonContact::from_contact_half_angle(&pair(CLEARANCE), degrees.to_radians())?;
-    let mean = contact.force_per_thickness() / (2.0 * HOLE_RADIUS);
-    let mut points = Vec::new();
-    for i in 0..=POINTS {
-        let angle = degrees.to_radians() * (0.5 * std::f64::consts::PI * i as f64 / POINTS as f64).sin();
-        points.push((angle.to_degrees(), contact.pressure(angle)? / mean));
-    }
-    series.push(Series::new("Persson", 7, Marking::Dashed, points));
-    let top = series.iter().flat_map(|one| &one.points).map(|point| point.1);
-    Ok(LineChart {
-        title: format!("Pressure along the arc, \u{3b5} = {degrees} deg"),
-        x: Axis::from_zero("angle from the load line, deg", [degrees].into_iter()),
-        y: Axis::from_zero("p/(F/(2 R\u{2082} t))", top),
-        series,
-        limits: Vec::new(),
-    })
-}
-
-/// The load under which the contact ends at an angle: bisection in the indentation's logarithm.
-fn at_angle(curve: &Curve, angle: f64) -> Result<Load, Error> {
-    let (mut low, mut high) = (1e-3 * CLEARANCE, 1e3 * CLEARANCE);
-    while high / low > 1.0 + 1e-9 {
-        let middle = (low * high).sqrt();
-        // Wider than the half disc is no state, and too wide.
-        let is_narrow = curve.at(Load::Indentation(middle));
-        let is_narrow = is_narrow.is_ok_and(|state| state.contact_half_angle.is_some_and(|own| own < angle));
-        if is_narrow { low = middle } else { high = middle }
-    }
-    Ok(Load::Indentation(low))
-}
-
-/// Peak pressure against E delta/(2 R2) over the study's grid of clearances, plate of ratio 2.
-fn peak_pressure() -> Result<LineChart, Error> {
-    let mut series = Vec::new();
-    for (place, clearance) in [0.1, 0.2, 0.5, 1.0, 5.0].into_iter().enumerate() {
-        let responses = up_to_deepest(&curve(PLATE, clearance)?)?;
-        let law = |r: &Response| STEEL.youngs_modulus * r.indentation / (2.0 * HOLE_RADIUS);
-        let mut points = vec![(0.0, 0.0)];
-        points.extend(responses.iter().filter_map(|r| Some((law(r), r.peak_pressure?))));
-        series.push(Series::new(format!("\u{394}R = {clearance} mm"), place, Marking::Line, points));
-    }
-    let end = winkler::peak_pressure(&pair(1.0), DEEPEST).expect("inside the law's range");
-    series.push(Series::new("p\u{2080} = E \u{3b4}/(2 R\u{2082})", 7, Marking::Dashed, vec![(0.0, 0.0), (end, end)]));
-    Ok(LineChart {
-        title: "Peak pressure against the study's law, plate 2 R\u{2082}".into(),
-        x: Axis::from_zero("E \u{3b4}/(2 R\u{2082}), MPa", [end].into_iter()),
-        y: Axis::from_zero("peak pressure, MPa", series.iter().flat_map(|one| &one.points).map(|point| point.1)),
-        series,
-        limits: Vec::new(),
-    })
-}
-
-/// One clearance with all laws, plate of ratio 2: force against indentation, and Hertz's where it gives one.
-fn laws(clearance: f64) -> Result<LineChart, Error> {
-    let mut points = vec![(0.0, 0.0)];
-    points.extend(up_to_deepest(&curve(PLATE, clearance)?)?.iter().map(|r| (r.indentation, 1e-3 * r.force)));
-    let top = points.iter().map(|point| point.1).fold(0.0, f64::max);
-    let mut series = vec![Series::new(format!("FE, {}", plate_name(PLATE)), 0, Marking::Line, points)];
-    for (place, law) in LAWS.into_iter().enumerate() {
-        let marking = if place < LAWS.len() / 2 { Marking::Dashed } else { Marking::Dotted };
-        let points = law_points(law, clearance);
-        if points.len() > 1 {
-            series.push(Series::new(law.name, 1 + place % 7, marking, points));
-        }
-    }
-    // Hertz's half width there, for those who ask how narrow the contact is.
-    let hertz = HertzContact::from_force(&pair(clearance), 1e3 * top);
-    let width = hertz.map_or(String::new(), |hertz| format!("; a/R\u{2082} = {}", number(hertz.contact_half_width() / HOLE_RADIUS, 2)));
-    Ok(LineChart {
-        title: format!("All laws, \u{394}R = {clearance} mm{width}"),
-        x: Axis::from_zero("indentation \u{3b4}, mm", [DEEPEST].into_iter()),
-        y: Axis::from_zero("force, kN", [1.6 * top].into_iter()),
-        series,
-        limits: Vec::new(),
-    })
 }

@@ -128,7 +128,11 @@ fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<(f64, String)> {
     let decimals = (-step.log10().floor()).max(0.0) as usize;
     let plain = high.abs().max(low.abs()) < 1e6 && decimals <= 5;
     let label = |value: f64| {
-        if plain { format!("{:.decimals$}", if value == 0.0 { 0.0 } else { value }) } else { number(value, 3) }
+        if plain {
+            format!("{:.decimals$}", if value == 0.0 { 0.0 } else { value })
+        } else {
+            number(value, 3)
+        }
     };
     (0..=count.min(50)).map(|i| (first + i as f64) * step).map(|value| (value, label(value))).collect()
 }
@@ -157,7 +161,8 @@ mod tests {
     #[test]
     fn there_is_an_axis_of_anything() {
         for values in [vec![], vec![0.0], vec![1.0], vec![f64::NAN], vec![-1.0, 1e300], vec![1e-300, 1e300]] {
-            for axis in [Axis::from_zero("x", values.iter().copied()), Axis::log("x", values.iter().copied())] {
+            for axis in [Axis::from_zero("x", values.iter().copied()), Axis::log("x", values.iter().copied())]
+            {
                 assert!(axis.high > axis.low, "{axis:?}");
                 let ticks = axis.ticks(6, 400.0, true);
                 assert!((1..60).contains(&ticks.len()), "{axis:?}: {ticks:?}");

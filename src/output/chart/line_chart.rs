@@ -113,7 +113,10 @@ impl LineChart {
                 continue;
             }
             if let (Some(x), Some(y)) = (frame.x(&self.x, x), frame.y_of(&self.y, y)) {
-                _ = writeln!(frame.svg, "<circle class=\"dot s{class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>");
+                _ = writeln!(
+                    frame.svg,
+                    "<circle class=\"dot s{class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>"
+                );
             }
         }
     }
@@ -125,7 +128,14 @@ impl LineChart {
                 continue;
             };
             let Some(height) = frame.y_of(&self.y, pair[0].1).filter(|_| pair[0].1 > 0.0) else { continue };
-            _ = write!(path, "M{:.1} {:.1}V{height:.1}H{:.1}V{:.1}Z", from + 0.5, frame.bottom, to - 0.5, frame.bottom);
+            _ = write!(
+                path,
+                "M{:.1} {:.1}V{height:.1}H{:.1}V{:.1}Z",
+                from + 0.5,
+                frame.bottom,
+                to - 0.5,
+                frame.bottom
+            );
         }
         _ = writeln!(frame.svg, "<path class=\"bar f{class}\" d=\"{path}\"/>");
     }
@@ -161,7 +171,10 @@ fn swatch(series: &Series) -> Swatch {
             format!("<circle class=\"dot s{class}\" cx=\"{:.1}\" cy=\"{y:.1}\" r=\"3\"/>\n", x + 12.0)
         }
         Marking::Bars => {
-            format!("<rect class=\"bar f{class}\" x=\"{x:.1}\" y=\"{:.1}\" width=\"24\" height=\"10\"/>\n", y - 5.0)
+            format!(
+                "<rect class=\"bar f{class}\" x=\"{x:.1}\" y=\"{:.1}\" width=\"24\" height=\"10\"/>\n",
+                y - 5.0
+            )
         }
         line => {
             let style = match line {
@@ -213,7 +226,8 @@ mod tests {
     #[test]
     fn there_is_a_picture_of_anything() {
         let values = [0.0, 1.0, -1.0, f64::NAN, f64::INFINITY, 1e300, 1e-300];
-        let points: Vec<(f64, f64)> = values.iter().flat_map(|x| values.iter().map(move |y| (*x, *y))).collect();
+        let points: Vec<(f64, f64)> =
+            values.iter().flat_map(|x| values.iter().map(move |y| (*x, *y))).collect();
         for marking in [Marking::Line, Marking::Points, Marking::Bars] {
             for axis in [Axis::from_zero, Axis::log] as [fn(&str, std::vec::IntoIter<f64>) -> Axis; 2] {
                 let chart = LineChart {
@@ -225,7 +239,10 @@ mod tests {
                 };
                 for picture in [chart.svg(), chart.alone()] {
                     assert!(picture.trim_end().ends_with("</svg>"));
-                    assert!(!["<b>", "<i>", "<s>", "<l>", "NaN", "inf"].iter().any(|bad| picture.contains(bad)), "{picture}");
+                    assert!(
+                        !["<b>", "<i>", "<s>", "<l>", "NaN", "inf"].iter().any(|bad| picture.contains(bad)),
+                        "{picture}"
+                    );
                 }
             }
         }

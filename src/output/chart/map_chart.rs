@@ -147,7 +147,8 @@ impl MapChart {
             at - clear > width(&ends[0].1) && at + clear < right - left - width(&ends[1].1)
         };
         let ticks = colours.ticks(5, right - left, true).into_iter();
-        let between = ticks.filter(|(value, label)| colours.share(*value).is_some_and(|share| room(share, label)));
+        let between =
+            ticks.filter(|(value, label)| colours.share(*value).is_some_and(|share| room(share, label)));
         for (value, label) in between {
             let at = left + colours.share(value).unwrap_or(0.0) * (right - left);
             _ = writeln!(

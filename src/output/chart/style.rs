@@ -93,8 +93,8 @@ pub fn scale_colour(share: f64) -> String {
     let place = share.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
     let below = (place as usize).min(SCALE.len() - 2);
     let between = place - below as f64;
-    let [r, g, b] =
-        [0, 1, 2].map(|c| (SCALE[below][c] + between * (SCALE[below + 1][c] - SCALE[below][c])).round() as u8);
+    let [r, g, b] = [0, 1, 2]
+        .map(|c| (SCALE[below][c] + between * (SCALE[below + 1][c] - SCALE[below][c])).round() as u8);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 

@@ -24,7 +24,8 @@ pub fn number(value: f64, digits: usize) -> String {
         return format!("{value}");
     }
     let scientific = format!("{value:.*e}", digits.saturating_sub(1));
-    let exponent: i32 = scientific.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
+    let exponent: i32 =
+        scientific.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
     if !(-4..7).contains(&exponent) {
         let mantissa = scientific.split_once('e').map_or("", |(mantissa, _)| mantissa);
         let mantissa = trimmed(mantissa);

@@ -39,7 +39,8 @@ pub fn is_log(chosen: &[Chosen]) -> bool {
     };
     let loads = ratio(answered().map(|row| row.indentation).collect());
     let ends = ratio(chosen.iter().filter_map(|one| one.design.last()).map(|(row, _)| row.force).collect());
-    let widths = ratio(chosen.iter().filter_map(|one| one.design.last()).map(|(row, _)| row.indentation).collect());
+    let widths =
+        ratio(chosen.iter().filter_map(|one| one.design.last()).map(|(row, _)| row.indentation).collect());
     loads >= LOG_FROM || ends >= LOG_FROM || widths >= LOG_FROM
 }
 

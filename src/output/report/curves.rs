@@ -76,7 +76,8 @@ fn introduction(report: &Report) -> String {
 fn key(report: &Report) -> String {
     let chosen = &report.chosen;
     let head = [Cell::Words("design".into())].into_iter();
-    let head: Vec<Cell> = head.chain(chosen.iter().map(|one| Cell::Key(one.place, one.design.number.to_string()))).collect();
+    let head: Vec<Cell> =
+        head.chain(chosen.iter().map(|one| Cell::Key(one.place, one.design.number.to_string()))).collect();
     let mut rows = Vec::new();
     let mut add = |name: String, values: Vec<String>| {
         let cells = [Cell::Words(name)].into_iter().chain(values.into_iter().map(Cell::Number));
@@ -90,7 +91,10 @@ fn key(report: &Report) -> String {
     }
     let last = |value: fn(&Row, &Answer) -> f64| -> Vec<String> {
         let cell = |one: &Chosen| one.design.last().map(|(row, answer)| value(&row, &answer));
-        chosen.iter().map(|one| cell(one).map_or_else(|| "\u{2013}".into(), |value| number(value, 4))).collect()
+        chosen
+            .iter()
+            .map(|one| cell(one).map_or_else(|| "\u{2013}".into(), |value| number(value, 4)))
+            .collect()
     };
     add("last indentation, mm".into(), last(|row, _| row.indentation));
     add("force there, N".into(), last(|row, _| row.force));
@@ -102,7 +106,8 @@ fn key(report: &Report) -> String {
     let mut html = html::table_of(&head, &rows);
     for one in chosen {
         if let Some(problem) = &one.problem {
-            html += &html::remark(&format!("Design {} has no curve of its own: {problem}.", one.design.number));
+            html +=
+                &html::remark(&format!("Design {} has no curve of its own: {problem}.", one.design.number));
         }
     }
     html
@@ -120,9 +125,13 @@ impl Quantity {
     fn figure(&self, chosen: &[Chosen], log: bool) -> Option<String> {
         let mut series = Vec::new();
         for one in chosen {
-            let mut curve: Vec<(f64, f64)> =
-                one.curve.iter().map(|response| (response.indentation, (self.of_response)(response))).collect();
-            let rows: Vec<(f64, f64)> = one.answered().map(|row| (row.indentation, (self.of_row)(&row))).collect();
+            let mut curve: Vec<(f64, f64)> = one
+                .curve
+                .iter()
+                .map(|response| (response.indentation, (self.of_response)(response)))
+                .collect();
+            let rows: Vec<(f64, f64)> =
+                one.answered().map(|row| (row.indentation, (self.of_row)(&row))).collect();
             if curve.is_empty() {
                 curve = rows.clone();
             }
@@ -142,17 +151,24 @@ impl Quantity {
             let points = rows.iter().rev().step_by(stride).copied().collect();
             series.push(Series::new("", one.place, Marking::Points, points));
         }
-        let (unit, factor) = readable(self.unit, series.iter().flat_map(|one| one.points.iter().map(|p| p.1)));
+        let (unit, factor) =
+            readable(self.unit, series.iter().flat_map(|one| one.points.iter().map(|p| p.1)));
         for point in series.iter_mut().flat_map(|one| &mut one.points) {
             point.1 *= factor;
         }
         let xs = || series.iter().flat_map(|one| one.points.iter().map(|point| point.0));
         let ys = || series.iter().flat_map(|one| one.points.iter().map(|point| point.1));
         let name = format!("{}, {unit}", self.name);
-        let far = crate::output::chart::axis::range(ys().filter(|y| *y > 0.0)).is_some_and(|(low, high)| high / low > LOG_FROM);
+        let far = crate::output::chart::axis::range(ys().filter(|y| *y > 0.0))
+            .is_some_and(|(low, high)| high / low > LOG_FROM);
         // Angles end at 90 degrees: their axis is always linear.
-        let y = if log && far && self.unit != "deg" { Axis::log(&name, ys()) } else { Axis::from_zero(&name, ys()) };
-        let x = if log { Axis::log("indentation, mm", xs()) } else { Axis::from_zero("indentation, mm", xs()) };
+        let y = if log && far && self.unit != "deg" {
+            Axis::log(&name, ys())
+        } else {
+            Axis::from_zero(&name, ys())
+        };
+        let x =
+            if log { Axis::log("indentation, mm", xs()) } else { Axis::from_zero("indentation, mm", xs()) };
         if series.is_empty() {
             return None;
         }

@@ -18,7 +18,11 @@ pub fn section(report: &Report) -> String {
              above the {} that {} asked.",
             percent(greatest, 3),
             plural(scan.force_error.above, "row", "rows"),
-            format_args!("{} {}", scan.force_error.count, if scan.force_error.above == 1 { "is" } else { "are" }),
+            format_args!(
+                "{} {}",
+                scan.force_error.count,
+                if scan.force_error.above == 1 { "is" } else { "are" }
+            ),
             percent(asked, 3),
             "was"
         ));
@@ -36,7 +40,12 @@ pub fn section(report: &Report) -> String {
             if above == 1 { "is" } else { "are" },
             percent(limit, 3),
         ));
-        figures.push(histogram("linearity_error", &scan.linearity_error, &format!("remark from {}", percent(limit, 3)), 1));
+        figures.push(histogram(
+            "linearity_error",
+            &scan.linearity_error,
+            &format!("remark from {}", percent(limit, 3)),
+            1,
+        ));
     }
     if figures.is_empty() {
         return String::new();

@@ -35,11 +35,13 @@ pub fn section(report: &Report) -> String {
             ]
         })
         .collect();
-    let mut html = paragraph(&text) + &table(&["status", "rows", "share", "designs", "for example design"], &rows);
+    let mut html =
+        paragraph(&text) + &table(&["status", "rows", "share", "designs", "for example design"], &rows);
     if all.len() > MOST {
         html += &paragraph(&format!("And {} more statuses; the table has them.", all.len() - MOST));
     }
-    let methods: Vec<String> = scan.methods.iter().map(|(method, rows)| format!("{rows} by {method}")).collect();
+    let methods: Vec<String> =
+        scan.methods.iter().map(|(method, rows)| format!("{rows} by {method}")).collect();
     if !methods.is_empty() {
         html += &paragraph(&format!("Answered: {}.", methods.join(", ")));
     }

@@ -76,7 +76,11 @@ pub fn section(report: &Report) -> String {
         .collect();
     let total = report.scan.designs;
     let sampled = report.scan.sample.len() as u64;
-    let of = if sampled < total { format!("{sampled} of the {total} designs, evenly taken") } else { "all designs".into() };
+    let of = if sampled < total {
+        format!("{sampled} of the {total} designs, evenly taken")
+    } else {
+        "all designs".into()
+    };
     let what = if by_row { "each load step" } else { "the last load step" };
     let mut text = format!(
         "Over {} and {}, at {what}, of {of}.",
@@ -132,7 +136,8 @@ fn map(
 }
 
 fn median(values: &[[f64; 2]], which: usize) -> Option<f64> {
-    let mut sorted: Vec<f64> = values.iter().map(|value| value[which]).filter(|value| value.is_finite()).collect();
+    let mut sorted: Vec<f64> =
+        values.iter().map(|value| value[which]).filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     let middle = sorted.len() / 2;
     match sorted.len() {
@@ -189,7 +194,8 @@ fn grid(report: &Report, along: &Along) -> Option<Grid> {
                 let load = |row: &super::scan::Row| if is_force { row.force } else { row.indentation };
                 design.rows.iter().map(load).collect()
             };
-            let mut loads: Vec<f64> = report.scan.sample.iter().flat_map(of_row).filter(|load| load.is_finite()).collect();
+            let mut loads: Vec<f64> =
+                report.scan.sample.iter().flat_map(of_row).filter(|load| load.is_finite()).collect();
             loads.sort_by(f64::total_cmp);
             loads.dedup();
             let name = if is_force { "force, N" } else { "indentation, mm" }.to_string();
@@ -216,7 +222,8 @@ impl Grid {
         let middle = |place: usize| place as f64 + 0.5;
         let (count, labels) = match &cells {
             Cells::Numbers(values) => {
-                let labels = values.iter().enumerate().map(|(at, value)| (middle(at), number(*value, 3))).collect();
+                let labels =
+                    values.iter().enumerate().map(|(at, value)| (middle(at), number(*value, 3))).collect();
                 (values.len(), labels)
             }
             Cells::Words(words) => {

@@ -53,7 +53,8 @@ pub fn section(report: &Report) -> String {
     }
     text += "\u{201c}ends\u{201d}: from that indentation on the law has no force.";
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
-    let figures: Vec<String> = representative(&with).into_iter().filter_map(|one| chart(one, &report.chosen)).collect();
+    let figures: Vec<String> =
+        representative(&with).into_iter().filter_map(|one| chart(one, &report.chosen)).collect();
     html_section("Laws", &(paragraph(&text) + &table(&head, &rows) + &charts(&figures)))
 }
 
@@ -98,8 +99,13 @@ fn chart(one: &Chosen, chosen: &[Chosen]) -> Option<String> {
         .filter(|series| series.points.len() > 1)
         .collect();
     let xs = || series.iter().flat_map(|one| one.points.iter().map(|point| point.0));
-    let ys = series.iter().flat_map(|one| one.points.iter().map(|point| point.1.clamp(-MOST_SHOWN, MOST_SHOWN)));
-    let x = if is_log(chosen) { Axis::log("indentation, mm", xs()) } else { Axis::from_zero("indentation, mm", xs()) };
+    let ys =
+        series.iter().flat_map(|one| one.points.iter().map(|point| point.1.clamp(-MOST_SHOWN, MOST_SHOWN)));
+    let x = if is_log(chosen) {
+        Axis::log("indentation, mm", xs())
+    } else {
+        Axis::from_zero("indentation, mm", xs())
+    };
     let y = Axis::from_zero("misfit of the force, %", ys);
     if series.is_empty() {
         return None;

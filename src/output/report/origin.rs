@@ -18,7 +18,10 @@ fn value(results: &Results) -> serde_json::Value {
 /// The sweep's title.
 pub fn title(results: &Results) -> String {
     let title = value(results)["title"].as_str().unwrap_or_default().to_string();
-    shortened_to(if title.trim().is_empty() { "Pin joints with clearance" } else { title.trim() }, LONGEST_TITLE)
+    shortened_to(
+        if title.trim().is_empty() { "Pin joints with clearance" } else { title.trim() },
+        LONGEST_TITLE,
+    )
 }
 
 pub fn section(report: &Report) -> String {
@@ -36,7 +39,9 @@ pub fn section(report: &Report) -> String {
     if let Some(seconds) = manifest["wall_seconds"].as_f64() {
         text += &format!(" in {} s", crate::output::chart::text::number(seconds, 3));
     }
-    text += &format!(". All rows are in {TABLE} beside this page's {MANIFEST}; units there are mm, N, MPa, mJ and degrees.");
+    text += &format!(
+        ". All rows are in {TABLE} beside this page's {MANIFEST}; units there are mm, N, MPa, mJ and degrees."
+    );
     let mut body = results.manifest.clone();
     if body.chars().count() > LONGEST {
         body = shortened_to(&body, LONGEST) + "\n(cut here: the file has it all)";

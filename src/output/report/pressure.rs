@@ -39,7 +39,8 @@ pub fn section(report: &Report) -> String {
          Pressure is per area of the hole.",
     );
     if relative {
-        text += " The peaks are far apart, so each curve is drawn over its own peak; the legend has the peaks.";
+        text +=
+            " The peaks are far apart, so each curve is drawn over its own peak; the legend has the peaks.";
     } else {
         text += " The legend has the peaks.";
     }

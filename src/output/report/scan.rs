@@ -191,7 +191,8 @@ impl Distribution {
     pub fn bins(&self) -> Vec<(f64, u64)> {
         let Some(first) = self.bins.iter().position(|count| *count > 0) else { return Vec::new() };
         let last = self.bins.iter().rposition(|count| *count > 0).unwrap_or(first);
-        let end = |place: usize| 10f64.powf(f64::from(FIRST_DECADE) + place as f64 / f64::from(BINS_PER_DECADE));
+        let end =
+            |place: usize| 10f64.powf(f64::from(FIRST_DECADE) + place as f64 / f64::from(BINS_PER_DECADE));
         (first..=last + 1).map(|place| (end(place), self.bins.get(place).copied().unwrap_or(0))).collect()
     }
 }
@@ -478,7 +479,11 @@ mod tests {
                 design.add(Row { indentation: f64::from(step), force: 0.0, answer: None });
             }
             let kept: Vec<f64> = design.rows.iter().map(|row| row.indentation).collect();
-            assert!(kept.len() <= MOST_STEPS + 1 && kept.len() as i32 >= count.min(60), "{count}: {}", kept.len());
+            assert!(
+                kept.len() <= MOST_STEPS + 1 && kept.len() as i32 >= count.min(60),
+                "{count}: {}",
+                kept.len()
+            );
             assert_eq!((kept[0], kept[kept.len() - 1]), (0.0, f64::from(count - 1)), "{count}");
             assert!(kept.windows(2).all(|pair| pair[0] < pair[1]), "{count}: {kept:?}");
             let gaps: Vec<f64> = kept.windows(2).map(|pair| pair[1] - pair[0]).collect();
