@@ -7,6 +7,7 @@ use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method, Response, 
 use jointsweep::engine::status::Status;
 use jointsweep::mechanics::body::{annulus, cored_disc};
 use jointsweep::mechanics::material::{Idealization, Material};
+use jointsweep::output::sink::Sink;
 use jointsweep::output::table::Table;
 use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
 
@@ -46,6 +47,7 @@ fn outcome(index: u64, step_count: usize) -> DesignOutcome {
         case: DesignCase { index, joint, steps },
         backend: BackendKind::Cpu,
         steps: (0..step_count).map(step).collect(),
+        laws: None,
     }
 }
 

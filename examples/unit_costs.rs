@@ -34,6 +34,7 @@ use jointsweep::mechanics::contact::outlines::Outlines;
 use jointsweep::mechanics::material::Idealization;
 use jointsweep::mechanics::real::LANES;
 use jointsweep::output::host::{Host, processor_seconds};
+use jointsweep::output::sink::Sink;
 use jointsweep::output::table::Table;
 use jointsweep::study::config::Study;
 

@@ -14,6 +14,7 @@ mod bench_gpu;
 mod devices;
 mod explain;
 mod interrupt;
+mod laws;
 mod progress;
 mod report;
 mod report_page;
@@ -41,6 +42,8 @@ failed and say why in their status; 130 interrupted, the rows so far are kept.";
 enum Command {
     /// Solves every design of a config and writes table.csv and manifest.json
     Run(RunArgs),
+    /// Fits laws to the designs of a result and writes laws.csv beside its table
+    Laws(LawsArgs),
     /// Says what each design is solved with and why, what was ruled out, and the estimated error and time
     Explain(ExplainArgs),
     /// Makes one page of a result, for people: curves, map, errors, what failed and why
@@ -79,6 +82,18 @@ struct RunArgs {
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
+}
+
+#[derive(Args)]
+struct LawsArgs {
+    /// Folder of a result
+    dir: PathBuf,
+    /// Threads that compute [default: all cores]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
+    /// Overwrite the laws that are there
+    #[arg(long)]
+    force: bool,
 }
 
 #[derive(Args)]
@@ -217,6 +232,7 @@ pub fn main() -> ExitCode {
     };
     let ending = match cli.command {
         Command::Run(args) => run::run(&args),
+        Command::Laws(args) => laws::laws(&args),
         Command::Explain(args) => explain::explain(&args),
         Command::Report(args) => report_page::report_page(&args),
         Command::Bench(args) => bench::bench(&args),

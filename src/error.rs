@@ -59,6 +59,9 @@ pub enum Error {
     #[error("there is no design {design}: the sweep has {count}, counted from 0")]
     NoSuchDesign { design: u64, count: u64 },
 
+    #[error("{} is there: overwrite it with --force, or name another file", path.display())]
+    FileTaken { path: PathBuf },
+
     /// A folder that holds no result of a finished run.
     #[error("{}: {problem}", dir.display())]
     NoResult { dir: PathBuf, problem: String },

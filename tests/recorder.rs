@@ -88,7 +88,7 @@ fn an_earlier_result_stays_until_the_new_one_is_whole() {
     let (study, second) = recorder(&work, "result");
     second.fail(&Error::ForGpuOnly { option: "--adapter" });
     assert_eq!(now(), first);
-    assert_eq!(work.files(), ["result/manifest.json", "result/table.csv", "study.toml"]);
+    assert_eq!(work.files(), ["result/laws.csv", "result/manifest.json", "result/table.csv", "study.toml"]);
     let (_, mut third) = recorder(&work, "result");
     third.write(outcomes(&study).remove(0)).unwrap();
     drop(third);
@@ -96,7 +96,7 @@ fn an_earlier_result_stays_until_the_new_one_is_whole() {
     assert_eq!(work.table("result/table.csv.partial").records.len(), 2);
     let again = complete(&work, "result");
     assert_eq!(again.0, first.0);
-    assert_eq!(work.files(), ["result/manifest.json", "result/table.csv", "study.toml"]);
+    assert_eq!(work.files(), ["result/laws.csv", "result/manifest.json", "result/table.csv", "study.toml"]);
 }
 
 /// The partial files that a process leaves when it is killed between its renames, in every state of them.
@@ -115,7 +115,10 @@ fn a_result_that_was_being_renamed_is_taken_for_complete() {
         assert!(!is_done());
         drop(folder.claim("of a test").unwrap());
         assert!(is_done());
-        assert_eq!(work.files(), ["result/manifest.json", "result/table.csv", "study.toml"]);
+        assert_eq!(
+            work.files(),
+            ["result/laws.csv", "result/manifest.json", "result/table.csv", "study.toml"]
+        );
         let found = (work.read("result/table.csv"), work.read("result/manifest.json"));
         assert_eq!(found, (table.clone(), manifest.clone()));
     }
@@ -125,7 +128,8 @@ fn a_result_that_was_being_renamed_is_taken_for_complete() {
     std::fs::remove_file(work.path("result/manifest.json")).unwrap();
     std::fs::remove_file(work.path("result/table.csv")).unwrap();
     drop(folder.claim("of a test").unwrap());
-    assert_eq!(work.files(), ["result/manifest.json.partial", "result/table.csv.partial", "study.toml"]);
+    let left = ["result/laws.csv", "result/manifest.json.partial", "result/table.csv.partial", "study.toml"];
+    assert_eq!(work.files(), left);
 }
 
 #[test]

@@ -17,6 +17,7 @@ pub mod unit_costs;
 pub mod interpolation;
 pub mod joint_curve;
 pub mod ladder;
+pub mod law_fit;
 pub mod cost;
 pub mod explain;
 pub mod sweep;

@@ -1,6 +1,7 @@
 //! What one load step of one design came to. mm, N, MPa.
 
 use crate::engine::status::{Failure, Status};
+use crate::mechanics::laws::calibrated::FittedLaw;
 use crate::study::design::DesignCase;
 
 /// How a number was found, cheapest first.
@@ -85,16 +86,32 @@ pub struct Answer {
     pub steps: Vec<StepOutcome>,
 }
 
+/// The laws of one design.
+#[derive(Clone, Debug, Default)]
+pub struct DesignLaws {
+    pub laws: Vec<FittedLaw>,
+    /// Which of them to take, and why.
+    pub recommended: Option<(usize, &'static str)>,
+    /// dF/d delta of ever larger loads, N/mm: that of a neat fit.
+    pub stiffness_of_large_loads: Option<f64>,
+    /// C of small loads, delta = F/(pi E* t) [ln(E* t dR/F) + C].
+    pub small_load_constant: Option<f64>,
+    /// Why there are no laws.
+    pub missing: Option<&'static str>,
+}
+
 /// A design with its answer.
 #[derive(Clone, Debug)]
 pub struct DesignOutcome {
     pub case: DesignCase,
     pub backend: BackendKind,
     pub steps: Vec<StepOutcome>,
+    /// `None` where they were not asked for.
+    pub laws: Option<Box<DesignLaws>>,
 }
 
 impl DesignOutcome {
     pub fn new(case: DesignCase, Answer { backend, steps }: Answer) -> DesignOutcome {
-        DesignOutcome { case, backend, steps }
+        DesignOutcome { case, backend, steps, laws: None }
     }
 }

@@ -12,6 +12,7 @@ use foldhash::fast::RandomState;
 use crate::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
+use crate::engine::law_fit::add_laws;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::error::Error;
 use crate::study::config::Study;
@@ -160,7 +161,13 @@ fn solve_all(
     for batch in drawn {
         let outcomes = batch.map(|batch| {
             let answers = pool.install(|| ladder.answers(&batch));
-            batch.into_iter().zip(answers).map(|(case, answer)| DesignOutcome::new(case, answer)).collect()
+            let outcomes = batch.into_iter().zip(answers);
+            let mut outcomes: Vec<_> =
+                outcomes.map(|(case, answer)| DesignOutcome::new(case, answer)).collect();
+            if study.fits_laws() {
+                pool.install(|| add_laws(&mut ladder, &mut outcomes));
+            }
+            outcomes
         });
         if let Some(error) = ladder.library.lost().filter(|_| fallback.is_none()) {
             fallback = given_up(options, &error.to_string());

@@ -14,6 +14,7 @@ use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 
 pub const TABLE: &str = "table.csv";
+pub const LAWS: &str = "laws.csv";
 pub const MANIFEST: &str = "manifest.json";
 
 /// What a command leaves in a folder besides the manifest.
@@ -24,7 +25,7 @@ pub struct Contents {
     files: &'static [&'static str],
 }
 
-pub static RUN: Contents = Contents { command: None, files: &[TABLE] };
+pub static RUN: Contents = Contents { command: None, files: &[TABLE, LAWS] };
 pub static TRADEOFF: Contents =
     Contents { command: Some("tradeoff"), files: &["tradeoff.csv", "front.csv", "tradeoff.svg"] };
 
@@ -172,10 +173,20 @@ impl ResultFolder {
         Ok(created)
     }
 
-    /// Gives the files of a complete result their own names, the manifest last.
+    /// Gives the files of a complete result their own names, the manifest last. Files of the result before that the new one does
+    /// not have are gone then.
     fn publish(&self) -> Result<(), Error> {
-        for path in self.files().chain([self.manifest()]) {
-            rename(&partial(&path), &path)?;
+        let mut left = Vec::new();
+        for path in self.files() {
+            if partial(&path).exists() {
+                rename(&partial(&path), &path)?;
+            } else if path.exists() {
+                left.push(path);
+            }
+        }
+        rename(&partial(&self.manifest()), &self.manifest())?;
+        for path in left {
+            std::fs::remove_file(&path).map_err(|source| Error::Io { action: "remove", path, source })?;
         }
         Ok(())
     }
@@ -198,7 +209,12 @@ impl ResultFolder {
                 rename(&found, &path)?;
             }
         }
-        rename(&partial(&self.manifest()), &self.manifest())
+        rename(&partial(&self.manifest()), &self.manifest())?;
+        let is_new = |path: &PathBuf| origin.files.iter().any(|(name, _)| self.dir.join(name) == *path);
+        for path in self.files().filter(|path| !is_new(path) && path.exists()) {
+            std::fs::remove_file(&path).map_err(|source| Error::Io { action: "remove", path, source })?;
+        }
+        Ok(())
     }
 }
 
@@ -228,6 +244,21 @@ impl Claim {
     /// Where a file is written until it is whole.
     pub fn partial(&self, name: &str) -> PathBuf {
         partial(&self.folder.dir.join(name))
+    }
+
+    /// Removes what an unfinished run before has left of files that this one does not write.
+    pub fn remove_others<'a>(&self, own: impl Iterator<Item = &'a str>) -> Result<(), Error> {
+        let own: Vec<&str> = own.collect();
+        for name in self.folder.contents.files.iter().filter(|name| !own.contains(*name)) {
+            let path = self.partial(name);
+            match std::fs::remove_file(&path) {
+                Err(source) if source.kind() != ErrorKind::NotFound => {
+                    return Err(Error::Io { action: "remove", path, source });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// Gives the files of a complete result their own names.

@@ -168,6 +168,15 @@ impl Counts {
     }
 }
 
+/// A manifest's text with a file of the result added to those it vouches for, in the place of one of that name.
+pub fn with_file(manifest: &str, name: &str, print: &Fingerprint) -> Option<String> {
+    let mut value: serde_json::Value = serde_json::from_str(manifest).ok()?;
+    let files = value.get_mut("files")?.as_array_mut()?;
+    files.retain(|file| file.get("path").and_then(serde_json::Value::as_str) != Some(name));
+    files.push(serde_json::to_value(FileEntry::new(name, print)).ok()?);
+    Some(serde_json::to_string_pretty(&value).ok()? + "\n")
+}
+
 impl Manifest {
     pub fn new(study: &Study, conditions: &Conditions) -> Manifest {
         Manifest {

@@ -1,10 +1,12 @@
 mod number;
 pub mod schema;
-pub mod table;
 pub mod host;
 pub mod manifest;
 pub mod lock;
 pub mod folder;
+pub mod sink;
+pub mod table;
+pub mod laws_table;
 pub mod results;
 pub mod chart;
 pub mod report;

@@ -107,6 +107,36 @@ const RESULTS: [(&str, &str, &str, Kind); 11] = [
     ("status", "-", "`ok`, or remarks on the answer, or `failed: ` and why", Kind::Status),
 ];
 
+/// The columns of `laws.csv`: name, unit, meaning.
+pub fn law_columns() -> [(&'static str, &'static str, &'static str); 20] {
+    [
+        ("design", "-", "number of the design, as in `table.csv`"),
+        ("law", "-", "name of the law; `none` where the joint has no curve"),
+        (
+            "constant_1",
+            "-",
+            "constants of the law, dimensionless, in the order of docs/laws.md; empty for a spline",
+        ),
+        ("constant_2", "-", "second constant"),
+        ("constant_3", "-", "third constant"),
+        ("constant_4", "-", "fourth constant"),
+        ("effective_stiffness_n_per_mm", "N/mm", "E* t: with the clearance it brings the law to N and mm"),
+        ("radial_clearance_mm", "mm", "dR; 1 for a neat fit, whose law is linear"),
+        ("range_from_mm", "mm", "indentations that the law was fitted over"),
+        ("range_to_mm", "mm", "end of this range"),
+        ("worst_force_misfit", "-", "of the force over the range, relative, at loads fitted and not fitted"),
+        ("mean_force_misfit", "-", "mean of it"),
+        ("worst_stiffness_misfit", "-", "of the tangent stiffness"),
+        ("mean_stiffness_misfit", "-", "mean of it"),
+        ("small_load_constant", "-", "C of small loads, delta = F/(pi E* t) [ln(E* t dR/F) + C]"),
+        ("large_load_stiffness_n_per_mm", "N/mm", "slope that the force has under ever larger loads"),
+        ("formula", "-", "to paste: F in N, d = indentation in mm"),
+        ("outside_range", "-", "what the law does outside its range"),
+        ("reference", "-", "what the indentation is relative to: `support`, where the plate is held"),
+        ("recommended", "-", "`yes` and why, for one law of each design"),
+    ]
+}
+
 /// All columns, in their order.
 pub fn table_columns() -> Vec<TableColumn> {
     let design = TableColumn {
@@ -130,10 +160,20 @@ pub fn table_columns() -> Vec<TableColumn> {
     std::iter::once(design).chain(inputs).chain(results).collect()
 }
 
-/// As a table in Markdown.
+/// The columns of `table.csv` as a table in Markdown.
 pub fn documentation() -> String {
+    let columns = table_columns();
+    markdown(columns.iter().map(|column| (&*column.name, column.unit, &*column.about)))
+}
+
+/// Those of `laws.csv`.
+pub fn law_documentation() -> String {
+    markdown(law_columns().into_iter())
+}
+
+fn markdown<'a>(columns: impl Iterator<Item = (&'a str, &'a str, &'a str)>) -> String {
     let mut text = String::from("| column | unit | meaning |\n|---|---|---|\n");
-    for TableColumn { name, unit, about, .. } in table_columns() {
+    for (name, unit, about) in columns {
         text += &format!("| `{name}` | {unit} | {about} |\n");
     }
     text

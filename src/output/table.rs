@@ -6,8 +6,10 @@ use std::borrow::Cow;
 
 use crate::engine::outcome::{DesignOutcome, Response, StepOutcome};
 use crate::engine::status::{Failure, Status};
+use crate::output::folder::TABLE;
 use crate::output::number::{push_exact, push_rounded};
 use crate::output::schema::{Kind, TableColumn, table_columns};
+use crate::output::sink::Sink;
 use crate::study::columns::Cell;
 use crate::study::design::{DesignCase, Load};
 
@@ -31,17 +33,19 @@ impl Default for Table {
     }
 }
 
-impl Table {
-    /// Appends the row of names.
-    pub fn push_header(&self, out: &mut Vec<u8>) {
+impl Sink for Table {
+    fn file_name(&self) -> &'static str {
+        TABLE
+    }
+
+    fn push_header(&self, out: &mut Vec<u8>) {
         let names: Vec<&str> = self.columns.iter().map(|column| &*column.name).collect();
         out.extend_from_slice(names.join(",").as_bytes());
         out.push(b'\n');
     }
 
-    /// Appends a row for each step of a design. A response that is not a number in every part is no response:
-    /// its step is turned into a failed one, here and in `outcome`.
-    pub fn push_rows(&mut self, out: &mut Vec<u8>, outcome: &mut DesignOutcome) {
+    /// A response that is not a number in every part is no response.
+    fn push_rows(&mut self, out: &mut Vec<u8>, outcome: &mut DesignOutcome) {
         assert_eq!(outcome.case.steps.len(), outcome.steps.len(), "an outcome for every step");
         let (inputs, results) = self.columns.split_at(self.input_count);
         self.input_text.clear();
@@ -115,7 +119,7 @@ fn push_result(out: &mut Vec<u8>, value: Option<f64>) {
 }
 
 /// Appends free text, quoted where CSV (RFC 4180) asks for it.
-fn push_text(out: &mut Vec<u8>, text: &str) {
+pub(super) fn push_text(out: &mut Vec<u8>, text: &str) {
     if !text.contains([',', '"', '\n', '\r']) {
         return out.extend_from_slice(text.as_bytes());
     }
@@ -129,7 +133,7 @@ mod tests {
     use std::ops::Bound::Included;
 
     use super::*;
-    use crate::engine::outcome::{BackendKind, Method};
+    use crate::engine::outcome::{Answer, BackendKind, Method};
     use crate::mechanics::body::{annulus, half_disc};
     use crate::mechanics::laws::LawError;
     use crate::mechanics::material::{Idealization, Material};
@@ -160,7 +164,8 @@ mod tests {
         };
         let case = DesignCase { index: 7, joint, steps: loads.to_vec() };
         let mut text = Vec::new();
-        Table::default().push_rows(&mut text, &mut DesignOutcome { case, backend: BackendKind::Cpu, steps });
+        Table::default()
+            .push_rows(&mut text, &mut DesignOutcome::new(case, Answer { backend: BackendKind::Cpu, steps }));
         String::from_utf8(text).unwrap()
     }
 

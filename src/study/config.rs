@@ -51,6 +51,9 @@ impl Default for SolveOptions {
     }
 }
 
+/// Designs up to which laws are fitted without being asked for: three megabytes of them, in a tenth of a second.
+pub const LAWS_UP_TO: u64 = 1000;
+
 /// The most steps [load] may have.
 const MAX_STEPS: u64 = 100_000;
 
@@ -62,6 +65,8 @@ pub struct Study {
     pub solve: SolveOptions,
     /// Whether bodies may be interpolated where that is cheaper.
     pub interpolation: bool,
+    /// Whether laws are to be fitted; `None` leaves it to the size of the sweep.
+    laws: Option<bool>,
     designs: Designs,
 }
 
@@ -86,13 +91,20 @@ impl Study {
         let path = &source.path;
         let document = source.parse()?;
         let root = source.root(&document);
-        root.allow(&["title", "joint", "load", "designs", "sampling", "solve"])?;
+        root.allow(&["title", "joint", "load", "designs", "sampling", "solve", "output"])?;
         let title = match root.find("title") {
             Some(item) => item.string()?.to_string(),
             None => stem(path),
         };
         let default = Ok((SolveOptions::default(), true));
         let (solve, interpolation) = root.section("solve")?.map_or(default, |table| read_solve(&table))?;
+        let laws = match root.section("output")? {
+            Some(table) => {
+                table.allow(&["laws"])?;
+                table.find("laws").map(|item| item.boolean()).transpose()?
+            }
+            None => None,
+        };
         let designs = match root.section("designs")? {
             Some(list) => {
                 for key in ["joint", "load", "sampling"] {
@@ -115,7 +127,7 @@ impl Study {
                 Designs::Sampled { recipe, steps: read_load(&table("load")?)? }
             }
         };
-        Ok(Study { title, solve, interpolation, designs, source })
+        Ok(Study { title, solve, interpolation, laws, designs, source })
     }
 
     /// The title, or the file's name when there is none.
@@ -152,6 +164,12 @@ impl Study {
             inputs.push((file.path(), file.fingerprint()));
         }
         inputs
+    }
+
+    /// Whether laws are fitted: as asked, or for sweeps of up to `LAWS_UP_TO` designs. A closed form has no curve to fit.
+    pub fn fits_laws(&self) -> bool {
+        let is_small = self.design_count() <= LAWS_UP_TO;
+        self.laws.unwrap_or(is_small) && self.solve.method != MethodChoice::ClosedForm
     }
 
     pub fn design_count(&self) -> u64 {
@@ -211,6 +229,15 @@ impl Iterator for Cases<'_> {
             }
         }
     }
+}
+
+/// What the table [solve] of a config's text asks for: all that is needed to solve one of its designs again. `path` is what
+/// complaints call the config.
+pub fn solve_options(path: &Path, text: &str) -> Result<SolveOptions, Error> {
+    let source = Source { path: path.to_path_buf(), text: text.to_string() };
+    let document = source.parse()?;
+    let section = source.root(&document).section("solve")?;
+    section.map_or(Ok(SolveOptions::default()), |table| Ok(read_solve(&table)?.0))
 }
 
 fn stem(path: &Path) -> String {

@@ -172,6 +172,10 @@ impl<'a> Item<'a> {
         self.value.as_str().ok_or_else(|| self.wrong_type("a string"))
     }
 
+    pub fn boolean(&self) -> Result<bool, Error> {
+        self.value.as_bool().ok_or_else(|| self.wrong_type("true or false"))
+    }
+
     /// One of the words in `allowed`, as its position.
     pub fn word(&self, allowed: &[&str]) -> Result<usize, Error> {
         let word = self.string()?;

@@ -1,6 +1,7 @@
 //! The program as a user runs it: folder rules, exit codes, and what is on disk however a run ends.
 
 mod gpu;
+mod laws;
 #[path = "../common/greatest.rs"]
 mod greatest;
 #[path = "../common/workdir.rs"]
@@ -119,7 +120,10 @@ fn the_manifest_tells_what_was_run_and_what_came_of_it() {
 
     let folder = work.path("").to_str().unwrap().to_string();
     assert!(!work.read("out/small/manifest.json").contains(&folder), "names a folder of this machine");
-    assert_eq!(work.files(), ["out/small/manifest.json", "out/small/table.csv", "small.toml"]);
+    assert_eq!(
+        work.files(),
+        ["out/small/laws.csv", "out/small/manifest.json", "out/small/table.csv", "small.toml"]
+    );
 }
 
 #[test]
@@ -184,7 +188,10 @@ fn a_finished_result_is_not_made_again_unless_asked() {
     }
     work.run(&["run", "small.toml", "--again"]).expect(0);
     assert_eq!(work.read("out/small/table.csv"), table);
-    assert_eq!(work.files(), ["out/small/manifest.json", "out/small/table.csv", "small.toml"]);
+    assert_eq!(
+        work.files(),
+        ["out/small/laws.csv", "out/small/manifest.json", "out/small/table.csv", "small.toml"]
+    );
 }
 
 /// A list that was changed is another list, whatever its name.
@@ -274,7 +281,10 @@ fn a_folder_with_other_files_can_hold_a_result() {
     let work = small("others");
     work.write("notes/read.me", "mine");
     work.run(&["run", "small.toml", "--out", "notes"]).expect(0);
-    assert_eq!(work.files(), ["notes/manifest.json", "notes/read.me", "notes/table.csv", "small.toml"]);
+    assert_eq!(
+        work.files(),
+        ["notes/laws.csv", "notes/manifest.json", "notes/read.me", "notes/table.csv", "small.toml"]
+    );
 }
 
 #[test]

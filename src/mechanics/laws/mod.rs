@@ -27,6 +27,7 @@ pub mod damping;
 pub mod pereira;
 pub mod winkler;
 pub mod persson;
+pub mod calibrated;
 
 pub use damping::Damping;
 pub use hertz::HertzContact;

@@ -1,0 +1,104 @@
+//! `jointsweep laws`: laws for a result that has none.
+
+use jointsweep::Error;
+use jointsweep::engine::ladder::Ladder;
+use jointsweep::engine::law_fit::laws_of_all;
+use jointsweep::engine::outcome::{Answer, BackendKind, DesignOutcome};
+use jointsweep::output::folder::{LAWS, MANIFEST};
+use jointsweep::output::laws_table::LawsTable;
+use jointsweep::output::manifest::{publish, staged, with_file, write_whole};
+use jointsweep::output::results::{Results, TableRow};
+use jointsweep::output::sink::SinkFile;
+use jointsweep::study::config::{MethodChoice, solve_options};
+use jointsweep::study::design::{DesignCase, Load};
+
+use super::{Ending, LawsArgs, print, threads};
+
+/// Designs that are solved together.
+const BATCH: usize = 4096;
+
+pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
+    let results = Results::open(&args.dir)?;
+    let path = args.dir.join(LAWS);
+    if path.exists() && !args.force {
+        return Err(Error::FileTaken { path });
+    }
+    let origin = &results.origin;
+    let options = solve_options(std::path::Path::new(&origin.path), &origin.text)?;
+    let refuse = |problem: &str| Err(Error::NoResult { dir: args.dir.clone(), problem: problem.into() });
+    if options.method == MethodChoice::ClosedForm {
+        return refuse("a closed form has no curve to fit laws to");
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads(args.threads)).build();
+    let pool =
+        pool.map_err(|error| Error::Threads { threads: threads(args.threads), problem: error.to_string() })?;
+    let mut ladder = Ladder::new(options);
+    let mut file = SinkFile::new(Box::new(LawsTable), staged(&path));
+    file.open()?;
+    file.begin()?;
+    let mut designs = Designs { rows: results.rows()?, next: None };
+    let mut count = 0;
+    loop {
+        let mut batch = Vec::new();
+        while batch.len() < BATCH {
+            let Some(design) = designs.next()? else { break };
+            batch.push(design);
+        }
+        if batch.is_empty() {
+            break;
+        }
+        count += batch.len();
+        let asked: Vec<_> = batch.iter().map(|(case, working)| (case, *working)).collect();
+        let fitted = pool.install(|| laws_of_all(&mut ladder, &asked));
+        for ((case, _), laws) in batch.into_iter().zip(fitted) {
+            let mut outcome =
+                DesignOutcome::new(case, Answer { backend: BackendKind::Cpu, steps: Vec::new() });
+            outcome.laws = Some(Box::new(laws));
+            file.write(&mut outcome)?;
+        }
+    }
+    file.flush()?;
+    publish(&path)?;
+    let Some(manifest) = with_file(&results.manifest, LAWS, &file.fingerprint()) else {
+        return refuse("its manifest cannot be read");
+    };
+    write_whole(&args.dir.join(MANIFEST), manifest.as_bytes())?;
+    print(&format!("laws of {count} designs: {}\n", path.display()))?;
+    Ok(Ending::Complete)
+}
+
+/// The designs of a table, each with the least and the greatest indentation that was answered.
+struct Designs {
+    rows: jointsweep::output::results::TableRows,
+    /// The first row of the next design, where it was read.
+    next: Option<TableRow>,
+}
+
+impl Designs {
+    #[allow(clippy::type_complexity)]
+    fn next(&mut self) -> Result<Option<(DesignCase, Option<(f64, f64)>)>, Error> {
+        let first = match self.next.take() {
+            Some(row) => row,
+            None if self.rows.advance()?.is_some() => self.rows.row()?,
+            None => return Ok(None),
+        };
+        let case = DesignCase { index: first.design, joint: first.joint, steps: Vec::<Load>::new() };
+        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+        let mut row = first;
+        loop {
+            let answered = row.indentation.filter(|value| *value > 0.0 && row.force.is_some());
+            if let Some(value) = answered {
+                (low, high) = (low.min(value), high.max(value));
+            }
+            if self.rows.advance()?.is_none() {
+                break;
+            }
+            row = self.rows.row()?;
+            if row.design != case.index {
+                self.next = Some(row);
+                break;
+            }
+        }
+        Ok(Some((case, (high > 0.0).then_some((low, high)))))
+    }
+}

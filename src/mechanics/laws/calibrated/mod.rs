@@ -1,0 +1,73 @@
+//! Laws with constants calibrated to the curve of one joint, for simulators that take a formula.
+//!
+//! All of them relate x = delta/dR to y = F/(E* t dR), dR > 0: one file a law, each with a static `CalibratedLaw` that is listed in
+//! `CALIBRATED_LAWS`. What fits which joint is measured in docs/laws.md.
+
+mod least_squares;
+pub mod samples;
+mod logarithm;
+pub mod explicit;
+pub mod inverse_three;
+pub mod inverse_four;
+mod power_of;
+pub mod power;
+pub mod working_power;
+pub mod winkler_two;
+mod offset;
+pub mod johnson_offset;
+pub mod persson_offset;
+pub mod spline;
+pub mod fitted;
+
+pub use fitted::{FittedLaw, fitted_laws, recommended};
+pub use samples::{Sample, Samples};
+
+/// A law with constants to calibrate.
+#[derive(Debug)]
+pub struct CalibratedLaw {
+    /// The name in tables and on the command line.
+    pub name: &'static str,
+    /// What it does outside the range that it was fitted over.
+    pub outside: &'static str,
+    /// The names of the constants, all of them dimensionless; none of a law that has a list of points.
+    pub constants: &'static [&'static str],
+    /// The samples it is to be fitted to: all, or those of the load's working decade.
+    pub range: fn(&Samples) -> (f64, f64),
+    /// The constants; `None` where it does not fit.
+    pub fit: fn(&[Sample]) -> Option<Vec<f64>>,
+    /// y and dy/dx at x > 0; not finite where the law has no value. Where y is searched, from a guess at it, or from NaN.
+    pub value: fn(&[f64], f64, f64) -> [f64; 2],
+    /// As a person pastes it: F in N, d = delta in mm.
+    pub formula: fn(&[f64], &Sizes) -> String,
+}
+
+/// What brings x and y to mm and N.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sizes {
+    /// dR, mm, > 0.
+    pub radial_clearance: f64,
+    /// E* t, N/mm.
+    pub stiffness: f64,
+}
+
+/// Every law, the one to prefer first.
+pub static CALIBRATED_LAWS: [&CalibratedLaw; 9] = [
+    &explicit::LAW,
+    &inverse_four::LAW,
+    &inverse_three::LAW,
+    &spline::LAW,
+    &winkler_two::LAW,
+    &power::LAW,
+    &working_power::LAW,
+    &persson_offset::LAW,
+    &johnson_offset::LAW,
+];
+
+/// Seven digits: a misfit in the sixth is below all others.
+fn number(value: f64) -> String {
+    let text = format!("{value:.6e}");
+    match text.parse::<f64>() {
+        Ok(rounded) if (1e-4..1e9).contains(&rounded.abs()) => format!("{rounded}"),
+        _ => text,
+    }
+}
