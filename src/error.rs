@@ -66,10 +66,6 @@ pub enum Error {
     #[error("{}: {problem}", dir.display())]
     NoResult { dir: PathBuf, problem: String },
 
-    /// A file that a command would make.
-    #[error("{} is there already: name another file with --out, or overwrite it with --force", path.display())]
-    FileTaken { path: PathBuf },
-
     #[error("{asked} designs are too many for one report: {most} at most")]
     TooManyDesigns { asked: usize, most: usize },
 

@@ -1,6 +1,7 @@
 //! `jointsweep report`: a page that is well-formed, needs nothing else, stays small, and says what the table says.
 
 #[path = "common/workdir.rs"]
+#[allow(dead_code)]
 mod workdir;
 
 use std::collections::BTreeMap;
@@ -246,6 +247,29 @@ fn every_number_is_the_tables() {
     let told = facts["largest force_error"].strip_suffix(" %").unwrap().to_string();
     assert!((number(&told) / (100.0 * greatest) - 1.0).abs() < 6e-3, "{told}");
 
+    // What is said in words.
+    let finite =
+        |name: &str| values(name).into_iter().filter(|value| value.is_finite()).collect::<Vec<f64>>();
+    let words = text(all(&document, "header").next().unwrap());
+    let remarked = statuses.iter().filter(|status| **status != "ok" && !status.starts_with("failed")).count();
+    for expected in [
+        "9 designs with 4 load steps each, at indentations of 0.01 to 9 mm".to_string(),
+        "radial clearance (3 values from 0.005 to 0.4 mm)".into(),
+        "hole radius 10 mm".into(),
+        "accuracy of 0.5 % of the force".into(),
+        format!("{} rows have no answer, {remarked} rows have a remark", statuses.len() - answered),
+    ] {
+        assert!(words.contains(&expected), "`{expected}` is not in `{words}`");
+    }
+    let words = text(section(&document, "Errors"));
+    for (name, limit) in [("force_error", 0.005), ("linearity_error", 0.01)] {
+        let own = finite(name);
+        let above = own.iter().filter(|error| **error > limit).count();
+        let plural = if above == 1 { ("row", "is") } else { ("rows", "are") };
+        let expected = format!("{above} {} of {} {} above", plural.0, own.len(), plural.1);
+        assert!(words.contains(&expected), "`{expected}` is not in `{words}`");
+    }
+
     // The chosen designs, in the order of their numbers.
     let key = table(section(&document, "Curves"));
     assert_eq!(key[0][1..], ["0", "4", "8"]);
@@ -268,6 +292,34 @@ fn every_number_is_the_tables() {
         }
     }
     assert_eq!(compared, 15);
+
+    // Laws, by their own table.
+    let laws = work.table("out/laws.csv");
+    let of_laws = table(section(&document, "Laws"));
+    assert_eq!(of_laws[0][1..], ["design 0", "design 4", "design 8"]);
+    let mut compared = 0;
+    for (row, ((design, name), misfit)) in laws
+        .column("design")
+        .into_iter()
+        .zip(laws.column("law"))
+        .zip(laws.column("worst_force_misfit"))
+        .enumerate()
+        .filter(|(_, ((design, _), _))| ["0", "4", "8"].contains(design))
+    {
+        let place = ["0", "4", "8"].iter().position(|own| *own == design).unwrap() + 1;
+        let told = &of_laws.iter().find(|row| row[0] == name).unwrap_or_else(|| panic!("{name}"))[place];
+        let recommended = laws.column("recommended")[row].starts_with("yes");
+        assert_eq!(told.starts_with('\u{2713}'), recommended, "{design} {name}: {told}");
+        let told = number(told.trim_start_matches(['\u{2713}', ' ']).strip_suffix(" %").unwrap());
+        let expected = 100.0 * misfit.parse::<f64>().unwrap();
+        // Two digits.
+        assert!(
+            (told - expected).abs() <= 0.051 * expected,
+            "{design} {name}: {told} told, {expected} in laws.csv"
+        );
+        compared += 1;
+    }
+    assert!(compared >= 20, "{compared}");
 
     // Statuses.
     let mut expected: BTreeMap<&str, (usize, f64)> = BTreeMap::new();
@@ -362,7 +414,7 @@ fn what_is_there_is_kept_without_force() {
     work.write("other.html", "mine, too");
     for arguments in [&["report", "out"][..], &["report", "out", "--out", "other.html"]] {
         let said = work.run(arguments).expect(1).stderr;
-        assert!(said.contains("is there already") && said.contains("--force"), "{said}");
+        assert!(said.contains(".html is there: ") && said.contains("--force"), "{said}");
     }
     assert_eq!((work.read("out/report.html"), work.read("other.html")), ("mine".into(), "mine, too".into()));
     work.run(&["report", "out", "--force", "--quiet"]).expect(0);
@@ -380,7 +432,7 @@ fn errors_say_what_is_wrong_and_nothing_is_written() {
         (&["report", "nowhere"][..], "there is no manifest.json"),
         (&["report", "empty"], "there is no manifest.json"),
         (&["report", "out", "--design", "7"], "there is no design 7: the sweep has 1"),
-        (&["report", "out", "--design", "0", "1", "2", "3", "4", "5", "6", "7", "8"], "too many"),
+        (&["report", "out", "--design", "0", "1", "2", "3", "4", "5", "6", "7"], "too many"),
         (&["report", "out", "--design", "two"], "two"),
         (&["report", "out", "--out", "no/such/folder.html"], "cannot write"),
     ] {

@@ -258,9 +258,7 @@ impl Asked {
         let source = Source { path: path.to_path_buf(), text: text.to_string() };
         let document = source.parse()?;
         let root = source.root(&document);
-        let solve = root
-            .section("solve")?
-            .map_or(Ok(SolveOptions::default()), |table| read_solve(&table).map(|(solve, _)| solve))?;
+        let solve = solve_options(path, text)?;
         let load = root.section("load")?;
         let load =
             load.and_then(|load| ["indentation", "force"].into_iter().find(|key| load.find(key).is_some()));

@@ -1,9 +1,10 @@
 //! The designs whose curves are drawn: named ones, or a handful spread over the sweep; their curves made again.
 
-use super::laws::{DrawnLaw, published};
+use super::laws::{DrawnLaw, calibrated, published};
 use super::scan::{Row, SampledDesign, Scan, Value};
 use crate::engine::outcome::Response;
 use crate::joint::{Curve, Joint};
+use crate::output::chart::axis::range;
 use crate::output::chart::text::number;
 use crate::study::config::SolveOptions;
 use crate::study::design::Load;
@@ -25,7 +26,9 @@ pub struct Chosen {
     pub curve: Vec<Response>,
     /// Angle, deg, and pressure, MPa, at the last answered load.
     pub pressure: Vec<(f64, f64)>,
+    /// Calibrated ones first.
     pub laws: Vec<DrawnLaw>,
+    pub why_recommended: Option<&'static str>,
     /// Why there is no curve of its own.
     pub problem: Option<String>,
 }
@@ -34,7 +37,7 @@ pub struct Chosen {
 pub fn is_log(chosen: &[Chosen]) -> bool {
     let answered = || chosen.iter().flat_map(|one| one.answered());
     let ratio = |values: Vec<f64>| {
-        let (low, high) = crate::output::chart::axis::range(values.into_iter()).unwrap_or((1.0, 1.0));
+        let (low, high) = range(values.into_iter()).unwrap_or((1.0, 1.0));
         if low > 0.0 { high / low } else { 1.0 }
     };
     let loads = ratio(answered().map(|row| row.indentation).collect());
@@ -78,6 +81,7 @@ pub fn choose(scan: &Scan, named: &[u64], options: SolveOptions) -> Vec<Chosen> 
             curve: Vec::new(),
             pressure: Vec::new(),
             laws: Vec::new(),
+            why_recommended: None,
             problem: None,
         })
         .collect();
@@ -134,7 +138,11 @@ impl Chosen {
         // Judged where the rows are.
         let mut points = self.points();
         points.retain(|point| point.0 >= 0.999 * first.indentation && point.0 > 0.0 && point.1 > 0.0);
-        self.laws = published(&self.design.joint, &points);
+        let positive = self.answered().map(|row| row.indentation).filter(|value| *value > 0.0);
+        if let Some(working) = range(positive) {
+            (self.laws, self.why_recommended) = calibrated(&self.design.joint, working, options);
+        }
+        self.laws.extend(published(&self.design.joint, &points));
         problem.map_or(Ok(()), Err)
     }
 }

@@ -10,6 +10,8 @@ use crate::output::chart::{Axis, LineChart, Marking, Series};
 
 /// The most rows of a design that are drawn as points.
 const MOST_POINTS: usize = 40;
+/// Of laws over curves: the last one, which the first designs do not have.
+const LAW_COLOUR: usize = crate::output::chart::style::COLOURS - 1;
 /// Values that reach further than this are drawn on a logarithmic axis.
 const LOG_FROM: f64 = 30.0;
 
@@ -67,7 +69,7 @@ fn introduction(report: &Report) -> String {
     let mut text = format!("{which}. Lines are the joint's own curve, circles the rows of the table");
     let calibrated = |one: &Chosen| one.laws.iter().any(|law| law.calibrated && law.recommended);
     if report.chosen.iter().any(calibrated) {
-        text += ", dashes the law that is recommended for the joint";
+        text += ", grey dashes the law that is recommended for each joint";
     }
     text + "."
 }
@@ -123,7 +125,7 @@ struct Quantity {
 
 impl Quantity {
     fn figure(&self, chosen: &[Chosen], log: bool) -> Option<String> {
-        let mut series = Vec::new();
+        let (mut series, mut laws) = (Vec::new(), Vec::new());
         for one in chosen {
             let mut curve: Vec<(f64, f64)> = one
                 .curve
@@ -142,15 +144,20 @@ impl Quantity {
             if !log && curve[0].0 > 0.0 && !one.curve.is_empty() {
                 curve.insert(0, (0.0, 0.0));
             }
-            if self.unit == "N" {
-                let drawn = one.laws.iter().filter(|law| law.calibrated && law.recommended);
-                series.extend(drawn.map(|law| dashes(law, one)));
-            }
             series.push(Series::new(one.name(), one.place, Marking::Line, curve));
             let stride = rows.len().div_ceil(MOST_POINTS).max(1);
             let points = rows.iter().rev().step_by(stride).copied().collect();
             series.push(Series::new("", one.place, Marking::Points, points));
+            // Over the curve, as far as both can be seen.
+            if self.unit == "N" {
+                let drawn = one.laws.iter().filter(|law| law.calibrated && law.recommended);
+                laws.extend(drawn.map(|law| dashes(law, one)));
+            }
         }
+        if let Some(first) = laws.first_mut() {
+            first.name = "recommended law".into();
+        }
+        series.extend(laws);
         let (unit, factor) =
             readable(self.unit, series.iter().flat_map(|one| one.points.iter().map(|p| p.1)));
         for point in series.iter_mut().flat_map(|one| &mut one.points) {
@@ -190,5 +197,5 @@ pub fn readable(unit: &str, values: impl Iterator<Item = f64>) -> (String, f64) 
 
 fn dashes(law: &DrawnLaw, one: &Chosen) -> Series {
     let points = one.points().into_iter().map(|(indentation, _)| (indentation, (law.force)(indentation)));
-    Series::new("", one.place, Marking::Dashed, points.filter(|point| point.1.is_finite()).collect())
+    Series::new("", LAW_COLOUR, Marking::Dashed, points.filter(|point| point.1.is_finite()).collect())
 }

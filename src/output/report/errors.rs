@@ -13,18 +13,15 @@ pub fn section(report: &Report) -> String {
     let asked = report.asked.solve.accuracy;
     let limit = format!("asked: {}", percent(asked, 3));
     if let Some((greatest, design)) = scan.force_error.extremes.greatest {
+        let above = scan.force_error.above;
         text += &paragraph(&format!(
-            "force_error is the estimated relative error of a row's force. Its greatest is {}, in design {design}; {} of {} \
-             above the {} that {} asked.",
+            "force_error is the estimated relative error of a row's force. Its greatest is {}, in design {design}; {} of {} {} \
+             above the {} that was asked.",
             percent(greatest, 3),
-            plural(scan.force_error.above, "row", "rows"),
-            format_args!(
-                "{} {}",
-                scan.force_error.count,
-                if scan.force_error.above == 1 { "is" } else { "are" }
-            ),
+            plural(above, "row", "rows"),
+            scan.force_error.count,
+            if above == 1 { "is" } else { "are" },
             percent(asked, 3),
-            "was"
         ));
         figures.push(histogram("force_error", &scan.force_error, &limit, 0));
     }

@@ -29,13 +29,17 @@ pub fn charts(figures: &[String]) -> String {
 pub enum Cell {
     Words(String),
     Number(String),
+    /// Text to paste.
+    Code(String),
     /// With a swatch of a series' colour.
     Key(usize, String),
 }
 
 pub fn table(head: &[&str], rows: &[Vec<Cell>]) -> String {
     let is_word = |place: usize| {
-        rows.first().and_then(|row| row.get(place)).is_some_and(|cell| matches!(cell, Cell::Words(_)))
+        rows.first()
+            .and_then(|row| row.get(place))
+            .is_some_and(|cell| matches!(cell, Cell::Words(_) | Cell::Code(_)))
     };
     let cell = |(place, name): (usize, &&str)| {
         if is_word(place) { Cell::Words(name.to_string()) } else { Cell::Number(name.to_string()) }
@@ -61,6 +65,7 @@ impl Cell {
         match self {
             Cell::Words(text) => format!("<{tag} class=\"words\">{}</{tag}>", escaped(text)),
             Cell::Number(text) => format!("<{tag}>{}</{tag}>", escaped(text)),
+            Cell::Code(text) => format!("<{tag} class=\"words\"><code>{}</code></{tag}>", escaped(text)),
             Cell::Key(colour, text) => {
                 let colour = colour % COLOURS + 1;
                 let key = format!("<span class=\"key\" style=\"background:var(--s{colour})\"></span>");

@@ -4,11 +4,14 @@ use super::Report;
 use super::chosen::{Chosen, is_log};
 use super::html::{Cell, charts, figure, paragraph, section as html_section, table};
 use super::laws::DrawnLaw;
+use crate::error::shortened_to;
 use crate::output::chart::text::{number, percent};
 use crate::output::chart::{Axis, LineChart, Marking, Series};
 
 /// Laws that are drawn.
-const MOST_DRAWN: usize = 6;
+const MOST_DRAWN: usize = 5;
+/// Characters of a formula.
+const LONGEST_FORMULA: usize = 400;
 /// A misfit beyond this is off the chart.
 const MOST_SHOWN: f64 = 100.0;
 
@@ -17,45 +20,68 @@ pub fn section(report: &Report) -> String {
     if with.is_empty() {
         return String::new();
     }
+    let mut content = String::new();
+    if with.iter().any(|one| one.laws.iter().any(|law| law.calibrated)) {
+        content += &paragraph(
+            "Laws calibrated to each joint\u{2019}s own curve, for simulators that take a formula: the greatest misfit of \
+             their force, each over its own range. The command \u{201c}jointsweep laws\u{201d} writes them with their constants to laws.csv.",
+        );
+        content += &misfits(&with, true);
+        content += &formulas(&with);
+    }
+    let textbook = paragraph(
+        "Textbook laws, which know neither the plate\u{2019}s size nor how it is held: the greatest misfit of their force \
+         between the first and the last row of a design. \u{201c}ends\u{201d}: from that indentation on the law has no \
+         force.",
+    ) + &misfits(&with, false);
+    let figures: Vec<String> =
+        representative(&with).into_iter().filter_map(|one| chart(one, &report.chosen)).collect();
+    html_section("Laws", &(content + &charts(&figures) + &textbook))
+}
+
+/// A row a law, a column a design.
+fn misfits(with: &[&Chosen], calibrated: bool) -> String {
     let mut names: Vec<&str> = Vec::new();
-    for law in with.iter().flat_map(|one| &one.laws) {
+    for law in with.iter().flat_map(|one| &one.laws).filter(|law| law.calibrated == calibrated) {
         if !names.contains(&law.name.as_str()) {
             names.push(&law.name);
         }
     }
     let mut head = vec!["law".to_string()];
     head.extend(with.iter().map(|one| one.name()));
-    let rows: Vec<Vec<Cell>> = names
-        .iter()
-        .map(|name| {
-            let mut cells = vec![Cell::Words(name.to_string())];
-            cells.extend(with.iter().map(|one| {
-                let law = one.laws.iter().find(|law| law.name == *name);
-                Cell::Number(match law {
-                    None => "\u{2013}".into(),
-                    Some(law) if law.worst_misfit.is_infinite() => end(law, one),
-                    Some(law) if law.recommended => format!("{}, recommended", percent(law.worst_misfit, 2)),
-                    Some(law) => percent(law.worst_misfit, 2),
-                })
-            }));
-            cells
+    let cell = |one: &Chosen, name: &str| {
+        let law = one.laws.iter().find(|law| law.name == name && law.calibrated == calibrated);
+        Cell::Number(match law {
+            None => "\u{2013}".into(),
+            Some(law) if law.worst_misfit.is_infinite() => end(law, one),
+            Some(law) if law.recommended => format!("\u{2713} {}", percent(law.worst_misfit, 2)),
+            Some(law) => percent(law.worst_misfit, 2),
         })
-        .collect();
-    let calibrated = with.iter().flat_map(|one| &one.laws).any(|law| law.calibrated);
-    let mut text = String::from(
-        "The greatest misfit of each law's force between the first and the last row of a design, against the joint's own curve. ",
-    );
-    if calibrated {
-        text += "Calibrated laws have their constants from this curve; the others are textbook laws, which know neither the \
-                 plate's size nor how it is held. ";
-    } else {
-        text += "These are textbook laws; they know neither the plate's size nor how it is held. ";
-    }
-    text += "\u{201c}ends\u{201d}: from that indentation on the law has no force.";
+    };
+    let row = |name: &&str| -> Vec<Cell> {
+        [Cell::Words(name.to_string())].into_iter().chain(with.iter().map(|one| cell(one, name))).collect()
+    };
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
-    let figures: Vec<String> =
-        representative(&with).into_iter().filter_map(|one| chart(one, &report.chosen)).collect();
-    html_section("Laws", &(paragraph(&text) + &table(&head, &rows) + &charts(&figures)))
+    table(&head, &names.iter().map(row).collect::<Vec<_>>())
+}
+
+/// The recommended law of each design as text.
+fn formulas(with: &[&Chosen]) -> String {
+    let row = |one: &&Chosen| {
+        let law = one.laws.iter().find(|law| law.recommended)?;
+        let why = one.why_recommended.unwrap_or_default();
+        Some(vec![
+            Cell::Key(one.place, one.design.number.to_string()),
+            Cell::Words(format!("{}: {why}", law.name)),
+            Cell::Code(shortened_to(&law.formula, LONGEST_FORMULA)),
+        ])
+    };
+    let rows: Vec<Vec<Cell>> = with.iter().filter_map(row).collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let about = "The recommended law (\u{2713}) of each design: F in N, d the indentation in mm.";
+    paragraph(about) + &table(&["design", "law", "formula"], &rows)
 }
 
 /// Where a law ends before the rows do.

@@ -26,7 +26,7 @@ use chosen::Chosen;
 use scan::Scan;
 
 /// The most designs whose curves are drawn.
-pub const MOST_DESIGNS: usize = 8;
+pub const MOST_DESIGNS: usize = 7;
 
 /// What all sections are made from.
 pub struct Report<'a> {
