@@ -1,7 +1,7 @@
 //! `jointsweep report`: a page that is well-formed, needs nothing else, stays small, and says what the table says.
 
 #[path = "common/workdir.rs"]
-#[allow(dead_code)]
+#[allow(dead_code, reason = "shared with the tests of the command line")]
 mod workdir;
 
 use std::collections::BTreeMap;
