@@ -90,7 +90,9 @@ const SCALE: [[f64; 3]; 6] = [
 
 /// The colour of a share from 0 to 1.
 pub fn scale_colour(share: f64) -> String {
-    let place = share.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
+    // NaN counts as zero.
+    let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+    let place = share * (SCALE.len() - 1) as f64;
     let below = (place as usize).min(SCALE.len() - 2);
     let between = place - below as f64;
     let [r, g, b] = [0, 1, 2]
