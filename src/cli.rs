@@ -21,6 +21,7 @@ mod interrupt;
 mod laws;
 mod progress;
 mod report;
+mod report_page;
 mod run;
 mod shell;
 mod tradeoff;
@@ -54,6 +55,8 @@ enum Command {
     Explain(ExplainArgs),
     /// Fits what is not known of a joint to measured forces and indentations
     Calibrate(CalibrateArgs),
+    /// Makes one page of a result, for people: curves, map, errors, what failed and why
+    Report(ReportArgs),
     /// Measures whole runs of configs and writes sweep.csv and sweep.manifest.json
     Bench(BenchArgs),
     /// Measures a GPU: checks it, times whole sweeps and each kernel, and compares them with the processor and the peaks
@@ -189,6 +192,25 @@ struct ManArgs {
 }
 
 #[derive(Args)]
+struct ReportArgs {
+    /// Folder of a finished run
+    #[arg(value_name = "DIR")]
+    dir: PathBuf,
+    /// Draw the curves of these designs, by their numbers in the table [default: a handful spread over the sweep]
+    #[arg(long, value_name = "N", num_args = 1..)]
+    design: Vec<u64>,
+    /// The page [default: DIR/report.html]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Overwrite a page that is there already
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
 struct BenchArgs {
     /// The sweeps to run [default: those of configs/liu2007.toml and configs/random.toml that are here]
     #[arg(value_name = "CONFIG")]
@@ -300,6 +322,7 @@ pub fn main() -> ExitCode {
         Command::Laws(args) => laws::laws(&args),
         Command::Explain(args) => explain::explain(&args),
         Command::Calibrate(args) => calibrate::calibrate(&args),
+        Command::Report(args) => report_page::report_page(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::BenchGpu(args) => bench_gpu::bench_gpu(&args),
         Command::Tradeoff(args) => tradeoff::tradeoff(&args),

@@ -77,6 +77,9 @@ pub enum Error {
     #[error("{}: {problem}", dir.display())]
     NoResult { dir: PathBuf, problem: String },
 
+    #[error("{asked} designs are too many for one report: {most} at most")]
+    TooManyDesigns { asked: usize, most: usize },
+
     /// A joint that cannot be, or has no answer; the quantity is empty where the whole joint is meant.
     #[error("{}{problem}", if quantity.is_empty() { String::new() } else { format!("{quantity}: ") })]
     Joint { quantity: String, problem: String },
@@ -98,7 +101,12 @@ fn place(file: &std::path::Path, line: Option<u64>, key: &str) -> String {
 
 /// What is echoed of a text that a person has written: its beginning, and that it goes on.
 pub fn shortened(text: &str) -> String {
-    match text.char_indices().nth(LONGEST_ECHO) {
+    shortened_to(text, LONGEST_ECHO)
+}
+
+/// The beginning of a text, of as many characters.
+pub fn shortened_to(text: &str, length: usize) -> String {
+    match text.char_indices().nth(length) {
         None => text.to_string(),
         Some((end, _)) => format!("{}...", &text[..end]),
     }

@@ -8,6 +8,8 @@ pub mod sink;
 pub mod table;
 pub mod laws_table;
 pub mod results;
+pub mod chart;
+pub mod report;
 pub mod recorder;
 pub mod benchmark;
 pub mod gpu_benchmark;

@@ -106,6 +106,30 @@ impl TableRows {
         if self.rows.read()? { self.rows.whole("design").map(Some) } else { Ok(None) }
     }
 
+    /// The joint of the row gone on to.
+    pub fn joint(&self) -> Result<JointDesign, Error> {
+        self.rows.joint()
+    }
+
+    /// Where a column stands, for those who read many rows; `None` where the table does not have it.
+    pub fn place(&self, column: &str) -> Option<usize> {
+        self.rows.place(column)
+    }
+
+    /// A cell of the row gone on to, by the place of its column; `None` where it is empty.
+    pub fn cell_at(&self, place: Option<usize>) -> Option<&str> {
+        self.rows.cell_at(place?)
+    }
+
+    /// A number of the row gone on to, by the place of its column; the error names the column.
+    pub fn number_at(&self, place: Option<usize>, column: &str) -> Result<Option<f64>, Error> {
+        match self.cell_at(place).map(str::parse::<f64>) {
+            None => Ok(None),
+            Some(Ok(number)) if number.is_finite() => Ok(Some(number)),
+            Some(_) => self.rows.optional_number(column),
+        }
+    }
+
     /// The row gone on to.
     pub fn row(&self) -> Result<TableRow, Error> {
         let number = |name: &str| self.rows.optional_number(name);

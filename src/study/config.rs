@@ -252,6 +252,28 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
+/// What a config says of its whole sweep.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    pub solve: SolveOptions,
+    /// `None` where a list of designs has the loads.
+    pub load: Option<&'static str>,
+}
+
+impl Asked {
+    /// Reads a config's text without the list of designs that it may name; `path` is what complaints call it.
+    pub fn from_text(path: &Path, text: &str) -> Result<Asked, Error> {
+        let source = Source { path: path.to_path_buf(), text: text.to_string() };
+        let document = source.parse()?;
+        let root = source.root(&document);
+        let solve = solve_options(path, text)?;
+        let load = root.section("load")?;
+        let load =
+            load.and_then(|load| ["indentation", "force"].into_iter().find(|key| load.find(key).is_some()));
+        Ok(Asked { solve, load })
+    }
+}
+
 fn read_solve(table: &Section) -> Result<(SolveOptions, bool), Error> {
     table.allow(&["accuracy", "method", "interpolation"])?;
     let mut solve = SolveOptions::default();

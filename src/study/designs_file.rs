@@ -220,6 +220,16 @@ impl Rows {
         self.record.get(place).filter(|cell| !cell.is_empty())
     }
 
+    /// Where a column stands in each row; `None` when the header has left it out.
+    pub fn place(&self, name: &str) -> Option<usize> {
+        self.places.iter().find(|place| place.0 == name)?.1
+    }
+
+    /// What stands at a place of the current row: what `cell` gives, without a search for the name.
+    pub fn cell_at(&self, place: usize) -> Option<&str> {
+        self.record.get(place).filter(|cell| !cell.is_empty())
+    }
+
     fn needed(&self, name: &str) -> Result<&str, Error> {
         let left_out = self.places.iter().any(|place| place.0 == name && place.1.is_none());
         self.cell(name).ok_or_else(|| {
