@@ -6,6 +6,7 @@ pub mod manifest;
 pub mod lock;
 pub mod folder;
 pub mod results;
+pub mod export;
 pub mod recorder;
 pub mod benchmark;
 pub mod gpu_benchmark;

@@ -213,6 +213,15 @@ impl Iterator for Cases<'_> {
     }
 }
 
+/// What the table [solve] of a config's text asks for: all that is needed to solve one of its designs again. `path` is what
+/// complaints call the config.
+pub fn solve_options(path: &Path, text: &str) -> Result<SolveOptions, Error> {
+    let source = Source { path: path.to_path_buf(), text: text.to_string() };
+    let document = source.parse()?;
+    let section = source.root(&document).section("solve")?;
+    section.map_or(Ok(SolveOptions::default()), |table| Ok(read_solve(&table)?.0))
+}
+
 fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
