@@ -25,12 +25,12 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
         true => ("radial_clearance_mm", ", radial_clearance_mm"),
         false => ("radial_clearance_mm=RADIAL_CLEARANCE_MM", ""),
     };
-    let mut function = USER_FUNCTION.replace("CLEARANCE", clearance).replace("PASS", pass);
+    let mut function = USER_FUNCTION.replace("@clearance@", clearance).replace("@pass@", pass);
     let factor = match damping(sheet) {
-        Some(factor) => DAMPED.replace("FACTOR", &factor),
+        Some(factor) => DAMPED.replace("@factor@", &factor),
         None => String::new(),
     };
-    function = function.replace("DAMPING", &factor);
+    function = function.replace("@damping@", &factor);
     if !sheet.is_family() {
         function += "\n\n#: For models in m and N.\nUF = make_user_function()\n";
     }
@@ -39,7 +39,7 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
 
 const USER_FUNCTION: &str = "
 
-def make_user_function(CLEARANCE, mm_per_unit=1000.0):
+def make_user_function(@clearance@, mm_per_unit=1000.0):
     \"\"\"For CartesianSpringDamper(..., springForceUserFunction=make_user_function()): the joint in the plane x, y of marker 0.
     The markers are the centres of hole and pin. `mm_per_unit`: 1000 for models in m, 1 for models in mm.\"\"\"
 
@@ -49,12 +49,12 @@ def make_user_function(CLEARANCE, mm_per_unit=1000.0):
         indentation = distance * mm_per_unit - radial_clearance_mm
         if indentation <= 0.0:
             return [0.0, 0.0, 0.0]
-        magnitude = force(indentationPASS)
-DAMPING        return [magnitude * x / distance, magnitude * y / distance, 0.0]
+        magnitude = force(indentation@pass@)
+@damping@        return [magnitude * x / distance, magnitude * y / distance, 0.0]
 
     return user_function
 ";
 
 const DAMPED: &str = "        speed = (velocity[0] * x + velocity[1] * y) / distance * mm_per_unit
-        magnitude *= max(0.0, 1.0 + FACTOR * speed)
+        magnitude *= max(0.0, 1.0 + @factor@ * speed)
 ";

@@ -118,9 +118,13 @@ pub fn export(results: &Results, request: &Request) -> Result<Export, Error> {
 
 /// A file of the same name with another ending.
 fn beside(main: &Path, ending: &str) -> PathBuf {
-    let mut name = main.file_stem().unwrap_or_default().to_os_string();
-    name.push(ending);
-    main.with_file_name(name)
+    let with = |more: &str| {
+        let mut name = main.file_stem().unwrap_or_default().to_os_string();
+        name.push(more);
+        main.with_file_name(name)
+    };
+    let path = with(ending);
+    if path == main { with(&format!("_more{ending}")) } else { path }
 }
 
 /// The longest name that every format takes.

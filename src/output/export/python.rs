@@ -39,19 +39,19 @@ pub fn module(sheet: &Sheet) -> String {
     if sheet.is_family() {
         let clearances = &table.clearances;
         text += &FAMILY
-            .replace("NODES", &array(&clearance_nodes(sheet), "[", "]"))
-            .replace("OWN", &array(clearances, "[", "]"))
-            .replace("VARIABLE", if table.over_logarithm() { "log(clearance)" } else { "clearance" })
-            .replace("WIDTH", &clearances.len().min(4).to_string());
+            .replace("@nodes@", &array(&clearance_nodes(sheet), "[", "]"))
+            .replace("@own@", &array(clearances, "[", "]"))
+            .replace("@variable@", if table.over_logarithm() { "log(clearance)" } else { "clearance" })
+            .replace("@width@", &clearances.len().min(4).to_string());
     } else {
-        text += &ONE.replace("CLEARANCE", &plain(table.clearances[0]));
+        text += &ONE.replace("@clearance@", &plain(table.clearances[0]));
     }
     if let Some(factor) = damping(sheet) {
         let (more, pass) = match sheet.is_family() {
             true => (", radial_clearance_mm", ", radial_clearance_mm"),
             false => ("", ""),
         };
-        text += &DAMPED.replace("FACTOR", &factor).replace("MORE", more).replace("PASS", pass);
+        text += &DAMPED.replace("@factor@", &factor).replace("@more@", more).replace("@pass@", pass);
     }
     text
 }
@@ -75,7 +75,7 @@ def _row(forces, stiffnesses, x):
 ";
 
 const ONE: &str = "
-RADIAL_CLEARANCE_MM = CLEARANCE
+RADIAL_CLEARANCE_MM = @clearance@
 
 
 def force(indentation_mm):
@@ -89,16 +89,16 @@ def stiffness(indentation_mm):
 ";
 
 const FAMILY: &str = "
-RADIAL_CLEARANCES_MM = OWN
-_NODES = NODES
+RADIAL_CLEARANCES_MM = @own@
+_NODES = @nodes@
 
 
 def _at(x, clearance):
     \"\"\"Between clearances the polynomial through the nearest ones; outside their range the last one counts.\"\"\"
     clearance = min(max(clearance, RADIAL_CLEARANCES_MM[0]), RADIAL_CLEARANCES_MM[-1])
-    place = VARIABLE
-    first = min(max(bisect_right(_NODES, place) - WIDTH // 2, 0), len(_NODES) - WIDTH)
-    near = range(first, first + WIDTH)
+    place = @variable@
+    first = min(max(bisect_right(_NODES, place) - @width@ // 2, 0), len(_NODES) - @width@)
+    near = range(first, first + @width@)
     force = slope = 0.0
     for i in near:
         weight = 1.0
@@ -123,7 +123,7 @@ def stiffness(indentation_mm, radial_clearance_mm):
 
 const DAMPED: &str = "
 
-def force_damped(indentation_mm, speed_mm_per_sMORE):
+def force_damped(indentation_mm, speed_mm_per_s@more@):
     \"\"\"N, with damping; the speed of indentation in mm/s. Never a pull.\"\"\"
-    return max(0.0, 1.0 + FACTOR * speed_mm_per_s) * force(indentation_mmPASS)
+    return max(0.0, 1.0 + @factor@ * speed_mm_per_s) * force(indentation_mm@pass@)
 ";

@@ -179,10 +179,11 @@ fn designs_in_words(members: &[Member]) -> String {
 impl Member {
     /// Refuses a range with rows that are not to be relied on.
     fn check(&self, end: f64, is_chosen: bool, allow_warned: bool) -> Result<(), Error> {
+        // A range that nobody chose holds all rows, also those without an answer.
         let inside = |row: &&TableRow| match (row.indentation, row.force) {
+            _ if !is_chosen => true,
             (Some(indentation), _) => indentation <= end * (1.0 + 1e-12),
-            // Without an answer: its force tells whether it is beyond the range, if the range was chosen.
-            (None, Some(force)) => !is_chosen || force <= self.greatest_force(end),
+            (None, Some(force)) => force <= self.greatest_force(end),
             (None, None) => true,
         };
         let rows: Vec<&TableRow> = self.rows.iter().filter(inside).collect();
