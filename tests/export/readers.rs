@@ -188,14 +188,19 @@ pub fn nastran(text: &str) -> Pairs {
         let begin = bulk.iter().position(|line| line.starts_with("TABLED1*") && line[8..24].trim() == id).unwrap();
         assert_eq!([bulk[begin][24..40].trim(), bulk[begin][40..56].trim()], ["LINEAR", "LINEAR"]);
         assert_eq!(bulk[begin + 1].trim(), "*");
-        let mut words = Vec::new();
+        let mut words: Vec<String> = Vec::new();
         for line in &bulk[begin + 2..] {
             assert!(line.starts_with("*       "));
-            words.extend(line.as_bytes()[8..].chunks(16).map(|field| std::str::from_utf8(field).unwrap().trim()));
-            if words.last() == Some(&"ENDT") {
+            // A line that is short has blank fields at its end, unless ENDT came before them.
+            let is_last = line.trim().ends_with("ENDT");
+            let line = if is_last { line.to_string() } else { format!("{line:<72}") };
+            let fields: Vec<String> =
+                line[8..].as_bytes().chunks(16).map(|field| String::from_utf8_lossy(field).trim().into()).collect();
+            words.extend(fields);
+            if words.last().is_some_and(|word| word == "ENDT") {
                 words.pop();
                 assert!(words.iter().all(|word| word.contains('.')), "a real has a point");
-                return words.chunks(2).map(|pair| (number(pair[0]), number(pair[1]))).collect();
+                return words.chunks(2).map(|pair| (number(&pair[0]), number(&pair[1]))).collect();
             }
         }
         panic!("no ENDT");

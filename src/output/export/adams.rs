@@ -17,6 +17,7 @@ pub static FORMAT: Format = Format {
     between: Between::Linear,
     damping: true,
     length: 1.0,
+    least_step: 0.0,
     beyond: "straight on (LINEAR_EXTRAPOLATE)",
     write,
 };

@@ -16,6 +16,7 @@ pub static FORMAT: Format = Format {
     between: Between::Linear,
     damping: false,
     length: 1e-3,
+    least_step: 0.0,
     beyond: "none: the last force, flat",
     write,
 };

@@ -14,6 +14,7 @@ pub static FORMAT: Format = Format {
     between: Between::Linear,
     damping: false,
     length: 1.0,
+    least_step: 0.0,
     beyond: "the reader's own; the last slope is in the last row",
     write,
 };

@@ -15,6 +15,7 @@ pub static FORMAT: Format = Format {
     between: Between::Linear,
     damping: false,
     length: 1e-3,
+    least_step: 0.0,
     beyond: "straight on with the last slope",
     write,
 };

@@ -33,7 +33,7 @@ use crate::study::fingerprint::Fingerprint;
 use impact::{Impact, ImpactRequest};
 use sheet::{Format, Sheet, head};
 use source::{Reference, Selection, Source};
-use table::{Quality, tabulate};
+use table::{Quality, Wish, tabulate};
 
 /// Every format there is.
 pub static FORMATS: [&Format; 16] = [
@@ -97,8 +97,10 @@ pub fn export(results: &Results, request: &Request) -> Result<Export, Error> {
     check(request)?;
     let source =
         Source::read(results, request.selection, request.reference, request.up_to, request.allow_warned)?;
+    let Format { rules, between, least_step, .. } = *format;
+    let wish = Wish { rules, between, least_step, error: request.error };
     let (table, quality) =
-        tabulate(&source, format.rules, format.between, request.error, request.allow_warned)?;
+        tabulate(&source, wish, request.allow_warned)?;
     let impact = request.impact.map(|asked| Impact::of(&table, asked)).transpose()?;
     let hash = Fingerprint::of(results.manifest.as_bytes()).hash();
     let head = head(&source, &results.origin, &hash, format, &table, &quality, impact.as_ref());

@@ -19,6 +19,7 @@ pub static FORMAT: Format = Format {
     between: Between::Linear,
     damping: true,
     length: 1e-3,
+    least_step: 0.0,
     beyond: BEYOND,
     write,
 };
@@ -96,7 +97,6 @@ const FUNCTION: &str = "
   protected
 @constants@    Integer low;
     Integer high;
-    Integer middle;
     Integer row;
     Integer c;
     Real share;
@@ -108,15 +108,12 @@ const FUNCTION: &str = "
     Real cube;
   algorithm
 @place@    low := 1;
-    high := @count@;
-    while high - low > 1 loop
-      middle := div(low + high, 2);
-      if xs[middle] <= indentation then
-        low := middle;
-      else
-        high := middle;
+    for i in 2:@count@ - 1 loop
+      if xs[i] <= indentation then
+        low := i;
       end if;
-    end while;
+    end for;
+    high := low + 1;
     width := xs[high] - xs[low];
     s := (indentation - xs[low])/width;
     result := 0;

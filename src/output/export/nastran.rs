@@ -18,6 +18,7 @@ pub static FORMAT: Format = Format {
     between: Between::Linear,
     damping: false,
     length: 1.0,
+    least_step: 0.0,
     beyond: "straight on through the last two points",
     write,
 };
@@ -45,12 +46,13 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
 /// In fields of sixteen columns.
 fn table(id: u32, pairs: &[(f64, f64)]) -> String {
     let mut text = format!("{:<8}{id:>16}{:>16}{:>16}\n*\n", "TABLED1*", "LINEAR", "LINEAR");
-    for pair in pairs.chunks(2) {
+    let numbers = pairs.iter().flat_map(|(x, y)| [fitted(*x, 16), fitted(*y, 16)]);
+    // No field before ENDT may be blank.
+    let fields: Vec<String> = numbers.chain(["ENDT".to_string()]).collect();
+    for line in fields.chunks(4) {
         text += &format!("{:<8}", "*");
-        for (x, y) in pair {
-            text += &format!("{:>16}{:>16}", fitted(*x, 16), fitted(*y, 16));
-        }
+        text.extend(line.iter().map(|field| format!("{field:>16}")));
         text += "\n";
     }
-    text + &format!("{:<8}{:>16}\n", "*", "ENDT")
+    text
 }

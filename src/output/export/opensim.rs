@@ -1,5 +1,6 @@
 //! `opensim`: a PiecewiseLinearFunction of OpenSim's XML, m and N. OpenSim's API, class PiecewiseLinearFunction: lists `x` and `y`,
-//! straight lines between, and beyond the ends the slope of the last one.
+//! straight lines between, and beyond the ends the slope of the last one. Its slopes are
+//! wrong between points that are less than 1e-7 apart (TINY_NUMBER of its source), here 1e-4 mm: it needs a longer first step.
 
 use super::interpolation::Interpolation;
 use super::numbers::plain;
@@ -15,6 +16,7 @@ pub static FORMAT: Format = Format {
     between: Between::Linear,
     damping: false,
     length: 1e-3,
+    least_step: 1e-4,
     beyond: "straight on with the last slope",
     write,
 };

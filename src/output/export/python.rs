@@ -15,6 +15,7 @@ pub static FORMAT: Format = Format {
     between: Between::Cubic,
     damping: true,
     length: 1.0,
+    least_step: 0.0,
     beyond: BEYOND,
     write,
 };

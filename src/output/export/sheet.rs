@@ -27,6 +27,8 @@ pub struct Format {
     pub damping: bool,
     /// Lengths over mm: 1e-3 for formats in m.
     pub length: f64,
+    /// Points closer than this are too close for its reader, mm; 0 where none are.
+    pub least_step: f64,
     /// What its reader does beyond the last point.
     pub beyond: &'static str,
     /// The texts of its files: what follows the table's name, and the text. The first is the main one.

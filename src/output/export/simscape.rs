@@ -14,6 +14,7 @@ pub static FORMAT: Format = Format {
     between: Between::Linear,
     damping: false,
     length: 1e-3,
+    least_step: 0.0,
     beyond: "the block's own: choose Linear",
     write,
 };

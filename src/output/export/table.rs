@@ -116,17 +116,37 @@ struct Worst {
     methods: Vec<&'static str>,
 }
 
+/// What a table is to be good for.
+#[derive(Clone, Copy, Debug)]
+pub struct Wish<'a> {
+    pub rules: &'a [Interpolation],
+    pub between: Between,
+    /// Between points, mm.
+    pub least_step: f64,
+    /// Relative to the force.
+    pub error: f64,
+}
+
+/// The first point above zero has at least so many least steps below it, so that the next ones may be that close.
+const LEAST_STEPS: f64 = 12.0;
+
 /// A table of some designs, good for every one of the rules to a relative error.
 pub fn tabulate(
     source: &Source,
-    rules: &[Interpolation],
-    between: Between,
-    error: f64,
+    Wish { rules, between, least_step, error }: Wish,
     allow_warned: bool,
 ) -> Result<(Table, Quality), Error> {
     let end = up(source.end - source.ring_compliance * reached_force(source)?);
+    let first = FIRST.max(LEAST_STEPS * least_step / end);
+    if first > 0.25 {
+        let problem = format!(
+            "{} mm is too short a range for this format, whose points are at least {least_step} mm apart",
+            rounded(end, 6)
+        );
+        return refuse("range", problem);
+    }
     let mut places: Vec<f64> =
-        (0..=PLACES).map(|i| rounded(end * FIRST.powf(1.0 - i as f64 / PLACES as f64), 6)).collect();
+        (0..=PLACES).map(|i| rounded(end * first.powf(1.0 - i as f64 / PLACES as f64), 6)).collect();
     places[PLACES] = end;
     let mut solver = Solver { source, curve: None, worst: Worst::default(), allow_warned };
     let (mut curves, mut below) = (Vec::new(), Vec::new());
@@ -138,7 +158,7 @@ pub fn tabulate(
         curve.stiffness.drain(..BELOW.len());
         curves.push(curve);
     }
-    let points = choose(&places, &curves, rules, error)?;
+    let points = choose(&places, &curves, rules, least_step, error)?;
     let clearances = source.members.iter().map(|member| member.joint.radial_clearance).collect();
     let (table, mut quality) = measured(clearances, &places, &curves, &points, rules);
     for rule in rules {
@@ -333,11 +353,18 @@ fn choose(
     places: &[f64],
     curves: &[Samples],
     rules: &[Interpolation],
+    least_step: f64,
     error: f64,
 ) -> Result<Vec<usize>, Error> {
     let too_many = || {
         let percent = 100.0 * error;
         let problem = format!("{percent} % needs more than {MOST_POINTS} points: ask for a larger error");
+        Error::Export { what: "--error".into(), problem }
+    };
+    let too_close = || {
+        let percent = 100.0 * error;
+        let problem =
+            format!("{percent} % needs points closer than {least_step} mm, which this format does not take: ask for a larger error");
         Error::Export { what: "--error".into(), problem }
     };
     let mut aim = AIM * error;
@@ -359,6 +386,10 @@ fn choose(
                 let middle = (pair[0] + pair[1]) / 8 * 4;
                 if is_bad && middle == pair[0] {
                     return Err(too_many());
+                }
+                let steps = [places[middle] - places[pair[0]], places[pair[1]] - places[middle]];
+                if is_bad && steps.into_iter().any(|step| step < least_step) {
+                    return Err(too_close());
                 }
                 finer.extend(is_bad.then_some(middle));
                 finer.push(pair[1]);
