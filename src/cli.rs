@@ -17,6 +17,7 @@ mod calibrate;
 mod devices;
 mod explain;
 mod init;
+mod export;
 mod interrupt;
 mod laws;
 mod progress;
@@ -57,6 +58,9 @@ enum Command {
     Calibrate(CalibrateArgs),
     /// Makes one page of a result, for people: curves, map, errors, what failed and why
     Report(ReportArgs),
+    /// Writes the force of a design, or of a sweep over the clearance, as a table that another simulator reads
+    #[command(after_help = export::formats())]
+    Export(ExportArgs),
     /// Measures whole runs of configs and writes sweep.csv and sweep.manifest.json
     Bench(BenchArgs),
     /// Measures a GPU: checks it, times whole sweeps and each kernel, and compares them with the processor and the peaks
@@ -211,6 +215,65 @@ struct ReportArgs {
 }
 
 #[derive(Args)]
+struct ExportArgs {
+    /// Folder of a finished run
+    dir: PathBuf,
+    /// The format; they are listed below
+    #[arg(long, value_name = "FORMAT")]
+    to: String,
+    /// The design, by its number in the table [default: the only one]
+    #[arg(long, value_name = "N", conflicts_with = "over")]
+    design: Option<u64>,
+    /// A table of all designs, over this quantity and the indentation; they differ in nothing else
+    #[arg(long, value_enum, value_name = "QUANTITY")]
+    over: Option<OverQuantity>,
+    /// What the indentation is measured from
+    #[arg(long, value_enum, value_name = "REFERENCE", default_value_t = ReferenceChoice::Support)]
+    reference: ReferenceChoice,
+    /// The file [default: DIR/NAME with the format's ending]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// How far the simulator's own interpolation may be off, relative to the force
+    #[arg(long, value_name = "ERROR", default_value = "0.1 %")]
+    error: String,
+    /// Name of the functions, tables and files
+    #[arg(long, value_name = "NAME", default_value = "joint")]
+    name: String,
+    /// With damping: speed after an impact over the speed before
+    #[arg(long, value_name = "E", requires = "speed", allow_negative_numbers = true)]
+    restitution: Option<f64>,
+    /// Speed before the impact, like "100 mm/s"
+    #[arg(long, value_name = "V", requires = "restitution", allow_hyphen_values = true)]
+    speed: Option<String>,
+    /// End of the table, like "0.1 mm" [default: the largest indentation of the designs]
+    #[arg(long, value_name = "INDENTATION")]
+    up_to: Option<String>,
+    /// Take rows that are answered with a remark
+    #[arg(long)]
+    allow_warned: bool,
+    /// Overwrite files
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors and warnings
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum OverQuantity {
+    RadialClearance,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ReferenceChoice {
+    /// The pin's rigid part against the plate's support, as in the table
+    Support,
+    /// The mean motion of the pin's ring against the hole's: for bodies that are flexible themselves
+    RingMean,
+}
+
+#[derive(Args)]
 struct BenchArgs {
     /// The sweeps to run [default: those of configs/liu2007.toml and configs/random.toml that are here]
     #[arg(value_name = "CONFIG")]
@@ -323,6 +386,7 @@ pub fn main() -> ExitCode {
         Command::Explain(args) => explain::explain(&args),
         Command::Calibrate(args) => calibrate::calibrate(&args),
         Command::Report(args) => report_page::report_page(&args),
+        Command::Export(args) => export::run(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::BenchGpu(args) => bench_gpu::bench_gpu(&args),
         Command::Tradeoff(args) => tradeoff::tradeoff(&args),

@@ -84,6 +84,13 @@ pub enum Error {
     #[error("{}{problem}", if quantity.is_empty() { String::new() } else { format!("{quantity}: ") })]
     Joint { quantity: String, problem: String },
 
+    /// A table for another simulator that cannot be made as asked; `what` is the option or the part of the result.
+    #[error("{what}: {problem}")]
+    Export { what: String, problem: String },
+
+    #[error("{} is there already: name another file with --out, or overwrite it with --force", path.display())]
+    FileInTheWay { path: PathBuf },
+
     #[error("cannot draw the plot: {problem}")]
     Plot { problem: String },
 }

@@ -273,7 +273,8 @@ pub fn stage(manifest: &impl Serialize, path: &Path) -> Result<(), Error> {
     stage_bytes(path, text.as_bytes())
 }
 
-fn stage_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+/// Writes bytes where a file waits before it is published.
+pub fn stage_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let staged = staged(path);
     std::fs::write(&staged, bytes).map_err(|source| Error::Io { action: "write", path: staged, source })
 }

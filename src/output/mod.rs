@@ -10,6 +10,7 @@ pub mod laws_table;
 pub mod results;
 pub mod chart;
 pub mod report;
+pub mod export;
 pub mod recorder;
 pub mod benchmark;
 pub mod gpu_benchmark;

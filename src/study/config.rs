@@ -242,7 +242,7 @@ impl Iterator for Cases<'_> {
 /// What the table [solve] of a config's text asks for: all that is needed to solve one of its designs again. `path` is what
 /// complaints call the config.
 pub fn solve_options(path: &Path, text: &str) -> Result<SolveOptions, Error> {
-    let source = Source { path: path.to_path_buf(), text: text.to_string() };
+    let source = Source::new(path.to_path_buf(), text.to_string());
     let document = source.parse()?;
     let section = source.root(&document).section("solve")?;
     section.map_or(Ok(SolveOptions::default()), |table| Ok(read_solve(&table)?.0))
@@ -263,7 +263,7 @@ pub struct Asked {
 impl Asked {
     /// Reads a config's text without the list of designs that it may name; `path` is what complaints call it.
     pub fn from_text(path: &Path, text: &str) -> Result<Asked, Error> {
-        let source = Source { path: path.to_path_buf(), text: text.to_string() };
+        let source = Source::new(path.to_path_buf(), text.to_string());
         let document = source.parse()?;
         let root = source.root(&document);
         let solve = solve_options(path, text)?;
