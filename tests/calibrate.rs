@@ -213,6 +213,25 @@ fn points_that_no_value_fits_are_said() {
     );
 }
 
+/// Four that do the same where the curve is straight: there is no best fit, and it is said of whom.
+#[test]
+fn a_fit_that_runs_away_says_what_to_leave_out() {
+    use Unknown::*;
+    let unknowns = [PlateYoungsModulus, ZeroOffset, RadialClearance, PinYoungsModulus];
+    let mut random = Random::new(5);
+    let mut scatter = |point: MeasuredPoint| MeasuredPoint {
+        force: point.force * (1.0 + 0.02 * normal(&mut random)),
+        ..point
+    };
+    let points: Vec<MeasuredPoint> = TRUE.points(0.1, 0.105, 12).into_iter().map(&mut scatter).collect();
+    let said = match calibrate(&CONFIG.joint(), OPTIONS, &unknowns, &points) {
+        Ok(calibration) => calibration.warnings.join("; "),
+        Err(error) => error.to_string(),
+    };
+    println!("{said}");
+    assert!(said.contains("plate_youngs_modulus") && said.contains("cannot be told apart"), "{said}");
+}
+
 #[test]
 fn as_many_points_as_unknowns_have_no_intervals() {
     let points = TRUE.points(0.01, 0.1, 2);

@@ -68,7 +68,7 @@ pub struct Calibration {
 }
 
 /// Points of the drawn curve.
-const LINE: usize = 200;
+const LINE: usize = 60;
 
 /// Fits `unknowns` of a joint to points, from the joint's own values.
 pub fn calibrate(
@@ -103,10 +103,20 @@ pub fn calibrate(
             let why = fit.problem.map_or(String::new(), |error| format!(": {error}"));
             return refuse(format!("the config's joint has no answer at the measured points{why}"));
         }
-        Err(NoMinimum::NotSettled(steps)) => {
-            return refuse(format!(
-                "no best fit was found in {steps} steps: start nearer to it, or fit less at a time"
-            ));
+        Err(NoMinimum::NotSettled { iterations, inflation }) => {
+            let alike: Vec<&str> = unknowns
+                .iter()
+                .zip(inflation)
+                .filter(|(_, inflation)| *inflation > MOST_INFLATION)
+                .map(|(unknown, _)| unknown.name())
+                .collect();
+            let why = match alike.as_slice() {
+                [] => "start nearer to it, or fit fewer unknowns".to_string(),
+                alike => {
+                    format!("{} cannot be told apart by these points, fit fewer of them", alike.join(", "))
+                }
+            };
+            return refuse(format!("no best fit was found in {iterations} steps: {why}"));
         }
     };
     let setup = fit.setup(&minimum.unknowns);

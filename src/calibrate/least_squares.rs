@@ -13,7 +13,7 @@ pub trait Problem {
 }
 
 /// The least sum of squares, and how sharp it is.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Minimum {
     pub unknowns: Vec<f64>,
     pub residuals: Vec<f64>,
@@ -27,12 +27,12 @@ pub struct Minimum {
 }
 
 /// Why there is none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum NoMinimum {
     /// No residuals at the start.
     BadStart,
-    /// Still falling, or stuck, after this many iterations.
-    NotSettled(usize),
+    /// Still falling, or stuck, after so many iterations; with the inflation of each variance where it ended, as far as known.
+    NotSettled { iterations: usize, inflation: Vec<f64> },
 }
 
 const MOST_ITERATIONS: usize = 200;
@@ -56,8 +56,9 @@ pub fn minimum(problem: &mut impl Problem, start: &[f64]) -> Result<Minimum, NoM
     // Whether the last step has changed the sum by no more than rounding does.
     let mut is_settled = false;
     for iteration in 1..=MOST_ITERATIONS {
-        let columns = problem.derivatives(&unknowns).ok_or(NoMinimum::NotSettled(iteration))?;
-        let slope = Slope::new(&columns, &residuals).ok_or(NoMinimum::NotSettled(iteration))?;
+        let stuck = |inflation: Vec<f64>| NoMinimum::NotSettled { iterations: iteration, inflation };
+        let columns = problem.derivatives(&unknowns).ok_or_else(|| stuck(Vec::new()))?;
+        let slope = Slope::new(&columns, &residuals).ok_or_else(|| stuck(Vec::new()))?;
         let sum = norm_squared(&residuals);
         let mut moved = None;
         let is_over = slope.is_minimum(sum, 1e-5) || (is_settled && slope.is_minimum(sum, 1.0));
@@ -94,10 +95,13 @@ pub fn minimum(problem: &mut impl Problem, start: &[f64]) -> Result<Minimum, NoM
                     iterations: iteration,
                 });
             }
-            None => return Err(NoMinimum::NotSettled(iteration)),
+            None => return Err(stuck(slope.inverse().1)),
+        }
+        if iteration == MOST_ITERATIONS {
+            return Err(stuck(slope.inverse().1));
         }
     }
-    Err(NoMinimum::NotSettled(MOST_ITERATIONS))
+    unreachable!("the last iteration has returned")
 }
 
 fn norm_squared(values: &[f64]) -> f64 {

@@ -35,6 +35,7 @@ fn draw(title: &str, calibration: &Calibration, text: &mut String) -> Drawn {
     let mut chart = ChartBuilder::on(&above)
         .caption(format!("Measured and fitted: {title}"), (FONT, 20).into_font().color(&INK))
         .margin(12)
+        .margin_right(36)
         .x_label_area_size(20)
         .y_label_area_size(80)
         .build_cartesian_2d(wide.clone(), range(forces))?;
@@ -57,10 +58,11 @@ fn draw(title: &str, calibration: &Calibration, text: &mut String) -> Drawn {
     };
     let spread = points.iter().flat_map(|point| {
         let reach = band(&point.measured);
-        [point.residual(), reach, -reach]
+        [point.residual() + reach, point.residual() - reach, 0.0]
     });
     let mut chart = ChartBuilder::on(&below)
         .margin(12)
+        .margin_right(36)
         .x_label_area_size(48)
         .y_label_area_size(80)
         .build_cartesian_2d(wide.clone(), range(spread))?;

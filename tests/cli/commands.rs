@@ -353,6 +353,7 @@ fn a_config_with_a_diametral_clearance_is_told_how_to_take_the_fitted_one() {
     let (_, value) = told.stdout.split_once("--set \"joint.diametral_clearance=").unwrap();
     let value: f64 = value.split(' ').next().unwrap().parse().unwrap();
     assert!((value / 0.06 - 1.0).abs() < 0.05, "{value}");
+    assert!(!told.stdout.contains("joint.radial_clearance"), "{}", told.stdout);
 }
 
 #[test]
