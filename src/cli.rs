@@ -399,9 +399,20 @@ pub fn main() -> ExitCode {
         Ok(Ending::SomeDesignsFailed) => ExitCode::from(2),
         Ok(Ending::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
-            say(&format!("error: {error}"));
+            say(&format!("error: {error}{}", way_out(&error)));
             ExitCode::FAILURE
         }
+    }
+}
+
+/// What a user can do about an error, in the words of the command line.
+fn way_out(error: &Error) -> &'static str {
+    match error {
+        Error::FolderTaken { .. } => ": name another folder with --out, or overwrite it with --force",
+        Error::FolderInUse { .. } => ": wait for it, or name another folder with --out",
+        Error::DesignsInTheWay { .. } | Error::InputInTheWay { .. } => ": name another folder with --out",
+        Error::FileTaken { .. } => ": name another file, or overwrite it with --force",
+        _ => "",
     }
 }
 

@@ -19,25 +19,18 @@ pub enum Error {
     Input { file: PathBuf, line: Option<u64>, key: String, problem: String },
 
     /// `occupant` is what an earlier run, or somebody else, left in the folder.
-    #[error("{} holds {occupant}: name another folder with --out, or overwrite it with --force", dir.display())]
+    #[error("{} holds {occupant}", dir.display())]
     FolderTaken { dir: PathBuf, occupant: String },
 
     /// `holder` in the words of the run that has it; empty where they cannot be read.
-    #[error(
-        "{} is in use by another run{}: wait for it, or name another folder with --out",
-        dir.display(),
-        in_brackets(holder)
-    )]
+    #[error("{} is in use by another run{}", dir.display(), in_brackets(holder))]
     FolderInUse { dir: PathBuf, holder: String },
 
-    #[error("{} is the list of designs and would be overwritten: name another folder with --out", path.display())]
+    #[error("{} is the list of designs and would be overwritten", path.display())]
     DesignsInTheWay { path: PathBuf },
 
-    #[error("{} is there already: name another file, or overwrite it with --force", path.display())]
-    FileExists { path: PathBuf },
-
     /// Something that a command reads stands where it would write.
-    #[error("{} is read and would be overwritten: name another folder with --out", path.display())]
+    #[error("{} is read and would be overwritten", path.display())]
     InputInTheWay { path: PathBuf },
 
     /// Measured points that cannot be fitted as asked.
@@ -53,8 +46,9 @@ pub enum Error {
     #[error("{}: the run to measure failed: {problem}", config.display())]
     MeasuredRun { config: PathBuf, problem: String },
 
-    #[error("{option} is for a GPU, --backend cpu asks for none: leave one of them out")]
-    ForGpuOnly { option: &'static str },
+    /// What was asked does not go together.
+    #[error("{problem}")]
+    Asked { problem: String },
 
     /// A GPU that does not answer as the processor does: no figure of it is worth anything.
     #[error("{adapter} is wrong in {precision}: {problem}")]
@@ -70,7 +64,7 @@ pub enum Error {
     #[error("there is no design {design}: the sweep has {count}, counted from 0")]
     NoSuchDesign { design: u64, count: u64 },
 
-    #[error("{} is there: overwrite it with --force, or name another file", path.display())]
+    #[error("{} is there already", path.display())]
     FileTaken { path: PathBuf },
 
     /// A folder that holds no result of a finished run.
@@ -87,9 +81,6 @@ pub enum Error {
     /// A table for another simulator that cannot be made as asked; `what` is the option or the part of the result.
     #[error("{what}: {problem}")]
     Export { what: String, problem: String },
-
-    #[error("{} is there already: name another file with --out, or overwrite it with --force", path.display())]
-    FileInTheWay { path: PathBuf },
 
     #[error("cannot draw the plot: {problem}")]
     Plot { problem: String },

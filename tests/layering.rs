@@ -11,13 +11,14 @@ use std::path::Path;
 type Sources = BTreeMap<String, String>;
 
 /// Beginnings of paths and names of macros that a wing must not use, and what they are.
-const FORBIDDEN: [(&str, &str, &[&str]); 8] = [
+const FORBIDDEN: [(&str, &str, &[&str]); 9] = [
     ("src/mechanics/", "threads", THREADS),
     ("src/study/", "threads", THREADS),
     ("src/output/", "threads", THREADS),
     ("src/mechanics/", "files", FILES),
     ("src/engine/", "files", FILES),
     ("src/tradeoff/", "files", FILES),
+    ("src/calibrate/", "files", FILES),
     ("src/mechanics/", "environment", &["std::env", "std::process", "std::net"]),
     (
         "src/",

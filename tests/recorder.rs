@@ -62,7 +62,7 @@ fn outcomes(study: &Study) -> Vec<DesignOutcome> {
 fn a_run_without_an_outcome_leaves_nothing_behind() {
     let work = Workdir::new("nothing");
     let (_, recorder) = recorder(&work, "new/folders");
-    recorder.fail(&Error::ForGpuOnly { option: "--adapter" });
+    recorder.fail(&Error::Asked { problem: "neither nor".into() });
     assert_eq!(work.files(), ["study.toml"]);
     assert!(!work.path("new").exists());
 }
@@ -86,7 +86,7 @@ fn an_earlier_result_stays_until_the_new_one_is_whole() {
 
     // Before the first outcome and after it.
     let (study, second) = recorder(&work, "result");
-    second.fail(&Error::ForGpuOnly { option: "--adapter" });
+    second.fail(&Error::Asked { problem: "neither nor".into() });
     assert_eq!(now(), first);
     assert_eq!(work.files(), ["result/laws.csv", "result/manifest.json", "result/table.csv", "study.toml"]);
     let (_, mut third) = recorder(&work, "result");
@@ -175,7 +175,9 @@ fn claims_exclude_each_other() {
 #[test]
 fn a_run_that_fails_or_panics_keeps_its_rows_and_says_so() {
     let work = Workdir::new("halfway");
-    for (folder, error) in [("failed", Some(Error::ForGpuOnly { option: "--adapter" })), ("panicked", None)] {
+    for (folder, error) in
+        [("failed", Some(Error::Asked { problem: "neither nor".into() })), ("panicked", None)]
+    {
         let (study, mut recorder) = recorder(&work, folder);
         recorder.write(outcomes(&study).remove(0)).unwrap();
         match &error {

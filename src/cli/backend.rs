@@ -12,7 +12,9 @@ use super::{Backend, BackendArgs, say};
 pub fn check(args: &BackendArgs) -> Result<(), Error> {
     let for_gpu = [("--adapter", args.adapter.is_some()), ("--precision", args.precision.is_some())];
     match for_gpu.into_iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) if args.backend == Backend::Cpu => Err(Error::ForGpuOnly { option }),
+        Some((option, _)) if args.backend == Backend::Cpu => Err(Error::Asked {
+            problem: format!("{option} is for a GPU, --backend cpu asks for none: leave one of them out"),
+        }),
         _ => Ok(()),
     }
 }

@@ -10,7 +10,7 @@ const CONFIG: &str = include_str!("init.toml");
 pub fn init(args: &InitArgs) -> Result<Ending, Error> {
     // A link that leads nowhere is somebody's, too.
     if !args.force && args.file.symlink_metadata().is_ok() {
-        return Err(Error::FileExists { path: args.file.clone() });
+        return Err(Error::FileTaken { path: args.file.clone() });
     }
     write_whole(&args.file, CONFIG.as_bytes())?;
     let file = args.file.display();

@@ -33,7 +33,7 @@ pub fn man(args: &ManArgs) -> Result<Ending, Error> {
     if !args.force
         && let Some(path) = pages.iter().map(|(name, _)| dir.join(name)).find(|path| path.exists())
     {
-        return Err(Error::FileExists { path });
+        return Err(Error::FileTaken { path });
     }
     create(dir)?;
     for (name, text) in &pages {

@@ -40,7 +40,12 @@ fn laws_made_later_are_those_of_the_run() {
     assert!(work.run(&["run", "none.toml"]).expect(0).stdout.contains("already complete"));
     // Laws that are there are kept.
     let kept = work.run(&["laws", "out/none"]).expect(1);
-    assert!(kept.stderr.contains("out/none/laws.csv is there: overwrite it with --force"), "{}", kept.stderr);
+    assert!(
+        kept.stderr
+            .contains("out/none/laws.csv is there already: name another file, or overwrite it with --force"),
+        "{}",
+        kept.stderr
+    );
     work.run(&["laws", "out/none", "--force"]).expect(0);
     assert_eq!(laws, work.read("out/none/laws.csv"));
 }

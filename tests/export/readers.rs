@@ -185,7 +185,8 @@ pub fn nastran(text: &str) -> Pairs {
     let field = |place: usize| gap[8 * place..8 * (place + 1)].trim();
     assert_eq!([field(4), field(5), field(6), field(7)], ["XY", "-1", "2", "0"]);
     let table = |id: &str| -> Pairs {
-        let begin = bulk.iter().position(|line| line.starts_with("TABLED1*") && line[8..24].trim() == id).unwrap();
+        let begin =
+            bulk.iter().position(|line| line.starts_with("TABLED1*") && line[8..24].trim() == id).unwrap();
         assert_eq!([bulk[begin][24..40].trim(), bulk[begin][40..56].trim()], ["LINEAR", "LINEAR"]);
         assert_eq!(bulk[begin + 1].trim(), "*");
         let mut words: Vec<String> = Vec::new();
@@ -194,8 +195,11 @@ pub fn nastran(text: &str) -> Pairs {
             // A line that is short has blank fields at its end, unless ENDT came before them.
             let is_last = line.trim().ends_with("ENDT");
             let line = if is_last { line.to_string() } else { format!("{line:<72}") };
-            let fields: Vec<String> =
-                line[8..].as_bytes().chunks(16).map(|field| String::from_utf8_lossy(field).trim().into()).collect();
+            let fields: Vec<String> = line[8..]
+                .as_bytes()
+                .chunks(16)
+                .map(|field| String::from_utf8_lossy(field).trim().into())
+                .collect();
             words.extend(fields);
             if words.last().is_some_and(|word| word == "ENDT") {
                 words.pop();

@@ -22,7 +22,8 @@ pub static FORMAT: Format = Format {
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
     let mut text = sheet.head("** ");
-    text += "** Elements of type SPRINGA: elongation is the indentation, first touch at the nodes' distance.\n";
+    text +=
+        "** Elements of type SPRINGA: elongation is the indentation, first touch at the nodes' distance.\n";
     text += &format!("*SPRING, ELSET={}, NONLINEAR\n\n", sheet.name);
     for (x, y) in sheet.pairs() {
         text += &format!("{}, {}\n", plain(y), plain(x));

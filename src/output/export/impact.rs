@@ -119,7 +119,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_is_refused() {
-        for (restitution, speed) in [(0.0, 1.0), (1.1, 1.0), (f64::NAN, 1.0), (0.5, 0.0), (0.5, f64::INFINITY)] {
+        for (restitution, speed) in
+            [(0.0, 1.0), (1.1, 1.0), (f64::NAN, 1.0), (0.5, 0.0), (0.5, f64::INFINITY)]
+        {
             assert!(Impact::of(&line(), ImpactRequest { restitution, speed }).is_err());
         }
     }

@@ -146,7 +146,8 @@ mod tests {
         let nodes: [f64; 6] = [0.1, 0.2, 0.5, 1.0, 2.0, 4.0];
         for place in [0.1, 0.15, 0.7, 1.0, 3.0, 4.0] {
             let (first, weights) = cubic_weights(&nodes, place);
-            let sum: f64 = weights.iter().zip(&nodes[first..]).map(|(weight, node)| weight * node.powi(3)).sum();
+            let sum: f64 =
+                weights.iter().zip(&nodes[first..]).map(|(weight, node)| weight * node.powi(3)).sum();
             assert!((sum / place.powi(3) - 1.0).abs() < 1e-12 && weights.len() == 4);
         }
         assert_eq!(cubic_weights(&nodes[..2], 0.15).1.len(), 2);

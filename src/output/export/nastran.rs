@@ -36,7 +36,8 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
     text += "\n";
     text += &table(1, &pairs);
     text += &table(2, &[(0.0, clearance), (1.0, clearance)]);
-    text += "$ Or along a CBUSH's x axis, positive pressed in, from first touch on: force over displacement.\n";
+    text +=
+        "$ Or along a CBUSH's x axis, positive pressed in, from first touch on: force over displacement.\n";
     let stiffness = fitted(sheet.table.stiffnesses[0][sheet.table.indentations.len() - 1], 16);
     text += &format!("{:<8}{:>16}{:>16}{:>16}\n*\n", "PBUSH*", 10, "K", stiffness);
     text += &format!("{:<8}{:>8}{:>8}{:>8}\n", "PBUSHT", 10, "KN", 1);

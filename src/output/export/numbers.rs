@@ -40,7 +40,10 @@ mod tests {
 
     #[test]
     fn numbers_are_plain_and_fit() {
-        assert_eq!([0.0, 3.0, -1.25e-7, 1.0 / 3.0].map(plain), ["0.0", "3.0", "-0.000000125", "0.333333333333"]);
+        assert_eq!(
+            [0.0, 3.0, -1.25e-7, 1.0 / 3.0].map(plain),
+            ["0.0", "3.0", "-0.000000125", "0.333333333333"]
+        );
         assert_eq!(fitted(1.0 / 3.0, 10), "0.33333333");
         assert_eq!(fitted(1.234_567_89e-9, 12), "1.2345679E-9");
         assert_eq!(fitted(-12345.678, 9), "-12345.68");
@@ -48,7 +51,10 @@ mod tests {
             for columns in [9, 16, 20] {
                 let text = fitted(value, columns);
                 let back: f64 = text.parse().unwrap();
-                assert!(text.len() <= columns && text.contains('.') && (back / value - 1.0).abs() < 2e-3, "{text}");
+                assert!(
+                    text.len() <= columns && text.contains('.') && (back / value - 1.0).abs() < 2e-3,
+                    "{text}"
+                );
             }
         }
     }

@@ -130,7 +130,8 @@ fn only(results: &Results) -> Result<Member, Error> {
 fn family(results: &Results) -> Result<Vec<Member>, Error> {
     let others: Vec<Column> =
         joint_columns().into_iter().filter(|column| *column != Column::RadialClearance).collect();
-    let cells = |joint: &JointDesign| -> Vec<Cell> { others.iter().map(|column| column.cell(joint)).collect() };
+    let cells =
+        |joint: &JointDesign| -> Vec<Cell> { others.iter().map(|column| column.cell(joint)).collect() };
     let (mut members, mut differing): (Vec<Member>, Vec<usize>) = (Vec::new(), Vec::new());
     let mut rows = results.rows()?;
     while let Some(design) = rows.advance()? {
@@ -162,7 +163,8 @@ fn family(results: &Results) -> Result<Vec<Member>, Error> {
         return refuse("--over radial_clearance", problem);
     }
     if members.len() < 2 {
-        let problem = "the result has one clearance only: leave --over out, or run a sweep over `radial_clearance`";
+        let problem =
+            "the result has one clearance only: leave --over out, or run a sweep over `radial_clearance`";
         return refuse("--over radial_clearance", problem);
     }
     members.sort_by(|a, b| a.joint.radial_clearance.total_cmp(&b.joint.radial_clearance));
@@ -242,7 +244,8 @@ fn ring_compliance(joint: &JointDesign) -> Result<f64, Error> {
             return refuse("--reference ring-mean", problem);
         }
         let body = concentric(&joint.body(part));
-        sum += body.mean_ring_motion() / (std::f64::consts::PI * joint.thickness * part.material.youngs_modulus);
+        sum +=
+            body.mean_ring_motion() / (std::f64::consts::PI * joint.thickness * part.material.youngs_modulus);
     }
     Ok(sum)
 }

@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 pub enum GpuError {
     #[error("no Vulkan adapter: a Vulkan driver and its loader (libvulkan.so.1) must be installed")]
     NoAdapter,
-    #[error("no GPU, only {software}, which is software and slower than --backend cpu")]
+    #[error("no GPU, only {software}, which is software and slower than the processor itself")]
     OnlySoftware { software: String },
     #[error("no adapter is called `{wanted}`; there are: {}", .found.join(", "))]
     NoSuchAdapter { wanted: String, found: Vec<String> },
