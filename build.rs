@@ -22,6 +22,7 @@ const SOURCES: [&str; 5] = ["src", "shaders", "configs", "Cargo.toml", "Cargo.lo
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     look_for_drivers();
+    look_for_programs();
     println!("cargo::rerun-if-env-changed={COMMIT}");
     let version = env!("CARGO_PKG_VERSION");
     match std::env::var(COMMIT).ok().filter(|commit| !commit.is_empty()).or_else(commit) {
@@ -44,6 +45,17 @@ fn look_for_drivers() {
     let has_drivers = folders.inspect(|folder| println!("cargo::rerun-if-changed={folder}")).count() > 0;
     if has_drivers || VARIABLES.iter().any(|variable| std::env::var_os(variable).is_some()) {
         println!("cargo::rustc-cfg=vulkan_driver");
+    }
+}
+
+/// Programs that tests of exported tables need: without them the tests show as ignored.
+fn look_for_programs() {
+    println!("cargo::rerun-if-env-changed=PATH");
+    for (program, name) in [("cc", "c_compiler"), ("python3", "python3")] {
+        println!("cargo::rustc-check-cfg=cfg({name})");
+        if Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success()) {
+            println!("cargo::rustc-cfg={name}");
+        }
     }
 }
 

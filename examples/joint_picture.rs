@@ -1,5 +1,5 @@
-//! Draws docs/joint.svg, the README's picture: the scene, and beside it force against indentation for four clearances
-//! from results/liu2007.csv, with Johnson's law.
+//! Draws docs/joint.svg, the README's picture: the scene, and beside it force against indentation of the README's joint, with
+//! Johnson's law.
 //!
 //! ```sh
 //! cargo run --release --example joint_picture
@@ -10,14 +10,14 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use jointsweep::mechanics::laws::{Pair, johnson};
-use jointsweep::mechanics::material::{Idealization, Material};
+use jointsweep::{Dimensions, Idealization, Joint, Material, Options, Part};
 
 type Point = (f64, f64);
 
 const INK: &str = "#24292f";
 const FAINT: &str = "#8b949e";
 const RED: &str = "#c0392b";
-const COLOURS: [&str; 4] = ["#0b5fa5", "#1f8a4c", "#b35900", "#7d3c98"];
+const COLOURS: [&str; 3] = ["#0b5fa5", "#1f8a4c", "#b35900"];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
          <rect width=\"960\" height=\"430\" fill=\"#ffffff\"/>\n",
     );
     scene(&mut svg)?;
-    chart(&mut svg, &root.join("results/liu2007.csv"))?;
+    chart(&mut svg)?;
     svg.push_str("</svg>\n");
     std::fs::write(root.join("docs/joint.svg"), svg)?;
     Ok(())
@@ -43,6 +43,7 @@ const PIN_RADIUS: f64 = 88.0;
 const INDENTATION: f64 = 14.0;
 const CLEARANCE: f64 = HOLE_RADIUS - PIN_RADIUS;
 const OFFSET: f64 = CLEARANCE + INDENTATION;
+const CORE_RATIO: f64 = 0.2;
 
 /// At `radius` from `centre`, at an angle from the load line, deg.
 fn polar(centre: Point, radius: f64, degrees: f64) -> Point {
@@ -69,32 +70,15 @@ fn scene(svg: &mut String) -> std::fmt::Result {
     writeln!(svg, "<path d=\"{hatch}\" stroke=\"{FAINT}\" fill=\"none\"/>")?;
     writeln!(svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{HOLE_RADIUS}\" fill=\"#ffffff\" stroke=\"{INK}\"/>")?;
 
-    // The lower half of the pin, clipped to the hole: contact flattens it.
+    // The pin, clipped to the hole: contact flattens it.
     writeln!(svg, "<clipPath id=\"hole\"><circle cx=\"{x}\" cy=\"{y}\" r=\"{HOLE_RADIUS}\"/></clipPath>")?;
+    let circle = format!("<circle cx=\"{x}\" cy=\"{:.1}\"", pin.1);
     writeln!(
         svg,
-        "<path clip-path=\"url(#hole)\" d=\"M{:.1} {:.1}A{PIN_RADIUS} {PIN_RADIUS} 0 0 0 {:.1} {:.1}Z\" fill=\"#cfe0f1\" stroke=\"{INK}\"/>",
-        pin.0 - PIN_RADIUS,
-        pin.1,
-        pin.0 + PIN_RADIUS,
-        pin.1
+        "{circle} r=\"{PIN_RADIUS}\" clip-path=\"url(#hole)\" fill=\"#cfe0f1\" stroke=\"{INK}\"/>"
     )?;
-    writeln!(
-        svg,
-        "<path d=\"M{:.1} {:.1}A{PIN_RADIUS} {PIN_RADIUS} 0 0 1 {:.1} {:.1}\" fill=\"none\" stroke=\"{FAINT}\" stroke-dasharray=\"5 4\"/>",
-        pin.0 - PIN_RADIUS,
-        pin.1,
-        pin.0 + PIN_RADIUS,
-        pin.1
-    )?;
-    // The rigid face.
-    writeln!(
-        svg,
-        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"6\" fill=\"{INK}\"/>",
-        pin.0 - PIN_RADIUS,
-        pin.1 - 6.0,
-        2.0 * PIN_RADIUS
-    )?;
+    // Its rigid core.
+    writeln!(svg, "{circle} r=\"{:.1}\" fill=\"{INK}\"/>", CORE_RATIO * PIN_RADIUS)?;
 
     // Pressure: elliptic over the arc, drawn into the plate.
     let arrows = 9;
@@ -154,7 +138,8 @@ fn scene(svg: &mut String) -> std::fmt::Result {
     // What the parts are.
     label(svg, polar(HOLE, 148.0, 52.0), "plate", INK, "middle")?;
     label(svg, (x - 116.0, 30.0), "fixed boundary", FAINT, "middle")?;
-    label(svg, (x - 20.0, pin.1 + 62.0), "pin", INK, "middle")
+    label(svg, (x - 20.0, pin.1 + 62.0), "pin", INK, "middle")?;
+    label(svg, (x + 19.0, pin.1 + 20.0), "rigid core", INK, "start")
 }
 
 // The chart.
@@ -162,8 +147,9 @@ const LEFT: f64 = 586.0;
 const RIGHT: f64 = 870.0;
 const TOP: f64 = 96.0;
 const BOTTOM: f64 = 372.0;
-const MOST_INDENTATION: f64 = 0.2;
-const MOST_FORCE: f64 = 40.0;
+/// mm and kN.
+const MOST_INDENTATION: f64 = 0.02;
+const MOST_FORCE: f64 = 16.0;
 
 fn place(indentation: f64, kilonewton: f64) -> Point {
     (
@@ -172,40 +158,67 @@ fn place(indentation: f64, kilonewton: f64) -> Point {
     )
 }
 
-fn chart(svg: &mut String, table: &Path) -> Result<(), Box<dyn std::error::Error>> {
+/// The joint of the README's example, one of its plates.
+const HOLE_RADIUS_MM: f64 = 10.0;
+const THICKNESS_MM: f64 = 8.0;
+const PLATE_RATIO: f64 = 3.0;
+const CLEARANCES_MM: [f64; 3] = [0.01, 0.02, 0.05];
+const PIN: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
+const PLATE: Material = Material { youngs_modulus: 70e3, poissons_ratio: 0.33 };
+
+fn joint(radial_clearance: f64) -> Result<Joint, jointsweep::Error> {
+    Joint::new(
+        Dimensions { hole_radius: HOLE_RADIUS_MM, radial_clearance, thickness: THICKNESS_MM },
+        Idealization::PlaneStress,
+        Part::new("rigid-core", &[("core_radius_ratio", CORE_RATIO)], None, PIN)?,
+        Part::new("annulus", &[("outer_radius_ratio", PLATE_RATIO)], None, PLATE)?,
+    )
+}
+
+/// Points of a drawn curve.
+const POINTS: u32 = 120;
+
+fn chart(svg: &mut String) -> Result<(), Box<dyn std::error::Error>> {
     for i in 0..=4 {
-        let value = 10.0 * f64::from(i);
+        let value = 0.25 * MOST_FORCE * f64::from(i);
         let (from, to) = (place(0.0, value), place(MOST_INDENTATION, value));
         line(svg, from, to, if i == 0 { INK } else { "#dfe3e8" }, "")?;
         label(svg, (LEFT - 8.0, from.1 + 5.0), &format!("{value}"), INK, "end")?;
-        let value = 0.05 * f64::from(i);
+        let value = 0.25 * MOST_INDENTATION * f64::from(i);
         let at = place(value, 0.0);
         line(svg, at, (at.0, at.1 + 5.0), INK, "")?;
-        label(svg, (at.0, at.1 + 22.0), &format!("{value:.2}"), INK, "middle")?;
+        label(svg, (at.0, at.1 + 22.0), &format!("{value:.3}"), INK, "middle")?;
     }
     line(svg, place(0.0, 0.0), place(0.0, MOST_FORCE), INK, "")?;
     label(svg, (0.5 * (LEFT + RIGHT), BOTTOM + 46.0), "indentation δ, mm", INK, "middle")?;
     label(svg, (LEFT - 30.0, TOP - 16.0), "F, kN", INK, "start")?;
-    label(svg, (LEFT - 30.0, 30.0), "steel, R₂ = 100 mm, 1 mm thick, plate to 2 R₂", FAINT, "start")?;
+    let scene = "steel pin in aluminium, R₂ = 10 mm, 8 mm thick, plate to 3 R₂";
+    label(svg, (LEFT - 50.0, 30.0), scene, FAINT, "start")?;
 
-    let clearances = [0.1, 0.2, 0.5, 2.0];
-    for (clearance, colour) in clearances.into_iter().zip(COLOURS) {
-        let mut points = vec![place(0.0, 0.0)];
-        points.extend(rows(table, clearance)?.into_iter().map(|(delta, force)| place(delta, 1e-3 * force)));
+    let mut ends_at = 0.0;
+    for (clearance, colour) in CLEARANCES_MM.into_iter().zip(COLOURS) {
+        let curve = joint(clearance)?.curve(Options { accuracy: 1e-4, ..Options::default() })?;
+        let mut points = Vec::new();
+        for i in 0..=POINTS {
+            // Closer together at the start, where the slope changes most.
+            let delta = MOST_INDENTATION * (f64::from(i) / f64::from(POINTS)).powi(2);
+            points.push(place(delta, 1e-3 * curve.force(delta)?));
+        }
         polyline(svg, &points, colour, "")?;
         let last = points[points.len() - 1];
         let name = format!("{clearance} mm");
         label(svg, (last.0 + 8.0, last.1 + 5.0), &name, colour, "start")?;
 
-        let steel = Material { youngs_modulus: 200e3, poissons_ratio: 0.3 };
-        let pair = Pair::new(100.0, clearance, 1.0, &steel, &steel, Idealization::PlaneStress)?;
+        let pair =
+            Pair::new(HOLE_RADIUS_MM, clearance, THICKNESS_MM, &PIN, &PLATE, Idealization::PlaneStress)?;
         let law = johnson::LAW.curve(&pair)?;
+        ends_at = law.indentation_limit() / clearance;
         let end = law.indentation_limit().min(MOST_INDENTATION);
         let mut points = Vec::new();
-        for i in 0..=60 {
+        for i in 0..=POINTS {
             // Closer together at the end, where the law's slope grows without bound.
-            let delta = end * (0.5 * PI * f64::from(i) / 60.0).sin() * (1.0 - 1e-9);
-            points.push(place(delta, 1e-3 * law.force_per_thickness(delta)?));
+            let delta = end * (0.5 * PI * f64::from(i) / f64::from(POINTS)).sin() * (1.0 - 1e-9);
+            points.push(place(delta, 1e-3 * THICKNESS_MM * law.force_per_thickness(delta)?));
         }
         polyline(svg, &points, colour, "5 4")?;
         if law.indentation_limit() < MOST_INDENTATION {
@@ -225,25 +238,8 @@ fn chart(svg: &mut String, table: &Path) -> Result<(), Box<dyn std::error::Error
     let key = (key.0 + 132.0, key.1);
     polyline(svg, &[key, (key.0 + 30.0, key.1)], INK, "5 4")?;
     label(svg, (key.0 + 38.0, key.1 + 5.0), "Johnson's law", INK, "start")?;
-    label(svg, (LEFT + 8.0, TOP + 30.0), "○ ends at 0.54 ΔR", FAINT, "start")?;
+    label(svg, (LEFT + 8.0, TOP + 30.0), &format!("○ ends at {ends_at:.2} ΔR"), FAINT, "start")?;
     Ok(())
-}
-
-/// Indentation and force of one clearance.
-fn rows(table: &Path, clearance: f64) -> Result<Vec<Point>, Box<dyn std::error::Error>> {
-    let mut reader = csv::Reader::from_path(table)?;
-    let headers = reader.headers()?.clone();
-    let columns = ["radial_clearance_mm", "indentation_mm", "force_n"]
-        .map(|name| headers.iter().position(|header| header == name).expect("a column of every table"));
-    let mut rows = Vec::new();
-    for record in reader.records() {
-        let record = record?;
-        let [own, delta, force] = columns.map(|column| record[column].parse::<f64>());
-        if own? == clearance {
-            rows.push((delta?, force?));
-        }
-    }
-    Ok(rows)
 }
 
 fn line(svg: &mut String, a: Point, b: Point, colour: &str, dashes: &str) -> std::fmt::Result {

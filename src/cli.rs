@@ -1,24 +1,30 @@
 //! What can be asked on the command line, and what the exit code answers.
 
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use jointsweep::Error;
+use jointsweep::study::config::Study;
+use jointsweep::study::setting::Setting;
 
 mod backend;
 mod bench;
 mod bench_gpu;
+mod calibrate;
 mod devices;
 mod explain;
+mod init;
+mod export;
 mod interrupt;
 mod laws;
 mod progress;
 mod report;
 mod report_page;
 mod run;
+mod shell;
 mod tradeoff;
 
 /// Parametric sweeps of pin joints with clearance: contact stiffness tables of a stated accuracy.
@@ -40,14 +46,21 @@ failed and say why in their status; 130 interrupted, the rows so far are kept.";
 
 #[derive(Subcommand)]
 enum Command {
+    /// Writes a commented config to start from
+    Init(InitArgs),
     /// Solves every design of a config and writes table.csv and manifest.json
     Run(RunArgs),
     /// Fits laws to the designs of a result and writes laws.csv beside its table
     Laws(LawsArgs),
     /// Says what each design is solved with and why, what was ruled out, and the estimated error and time
     Explain(ExplainArgs),
+    /// Fits what is not known of a joint to measured forces and indentations
+    Calibrate(CalibrateArgs),
     /// Makes one page of a result, for people: curves, map, errors, what failed and why
     Report(ReportArgs),
+    /// Writes the force of a design, or of a sweep over the clearance, as a table that another simulator reads
+    #[command(after_help = export::formats())]
+    Export(ExportArgs),
     /// Measures whole runs of configs and writes sweep.csv and sweep.manifest.json
     Bench(BenchArgs),
     /// Measures a GPU: checks it, times whole sweeps and each kernel, and compares them with the processor and the peaks
@@ -56,12 +69,43 @@ enum Command {
     Tradeoff(TradeoffArgs),
     /// Lists the GPUs with a Vulkan driver, and what a sweep would be computed on
     Devices,
+    /// Prints what a shell needs to complete command lines
+    Completions(CompletionsArgs),
+    /// Prints the manual page
+    Man(ManArgs),
+}
+
+#[derive(Args)]
+struct InitArgs {
+    /// The config to write
+    #[arg(default_value = "joint.toml")]
+    file: PathBuf,
+    /// Overwrite a file that is there
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Args)]
+struct SettingArgs {
+    /// Another value than the config's, like joint.plate.youngs_modulus="70 GPa" or solve.accuracy=0.1%; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl SettingArgs {
+    /// The config with these values.
+    fn load(&self, config: &Path) -> Result<Study, Error> {
+        let settings = self.set.iter().map(|text| Setting::parse(text)).collect::<Result<Vec<_>, _>>()?;
+        Study::load_with(config, &settings)
+    }
 }
 
 #[derive(Args)]
 struct RunArgs {
     /// The sweep, a TOML file
     config: PathBuf,
+    #[command(flatten)]
+    settings: SettingArgs,
     /// Folder of the result [default: out/<config's name>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -82,6 +126,9 @@ struct RunArgs {
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
+    /// Say the time of each stage, too
+    #[arg(long, conflicts_with = "quiet")]
+    verbose: bool,
 }
 
 #[derive(Args)]
@@ -100,9 +147,52 @@ struct LawsArgs {
 struct ExplainArgs {
     /// The sweep, a TOML file
     config: PathBuf,
+    #[command(flatten)]
+    settings: SettingArgs,
     /// Only this design, by its number in the table [default: all, by what is chosen for them]
     #[arg(long, value_name = "N")]
     design: Option<u64>,
+}
+
+#[derive(Args)]
+struct CalibrateArgs {
+    /// The joint as far as it is known, a TOML file of one design; what is fitted starts from its values
+    config: PathBuf,
+    /// The measured points, a CSV file with the columns indentation_mm, force_n and, if known, sigma_n
+    #[arg(long, value_name = "FILE")]
+    measured: PathBuf,
+    /// What to fit, with commas between: plate_youngs_modulus, pin_youngs_modulus, radial_clearance, support_compliance,
+    /// zero_offset
+    #[arg(long, value_name = "NAME", value_delimiter = ',', required = true)]
+    fit: Vec<String>,
+    /// Folder of the result [default: out/<config's name>/calibration]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    settings: SettingArgs,
+    /// Overwrite a result that is there
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
+struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    shell: clap_complete::Shell,
+}
+
+#[derive(Args)]
+struct ManArgs {
+    /// Write the pages of all commands into this folder instead
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Overwrite pages that are there
+    #[arg(long, requires = "out")]
+    force: bool,
 }
 
 #[derive(Args)]
@@ -122,6 +212,65 @@ struct ReportArgs {
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
+}
+
+#[derive(Args)]
+struct ExportArgs {
+    /// Folder of a finished run
+    dir: PathBuf,
+    /// The format; they are listed below
+    #[arg(long, value_name = "FORMAT")]
+    to: String,
+    /// The design, by its number in the table [default: the only one]
+    #[arg(long, value_name = "N", conflicts_with = "over")]
+    design: Option<u64>,
+    /// A table of all designs, over this quantity and the indentation; they differ in nothing else
+    #[arg(long, value_enum, value_name = "QUANTITY")]
+    over: Option<OverQuantity>,
+    /// What the indentation is measured from
+    #[arg(long, value_enum, value_name = "REFERENCE", default_value_t = ReferenceChoice::Support)]
+    reference: ReferenceChoice,
+    /// The file [default: DIR/NAME with the format's ending]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// How far the simulator's own interpolation may be off, relative to the force
+    #[arg(long, value_name = "ERROR", default_value = "0.1 %")]
+    error: String,
+    /// Name of the functions, tables and files
+    #[arg(long, value_name = "NAME", default_value = "joint")]
+    name: String,
+    /// With damping: speed after an impact over the speed before
+    #[arg(long, value_name = "E", requires = "speed", allow_negative_numbers = true)]
+    restitution: Option<f64>,
+    /// Speed before the impact, like "100 mm/s"
+    #[arg(long, value_name = "V", requires = "restitution", allow_hyphen_values = true)]
+    speed: Option<String>,
+    /// End of the table, like "0.1 mm" [default: the largest indentation of the designs]
+    #[arg(long, value_name = "INDENTATION")]
+    up_to: Option<String>,
+    /// Take rows that are answered with a remark
+    #[arg(long)]
+    allow_warned: bool,
+    /// Overwrite files
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors and warnings
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum OverQuantity {
+    RadialClearance,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ReferenceChoice {
+    /// The pin's rigid part against the plate's support, as in the table
+    Support,
+    /// The mean motion of the pin's ring against the hole's: for bodies that are flexible themselves
+    RingMean,
 }
 
 #[derive(Args)]
@@ -231,14 +380,19 @@ pub fn main() -> ExitCode {
         }
     };
     let ending = match cli.command {
+        Command::Init(args) => init::init(&args),
         Command::Run(args) => run::run(&args),
         Command::Laws(args) => laws::laws(&args),
         Command::Explain(args) => explain::explain(&args),
+        Command::Calibrate(args) => calibrate::calibrate(&args),
         Command::Report(args) => report_page::report_page(&args),
+        Command::Export(args) => export::run(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::BenchGpu(args) => bench_gpu::bench_gpu(&args),
         Command::Tradeoff(args) => tradeoff::tradeoff(&args),
         Command::Devices => devices::devices(),
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man(args) => shell::man(&args),
     };
     match ending {
         Ok(Ending::Complete) => ExitCode::SUCCESS,

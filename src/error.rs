@@ -33,6 +33,17 @@ pub enum Error {
     #[error("{} is the list of designs and would be overwritten: name another folder with --out", path.display())]
     DesignsInTheWay { path: PathBuf },
 
+    #[error("{} is there already: name another file, or overwrite it with --force", path.display())]
+    FileExists { path: PathBuf },
+
+    /// Something that a command reads stands where it would write.
+    #[error("{} is read and would be overwritten: name another folder with --out", path.display())]
+    InputInTheWay { path: PathBuf },
+
+    /// Measured points that cannot be fitted as asked.
+    #[error("{problem}")]
+    Calibration { problem: String },
+
     #[error("none of {looked_for} is here: name the configs to measure")]
     NothingToMeasure { looked_for: String },
 
@@ -72,6 +83,13 @@ pub enum Error {
     /// A joint that cannot be, or has no answer; the quantity is empty where the whole joint is meant.
     #[error("{}{problem}", if quantity.is_empty() { String::new() } else { format!("{quantity}: ") })]
     Joint { quantity: String, problem: String },
+
+    /// A table for another simulator that cannot be made as asked; `what` is the option or the part of the result.
+    #[error("{what}: {problem}")]
+    Export { what: String, problem: String },
+
+    #[error("{} is there already: name another file with --out, or overwrite it with --force", path.display())]
+    FileInTheWay { path: PathBuf },
 
     #[error("cannot draw the plot: {problem}")]
     Plot { problem: String },

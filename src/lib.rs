@@ -19,7 +19,7 @@
 //!
 //! Data runs one way:
 //! `config -> design -> plan -> body -> mesh -> assembly -> solve -> compliance -> contact -> outcome -> table`.
-//! Five wings, each of which uses only the wings above it (`tests/layering.rs` checks this):
+//! Wings, each of which uses only the wings above it (`tests/layering.rs` checks this):
 
 /// What is true: pure functions of numbers, dimensionless; no files, threads or printing.
 pub mod mechanics;
@@ -29,6 +29,8 @@ pub mod study;
 pub mod engine;
 /// One joint and its curve, for programs that use the library.
 pub mod joint;
+/// Joints fitted to measured points.
+pub mod calibrate;
 /// What each choice costs and what it is worth: designs run through all of them, timed and compared.
 pub mod tradeoff;
 /// What is handed over: the only wing that writes files.

@@ -137,7 +137,7 @@ fn one() -> (DesignCase, DesignLaws) {
         .remove(0);
     let case = law_case(&outcome.case, working_range(&outcome.steps).unwrap());
     let answer = Ladder::new(Options { accuracy: 1e-3, method: MethodChoice::Auto })
-        .answers(&[case.clone()])
+        .answers(std::slice::from_ref(&case))
         .remove(0);
     let laws = laws_of(&case, &answer, working_range(&outcome.steps).unwrap());
     (case, laws)

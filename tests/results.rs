@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use jointsweep::engine::cost;
 use jointsweep::engine::sweep::{self, SweepOptions};
+use jointsweep::output::sink::Sink;
 use jointsweep::output::table::Table;
 use jointsweep::study::config::Study;
 use jointsweep::study::fingerprint::Fingerprint;

@@ -13,7 +13,7 @@ use super::report::{aligned, duration};
 use super::{Ending, ExplainArgs, print};
 
 pub fn explain(args: &ExplainArgs) -> Result<Ending, Error> {
-    let study = Study::load(&args.config)?;
+    let study = args.settings.load(&args.config)?;
     let explainer = Explainer::new(&study);
     let text = match args.design {
         None => overview(&study, &explainer)?,

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use jointsweep::engine::cost::Estimate;
 use jointsweep::engine::explain::percent;
+use jointsweep::output::folder::MANIFEST;
 use jointsweep::output::manifest::{Counts, Manifest, Origin};
 
 /// The most causes of failure that are listed; the table has them all.
@@ -29,7 +30,8 @@ pub fn estimate(estimate: &Estimate, table: &Path) -> String {
     text
 }
 
-pub fn summary(manifest: &Manifest, table: &Path) -> String {
+/// What a run came to, where it is, and what to do with it; with `verbose` how long each stage took.
+pub fn summary(manifest: &Manifest, dir: &Path, verbose: bool) -> String {
     let counts = &manifest.counts;
     let wall = duration(manifest.wall_seconds);
     let mut text = String::new();
@@ -42,24 +44,63 @@ pub fn summary(manifest: &Manifest, table: &Path) -> String {
         manifest.computed_by(),
         plural(manifest.threads as u64, "thread", "threads"),
     );
-    _ = writeln!(text, "time by stage, summed over the threads:");
-    for (stage, seconds) in &manifest.stage_seconds {
-        _ = writeln!(text, "  {stage:<32}{}", duration(seconds.as_f64().unwrap_or(0.0)));
+    if verbose {
+        _ = writeln!(text, "time by stage, summed over the threads:");
+        for (stage, seconds) in &manifest.stage_seconds {
+            _ = writeln!(text, "  {stage:<32}{}", duration(seconds.as_f64().unwrap_or(0.0)));
+        }
     }
     if let Some(on_cpu) = counts.designs_on_cpu.filter(|count| *count > 0) {
         _ = writeln!(text, "{} came from the processor", plural(on_cpu, "design", "designs"));
     }
-    if counts.greatest_linearity_error > 0.0 {
-        let most = percent(counts.greatest_linearity_error);
-        _ = writeln!(text, "linearity_error: {most} at most");
+    let mut remarks = counts.by_status.by_text();
+    let ok = remarks.remove("ok").unwrap_or(0);
+    remarks.retain(|status, _| !counts.by_status.failures().contains_key(status));
+    match (ok == counts.rows, counts.rows) {
+        (true, 1) => text += "the row is ok\n",
+        (true, rows) => _ = writeln!(text, "all {rows} rows are ok"),
+        (false, rows) => _ = writeln!(text, "{ok} of {} ok", plural(rows, "row is", "rows are")),
+    }
+    if !remarks.is_empty() {
+        let rows = remarks.values().sum();
+        _ = writeln!(text, "answered with a remark: {}", plural(rows, "row", "rows"));
+        text += &causes(&remarks);
     }
     if counts.failed_rows > 0 {
         let rows = plural(counts.failed_rows, "row", "rows");
         _ = writeln!(text, "failed: {rows} of {}", plural(counts.failed_designs, "design", "designs"));
         text += &causes(counts.by_status.failures());
     }
-    _ = writeln!(text, "{}", table.display());
+    if let Some([least, greatest]) = counts.forces_n {
+        let [least, greatest] = [least, greatest].map(newtons);
+        let to = if least == greatest { String::new() } else { format!(" to {greatest}") };
+        _ = writeln!(text, "force: {least}{to}");
+        let [force, linearity] = [counts.greatest_force_error, counts.greatest_linearity_error].map(percent);
+        _ = writeln!(text, "force_error: {force} at most; linearity_error: {linearity} at most");
+    }
+    text += "written:\n";
+    for name in manifest.file_names().chain([MANIFEST]) {
+        _ = writeln!(text, "  {}", dir.join(name).display());
+    }
+    if counts.forces_n.is_some() {
+        let dir = dir.display();
+        _ = writeln!(text, "next:\n  jointsweep report {dir}    a page to look at");
+        let design = if counts.designs > 1 { " --design 0" } else { "" };
+        _ = writeln!(text, "  jointsweep export {dir}{design} --to python    a table for a simulator");
+    }
     text
+}
+
+/// A force as a person says it.
+fn newtons(force: f64) -> String {
+    let (value, unit) = match force {
+        f if f >= 1e6 => (1e-6 * f, "MN"),
+        f if f >= 1e3 => (1e-3 * f, "kN"),
+        f => (f, "N"),
+    };
+    // Three digits, without the zeros that say nothing.
+    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    if rounded != 0.0 && rounded < 1e-3 { format!("{rounded:e} {unit}") } else { format!("{rounded} {unit}") }
 }
 
 /// What is said of a run that did not go to its end, and where its rows are.
@@ -81,7 +122,7 @@ pub fn already_done(origin: &Origin, table: &Path) -> String {
     )
 }
 
-/// The causes of failure, the most frequent first.
+/// The statuses of rows, the most frequent first.
 fn causes(failures: &BTreeMap<String, u64>) -> String {
     let mut causes: Vec<_> = failures.iter().collect();
     causes.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
@@ -142,6 +183,21 @@ mod tests {
         ];
         for (seconds, expected) in times {
             assert_eq!(duration(seconds), expected);
+        }
+    }
+
+    #[test]
+    fn forces_have_three_digits() {
+        let forces = [
+            (0.0, "0 N"),
+            (1.23456e-7, "1.23e-7 N"),
+            (12.0, "12 N"),
+            (999.9, "1000 N"),
+            (4_530.0, "4.53 kN"),
+            (2.5e6, "2.5 MN"),
+        ];
+        for (force, expected) in forces {
+            assert_eq!(newtons(force), expected);
         }
     }
 

@@ -11,7 +11,6 @@ use jointsweep::engine::sweep::{self, SweepOptions};
 use jointsweep::output::folder::{Permissions, ResultFolder, Verdict};
 use jointsweep::output::manifest::{Conditions, Origin};
 use jointsweep::output::recorder::Recorder;
-use jointsweep::study::config::Study;
 
 use super::interrupt::Interrupt;
 use super::progress::Progress;
@@ -20,7 +19,7 @@ use super::{Ending, RunArgs, backend, print, report, say, threads};
 pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();
     backend::check(&args.backend)?;
-    let study = Study::load(&args.config)?;
+    let study = args.settings.load(&args.config)?;
     let folder = ResultFolder::of_run(args.out.as_deref(), &study);
     if args.dry_run {
         print(&report::estimate(&cost::estimate(&study)?, &folder.table()))?;
@@ -81,7 +80,7 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     }
     let manifest = recorder.finish(&statistics)?;
     if !args.quiet {
-        print(&report::summary(&manifest, &folder.table()))?;
+        print(&report::summary(&manifest, folder.dir(), args.verbose))?;
     }
     Ok(ending(manifest.counts.failed_designs))
 }

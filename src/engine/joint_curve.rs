@@ -32,6 +32,20 @@ impl JointCurve {
     /// Solves the bodies as finely as an accuracy of the force wants over the whole curve; where none does, as finely as can be,
     /// and every answer says so. `method` is not `closed-form`.
     pub fn new(joint: &JointDesign, options: SolveOptions) -> Result<JointCurve, Failure> {
+        JointCurve::solve(joint, options, BodyLibrary::default(), Spaces::default())
+    }
+
+    /// Of another joint, at the same accuracy: bodies that both joints have are not solved again.
+    pub fn into_other(self, joint: &JointDesign, options: SolveOptions) -> Result<JointCurve, Failure> {
+        JointCurve::solve(joint, options, self.library, self.spaces)
+    }
+
+    fn solve(
+        joint: &JointDesign,
+        options: SolveOptions,
+        mut library: BodyLibrary<'static>,
+        mut spaces: Spaces,
+    ) -> Result<JointCurve, Failure> {
         let SolveOptions { accuracy, method } = options;
         assert!(method != MethodChoice::ClosedForm, "a closed form has no curve of the joint");
         let steps: Vec<Load> = if joint.radial_clearance == 0.0 {
@@ -41,7 +55,6 @@ impl JointCurve {
         };
         let case = DesignCase { index: 0, joint: *joint, steps };
         let mut plan = JointPlan::cheapest(&case, method, accuracy).map_err(Failure::Refused)?;
-        let (mut library, mut spaces) = (BodyLibrary::default(), Spaces::default());
         loop {
             let requests: Vec<_> = plan.requests().collect();
             library.solve(&requests);

@@ -28,6 +28,8 @@ pub struct Contents {
 pub static RUN: Contents = Contents { command: None, files: &[TABLE, LAWS] };
 pub static TRADEOFF: Contents =
     Contents { command: Some("tradeoff"), files: &["tradeoff.csv", "front.csv", "tradeoff.svg"] };
+pub static CALIBRATION: Contents =
+    Contents { command: Some("calibrate"), files: &["calibration.csv", "residuals.csv", "residuals.svg"] };
 
 /// What may be put in the place of what is there.
 #[derive(Clone, Copy, Debug, Default)]
@@ -87,6 +89,13 @@ impl ResultFolder {
         }
     }
 
+    /// Refuses a file that is read and would be written, with whatever permission.
+    pub fn refuse_overwriting(&self, read: &Path) -> Result<(), Error> {
+        let files = self.files().chain([self.manifest()]);
+        let in_the_way = files.flat_map(|path| [partial(&path), path]).find(|path| is_same_file(read, path));
+        in_the_way.map_or(Ok(()), |path| Err(Error::InputInTheWay { path }))
+    }
+
     /// What a manifest says of the files beside it, `name` being where they are.
     fn occupant(
         &self,
@@ -115,9 +124,10 @@ impl ResultFolder {
             Some(origin) if origin.text == study.source_text() => {
                 Occupant::Other(format!("the result of {} for another list of designs", origin.path))
             }
-            Some(origin) if Path::new(&origin.path) == study.path() => {
-                Occupant::Other(format!("the result of {} as it was before its last change", origin.path))
-            }
+            Some(origin) if Path::new(&origin.path) == study.path() => Occupant::Other(format!(
+                "the result of {} as it was before its last change, or with other values set",
+                origin.path
+            )),
             Some(origin) => Occupant::Other(format!("the result of another config ({})", origin.path)),
         })
     }

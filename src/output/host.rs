@@ -20,6 +20,12 @@ impl Program {
         version: env!("CARGO_PKG_VERSION"),
         commit: option_env!("JOINTSWEEP_COMMIT"),
     };
+
+    /// "jointsweep 0.1.0 (1234567)".
+    pub fn in_words(&self) -> String {
+        let commit = self.commit.map_or(String::new(), |commit| format!(" ({commit})"));
+        format!("{} {}{commit}", self.program, self.version)
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]

@@ -134,7 +134,11 @@ pub struct Counts {
     pub failed_rows: u64,
     pub distinct_bodies: u64,
     /// The largest of a row.
+    pub greatest_force_error: f64,
     pub greatest_linearity_error: f64,
+    /// Of all answers, N; nothing where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub forces_n: Option<[f64; 2]>,
     /// Designs that the processor solved although a GPU was asked: those it needs no mesh for, those the GPU found no
     /// answer to, and all after it was given up.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -156,11 +160,15 @@ impl Counts {
         let failed_before = self.failed_rows;
         for step in &outcome.steps {
             self.by_status.add(&step.status);
-            let of_linearity = step.response.and_then(|response| response.linearity_error).unwrap_or(0.0);
-            self.greatest_linearity_error = self.greatest_linearity_error.max(of_linearity);
-            if step.response.is_none() {
+            let Some(response) = &step.response else {
                 self.failed_rows += 1;
-            }
+                continue;
+            };
+            self.greatest_force_error = self.greatest_force_error.max(response.force_error);
+            let of_linearity = response.linearity_error.unwrap_or(0.0);
+            self.greatest_linearity_error = self.greatest_linearity_error.max(of_linearity);
+            let [least, greatest] = self.forces_n.unwrap_or([f64::INFINITY, 0.0]);
+            self.forces_n = Some([least.min(response.force), greatest.max(response.force)]);
         }
         self.designs += 1;
         self.rows += outcome.steps.len() as u64;
@@ -219,6 +227,11 @@ impl Manifest {
         self.files.push(FileEntry::new(name, print));
     }
 
+    /// The names of the files that the run has made.
+    pub fn file_names(&self) -> impl Iterator<Item = &str> {
+        self.files.iter().map(|file| file.path.as_str())
+    }
+
     /// What a person calls that which computed.
     pub fn computed_by(&self) -> String {
         match &self.adapter {
@@ -260,7 +273,8 @@ pub fn stage(manifest: &impl Serialize, path: &Path) -> Result<(), Error> {
     stage_bytes(path, text.as_bytes())
 }
 
-fn stage_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+/// Writes bytes where a file waits before it is published.
+pub fn stage_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let staged = staged(path);
     std::fs::write(&staged, bytes).map_err(|source| Error::Io { action: "write", path: staged, source })
 }

@@ -5,6 +5,7 @@ use std::fmt::Display;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::error::Error;
 use crate::tradeoff::families::{FAMILIES, planner};
@@ -73,10 +74,10 @@ fn draw(title: &str, rows: &[Measured], text: &mut String) -> Drawn {
         .build_cartesian_2d(times.log_scale(), errors.log_scale())?;
     chart
         .configure_mesh()
-        .x_desc("time per design, one thread (shared preparation left out)")
-        .y_desc("error of the force that 95 % of the steps keep to")
-        .x_label_formatter(&|seconds| time_label(*seconds))
-        .y_label_formatter(&|error| error_label(*error))
+        .x_desc("time per design, one thread, us (shared preparation left out)")
+        .y_desc("error of the force that 95 % of the steps keep to, %")
+        .x_label_formatter(&|seconds| decade_label(1e6 * seconds))
+        .y_label_formatter(&|error| decade_label(100.0 * error))
         .label_style((FONT, 15).into_font().color(&INK))
         .axis_desc_style((FONT, 16).into_font().color(&INK))
         .light_line_style(WHITE)
@@ -129,18 +130,10 @@ fn decades(values: impl Iterator<Item = f64>, least: std::ops::Range<f64>) -> st
     10f64.powf((low * 0.8).log10().floor())..10f64.powf((high * 1.25).log10().ceil())
 }
 
-fn time_label(seconds: f64) -> String {
-    match seconds {
-        s if s < 0.99e-6 => format!("{:.0} ns", 1e9 * s),
-        s if s < 0.99e-3 => format!("{:.0} us", 1e6 * s),
-        s if s < 0.99 => format!("{:.0} ms", 1e3 * s),
-        s => format!("{s:.0} s"),
-    }
-}
-
-/// Percent where a person would say percent.
-fn error_label(error: f64) -> String {
-    if error > 0.99e-4 { format!("{} %", (1e4 * error).round() / 1e2) } else { format!("{error:.0e}") }
+/// A power of ten as a person writes it.
+fn decade_label(value: f64) -> String {
+    let value: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    if (0.0099..5e3).contains(&value) { format!("{value}") } else { format!("{value:e}") }
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -194,7 +187,7 @@ fn star(area: &Area, (x, y): (i32, i32), colour: RGBColor, hollow: bool) -> Draw
 
 /// Height of a label's line, and what a letter is wide, px.
 const LINE: i32 = 15;
-const LETTER: f64 = 7.2;
+const LETTER: f64 = 5.9;
 
 /// A box in pixels: left, top, right, bottom.
 type Box4 = [i32; 4];
@@ -229,12 +222,14 @@ fn label(area: &Area, front: &[&Point], places: &[(i32, i32)], marks: &[(i32, i3
         };
         let Some((left, top)) = candidates.min_by_key(cost) else { continue };
         taken.push([left, top, left + wide, top + LINE]);
-        // A thread from a label that had to go far.
-        let nearest = (if left > x { left } else { left + wide }, top + LINE / 2);
-        if (nearest.1 - y).abs() > 2 * LINE {
-            area.draw(&PathElement::new(vec![(x, y), nearest], INK.mix(0.4).stroke_width(1)))?;
+        // It ends or begins at its point, whatever its letters are wide; a thread leads to one that had to go far.
+        let (near, side) = if left > x { (left, HPos::Left) } else { (left + wide, HPos::Right) };
+        let middle = top + LINE / 2;
+        if (middle - y).abs() > 3 * LINE / 2 {
+            area.draw(&PathElement::new(vec![(x, y), (near, middle)], INK.mix(0.4).stroke_width(1)))?;
         }
-        area.draw(&Text::new(text, (left, top), (FONT, 13).into_font().color(&INK)))?;
+        let style = (FONT, 13).into_font().color(&INK).pos(Pos::new(side, VPos::Top));
+        area.draw(&Text::new(text, (near, top), style))?;
     }
     Ok(())
 }
@@ -266,8 +261,8 @@ fn key(area: &Area, points: &[Point]) -> Drawn {
             mark(area, (23, y), family, hollow)
         })?;
     }
-    let (least, most) = (LEAST_ERROR, 100.0 * MOST_ERROR);
-    line(&format!("errors below {least:.0e} and above {most:.0} % stand there"), &|_| Ok(()))?;
+    let [least, most] = [LEAST_ERROR, MOST_ERROR].map(|error| decade_label(100.0 * error));
+    line(&format!("errors below {least} % and above {most} % stand there"), &|_| Ok(()))?;
     line(&format!("hollow: more than {:.0} % of the steps without answer", 100.0 * MOST_UNANSWERED), &|y| {
         area.draw(&Circle::new((23, y), 5, INK.stroke_width(2)))?;
         Ok(())
@@ -321,13 +316,8 @@ mod tests {
     fn axes_are_whole_decades_around_the_points() {
         assert_eq!(decades([2e-3, 0.5].into_iter(), 1.0..2.0), 1e-3..1.0);
         assert_eq!(decades([1e-3, 1.0].into_iter(), 1.0..2.0), 1e-4..10.0);
-        assert_eq!(
-            (error_label(1e-4), error_label(0.1), error_label(1e-6)),
-            ("0.01 %".into(), "10 %".into(), "1e-6".into())
-        );
-        assert_eq!(
-            (time_label(1e-6), time_label(1e-2), time_label(1.0)),
-            ("1 us".into(), "10 ms".into(), "1 s".into())
-        );
+        let labels =
+            [1e-7, 1e-3, 0.01, 0.1, 1.0, 1000.0, 1e5].map(|value| decade_label(value * (1.0 + 1e-15)));
+        assert_eq!(labels, ["1e-7", "1e-3", "0.01", "0.1", "1", "1000", "1e5"]);
     }
 }

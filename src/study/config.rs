@@ -8,6 +8,7 @@ use crate::study::designs_file::{DesignsFile, Rows};
 use crate::study::fingerprint::Fingerprint;
 use crate::study::recipe::Recipe;
 use crate::study::sampling::{MAX_DESIGNS, Scheme};
+use crate::study::setting::Setting;
 use crate::study::source::{Section, Source};
 use crate::study::units::{self, Dimension};
 use crate::study::values::{Counts, Pick, Values};
@@ -55,7 +56,7 @@ impl Default for SolveOptions {
 pub const LAWS_UP_TO: u64 = 1000;
 
 /// The most steps [load] may have.
-const MAX_STEPS: u64 = 100_000;
+pub const MAX_STEPS: u64 = 100_000;
 
 /// What a config asks for. All that can be wrong with it has been found when there is one.
 #[derive(Debug)]
@@ -79,12 +80,19 @@ enum Designs {
 impl Study {
     /// Reads and checks a config, and the list of designs it may name.
     pub fn load(path: &Path) -> Result<Study, Error> {
-        Study::read(Source::read(path.to_path_buf())?)
+        Study::load_with(path, &[])
+    }
+
+    /// The same with values set beside the file, as if the file had them: its text, too, is the one that has them.
+    pub fn load_with(path: &Path, settings: &[Setting]) -> Result<Study, Error> {
+        let mut source = Source::read(path.to_path_buf())?;
+        source.set(settings)?;
+        Study::read(source)
     }
 
     /// Checks a config whose text is at hand; `path` is what complaints and manifests call it.
     pub fn from_text(path: &Path, text: String) -> Result<Study, Error> {
-        Study::read(Source { path: path.to_path_buf(), text })
+        Study::read(Source::new(path.to_path_buf(), text))
     }
 
     fn read(source: Source) -> Result<Study, Error> {
@@ -135,7 +143,7 @@ impl Study {
         &self.title
     }
 
-    /// The config as it was read, to the last byte.
+    /// The config as it was read, to the last byte; with what was set beside its file, where something was.
     pub fn source_text(&self) -> &str {
         &self.source.text
     }
@@ -234,7 +242,7 @@ impl Iterator for Cases<'_> {
 /// What the table [solve] of a config's text asks for: all that is needed to solve one of its designs again. `path` is what
 /// complaints call the config.
 pub fn solve_options(path: &Path, text: &str) -> Result<SolveOptions, Error> {
-    let source = Source { path: path.to_path_buf(), text: text.to_string() };
+    let source = Source::new(path.to_path_buf(), text.to_string());
     let document = source.parse()?;
     let section = source.root(&document).section("solve")?;
     section.map_or(Ok(SolveOptions::default()), |table| Ok(read_solve(&table)?.0))
@@ -255,7 +263,7 @@ pub struct Asked {
 impl Asked {
     /// Reads a config's text without the list of designs that it may name; `path` is what complaints call it.
     pub fn from_text(path: &Path, text: &str) -> Result<Asked, Error> {
-        let source = Source { path: path.to_path_buf(), text: text.to_string() };
+        let source = Source::new(path.to_path_buf(), text.to_string());
         let document = source.parse()?;
         let root = source.root(&document);
         let solve = solve_options(path, text)?;

@@ -19,6 +19,8 @@ impl Limits {
     pub const POSITIVE: Limits = Limits::between(0.0, f64::INFINITY);
     /// Clearance, indentation, force.
     pub const NOT_NEGATIVE: Limits = Limits { low: 0.0, low_allowed: true, high: f64::INFINITY };
+    /// Every finite number.
+    pub const ANY: Limits = Limits { low: f64::NEG_INFINITY, low_allowed: true, high: f64::INFINITY };
     /// Where plane strain has a positive energy; 0.5 itself is incompressible.
     pub const POISSONS_RATIO: Limits = Limits::between(-1.0, 0.5);
 

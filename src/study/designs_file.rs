@@ -143,7 +143,7 @@ impl Rows {
     }
 
     /// Of what has been read: at the end, of the file.
-    fn fingerprint(&self) -> Fingerprint {
+    pub fn fingerprint(&self) -> Fingerprint {
         self.reader.get_ref().inner().fingerprint()
     }
 
@@ -239,7 +239,8 @@ impl Rows {
         })
     }
 
-    fn number(&self, name: &str, limits: Limits) -> Result<f64, Error> {
+    /// A finite number within limits.
+    pub fn number(&self, name: &str, limits: Limits) -> Result<f64, Error> {
         let cell = self.needed(name)?;
         let refuse = |problem: String| self.complain(name, format!("`{}`: {problem}", shortened(cell)));
         let number: f64 = cell.parse().map_err(|_| refuse("not a number".to_string()))?;
@@ -252,8 +253,7 @@ impl Rows {
 
     /// A finite number, where there is one.
     pub fn optional_number(&self, name: &str) -> Result<Option<f64>, Error> {
-        let anything = Limits { low: f64::NEG_INFINITY, low_allowed: true, high: f64::INFINITY };
-        self.cell(name).map(|_| self.number(name, anything)).transpose()
+        self.cell(name).map(|_| self.number(name, Limits::ANY)).transpose()
     }
 
     /// A whole number.
@@ -271,7 +271,7 @@ impl Rows {
     }
 
     /// A complaint about the current row.
-    fn complain(&self, column: &str, problem: String) -> Error {
+    pub fn complain(&self, column: &str, problem: String) -> Error {
         self.error(self.record.position().and_then(|position| line_of(&self.path, position)), column, problem)
     }
 

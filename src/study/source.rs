@@ -7,8 +7,10 @@ use std::path::PathBuf;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use toml_edit::DocumentMut;
 
 use crate::error::{Error, shortened, suggest};
+use crate::study::setting::{PLACE, Setting};
 
 /// Bytes of a config at most: lists of a million values fit. Long lists of designs are files of their own.
 const LARGEST: u64 = 16 << 20;
@@ -17,10 +19,48 @@ const LARGEST: u64 = 16 << 20;
 #[derive(Debug)]
 pub struct Source {
     pub path: PathBuf,
+    /// With what was set beside the file.
     pub text: String,
+    /// What was set: dotted keys, and the lines that each setting has changed.
+    edits: Vec<Edit>,
+}
+
+/// Lines `first..first + new` of a text (from 0) that stand where the text before had `first..first + old`.
+#[derive(Debug)]
+struct Edit {
+    key: String,
+    first: u64,
+    old: u64,
+    new: u64,
+}
+
+impl Edit {
+    fn between(key: String, before: &str, after: &str) -> Edit {
+        let (before, after): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());
+        let first = before.iter().zip(&after).take_while(|(old, new)| old == new).count();
+        let tail = before[first..].iter().rev().zip(after[first..].iter().rev());
+        let last = tail.take_while(|(old, new)| old == new).count();
+        let lines = |text: &[&str]| (text.len() - first - last) as u64;
+        Edit { key, first: first as u64, old: lines(&before), new: lines(&after) }
+    }
+
+    /// The line of the text before in which `line` (from 0) of the text after stood; the nearest one for lines that are new.
+    fn before(&self, line: u64) -> u64 {
+        if line < self.first {
+            line
+        } else if line < self.first + self.new {
+            line.min((self.first + self.old).saturating_sub(1).max(self.first))
+        } else {
+            line - self.new + self.old
+        }
+    }
 }
 
 impl Source {
+    pub fn new(path: PathBuf, text: String) -> Source {
+        Source { path, text, edits: Vec::new() }
+    }
+
     /// Reads a file, or what a pipe has to say.
     pub fn read(path: PathBuf) -> Result<Source, Error> {
         let mut bytes = Vec::new();
@@ -33,7 +73,7 @@ impl Source {
             return Err(Error::Input { file: path, line: None, key: String::new(), problem });
         }
         match String::from_utf8(bytes) {
-            Ok(text) => Ok(Source { path, text }),
+            Ok(text) => Ok(Source::new(path, text)),
             Err(error) => {
                 let valid = error.utf8_error().valid_up_to();
                 let line = line_of(&error.as_bytes()[..valid]);
@@ -54,6 +94,26 @@ impl Source {
         })
     }
 
+    /// Sets values, the last one of a key being the one that counts: the text is then that of a config that has them.
+    pub fn set(&mut self, settings: &[Setting]) -> Result<(), Error> {
+        for setting in settings {
+            // First our own parser, whose complaints have a line.
+            self.parse()?;
+            let mut document = match self.text.parse::<DocumentMut>() {
+                Ok(document) => document,
+                Err(error) => {
+                    let start = error.span().map(|span| span.start);
+                    return Err(self.error(start, "", format!("not valid TOML: {}", error.message())));
+                }
+            };
+            setting.apply(&mut document)?;
+            let text = document.to_string();
+            self.edits.push(Edit::between(setting.key(), &self.text, &text));
+            self.text = text;
+        }
+        Ok(())
+    }
+
     /// The root table of what `parse` gave.
     pub fn root<'a>(&'a self, document: &'a Spanned<DeTable<'a>>) -> Section<'a> {
         // What the root lacks is missed at the end.
@@ -61,10 +121,22 @@ impl Source {
         Section { source: self, key: String::new(), start: Some(end), table: document.get_ref() }
     }
 
-    /// A complaint about the line of byte `start`.
+    /// A complaint about the line of byte `start`, or about what was set.
     pub fn error(&self, start: Option<usize>, key: &str, problem: String) -> Error {
-        let before = start.and_then(|start| self.text.as_bytes().get(..start));
-        Error::Input { file: self.path.clone(), line: before.map(line_of), key: key.to_string(), problem }
+        let is_of = |edit: &Edit| {
+            key == edit.key || key.strip_prefix(&edit.key).is_some_and(|rest| rest.starts_with('.'))
+        };
+        if self.edits.iter().any(is_of) {
+            return Error::Input { file: PLACE.into(), line: None, key: key.to_string(), problem };
+        }
+        let line = start.filter(|start| *start <= self.text.len()).map(|start| self.line(start));
+        Error::Input { file: self.path.clone(), line, key: key.to_string(), problem }
+    }
+
+    /// The line of the file, from 1, in which byte `start` of the text stands.
+    fn line(&self, start: usize) -> u64 {
+        let line = line_of(&self.text.as_bytes()[..start.min(self.text.len())]) - 1;
+        1 + self.edits.iter().rev().fold(line, |line, edit| edit.before(line))
     }
 }
 
@@ -165,7 +237,7 @@ impl<'a> Item<'a> {
     }
 
     pub fn line(&self) -> u64 {
-        line_of(&self.source.text.as_bytes()[..self.span.start.min(self.source.text.len())])
+        self.source.line(self.span.start)
     }
 
     pub fn string(&self) -> Result<&'a str, Error> {

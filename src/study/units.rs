@@ -47,7 +47,7 @@ const UNITS: [Unit; 22] = [
 ];
 
 impl Dimension {
-    fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Dimension::Length => "length",
             Dimension::Stress => "stress",
@@ -64,7 +64,8 @@ impl Dimension {
         }
     }
 
-    fn unit_names(self) -> Vec<&'static str> {
+    /// All units that may be written.
+    pub fn unit_names(self) -> Vec<&'static str> {
         UNITS.iter().filter(|unit| unit.1 == self).map(|unit| unit.0).collect()
     }
 }

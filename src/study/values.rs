@@ -55,7 +55,7 @@ pub struct Range {
 const ROOTS: usize = 53;
 
 /// Counted ranges have at most this many values; more is taken for a slip of the pen.
-const MAX_RANGE: u64 = 1_000_000_000;
+pub const MAX_RANGE: u64 = 1_000_000_000;
 
 impl Values {
     /// Reads one value, a list or a range, all within `limits`. `dimension` is `None` for plain numbers.

@@ -137,6 +137,19 @@ impl ConcentricBody {
         [normal - self.amplitude(), along]
     }
 
+    /// The mean motion of the ring in the load's direction under a pressure cos(phi), the plate's along the load and the pin's
+    /// against it, for Young's modulus 1. Only the first mode moves a ring: u_r = a cos(phi), u_phi = b sin(phi) have the mean
+    /// displacement (a - b)/2 along the load line.
+    pub fn mean_ring_motion(&self) -> f64 {
+        let [normal, along] = self.first_mode();
+        let normal = normal + self.amplitude();
+        match self.side() {
+            Side::Plate => 0.5 * (normal - along),
+            // The pressure pushes a disc inwards: u_r = -normal cos(phi).
+            Side::Pin => 0.5 * (normal + along),
+        }
+    }
+
     /// Whether the body is so thin that it is taken for a Winkler bed, which needs no modes.
     fn is_bed(&self) -> bool {
         self.fixed_radius_ratio.ln().abs() < THINNEST_RING

@@ -1,0 +1,4 @@
+mod least_squares;
+pub mod unknown;
+mod model;
+pub mod calibration;

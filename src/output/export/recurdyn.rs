@@ -1,0 +1,26 @@
+//! `recurdyn`: two columns for the import of a spline, also that of Ansys Motion: ascending, more than three rows, no header. What it
+//! is stands in a text beside it, because the import takes no comments. RecurDyn's online help, AKISPL: Akima's method.
+
+use super::interpolation::Interpolation;
+use super::numbers::plain;
+use super::sheet::{Format, Sheet};
+use super::table::Between;
+
+pub static FORMAT: Format = Format {
+    name: "recurdyn",
+    suffix: "_recurdyn.csv",
+    about: "two columns for a spline of RecurDyn or Ansys Motion",
+    two_dimensional: false,
+    rules: &[Interpolation::Akima, Interpolation::Linear],
+    between: Between::Linear,
+    damping: false,
+    length: 1.0,
+    least_step: 0.0,
+    beyond: "the spline's own: choose linear",
+    write,
+};
+
+fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
+    let rows = sheet.pairs().into_iter().map(|(x, y)| format!("{},{}\n", plain(x), plain(y)));
+    vec![("", rows.collect()), ("_about.txt", sheet.head(""))]
+}

@@ -1,0 +1,46 @@
+//! `simscape`: a script with the vectors of a lookup table (PS Lookup Table, 1-D and 2-D Lookup Table, interp1, interp2), m and N.
+
+use super::interpolation::Interpolation;
+use super::numbers::{plain, rounded};
+use super::sheet::{Format, Sheet};
+use super::table::Between;
+
+pub static FORMAT: Format = Format {
+    name: "simscape",
+    suffix: ".m",
+    about: "a MATLAB script with breakpoints and table for Simscape's and Simulink's lookup tables",
+    two_dimensional: true,
+    rules: &[Interpolation::Linear],
+    between: Between::Linear,
+    damping: false,
+    length: 1e-3,
+    least_step: 0.0,
+    beyond: "the block's own: choose Linear",
+    write,
+};
+
+fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
+    let (name, table) = (&sheet.name, &sheet.table);
+    let mut text = sheet.head("% ");
+    text += &format!("{name}_indentation = {}; % m\n", vector(&sheet.with_gap()));
+    let clearances: Vec<f64> = table.clearances.iter().map(|clearance| rounded(clearance * 1e-3, 12)).collect();
+    text += &format!("{name}_radial_clearance = {}; % m\n", vector(&clearances));
+    let matrix = |row: &dyn Fn(usize) -> Vec<f64>| {
+        let rows: Vec<String> = (0..clearances.len()).map(|i| vector(&row(i))).collect();
+        format!("[{}]'", rows.join("; ...\n"))
+    };
+    let unit = if sheet.is_family() { "a row for each indentation, a column for each clearance" } else { "a column" };
+    text += &format!("{name}_force = {}; % N, {unit}\n", matrix(&|i| sheet.forces_with_gap(i)));
+    let stiffness = |i: usize| -> Vec<f64> {
+        let own = table.stiffnesses[i].iter().map(|value| value * 1e3);
+        [0.0, 0.0].into_iter().chain(own).collect()
+    };
+    text += &format!("{name}_stiffness = {}; % N/m\n", matrix(&stiffness));
+    vec![("", text)]
+}
+
+/// A row, some numbers a line.
+fn vector(values: &[f64]) -> String {
+    let line = |line: &[f64]| line.iter().map(|value| plain(*value)).collect::<Vec<_>>().join(" ");
+    format!("[{}]", values.chunks(6).map(line).collect::<Vec<_>>().join(" ...\n  "))
+}

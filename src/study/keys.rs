@@ -1,0 +1,247 @@
+//! Every key of a config, documented: docs/config.md is made from this, and `tests/documentation.rs` holds it to what the reader
+//! takes and refuses.
+
+use crate::mechanics::body::{Shape, ShapeParameter, Side};
+use crate::mechanics::material::Idealization;
+use crate::study::columns::side_name;
+use crate::study::config::{MAX_STEPS, MethodChoice};
+use crate::study::design::Limits;
+use crate::study::sampling::{MAX_DESIGNS, Scheme};
+use crate::study::units::Dimension;
+use crate::study::values::MAX_RANGE;
+
+/// A key with what a person must know to use it.
+#[derive(Clone, Debug)]
+pub struct ConfigKey {
+    /// Of the table it stands in, dotted; empty for the root.
+    pub table: String,
+    pub name: String,
+    pub about: String,
+    /// Of its values; "-" where they have none.
+    pub unit: &'static str,
+    pub allowed: String,
+    /// As TOML; `None` where the key must be given, or another one in its place.
+    pub default: Option<String>,
+    /// Said where there is no default.
+    pub needed: &'static str,
+    /// As TOML.
+    pub example: String,
+}
+
+const NEEDED: &str = "needed";
+const LENGTH: &str = "length";
+const STRESS: &str = "stress";
+
+/// A key that has no default.
+fn key(table: &str, name: &str, about: &str, unit: &'static str, allowed: &str, example: &str) -> ConfigKey {
+    ConfigKey {
+        table: table.into(),
+        name: name.into(),
+        about: about.into(),
+        unit,
+        allowed: allowed.into(),
+        default: None,
+        needed: NEEDED,
+        example: example.into(),
+    }
+}
+
+impl ConfigKey {
+    fn default(self, default: &str) -> ConfigKey {
+        ConfigKey { default: Some(default.into()), ..self }
+    }
+
+    fn needed(self, needed: &'static str) -> ConfigKey {
+        ConfigKey { needed, ..self }
+    }
+
+    /// The whole dotted key.
+    pub fn dotted(&self) -> String {
+        if self.table.is_empty() { self.name.clone() } else { format!("{}.{}", self.table, self.name) }
+    }
+}
+
+/// All keys, in the order of the page. Those of ranges stand in the table `{ }`.
+pub fn config_keys() -> Vec<ConfigKey> {
+    let mut keys = vec![
+        key("", "title", "what manifests and pictures call the sweep", "-", "text", "\"Clevis\"")
+            .needed("the file's name"),
+        key(
+            "joint",
+            "idealization",
+            "thin parts, or parts long along the axis",
+            "-",
+            &words(&Idealization::ALL.map(|one| one.name())),
+            "\"plane-stress\"",
+        ),
+        key("joint", "hole_radius", "radius of the hole, R2", LENGTH, &range(Limits::POSITIVE), "\"10 mm\""),
+        key(
+            "joint",
+            "radial_clearance",
+            "hole radius less pin radius, dR; 0 is a neat fit",
+            LENGTH,
+            "0 or more, below the hole radius",
+            "\"0.05 mm\"",
+        )
+        .needed("needed, or `diametral_clearance`"),
+        key(
+            "joint",
+            "diametral_clearance",
+            "hole diameter less pin diameter: twice the radial clearance",
+            LENGTH,
+            "0 or more, below the hole diameter",
+            "\"0.1 mm\"",
+        )
+        .needed("instead of `radial_clearance`"),
+        key(
+            "joint",
+            "thickness",
+            "length of the joint along its axis, t",
+            LENGTH,
+            &range(Limits::POSITIVE),
+            "\"8 mm\"",
+        ),
+    ];
+    for side in [Side::Pin, Side::Plate] {
+        keys.extend(part_keys(side));
+    }
+    let schemes = words(&Scheme::NAMES);
+    let counts = format!("whole numbers from 1 to {MAX_DESIGNS}");
+    let steps = format!("0 or more; at most {MAX_STEPS} steps");
+    keys.extend([
+        key("load", "indentation", "steps of the pin's descent after first touch", LENGTH, &steps, "[\"1 um\", \"2 um\"]")
+            .needed("needed, or `force`"),
+        key("load", "force", "steps of the force of the whole joint", "force", &steps, "{ from = \"10 N\", to = \"10 kN\", count = 20, spacing = \"log\" }")
+            .needed("needed, or `indentation`"),
+        key("designs", "file", "a CSV list of designs, one load case a row, in the place of [joint], [load] and [sampling]; \
+             relative to the config's folder", "-", "a file", "\"designs-example.csv\"")
+            .needed("needed in [designs]"),
+        key("sampling", "method", "how the lists and ranges of [joint] combine: every combination, the first with the first and so on, or \
+             as many samples as `count` says", "-", &schemes, "\"sobol\"")
+            .default("\"grid\""),
+        key("sampling", "count", "designs of the samplers", "-", &counts, "1000").needed("needed for the samplers, and only there"),
+        key("sampling", "seed", "another seed, other samples; the same seed, the same ones on every machine", "-", "whole numbers from 0", "1")
+            .default("0"),
+        key("solve", "accuracy", "of the force, relative; a design that cannot have it says so in its status", "-", "above 0 and below 1 (100 %)", "\"0.3 %\"")
+            .default("\"1 %\""),
+        key("solve", "method", "the cheapest that is accurate enough, or always this one", "-", &words(&MethodChoice::ALL.map(MethodChoice::name)), "\"fe\"")
+            .default("\"auto\""),
+        key("solve", "interpolation", "whether large sweeps may interpolate between bodies where that is cheaper", "-", &words(&["auto", "off"]), "\"off\"")
+            .default("\"auto\""),
+        key(RANGE, "from", "the first value", "as the key", "what the key allows", "\"10 N\""),
+        key(RANGE, "to", "the last value", "as the key", "what the key allows, above `from`", "\"10 kN\""),
+        key(RANGE, "count", "values, both ends included", "-", &format!("whole numbers from 2 to {MAX_RANGE}"), "20")
+            .needed("needed; with a sampler there is none, but in [load]"),
+        key(RANGE, "spacing", "even steps of the value, or of its logarithm", "-", &words(&["linear", "log"]), "\"log\"")
+            .default("\"linear\""),
+    ]);
+    keys
+}
+
+/// The table of ranges, which stand where values stand.
+pub const RANGE: &str = "{ }";
+
+fn part_keys(side: Side) -> Vec<ConfigKey> {
+    let table = format!("joint.{}", side_name(side));
+    let shapes: Vec<&'static Shape> = Shape::of_side(side).collect();
+    let names: Vec<&str> = shapes.iter().map(|shape| shape.name).collect();
+    let (about, of) = match side {
+        Side::Pin => (
+            "the lower half of a disc, moved by its rigid diameter; or the whole disc, moved by a rigid core",
+            "pin",
+        ),
+        Side::Plate => ("a ring, fixed along its outer circle; or a rectangle around the hole", "hole"),
+    };
+    let mut keys =
+        vec![key(&table, "model", about, "-", &words(&names), &format!("\"{}\"", names[names.len() - 1]))];
+    for shape in shapes {
+        for parameter in shape.parameters {
+            let ShapeParameter { name, default, .. } = parameter;
+            let about = format!(
+                "of `{}`: {} over the {of} radius",
+                shape.name,
+                name.trim_end_matches("_ratio").replace('_', " ")
+            );
+            let example = default.map_or("3.0".to_string(), |default| format!("{}", 2.0 * default));
+            let needed = key(&table, name, &about, "-", &range(Limits::of_parameter(parameter)), &example);
+            keys.push(match default {
+                Some(default) => needed.default(&default.to_string()),
+                None => ConfigKey { needed: "needed for this model", ..needed },
+            });
+        }
+        if let [first, ..] = shape.supports {
+            let about = format!(
+                "of `{}`: which of its outer edges are fixed: the bottom, or the bottom, sides and top",
+                shape.name
+            );
+            keys.push(
+                key(
+                    &table,
+                    "support",
+                    &about,
+                    "-",
+                    &words(shape.supports),
+                    &format!("\"{}\"", shape.supports[shape.supports.len() - 1]),
+                )
+                .default(&format!("\"{first}\"")),
+            );
+        }
+    }
+    keys.push(key(
+        &table,
+        "youngs_modulus",
+        "Young's modulus, E",
+        STRESS,
+        &range(Limits::POSITIVE),
+        "\"70 GPa\"",
+    ));
+    keys.push(key(
+        &table,
+        "poissons_ratio",
+        "Poisson's ratio, nu",
+        "-",
+        &range(Limits::POISSONS_RATIO),
+        "0.33",
+    ));
+    keys
+}
+
+fn words(words: &[&str]) -> String {
+    words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// As complaints say it.
+fn range(limits: Limits) -> String {
+    let problem = limits.refuse(f64::NAN).err().unwrap_or_default();
+    problem.trim_start_matches("must be ").to_string()
+}
+
+/// As a section with a table for each table of the config, in Markdown.
+pub fn documentation() -> String {
+    let mut text = String::new();
+    let mut last = None;
+    for key in config_keys() {
+        if last.as_ref() != Some(&key.table) {
+            let heading = match key.table.as_str() {
+                "" => "At the top".to_string(),
+                RANGE => "In a range `{ }`".to_string(),
+                table => format!("`[{table}]`"),
+            };
+            text += &format!(
+                "\n## {heading}\n\n| key | meaning | unit | allowed | default | example |\n|---|---|---|---|---|---|\n"
+            );
+            last = Some(key.table.clone());
+        }
+        let default = key.default.map_or(key.needed.to_string(), |default| format!("`{default}`"));
+        let ConfigKey { name, about, unit, allowed, example, .. } = key;
+        text += &format!("| `{name}` | {about} | {unit} | {allowed} | {default} | `{example}` |\n");
+    }
+    text += "\n## Units\n\n| of | written as | in tables |\n|---|---|---|\n";
+    for dimension in [Dimension::Length, Dimension::Stress, Dimension::Force] {
+        // The micro sign is also the Greek letter, which looks the same.
+        let mut units = dimension.unit_names();
+        units.retain(|unit| !unit.contains('\u{3bc}'));
+        text += &format!("| {} | {} | {} |\n", dimension.name(), words(&units), dimension.unit());
+    }
+    text
+}

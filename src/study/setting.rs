@@ -1,0 +1,156 @@
+//! "joint.plate.youngs_modulus=70 GPa": one value of a config, set beside its file.
+
+use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
+
+use crate::error::{Error, shortened};
+
+/// A dotted key and the value that it is to have.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    keys: Vec<String>,
+    value: Value,
+}
+
+/// What complaints about settings say in the place of a file: it is how they are given.
+pub const PLACE: &str = "--set";
+
+impl Setting {
+    /// From "key=value": the key dotted as in TOML, the value as TOML or, where it is none, the text itself.
+    pub fn parse(text: &str) -> Result<Setting, Error> {
+        let refuse = |problem: &str| Err(complaint(&shortened(text), problem.to_string()));
+        let Some((key, value)) = text.split_once('=') else {
+            return refuse("a key and its value are needed, like solve.accuracy=0.1%");
+        };
+        let keys = match Key::parse(key.trim()) {
+            Ok(keys) if !keys.is_empty() => keys.iter().map(|key| key.get().to_string()).collect(),
+            _ => return refuse("the key before `=` is none; it is written like joint.plate.youngs_modulus"),
+        };
+        let value = value.trim();
+        let value = match value.parse::<Value>() {
+            Ok(value) => value,
+            // Who begins like this means TOML.
+            Err(error) if value.starts_with(['[', '{', '"', '\'']) => {
+                let problem = error.message().trim().replace('\n', ", ");
+                return refuse(&format!("the value is not valid TOML: {problem}"));
+            }
+            Err(_) => Value::from(value),
+        };
+        Ok(Setting { keys, value })
+    }
+
+    /// The dotted key, as complaints about a config have it.
+    pub fn key(&self) -> String {
+        self.keys.join(".")
+    }
+
+    /// Puts the value in the place of what the document has there; tables that are missing are made.
+    pub fn apply(&self, document: &mut DocumentMut) -> Result<(), Error> {
+        let (last, above) = self.keys.split_last().expect("a setting has a key");
+        let mut table: &mut dyn TableLike = document.as_table_mut();
+        // Inside an inline table only inline tables can be.
+        let mut is_inline = false;
+        for (depth, key) in above.iter().enumerate() {
+            let item = table.entry(key).or_insert_with(|| new_table(is_inline));
+            is_inline = item.is_inline_table();
+            table = match item.as_table_like_mut() {
+                Some(table) => table,
+                None => {
+                    let problem = format!("`{}` is a value, not a table", above[..=depth].join("."));
+                    return Err(complaint(&self.key(), problem));
+                }
+            };
+        }
+        let mut value = self.value.clone();
+        match table.get_mut(last).and_then(Item::as_value_mut) {
+            Some(old) => {
+                // Blanks and the comment behind an old value stay where they are.
+                *value.decor_mut() = old.decor().clone();
+                *old = value;
+            }
+            None => _ = table.insert(last, Item::Value(value)),
+        }
+        Ok(())
+    }
+}
+
+fn new_table(is_inline: bool) -> Item {
+    if is_inline {
+        return Item::Value(Value::InlineTable(InlineTable::new()));
+    }
+    let mut table = Table::new();
+    // No header of its own where it has only tables.
+    table.set_implicit(true);
+    Item::Table(table)
+}
+
+fn complaint(key: &str, problem: String) -> Error {
+    Error::Input { file: PLACE.into(), line: None, key: key.to_string(), problem }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn set(text: &str, settings: &[&str]) -> String {
+        let mut document: DocumentMut = text.parse().unwrap();
+        for setting in settings {
+            Setting::parse(setting).unwrap().apply(&mut document).unwrap();
+        }
+        document.to_string()
+    }
+
+    #[test]
+    fn a_value_takes_the_place_of_the_old_one_and_all_else_stays() {
+        let text =
+            "# my joint\n[joint]\nplate = { model = \"annulus\" } # held\nthickness   = \"5 mm\" # thin\n";
+        assert_eq!(
+            set(text, &["joint.thickness=6 mm", "joint.plate.model = block"]),
+            "# my joint\n[joint]\nplate = { model = \"block\" } # held\nthickness   = \"6 mm\" # thin\n"
+        );
+    }
+
+    #[test]
+    fn what_is_missing_is_made() {
+        assert_eq!(
+            set("title = \"t\"\n", &["solve.accuracy=0.1%"]),
+            "title = \"t\"\n\n[solve]\naccuracy = \"0.1%\"\n"
+        );
+        let pin = set("joint = { thickness = \"5 mm\" }\n", &["joint.pin.poissons_ratio=0.3"]);
+        assert_eq!(pin, "joint = { thickness = \"5 mm\" , pin = { poissons_ratio = 0.3 } }\n");
+        let table = toml::from_str::<toml::Table>(&pin).unwrap();
+        assert_eq!(table["joint"]["pin"]["poissons_ratio"].as_float(), Some(0.3));
+    }
+
+    #[test]
+    fn values_are_toml_or_text() {
+        for (value, written) in [
+            ("70 GPa", "\"70 GPa\""),
+            ("\"70 GPa\"", "\"70 GPa\""),
+            ("0.01", "0.01"),
+            ("0.1%", "\"0.1%\""),
+            ("plane-strain", "\"plane-strain\""),
+            ("[\"1 N\", \"2 N\"]", "[\"1 N\", \"2 N\"]"),
+            ("{ from = \"1 N\", to = \"2 N\", count = 2 }", "{ from = \"1 N\", to = \"2 N\", count = 2 }"),
+            ("a = b", "\"a = b\""),
+        ] {
+            assert_eq!(set("", &[&format!("x={value}")]), format!("x = {written}\n"), "{value}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_setting_is_refused() {
+        for (text, problem) in [
+            ("joint", "--set: joint: a key and its value are needed"),
+            ("=5", "--set: =5: the key before `=` is none"),
+            ("a..b=5", "the key before `=` is none"),
+            ("a b=5", "the key before `=` is none"),
+            ("a=[1, 2", "--set: a=[1, 2: the value is not valid TOML: "),
+        ] {
+            let said = Setting::parse(text).unwrap_err().to_string();
+            assert!(said.contains(problem), "{text}: {said}");
+        }
+        let mut document: DocumentMut = "title = \"t\"\n".parse().unwrap();
+        let said = Setting::parse("title.x=1").unwrap().apply(&mut document).unwrap_err().to_string();
+        assert_eq!(said, "--set: title.x: `title` is a value, not a table");
+    }
+}
