@@ -128,7 +128,7 @@ impl Frame {
     }
 
     /// Entries side by side, as many as go on a line: what draws the swatch, given its place, and the words.
-    pub fn legend(&mut self, entries: &[(String, &dyn Fn(f64, f64) -> String)]) {
+    pub fn legend(&mut self, entries: &[Entry]) {
         if entries.is_empty() {
             return;
         }
@@ -174,6 +174,9 @@ impl Frame {
 }
 
 const NAMESPACE: &str = "http://www.w3.org/2000/svg";
+
+/// A name in a legend, and what draws its swatch at a place.
+pub type Entry<'a> = (String, Box<dyn Fn(f64, f64) -> String + 'a>);
 
 /// The widest label of an axis that stands upright, px.
 pub fn labels_width(axis: &Axis) -> f64 {

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::axis::Axis;
-use super::frame::{Frame, labels_width};
+use super::frame::{Entry, Frame, labels_width};
 use super::style::COLOURS;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,10 +67,8 @@ impl LineChart {
             }
         }
         self.draw_limits(&mut frame);
-        let swatches: Vec<(String, Box<dyn Fn(f64, f64) -> String>)> =
-            self.series.iter().filter(|series| !series.name.is_empty()).map(swatch).collect();
-        let entries: Vec<(String, &dyn Fn(f64, f64) -> String)> =
-            swatches.iter().map(|(name, draw)| (name.clone(), &**draw)).collect();
+        let named = self.series.iter().filter(|series| !series.name.is_empty());
+        let entries: Vec<Entry> = named.map(swatch).collect();
         frame.legend(&entries);
         frame.finish(alone)
     }
@@ -161,9 +159,7 @@ impl LineChart {
     }
 }
 
-type Swatch = (String, Box<dyn Fn(f64, f64) -> String>);
-
-fn swatch(series: &Series) -> Swatch {
+fn swatch(series: &Series) -> Entry<'static> {
     let class = series.colour % COLOURS + 1;
     let marking = series.marking;
     let draw = move |x: f64, y: f64| match marking {

@@ -64,7 +64,8 @@ impl MapChart {
                     let colour = scale_colour(share);
                     _ = writeln!(
                         frame.svg,
-                        "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{colour}\"><title>{about}</title></rect>",
+                        "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\" \
+                         fill=\"{colour}\"><title>{about}</title></rect>",
                         step.0 + 0.15,
                         step.1 + 0.15
                     );
@@ -74,7 +75,8 @@ impl MapChart {
                     let arm = (0.6 * half_x.min(half_y)).min(5.0);
                     _ = writeln!(
                         frame.svg,
-                        "<path class=\"line s6\" d=\"M{:.1} {:.1}l{2:.1} {2:.1}m0 -{2:.1}l-{2:.1} {2:.1}\"><title>{about}</title></path>",
+                        "<path class=\"line s6\" d=\"M{:.1} {:.1}l{2:.1} {2:.1}m0 -{2:.1}l-{2:.1} {2:.1}\">\
+                         <title>{about}</title></path>",
                         x + half_x - arm,
                         y + half_y - arm,
                         2.0 * arm

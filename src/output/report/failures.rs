@@ -36,7 +36,7 @@ pub fn section(report: &Report) -> String {
         })
         .collect();
     let mut html =
-        paragraph(&text) + &table(&["status", "rows", "share", "designs", "for example design"], &rows);
+        paragraph(&text) + &table(&["status", "rows", "share", "designs", "example"], &rows);
     if all.len() > MOST {
         html += &paragraph(&format!("And {} more statuses; the table has them.", all.len() - MOST));
     }

@@ -24,7 +24,8 @@ pub fn section(report: &Report) -> String {
     if with.iter().any(|one| one.laws.iter().any(|law| law.calibrated)) {
         content += &paragraph(
             "Laws calibrated to each joint\u{2019}s own curve, for simulators that take a formula: the greatest misfit of \
-             their force, each over its own range. The command \u{201c}jointsweep laws\u{201d} writes them with their constants to laws.csv.",
+             their force, each over its own range. The command \u{201c}jointsweep laws\u{201d} writes them with their \
+             constants to laws.csv.",
         );
         content += &misfits(&with, true);
         content += &formulas(&with);

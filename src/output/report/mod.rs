@@ -104,7 +104,9 @@ code,pre{font-family:ui-monospace,Menlo,Consolas,monospace;font-size:.88em}
 pre{overflow:auto;max-height:32em;padding:12px;border:1px solid var(--line);border-radius:8px;line-height:1.4}
 summary{cursor:pointer;font-weight:600}
 @media (max-width:480px){main{padding:16px 14px 32px}h1{font-size:1.4rem}body{font-size:15px}}
-@media print{main{max-width:none;padding:0}section>p,header>p{break-after:avoid}.facts{grid-template-columns:repeat(6,1fr);gap:6px}.facts dd{font-size:.95rem}body{font-size:10.5pt}h2{break-after:avoid}tr{break-inside:avoid}\
+@media print{main{max-width:none;padding:0}section>p,header>p{break-after:avoid}\
+.facts{grid-template-columns:repeat(6,1fr);gap:6px}\
+.facts dd{font-size:.95rem}body{font-size:10.5pt}h2{break-after:avoid}tr{break-inside:avoid}\
 .charts{grid-template-columns:1fr 1fr;gap:14px 18px}.wide{overflow:visible}pre{max-height:none;white-space:pre-wrap}}
 @page{margin:14mm}
 ";

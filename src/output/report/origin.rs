@@ -48,7 +48,8 @@ pub fn section(report: &Report) -> String {
     }
     let config = shortened_to(&results.origin.text, LONGEST);
     let details = format!(
-        "<details>\n<summary>Config</summary>\n<pre>{}</pre>\n</details>\n<details>\n<summary>Manifest</summary>\n<pre>{}</pre>\n</details>\n",
+        "<details>\n<summary>Config</summary>\n<pre>{}</pre>\n</details>\n\
+         <details>\n<summary>Manifest</summary>\n<pre>{}</pre>\n</details>\n",
         escaped(&config),
         escaped(&body)
     );

@@ -425,7 +425,7 @@ impl Scan {
 impl SampledDesign {
     /// Keeps every `stride`-th row, and in any case the last one.
     fn add(&mut self, row: Row) {
-        if self.seen > 0 && (self.seen - 1) % self.stride != 0 {
+        if self.seen > 0 && !(self.seen - 1).is_multiple_of(self.stride) {
             // The last row so far was only kept as the last.
             self.rows.pop();
         }
