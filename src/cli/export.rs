@@ -84,7 +84,10 @@ fn told(export: &Export) -> String {
         percent(quality.of_force)
     );
     if let Some(impact) = &export.impact {
-        text += &format!("; an impact at {} mm/s rebounds with {:.3} of its speed", impact.asked.speed, impact.restitution);
+        text += &format!(
+            "; an impact at {} mm/s rebounds with {:.3} of its speed",
+            impact.asked.speed, impact.restitution
+        );
     }
     text += "\n";
     for (path, _) in &export.files {
@@ -103,5 +106,7 @@ fn in_mm_per_s(text: &str) -> Result<f64, Error> {
     };
     let problem = || format!("`{text}`: a speed is written like \"100 mm/s\" or \"0.1 m/s\"");
     let value: Result<f64, _> = number.trim().parse();
-    value.map(|value| factor * value).map_err(|_| Error::Export { what: "--speed".into(), problem: problem() })
+    value
+        .map(|value| factor * value)
+        .map_err(|_| Error::Export { what: "--speed".into(), problem: problem() })
 }

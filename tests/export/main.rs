@@ -1,18 +1,18 @@
-//! Exported tables, read back by readers that are written from the targets' documentation, against the joint's own curve at
-//! places that are not in the tables; and what is refused.
+//! Exported tables, read back by readers that are written from the targets' documentation, against the joint's own
+//! curve at places that are not in the tables; and what is refused.
 
 #[path = "../common/random.rs"]
 mod random;
 mod readers;
 mod refusals;
+#[allow(dead_code)] // tests/cli uses all of it.
 #[path = "../common/workdir.rs"]
 mod workdir;
 
 use std::process::Command;
+use std::time::Instant;
 
-use jointsweep::{
-    Curve, Dimensions, Idealization, Joint, Load, Material, Options, Part,
-};
+use jointsweep::{Curve, Dimensions, Idealization, Joint, Load, Material, Options, Part};
 use random::Random;
 use workdir::Workdir;
 
@@ -79,8 +79,12 @@ fn check_table(format: &str, pairs: &[(f64, f64)]) {
     assert!(pairs.windows(2).all(|pair| pair[0].0 < pair[1].0), "{format}: not ascending");
     assert!(pairs[0].0 < 0.0 && pairs.contains(&(0.0, 0.0)), "{format}: no gap or no origin");
     assert!(pairs.iter().all(|(x, force)| (*x <= 0.0) == (*force == 0.0) && *force >= 0.0), "{format}");
-    assert!((pairs[pairs.len() - 1].0 / END - 1.0).abs() < 1e-8, "{format}: does not reach the largest indentation");
-    let inside = |low: f64, high: f64| pairs.iter().filter(|(x, _)| *x > low * END && *x <= high * END).count();
+    assert!(
+        (pairs[pairs.len() - 1].0 / END - 1.0).abs() < 1e-8,
+        "{format}: does not reach the largest indentation"
+    );
+    let inside =
+        |low: f64, high: f64| pairs.iter().filter(|(x, _)| *x > low * END && *x <= high * END).count();
     assert!(inside(0.0, 0.5) > inside(0.5, 1.0), "{format}: not denser near zero");
 }
 
@@ -96,7 +100,8 @@ fn worst(curve: &Curve, places: &[f64], force: impl Fn(f64) -> f64) -> f64 {
     truth.iter().zip(places).map(off).fold(0.0, f64::max)
 }
 
-/// Every format with pairs, its reader, what its unit of length is in mm, and how its target goes between the pairs.
+/// Every format with pairs, its reader, what its unit of length is in mm, and how its target goes between the
+/// pairs.
 #[test]
 fn every_table_follows_the_curve_by_the_targets_own_rule() {
     use readers::{akima, linear, steffen};
@@ -120,7 +125,9 @@ fn every_table_follows_the_curve_by_the_targets_own_rule() {
     ];
     let work = solved("export-formats", "\"0.02 mm\"", "3");
     let (curve, places) = (curve(0.02), places(400));
-    let hash = jointsweep::study::fingerprint::Fingerprint::of(work.read("out/sweep/manifest.json").as_bytes()).hash();
+    let hash =
+        jointsweep::study::fingerprint::Fingerprint::of(work.read("out/sweep/manifest.json").as_bytes())
+            .hash();
     for (format, file, read, unit, rules) in cases {
         let main = match format {
             "adams" => "t.adm",
@@ -144,7 +151,14 @@ fn every_table_follows_the_curve_by_the_targets_own_rule() {
         let about = if file.ends_with("csv") { work.read("t_about.txt") } else { text.clone() };
         let joined = about.replace(['\n', '!', '*', '$', '#', '%'], " ");
         let joined = joined.split_whitespace().collect::<Vec<_>>().join(" ");
-        for said in [hash.as_str(), "pin_model rigid-core", "reference: support", "force_error", "Extrapolation:", env!("CARGO_PKG_VERSION")] {
+        for said in [
+            hash.as_str(),
+            "pin_model rigid-core",
+            "reference: support",
+            "force_error",
+            "Extrapolation:",
+            env!("CARGO_PKG_VERSION"),
+        ] {
             assert!(joined.contains(said), "{format} does not say {said}: {joined}");
         }
         assert!(text.lines().all(|line| line.len() <= 128 || format == "opensim"), "{format}: a long line");
@@ -184,7 +198,8 @@ fn listed(places: &[f64]) -> String {
     places.iter().map(|place| format!("{place:?}")).collect::<Vec<_>>().join(", ")
 }
 
-/// Values, slopes by differences, zero at and below zero, continuous slopes, straight on beyond, against the library.
+/// Values, slopes by differences, zero at and below zero, continuous slopes, straight on beyond, against the
+/// library.
 fn check_function(text: &str, curve: &Curve, places: &[f64]) {
     let found = numbers(text);
     assert_eq!(found.len(), places.len() + 4);
@@ -205,7 +220,10 @@ fn check_function(text: &str, curve: &Curve, places: &[f64]) {
     assert_eq!(outside[1][..2], [0.0, 0.0], "at zero");
     assert!(outside[2][0] == 0.0 && outside[2][1] == 0.0, "not a number");
     let beyond = end.force + 0.5 * END * end.tangent_stiffness;
-    assert!((outside[3][0] / beyond - 1.0).abs() < 1e-6 && (outside[3][1] / end.tangent_stiffness - 1.0).abs() < 1e-6);
+    assert!(
+        (outside[3][0] / beyond - 1.0).abs() < 1e-6
+            && (outside[3][1] / end.tangent_stiffness - 1.0).abs() < 1e-6
+    );
 }
 
 #[test]
@@ -266,7 +284,8 @@ fn the_stiffness_does_not_jump_between_segments() {
     }
 }
 
-const CLEARANCES: &str = "[\"0.08 mm\", \"0.02 mm\", \"0.03 mm\", \"0.05 mm\", \"0.025 mm\", \"0.065 mm\", \"0.04 mm\"]";
+const CLEARANCES: &str =
+    "[\"0.08 mm\", \"0.02 mm\", \"0.03 mm\", \"0.05 mm\", \"0.025 mm\", \"0.065 mm\", \"0.04 mm\"]";
 
 /// In the modules of the family, at their own clearances and between them, both languages.
 #[test]
@@ -274,8 +293,19 @@ const CLEARANCES: &str = "[\"0.08 mm\", \"0.02 mm\", \"0.03 mm\", \"0.05 mm\", \
 fn a_family_follows_the_curves_at_and_between_its_clearances() {
     let work = solved("export-family", CLEARANCES, "3");
     let export = |format: &str, file: &str| {
-        work.run(&["export", "out/sweep", "--to", format, "--over", "radial_clearance", "--out", file, "--name", "pin"])
-            .expect(0)
+        work.run(&[
+            "export",
+            "out/sweep",
+            "--to",
+            format,
+            "--over",
+            "radial_clearance",
+            "--out",
+            file,
+            "--name",
+            "pin",
+        ])
+        .expect(0)
     };
     export("c", "pin.h");
     export("python", "pin.py");
@@ -301,7 +331,10 @@ fn a_family_follows_the_curves_at_and_between_its_clearances() {
     );
     work.write(
         "main.py",
-        &format!("import pin\nfor x, c in [({})]:\n    print(pin.force(x, c), pin.stiffness(x, c))\n", pairs.join("), (")),
+        &format!(
+            "import pin\nfor x, c in [({})]:\n    print(pin.force(x, c), pin.stiffness(x, c))\n",
+            pairs.join("), (")
+        ),
     );
     run_in(&work, "cc", &["-std=c99", "-Wall", "-Wextra", "-Werror", "main.c", "-o", "main", "-lm"]);
     let in_c = numbers(&run_in(&work, &work.path("main").display().to_string(), &[]));
@@ -316,7 +349,10 @@ fn a_family_follows_the_curves_at_and_between_its_clearances() {
         for (row, place) in rows.iter().zip(&places) {
             let truth = curve.at(Load::Indentation(*place)).unwrap();
             assert!((row[0] / truth.force - 1.0).abs() < bound, "{clearance} {place}: {row:?} {truth:?}");
-            assert!((row[1] / truth.tangent_stiffness - 1.0).abs() < 4.0 * bound, "{clearance} {place}: {row:?} {truth:?}");
+            assert!(
+                (row[1] / truth.tangent_stiffness - 1.0).abs() < 4.0 * bound,
+                "{clearance} {place}: {row:?} {truth:?}"
+            );
         }
     }
 }
@@ -338,8 +374,19 @@ fn tables_over_the_clearance_hold_every_curve() {
         ("simscape", "t.m", "t.m", readers::matlab_family, 1e3, readers::linear),
     ];
     for (format, main, file, read, unit, rule) in cases {
-        work.run(&["export", "out/sweep", "--to", format, "--over", "radial_clearance", "--out", main, "--force", "--quiet"])
-            .expect(0);
+        work.run(&[
+            "export",
+            "out/sweep",
+            "--to",
+            format,
+            "--over",
+            "radial_clearance",
+            "--out",
+            main,
+            "--force",
+            "--quiet",
+        ])
+        .expect(0);
         let family = read(&work.read(file));
         assert_eq!(family.len(), own.len(), "{format}");
         for ((clearance, pairs), (own, curve)) in family.iter().zip(own.iter().zip(&curves)) {
@@ -352,6 +399,24 @@ fn tables_over_the_clearance_hold_every_curve() {
     }
 }
 
+/// Twenty clearances by some forty indentations, as a whole process: the best of five, because others use this machine too.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "measured in release builds")]
+fn a_table_over_the_clearance_takes_a_fifth_of_a_second() {
+    let work = solved("export-speed", "{ from = \"0.01 mm\", to = \"0.1 mm\", count = 20 }", "3");
+    let arguments =
+        ["export", "out/sweep", "--to", "c", "--over", "radial_clearance", "--out", "t.h", "--force"];
+    let run = || {
+        let started = Instant::now();
+        let ended = work.run(&[&arguments[..], &["--error", "0.005 %"]].concat()).expect(0);
+        let points: usize = ended.stdout.split(' ').next().unwrap().parse().unwrap();
+        assert!(points >= 40 && ended.stdout.contains("each of 20 clearances"), "{}", ended.stdout);
+        started.elapsed()
+    };
+    let best = (0..5).map(|_| run()).min().unwrap();
+    assert!(best.as_secs_f64() < 0.2, "{best:?}");
+}
+
 /// A smaller error is kept, with more points; one that wants too many is refused.
 #[test]
 fn the_error_asked_is_kept() {
@@ -359,25 +424,41 @@ fn the_error_asked_is_kept() {
     let (curve, places) = (curve(0.02), places(400));
     let mut counts = Vec::new();
     for (error, bound) in [("1 %", 1e-2), ("0.1 %", 1e-3), ("0.0001", 1e-4)] {
-        work.run(&["export", "out/sweep", "--to", "mbdyn", "--error", error, "--out", "t.mbd", "--force"]).expect(0);
-        let pairs: Vec<(f64, f64)> = readers::mbdyn(&work.read("t.mbd")).iter().map(|(x, y)| (1e3 * x, *y)).collect();
+        work.run(&["export", "out/sweep", "--to", "mbdyn", "--error", error, "--out", "t.mbd", "--force"])
+            .expect(0);
+        let pairs: Vec<(f64, f64)> =
+            readers::mbdyn(&work.read("t.mbd")).iter().map(|(x, y)| (1e3 * x, *y)).collect();
         let worst = worst(&curve, &places, |delta| readers::linear(&pairs, delta));
         assert!(worst < bound, "{error}: {worst}");
         counts.push(pairs.len());
     }
     assert!(counts.windows(2).all(|pair| pair[0] < pair[1]), "{counts:?}");
-    let ended = work.run(&["export", "out/sweep", "--to", "mbdyn", "--error", "0.0005 %", "--out", "u.mbd"]).expect(1);
+    let ended = work
+        .run(&["export", "out/sweep", "--to", "mbdyn", "--error", "0.0005 %", "--out", "u.mbd"])
+        .expect(1);
     assert!(ended.stderr.contains("more than 400 points"), "{}", ended.stderr);
 }
 
-/// Relative to the mean motion of the rings, the plate's size is nearly out of the table: beyond the local field it only adds to the
-/// motion of its ring.
+/// Relative to the mean motion of the rings, the plate's size is nearly out of the table: beyond the local field
+/// it only adds to the motion of its ring.
 #[test]
 fn the_ring_mean_leaves_the_local_compliance() {
     let work = solved("export-ring", "\"0.02 mm\"", "[30, 300]");
     let table = |design: &str, reference: &str| {
-        work.run(&["export", "out/sweep", "--to", "csv", "--design", design, "--reference", reference, "--out", "t.csv", "--force"])
-            .expect(0);
+        work.run(&[
+            "export",
+            "out/sweep",
+            "--to",
+            "csv",
+            "--design",
+            design,
+            "--reference",
+            reference,
+            "--out",
+            "t.csv",
+            "--force",
+        ])
+        .expect(0);
         readers::csv(&work.read("t.csv"))
     };
     let near = |reference: &str| -> f64 {
@@ -427,6 +508,9 @@ fn damping_has_the_restitution_that_it_tells() {
     for format in ["c", "exudyn", "adams", "modelica"] {
         let arguments = ["export", "out/sweep", "--to", format, "--out", "t.txt", "--force"];
         work.run(&[&arguments[..], &asked[..]].concat()).expect(0);
-        assert!(work.read("t.txt").contains("1") && work.read("t.txt").contains("Damping: F (1 + c v)"), "{format}");
+        assert!(
+            work.read("t.txt").contains("1") && work.read("t.txt").contains("Damping: F (1 + c v)"),
+            "{format}"
+        );
     }
 }

@@ -21,20 +21,36 @@ fn what_is_asked_wrongly_is_told() {
     let dir = "out/sweep";
     let design = ["--design", "0"];
     let with = |arguments: &[&'static str]| [&[dir], &design[..], arguments].concat();
-    refused(&work, &with(&["--to", "adam"]), &["--to: `adam`: not known; did you mean `adams`?", "`csv`, `c`, "]);
+    refused(
+        &work,
+        &with(&["--to", "adam"]),
+        &["--to: `adam`: not known; did you mean `adams`?", "`csv`, `c`, "],
+    );
     refused(&work, &["nowhere", "--to", "c"], &["nowhere: there is no manifest.json"]);
     refused(&work, &[dir, "--to", "c", "--design", "7"], &["there is no design 7: the sweep has 2"]);
-    refused(&work, &[dir, "--to", "c"], &["the result has 2 designs", "--design N", "--over radial_clearance"]);
-    for format in ["nastran", "opensim", "motionsolve", "recurdyn", "chrono", "mbdyn", "calculix", "abaqus", "ls-dyna"] {
+    refused(
+        &work,
+        &[dir, "--to", "c"],
+        &["the result has 2 designs", "--design N", "--over radial_clearance"],
+    );
+    for format in
+        ["nastran", "opensim", "motionsolve", "recurdyn", "chrono", "mbdyn", "calculix", "abaqus", "ls-dyna"]
+    {
         let said = format!("`{format}` holds one clearance only");
         refused(&work, &[dir, "--to", format, "--over", "radial_clearance"], &[&said, "`adams`", "--design"]);
     }
     refused(&work, &[dir, "--to", "c", "--over", "thickness"], &["radial_clearance"]);
     refused(&work, &with(&["--to", "c", "--over", "radial_clearance"]), &["cannot be used with"]);
     for name in ["1a", "a-b", "", "a b", "\u{e9}", "a_name_that_is_longer_than_others_are"] {
-        refused(&work, &with(&["--to", "c", "--name"]).into_iter().chain([name]).collect::<Vec<_>>(), &["--name: `"]);
+        refused(
+            &work,
+            &with(&["--to", "c", "--name"]).into_iter().chain([name]).collect::<Vec<_>>(),
+            &["--name: `"],
+        );
     }
-    for (error, said) in [("0", "at least"), ("-1 %", ""), ("100 %", "below 1"), ("x", "--error"), ("nan", "at least")] {
+    for (error, said) in
+        [("0", "at least"), ("-1 %", ""), ("100 %", "below 1"), ("x", "--error"), ("nan", "at least")]
+    {
         let error = format!("--error={error}");
         let arguments: Vec<&str> = with(&["--to", "c"]).into_iter().chain([error.as_str()]).collect();
         refused(&work, &arguments, &[said]);
@@ -47,8 +63,10 @@ fn what_is_asked_wrongly_is_told() {
         ("0.5", "-3 m/s", "--speed: -3000 mm/s"),
         ("0.5", "fast", "--speed: `fast`: a speed is written like"),
     ] {
-        let arguments: Vec<&str> =
-            with(&["--to", "c", "--restitution"]).into_iter().chain([restitution, "--speed", speed]).collect();
+        let arguments: Vec<&str> = with(&["--to", "c", "--restitution"])
+            .into_iter()
+            .chain([restitution, "--speed", speed])
+            .collect();
         refused(&work, &arguments, &[said]);
     }
     refused(&work, &with(&["--to", "c", "--restitution", "0.5"]), &["--speed"]);
@@ -61,7 +79,11 @@ fn what_is_asked_wrongly_is_told() {
     refused(&work, &with(&["--to", "c", "--up-to", "0 mm"]), &["--up-to: 0 mm: must be above 0"]);
     refused(&work, &with(&["--to", "c", "--out", "no/folder/joint.h"]), &["cannot write"]);
     refused(&work, &with(&["--to", "c", "--out", "out"]), &["is a folder"]);
-    refused(&work, &with(&["--to", "csv", "--out", "out/sweep/table.csv", "--force"]), &["is the result itself"]);
+    refused(
+        &work,
+        &with(&["--to", "csv", "--out", "out/sweep/table.csv", "--force"]),
+        &["is the result itself"],
+    );
 }
 
 #[test]
@@ -69,7 +91,11 @@ fn files_that_are_there_stay() {
     let work = solved("export-there", "\"0.02 mm\"", "3");
     // Also the one beside the main file.
     work.write("joint.cmd", "mine");
-    refused(&work, &["out/sweep", "--to", "adams", "--out", "joint.adm"], &["joint.cmd is there already", "--force"]);
+    refused(
+        &work,
+        &["out/sweep", "--to", "adams", "--out", "joint.adm"],
+        &["joint.cmd is there already", "--force"],
+    );
     assert_eq!(work.read("joint.cmd"), "mine");
     work.run(&["export", "out/sweep", "--to", "adams", "--out", "joint.adm", "--force"]).expect(0);
     assert!(work.read("joint.cmd").contains("data_element"));
@@ -95,7 +121,11 @@ fn rows_that_are_not_ok_are_named() {
     work.write("large.toml", &config.replace("\"0.0291 mm\"", "\"0.3 mm\""));
     work.run(&["run", "large.toml", "--quiet"]).expect(0);
     let arguments = ["out/large", "--to", "c", "--out", "joint.h"];
-    refused(&work, &arguments, &["design 0: 1 of its rows are not ok", "at 0.3 mm: large displacement", "--allow-warned"]);
+    refused(
+        &work,
+        &arguments,
+        &["design 0: 1 of its rows are not ok", "at 0.3 mm: large displacement", "--allow-warned"],
+    );
     work.run(&[&["export"], &arguments[..], &["--allow-warned"]].concat()).expect(0);
     work.run(&[&["export"], &arguments[..], &["--force", "--up-to", "0.004 mm"]].concat()).expect(0);
     // Between the good rows and the bad one the curve turns bad: found although no row is there.
@@ -114,7 +144,17 @@ fn rows_that_are_not_ok_are_named() {
     work.run(&[&["export"], &arguments[..], &["--up-to", "0.004 mm"]].concat()).expect(0);
     refused(
         &work,
-        &["out/failed", "--to", "opensim", "--out", "l.osim", "--reference", "ring-mean", "--up-to", "0.004 mm"],
+        &[
+            "out/failed",
+            "--to",
+            "opensim",
+            "--out",
+            "l.osim",
+            "--reference",
+            "ring-mean",
+            "--up-to",
+            "0.004 mm",
+        ],
         &["--reference ring-mean", "not of `rigid-midplane`", "`--reference support`"],
     );
 

@@ -62,7 +62,10 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
         text += &DAMPED.replace("@factor@", &factor).replace("@more@", more).replace("@pass@", pass);
     }
     text += "\n#endif\n";
-    vec![("", text.replace("@guard@", &format!("{}_H", sheet.name.to_uppercase())).replace("@name@", &sheet.name))]
+    vec![(
+        "",
+        text.replace("@guard@", &format!("{}_H", sheet.name.to_uppercase())).replace("@name@", &sheet.name),
+    )]
 }
 
 const ROW: &str = "

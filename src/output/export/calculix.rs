@@ -1,5 +1,6 @@
-//! `calculix`: a nonlinear spring of CalculiX between two nodes, mm and N. CalculiX CrunchiX manual, *SPRING: the two degrees of
-//! freedom for SPRING2, then force and elongation a line, elongation ascending; the force is constant outside.
+//! `calculix`: a nonlinear spring of CalculiX between two nodes, mm and N. CalculiX CrunchiX manual, *SPRING: the
+//! two degrees of freedom for SPRING2, then force and elongation a line, elongation ascending; the force is
+//! constant outside.
 
 use super::interpolation::Interpolation;
 use super::numbers::plain;
@@ -22,7 +23,8 @@ pub static FORMAT: Format = Format {
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
     let mut text = sheet.head("** ");
-    text += "** Elements of type SPRINGA: elongation is the indentation, first touch at the nodes' distance.\n";
+    text +=
+        "** Elements of type SPRINGA: elongation is the indentation, first touch at the nodes' distance.\n";
     text += &format!("*SPRING, ELSET={}, NONLINEAR\n\n", sheet.name);
     for (x, y) in sheet.pairs() {
         text += &format!("{}, {}\n", plain(y), plain(x));

@@ -60,7 +60,8 @@ fn energy(force: &Interpolant, end: f64) -> f64 {
     (0..count).map(|i| step * force.at(step * (f64::from(i) + 0.5)).0).sum()
 }
 
-/// Speed after over speed before of a mass that meets the table: m x'' = -F(x) (1 + c x'), by Runge and Kutta's rule of order four.
+/// Speed after over speed before of a mass that meets the table: m x'' = -F(x) (1 + c x'), by Runge and Kutta's
+/// rule of order four.
 fn rebound(force: &Interpolant, end: f64, mass: f64, coefficient: f64, speed: f64) -> f64 {
     let pull = |x: f64, v: f64| {
         if x <= 0.0 { 0.0 } else { -force.at(x.min(end)).0 * (1.0 + coefficient * v) / mass }
@@ -119,7 +120,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_is_refused() {
-        for (restitution, speed) in [(0.0, 1.0), (1.1, 1.0), (f64::NAN, 1.0), (0.5, 0.0), (0.5, f64::INFINITY)] {
+        for (restitution, speed) in
+            [(0.0, 1.0), (1.1, 1.0), (f64::NAN, 1.0), (0.5, 0.0), (0.5, f64::INFINITY)]
+        {
             assert!(Impact::of(&line(), ImpactRequest { restitution, speed }).is_err());
         }
     }

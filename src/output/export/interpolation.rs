@@ -1,5 +1,5 @@
-//! How simulators go between the points of a table: their own rules, from their documentation, so that points can be chosen
-//! for them.
+//! How simulators go between the points of a table: their own rules, from their documentation, so that points can
+//! be chosen for them.
 
 /// A rule between points of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,9 +100,9 @@ fn steffen(x: &[f64], y: &[f64]) -> Vec<f64> {
     slopes
 }
 
-/// Weights of the values at `nodes` (ascending) for the polynomial through the four nearest, or through all where there are
-/// fewer, at `place`: the first node and its weights. They do not hang on the values, so that a derivative along another axis
-/// has the same weights.
+/// Weights of the values at `nodes` (ascending) for the polynomial through the four nearest, or through all where
+/// there are fewer, at `place`: the first node and its weights. They do not hang on the values, so that a
+/// derivative along another axis has the same weights.
 pub fn cubic_weights(nodes: &[f64], place: f64) -> (usize, Vec<f64>) {
     let count = nodes.len().min(4);
     let above = nodes.partition_point(|node| *node <= place);
@@ -146,7 +146,8 @@ mod tests {
         let nodes: [f64; 6] = [0.1, 0.2, 0.5, 1.0, 2.0, 4.0];
         for place in [0.1, 0.15, 0.7, 1.0, 3.0, 4.0] {
             let (first, weights) = cubic_weights(&nodes, place);
-            let sum: f64 = weights.iter().zip(&nodes[first..]).map(|(weight, node)| weight * node.powi(3)).sum();
+            let sum: f64 =
+                weights.iter().zip(&nodes[first..]).map(|(weight, node)| weight * node.powi(3)).sum();
             assert!((sum / place.powi(3) - 1.0).abs() < 1e-12 && weights.len() == 4);
         }
         assert_eq!(cubic_weights(&nodes[..2], 0.15).1.len(), 2);

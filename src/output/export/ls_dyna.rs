@@ -1,5 +1,6 @@
-//! `ls-dyna`: a *DEFINE_CURVE, mm and N. Keyword manual, *DEFINE_CURVE: LCID, SIDR, SFA, SFO, OFFA, OFFO, DATTYP, LCINT in fields of
-//! ten columns, then pairs in fields of twenty. LS-DYNA draws a curve anew at LCINT even steps (100 unless told).
+//! `ls-dyna`: a *DEFINE_CURVE, mm and N. Keyword manual, *DEFINE_CURVE: LCID, SIDR, SFA, SFO, OFFA, OFFO, DATTYP,
+//! LCINT in fields of ten columns, then pairs in fields of twenty. LS-DYNA draws a curve anew at LCINT even steps
+//! (100 unless told).
 
 use super::interpolation::Interpolation;
 use super::numbers::fitted;
@@ -25,7 +26,8 @@ const STEPS: u32 = 10_000;
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
     let mut text = sheet.head("$ ");
-    text += &format!("$ LCINT: drawn anew at {STEPS} even steps; below some ten of them the force is coarser.\n");
+    text +=
+        &format!("$ LCINT: drawn anew at {STEPS} even steps; below some ten of them the force is coarser.\n");
     text += &format!("*DEFINE_CURVE_TITLE\n{}\n", sheet.name);
     text += "$#    lcid      sidr       sfa       sfo      offa      offo    dattyp     lcint\n";
     for field in ["1", "0", "1.0", "1.0", "0.0", "0.0", "0", &STEPS.to_string()] {

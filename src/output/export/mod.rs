@@ -99,8 +99,7 @@ pub fn export(results: &Results, request: &Request) -> Result<Export, Error> {
         Source::read(results, request.selection, request.reference, request.up_to, request.allow_warned)?;
     let Format { rules, between, least_step, .. } = *format;
     let wish = Wish { rules, between, least_step, error: request.error };
-    let (table, quality) =
-        tabulate(&source, wish, request.allow_warned)?;
+    let (table, quality) = tabulate(&source, wish, request.allow_warned)?;
     let impact = request.impact.map(|asked| Impact::of(&table, asked)).transpose()?;
     let hash = Fingerprint::of(results.manifest.as_bytes()).hash();
     let head = head(&source, &results.origin, &hash, format, &table, &quality, impact.as_ref());
@@ -150,7 +149,8 @@ fn check(request: &Request) -> Result<(), Error> {
         return refuse("--error", format!("{error}: must be at least {LEAST_ERROR} and below 1 (100 %)"));
     }
     let able = |is_able: fn(&Format) -> bool| -> String {
-        let names: Vec<String> = FORMATS.iter().filter(|f| is_able(f)).map(|f| format!("`{}`", f.name)).collect();
+        let names: Vec<String> =
+            FORMATS.iter().filter(|f| is_able(f)).map(|f| format!("`{}`", f.name)).collect();
         names.join(", ")
     };
     if request.selection == Selection::OverRadialClearance && !format.two_dimensional {

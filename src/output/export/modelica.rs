@@ -1,8 +1,9 @@
-//! `modelica`: a package with functions of its own (.mo), and a text for the tables of the Modelica Standard Library (.txt).
+//! `modelica`: a package with functions of its own (.mo), and a text for the tables of the Modelica Standard
+//! Library (.txt).
 //!
-//! Modelica Standard Library, Modelica.Blocks.Tables: the text begins with `#1`, then `double name(rows, columns)` and the rows;
-//! CombiTable1Ds has indentation and force in its columns, CombiTable2Ds the indentations in its first column and the clearances
-//! in its first row.
+//! Modelica Standard Library, Modelica.Blocks.Tables: the text begins with `#1`, then `double name(rows, columns)`
+//! and the rows; CombiTable1Ds has indentation and force in its columns, CombiTable2Ds the indentations in its
+//! first column and the clearances in its first row.
 
 use super::hermite_text::BEYOND;
 use super::interpolation::Interpolation;
@@ -169,7 +170,8 @@ fn combi_table(sheet: &Sheet) -> String {
     let mut text = String::from("#1\n");
     text += &head;
     if sheet.is_family() {
-        let rows: Vec<Vec<f64>> = (0..sheet.table.clearances.len()).map(|i| sheet.forces_with_gap(i)).collect();
+        let rows: Vec<Vec<f64>> =
+            (0..sheet.table.clearances.len()).map(|i| sheet.forces_with_gap(i)).collect();
         text += "# CombiTable2Ds(tableOnFile=true, smoothness=LinearSegments), u1 = indentation, u2 = radial clearance\n";
         text += &format!("double {name}({}, {})\n", x.len() + 1, rows.len() + 1);
         let axis: Vec<String> = sheet.table.clearances.iter().map(|c| plain(c * 1e-3)).collect();
@@ -179,7 +181,8 @@ fn combi_table(sheet: &Sheet) -> String {
             text += &format!("{} {}\n", plain(*x), forces.join(" "));
         }
     } else {
-        text += "# CombiTable1Ds(tableOnFile=true, smoothness=MonotoneContinuousDerivative2 or LinearSegments,\n";
+        text +=
+            "# CombiTable1Ds(tableOnFile=true, smoothness=MonotoneContinuousDerivative2 or LinearSegments,\n";
         text += "#   extrapolation=LastTwoPoints)\n";
         text += &format!("double {name}({}, 2)\n", x.len());
         for (x, force) in sheet.pairs() {

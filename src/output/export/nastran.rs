@@ -1,8 +1,9 @@
-//! `nastran`: bulk data for Nastran and OptiStruct: NLRGAP with the table of force over penetration, and PBUSHT with the table of
-//! force over displacement. mm and N.
+//! `nastran`: bulk data for Nastran and OptiStruct: NLRGAP with the table of force over penetration, and PBUSHT
+//! with the table of force over displacement. mm and N.
 //!
-//! Quick Reference Guide, NLRGAP: SID, GA, GB, PLANE, TABK, TABG, TABU, RADIUS; a negative TABK names a TABLED1 of force over
-//! penetration, TABG one of the clearance over time. TABLED1: straight lines, beyond the ends the last two points.
+//! Quick Reference Guide, NLRGAP: SID, GA, GB, PLANE, TABK, TABG, TABU, RADIUS; a negative TABK names a TABLED1 of
+//! force over penetration, TABG one of the clearance over time. TABLED1: straight lines, beyond the ends the last
+//! two points.
 
 use super::interpolation::Interpolation;
 use super::numbers::fitted;
@@ -36,7 +37,8 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
     text += "\n";
     text += &table(1, &pairs);
     text += &table(2, &[(0.0, clearance), (1.0, clearance)]);
-    text += "$ Or along a CBUSH's x axis, positive pressed in, from first touch on: force over displacement.\n";
+    text +=
+        "$ Or along a CBUSH's x axis, positive pressed in, from first touch on: force over displacement.\n";
     let stiffness = fitted(sheet.table.stiffnesses[0][sheet.table.indentations.len() - 1], 16);
     text += &format!("{:<8}{:>16}{:>16}{:>16}\n*\n", "PBUSH*", 10, "K", stiffness);
     text += &format!("{:<8}{:>8}{:>8}{:>8}\n", "PBUSHT", 10, "KN", 1);

@@ -21,7 +21,8 @@ impl std::fmt::Debug for Plain {
     }
 }
 
-/// In a field of some columns, at least nine: with as many digits as there is room for, and with an exponent where that has more.
+/// In a field of some columns, at least nine: with as many digits as there is room for, and with an exponent where
+/// that has more.
 pub fn fitted(value: f64, columns: usize) -> String {
     let fits = |text: &String| text.len() <= columns;
     let candidates = (1..=12).rev().find_map(|digits| {
@@ -40,7 +41,10 @@ mod tests {
 
     #[test]
     fn numbers_are_plain_and_fit() {
-        assert_eq!([0.0, 3.0, -1.25e-7, 1.0 / 3.0].map(plain), ["0.0", "3.0", "-0.000000125", "0.333333333333"]);
+        assert_eq!(
+            [0.0, 3.0, -1.25e-7, 1.0 / 3.0].map(plain),
+            ["0.0", "3.0", "-0.000000125", "0.333333333333"]
+        );
         assert_eq!(fitted(1.0 / 3.0, 10), "0.33333333");
         assert_eq!(fitted(1.234_567_89e-9, 12), "1.2345679E-9");
         assert_eq!(fitted(-12345.678, 9), "-12345.68");
@@ -48,7 +52,10 @@ mod tests {
             for columns in [9, 16, 20] {
                 let text = fitted(value, columns);
                 let back: f64 = text.parse().unwrap();
-                assert!(text.len() <= columns && text.contains('.') && (back / value - 1.0).abs() < 2e-3, "{text}");
+                assert!(
+                    text.len() <= columns && text.contains('.') && (back / value - 1.0).abs() < 2e-3,
+                    "{text}"
+                );
             }
         }
     }

@@ -1,6 +1,7 @@
 //! What a format has at hand: the table, what its head says, and the words for the outside.
 
 use crate::engine::joint_scale::JointScale;
+use crate::mechanics::body::Side;
 use crate::output::export::impact::Impact;
 use crate::output::export::interpolation::Interpolation;
 use crate::output::export::numbers::{plain, rounded};
@@ -9,7 +10,6 @@ use crate::output::export::table::{Between, Quality, Table};
 use crate::output::host::Program;
 use crate::output::manifest::Origin;
 use crate::study::columns::{Cell, Column, joint_columns, side_name};
-use crate::mechanics::body::Side;
 
 /// A form for another program: one file of `output/export`, listed in `FORMATS`.
 pub struct Format {
@@ -105,7 +105,11 @@ pub fn head(
     let mut said: Vec<String> = Vec::new();
     let program = Program::CURRENT;
     said.push(format!("Pin in a hole with clearance: force against indentation, for {}.", format.name));
-    said.push(format!("Made by {}; config {}, manifest.json xxh128 {manifest_hash}.", program.in_words(), origin.path));
+    said.push(format!(
+        "Made by {}; config {}, manifest.json xxh128 {manifest_hash}.",
+        program.in_words(),
+        origin.path
+    ));
     let joint = &source.members[0].joint;
     let designs = match &source.members[..] {
         [one] => format!("design {}", one.design),
@@ -144,11 +148,16 @@ pub fn head(
             plain(rounded(source.ring_compliance, 6))
         ),
     });
-    said.push("Positive is pressed in; pin's displacement from the hole's centre = radial clearance + indentation.".into());
+    said.push(
+        "Positive is pressed in; pin's displacement from the hole's centre = radial clearance + indentation."
+            .into(),
+    );
     let (length, unit) = if format.length == 1.0 { (1.0, "mm") } else { (format.length, "m") };
     said.push(format!("Units here: {unit} and N. The force is of the whole joint."));
     let of_linearity = match quality.linearity_error {
-        Some(error) => format!("; finite displacements change it by about {} at the greatest load", percent(error)),
+        Some(error) => {
+            format!("; finite displacements change it by about {} at the greatest load", percent(error))
+        }
         None => String::new(),
     };
     said.push(format!(
@@ -157,9 +166,9 @@ pub fn head(
         quality.methods.join(", ")
     ));
     let rules: Vec<&str> = format.rules.iter().map(|rule| rule.name()).collect();
-    let of_stiffness = quality.of_stiffness.map_or(String::new(), |error| {
-        format!(" (with slopes the stiffness within {})", percent(error))
-    });
+    let of_stiffness = quality
+        .of_stiffness
+        .map_or(String::new(), |error| format!(" (with slopes the stiffness within {})", percent(error)));
     let first = table.indentations[1];
     said.push(format!(
         "Interpolation: {}: within {} of the curve's force{of_stiffness} at {} places that are not in the table, from \
@@ -179,9 +188,15 @@ pub fn head(
     }
     let end = table.indentations[table.indentations.len() - 1];
     let greatest: Vec<f64> = table.forces.iter().map(|forces| forces[forces.len() - 1]).collect();
-    let (least, most) = (greatest.iter().copied().fold(f64::INFINITY, f64::min), greatest.iter().copied().fold(0.0, f64::max));
-    let reached =
-        if greatest.len() == 1 { format!("{} N", plain(most)) } else { format!("{} to {} N", plain(least), plain(most)) };
+    let (least, most) = (
+        greatest.iter().copied().fold(f64::INFINITY, f64::min),
+        greatest.iter().copied().fold(0.0, f64::max),
+    );
+    let reached = if greatest.len() == 1 {
+        format!("{} N", plain(most))
+    } else {
+        format!("{} to {} N", plain(least), plain(most))
+    };
     said.push(format!(
         "Range: 0 to {} {unit} ({reached}). Extrapolation: {}; in the gap force and slope are zero.",
         plain(end * length),
@@ -211,8 +226,14 @@ pub fn head(
 
 /// Without what would end or break a comment of any of the formats, in ASCII.
 fn harmless(text: &str) -> String {
-    let plain: String = text.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect();
-    plain.replace("*/", "* /").replace("/*", "/ *").replace("--", "- -").replace("\"\"\"", "'''").replace('\\', "/")
+    let plain: String =
+        text.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect();
+    plain
+        .replace("*/", "* /")
+        .replace("/*", "/ *")
+        .replace("--", "- -")
+        .replace("\"\"\"", "'''")
+        .replace('\\', "/")
 }
 
 /// In lines of at most `WIDEST` characters, the later ones indented.

@@ -1,4 +1,5 @@
-//! `simscape`: a script with the vectors of a lookup table (PS Lookup Table, 1-D and 2-D Lookup Table, interp1, interp2), m and N.
+//! `simscape`: a script with the vectors of a lookup table (PS Lookup Table, 1-D and 2-D Lookup Table, interp1,
+//! interp2), m and N.
 
 use super::interpolation::Interpolation;
 use super::numbers::{plain, rounded};
@@ -23,13 +24,18 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
     let (name, table) = (&sheet.name, &sheet.table);
     let mut text = sheet.head("% ");
     text += &format!("{name}_indentation = {}; % m\n", vector(&sheet.with_gap()));
-    let clearances: Vec<f64> = table.clearances.iter().map(|clearance| rounded(clearance * 1e-3, 12)).collect();
+    let clearances: Vec<f64> =
+        table.clearances.iter().map(|clearance| rounded(clearance * 1e-3, 12)).collect();
     text += &format!("{name}_radial_clearance = {}; % m\n", vector(&clearances));
     let matrix = |row: &dyn Fn(usize) -> Vec<f64>| {
         let rows: Vec<String> = (0..clearances.len()).map(|i| vector(&row(i))).collect();
         format!("[{}]'", rows.join("; ...\n"))
     };
-    let unit = if sheet.is_family() { "a row for each indentation, a column for each clearance" } else { "a column" };
+    let unit = if sheet.is_family() {
+        "a row for each indentation, a column for each clearance"
+    } else {
+        "a column"
+    };
     text += &format!("{name}_force = {}; % N, {unit}\n", matrix(&|i| sheet.forces_with_gap(i)));
     let stiffness = |i: usize| -> Vec<f64> {
         let own = table.stiffnesses[i].iter().map(|value| value * 1e3);

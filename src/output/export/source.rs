@@ -67,8 +67,8 @@ fn refuse<T>(what: impl Into<String>, problem: impl Into<String>) -> Result<T, E
 }
 
 impl Source {
-    /// `up_to` in mm against the support; without it the range ends with the largest indentation of the rows. Rows with a remark
-    /// are refused unless `allow_warned`, failed ones always.
+    /// `up_to` in mm against the support; without it the range ends with the largest indentation of the rows. Rows
+    /// with a remark are refused unless `allow_warned`, failed ones always.
     pub fn read(
         results: &Results,
         selection: Selection,
@@ -130,7 +130,8 @@ fn only(results: &Results) -> Result<Member, Error> {
 fn family(results: &Results) -> Result<Vec<Member>, Error> {
     let others: Vec<Column> =
         joint_columns().into_iter().filter(|column| *column != Column::RadialClearance).collect();
-    let cells = |joint: &JointDesign| -> Vec<Cell> { others.iter().map(|column| column.cell(joint)).collect() };
+    let cells =
+        |joint: &JointDesign| -> Vec<Cell> { others.iter().map(|column| column.cell(joint)).collect() };
     let (mut members, mut differing): (Vec<Member>, Vec<usize>) = (Vec::new(), Vec::new());
     let mut rows = results.rows()?;
     while let Some(design) = rows.advance()? {
@@ -162,7 +163,8 @@ fn family(results: &Results) -> Result<Vec<Member>, Error> {
         return refuse("--over radial_clearance", problem);
     }
     if members.len() < 2 {
-        let problem = "the result has one clearance only: leave --over out, or run a sweep over `radial_clearance`";
+        let problem =
+            "the result has one clearance only: leave --over out, or run a sweep over `radial_clearance`";
         return refuse("--over radial_clearance", problem);
     }
     members.sort_by(|a, b| a.joint.radial_clearance.total_cmp(&b.joint.radial_clearance));
@@ -229,7 +231,8 @@ fn named(rows: &[&TableRow]) -> String {
     told.join("; ")
 }
 
-/// Mean motion of the hole's ring along the load and of the pin's against it, mm/N. A pressure p cos(phi) carries F = pi R t p.
+/// Mean motion of the hole's ring along the load and of the pin's against it, mm/N. A pressure p cos(phi) carries
+/// F = pi R t p.
 fn ring_compliance(joint: &JointDesign) -> Result<f64, Error> {
     let mut sum = 0.0;
     for part in [&joint.pin, &joint.plate] {
@@ -242,7 +245,8 @@ fn ring_compliance(joint: &JointDesign) -> Result<f64, Error> {
             return refuse("--reference ring-mean", problem);
         }
         let body = concentric(&joint.body(part));
-        sum += body.mean_ring_motion() / (std::f64::consts::PI * joint.thickness * part.material.youngs_modulus);
+        sum +=
+            body.mean_ring_motion() / (std::f64::consts::PI * joint.thickness * part.material.youngs_modulus);
     }
     Ok(sum)
 }

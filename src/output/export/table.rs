@@ -1,4 +1,5 @@
-//! The points of a table: chosen from the joint's own curve so that the simulator's own rule between them stays within an error.
+//! The points of a table: chosen from the joint's own curve so that the simulator's own rule between them stays
+//! within an error.
 
 use crate::engine::joint_curve::JointCurve;
 use crate::engine::outcome::{Response, StepOutcome};
@@ -83,8 +84,8 @@ pub const MOST_POINTS: usize = 400;
 /// The first point above zero, over the last.
 const FIRST: f64 = 1e-6;
 
-/// Places where curves are asked: every fourth may become a point, the other even ones choose them, and the odd ones, which
-/// nothing has seen, measure what was reached.
+/// Places where curves are asked: every fourth may become a point, the other even ones choose them, and the odd
+/// ones, which nothing has seen, measure what was reached.
 const PLACES: usize = 2400;
 
 /// Points at the start.
@@ -249,7 +250,12 @@ struct Solver<'a> {
 
 impl Solver<'_> {
     /// A joint's curve at indentations from the reference; `member` is what the result has of it.
-    fn sample(&mut self, joint: &JointDesign, member: Option<&Member>, places: &[f64]) -> Result<Samples, Error> {
+    fn sample(
+        &mut self,
+        joint: &JointDesign,
+        member: Option<&Member>,
+        places: &[f64],
+    ) -> Result<Samples, Error> {
         let curve = solved(joint, self.source.solve, self.curve.take())?;
         if let Some(member) = member {
             self.compare(&curve, member)?;
@@ -292,14 +298,18 @@ impl Solver<'_> {
     ) -> Result<Vec<Response>, Error> {
         let loads: Vec<Load> = indentations.iter().map(|delta| Load::Indentation(*delta)).collect();
         let rows = member.into_iter().flat_map(|member| &member.rows);
-        let first = rows.filter_map(|row| row.indentation).filter(|row| *row > 0.0).fold(f64::INFINITY, f64::min);
+        let first =
+            rows.filter_map(|row| row.indentation).filter(|row| *row > 0.0).fold(f64::INFINITY, f64::min);
         let respond = |(step, delta): (StepOutcome, &f64)| {
             let is_refused = step.status != Status::OK && *delta >= first && !self.allow_warned;
             match step.response {
                 Some(response) if !is_refused => Ok(response),
                 found => {
                     let way_out = if found.is_some() { ", or take it with --allow-warned" } else { "" };
-                    let what = format!("radial_clearance {} mm, indentation {delta} mm", curve.joint().radial_clearance);
+                    let what = format!(
+                        "radial_clearance {} mm, indentation {delta} mm",
+                        curve.joint().radial_clearance
+                    );
                     refuse(what, format!("{}: end the range before it with --up-to{way_out}", step.status))
                 }
             }
@@ -311,7 +321,8 @@ impl Solver<'_> {
         let worst = &mut self.worst;
         worst.force_error = responses.iter().map(|found| found.force_error).fold(worst.force_error, f64::max);
         if let Some(last) = responses.last() {
-            worst.linearity_error = worst.linearity_error.into_iter().chain(last.linearity_error).reduce(f64::max);
+            worst.linearity_error =
+                worst.linearity_error.into_iter().chain(last.linearity_error).reduce(f64::max);
             if !worst.methods.contains(&last.method.name()) {
                 worst.methods.push(last.method.name());
             }
@@ -324,7 +335,8 @@ impl Solver<'_> {
         let inside: Vec<_> = answered
             .filter(|(_, indentation, _)| *indentation > 0.0 && *indentation <= self.source.end)
             .collect();
-        let loads: Vec<Load> = inside.iter().map(|(_, indentation, _)| Load::Indentation(*indentation)).collect();
+        let loads: Vec<Load> =
+            inside.iter().map(|(_, indentation, _)| Load::Indentation(*indentation)).collect();
         for ((row, indentation, force), step) in inside.into_iter().zip(curve.answers(&loads)) {
             let own = row.force_error.unwrap_or(0.0) + self.source.solve.accuracy;
             let is_near = |found: Response| {
@@ -363,8 +375,9 @@ fn choose(
     };
     let too_close = || {
         let percent = 100.0 * error;
-        let problem =
-            format!("{percent} % needs points closer than {least_step} mm, which this format does not take: ask for a larger error");
+        let problem = format!(
+            "{percent} % needs points closer than {least_step} mm, which this format does not take: ask for a larger error"
+        );
         Error::Export { what: "--error".into(), problem }
     };
     let mut aim = AIM * error;
@@ -373,7 +386,7 @@ fn choose(
         loop {
             let mut bad = vec![false; points.len() - 1];
             let off = |i: usize, force: f64, slope: f64| {
-                if i % 2 == 0 && force.max(slope / OF_STIFFNESS) > aim {
+                if i.is_multiple_of(2) && force.max(slope / OF_STIFFNESS) > aim {
                     bad[points.partition_point(|point| *point < i) - 1] = true;
                 }
             };
