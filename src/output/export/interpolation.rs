@@ -135,6 +135,9 @@ mod tests {
         assert!((value - 10.89).abs() < 1e-12 && (slope - 6.6).abs() < 1e-12);
         let (value, slope) = Interpolant::new(Interpolation::Hermite, &x, &cube, &slopes).at(3.3);
         assert!((value - 35.937).abs() < 1e-12 && (slope - 32.67).abs() < 1e-12);
+        // Where two secants are alike, Akima's slope is theirs, whatever comes on the other side.
+        let kink = [0.0, 0.0, 0.0, 1.0, 3.0, 6.0, 10.0, 15.0, 21.0];
+        assert_eq!(Interpolant::new(Interpolation::Akima, &x, &kink, &[]).at(2.0), (0.0, 0.0));
         // A table that rises is never left downwards, however it bends.
         let steps = [0.0, 0.0, 0.1, 0.1, 4.0, 4.1, 4.1, 9.0, 9.0];
         let steffen = Interpolant::new(Interpolation::Steffen, &x, &steps, &[]);
