@@ -80,7 +80,7 @@ def energy_table():
     return energy
 
 
-def slider_crank(turns=100, speed=100.0, step=1e-5):
+def slider_crank(turns=100, speed=100.0, step=2.5e-6):
     radius, length, slider_mass, rod_inertia, crank_inertia = 0.05, 0.2, 0.5, 2e-3, 0.05
     system = exu.SystemContainer()
     mbs = system.AddSystem()
@@ -161,4 +161,4 @@ def slider_crank(turns=100, speed=100.0, step=1e-5):
 
 
 unseen_forces()
-slider_crank(*(int(word) for word in sys.argv[1:]))
+slider_crank(*(float(word) for word in sys.argv[1:]))

@@ -1,4 +1,5 @@
-//! Readers of the formats, each from its target's documentation, and the rules by which the targets go between points.
+//! Readers of the formats, each from its target's documentation, and the rules by which the targets go between
+//! points.
 
 type Pairs = Vec<(f64, f64)>;
 type Family = Vec<(f64, Pairs)>;
@@ -41,8 +42,8 @@ pub fn csv_family(text: &str) -> Family {
     family
 }
 
-/// Adams Solver, statement SPLINE (adams_solver/com_spline): arguments after commas, a line that begins with one goes on, `!` begins
-/// a comment. Returns the values of X and of each Y.
+/// Adams Solver, statement SPLINE (adams_solver/com_spline): arguments after commas, a line that begins with one
+/// goes on, `!` begins a comment. Returns the values of X and of each Y.
 fn spline(text: &str) -> (Vec<f64>, Vec<Vec<f64>>) {
     let lines = text.lines().filter(|line| !line.starts_with('!'));
     let mut statement = String::new();
@@ -85,7 +86,8 @@ pub fn adams_family(text: &str) -> Family {
     ys.iter().map(|y| (y[0], zipped(&x, &y[1..]))).collect()
 }
 
-/// Adams View, `data_element create spline`: parameters of one command, lines that go on end with `&`, `!` begins a comment.
+/// Adams View, `data_element create spline`: parameters of one command, lines that go on end with `&`, `!` begins
+/// a comment.
 fn view(text: &str) -> [Vec<f64>; 3] {
     let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with('!')).collect();
     let (last, others) = lines.split_last().unwrap();
@@ -115,7 +117,8 @@ pub fn adams_view_family(text: &str) -> Family {
     z.iter().zip(y.chunks(x.len())).map(|(z, y)| (*z, zipped(&x, y))).collect()
 }
 
-/// Modelica Standard Library, Modelica.Blocks.Tables: `#1`, comments with `#`, `double name(rows, columns)`, the rows.
+/// Modelica Standard Library, Modelica.Blocks.Tables: `#1`, comments with `#`, `double name(rows, columns)`, the
+/// rows.
 fn matrix(text: &str) -> Vec<Vec<f64>> {
     assert_eq!(text.lines().next(), Some("#1"));
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
@@ -175,9 +178,9 @@ pub fn matlab_family(text: &str) -> Family {
     c[0].iter().zip(&y).map(|(c, y)| (*c, zipped(&x[0], y))).collect()
 }
 
-/// Nastran, Quick Reference Guide: large fields are an eight-column name with `*`, four fields of sixteen and lines that go on
-/// with `*`; NLRGAP in small fields: SID, GA, GB, PLANE, TABK, TABG, TABU, RADIUS; TABLED1: TID, XAXIS, YAXIS, then from the third
-/// line on pairs, ENDT.
+/// Nastran, Quick Reference Guide: large fields are an eight-column name with `*`, four fields of sixteen and
+/// lines that go on with `*`; NLRGAP in small fields: SID, GA, GB, PLANE, TABK, TABG, TABU, RADIUS; TABLED1: TID,
+/// XAXIS, YAXIS, then from the third line on pairs, ENDT.
 pub fn nastran(text: &str) -> Pairs {
     let bulk: Vec<&str> = text.lines().filter(|line| !line.starts_with('$')).collect();
     assert!(bulk.iter().all(|line| line.len() <= 72 && line.is_ascii()));
@@ -195,8 +198,7 @@ pub fn nastran(text: &str) -> Pairs {
             // A line that is short has blank fields at its end, unless ENDT came before them.
             let is_last = line.trim().ends_with("ENDT");
             let line = if is_last { line.to_string() } else { format!("{line:<72}") };
-            let fields: Vec<String> = line[8..]
-                .as_bytes()
+            let fields: Vec<String> = line.as_bytes()[8..]
                 .chunks(16)
                 .map(|field| String::from_utf8_lossy(field).trim().into())
                 .collect();
@@ -289,7 +291,8 @@ fn cubic([(x0, y0), (x1, y1)]: [(f64, f64); 2], [t0, t1]: [f64; 2], place: f64) 
     y0 + d * (t0 + d * (second + (place - x1) * third))
 }
 
-/// H. Akima, J. ACM 17 (1970) 589-602, equations (1) and (9). Only inside: the places have two points on either side, or the end's.
+/// H. Akima, J. ACM 17 (1970) 589-602, equations (1) and (9). Only inside: the places have two points on either
+/// side, or the end's.
 pub fn akima(pairs: &[(f64, f64)], place: f64) -> f64 {
     let n = pairs.len() as isize;
     let secant = |i: isize| -> f64 {

@@ -1,5 +1,6 @@
-//! `abaqus`: the behaviour of a connector, mm and N. Keywords guide, *CONNECTOR ELASTICITY with COMPONENT and NONLINEAR: force,
-//! relative displacement a line; EXTRAPOLATION=LINEAR; *CONNECTOR BEHAVIOR, REGULARIZE=OFF keeps the points in Abaqus/Explicit.
+//! `abaqus`: the behaviour of a connector, mm and N. Keywords guide, *CONNECTOR ELASTICITY with COMPONENT and
+//! NONLINEAR: force, relative displacement a line; EXTRAPOLATION=LINEAR; *CONNECTOR BEHAVIOR, REGULARIZE=OFF keeps
+//! the points in Abaqus/Explicit.
 
 use super::interpolation::Interpolation;
 use super::numbers::plain;

@@ -1,7 +1,9 @@
-//! `adams`: a SPLINE of Adams Solver (.adm), the same for Adams View (.cmd), and the text of the FUNCTION that uses it in both.
+//! `adams`: a SPLINE of Adams Solver (.adm), the same for Adams View (.cmd), and the text of the FUNCTION that
+//! uses it in both.
 //!
-//! Adams Solver's documentation, statement SPLINE and function AKISPL: `SPLINE/id, X=x1, ..., Y=y1, ...`, or with `Y=z1, y11, ...`
-//! for each z; continuation lines begin with a comma; Akima's method over x, straight lines over z; LINEAR_EXTRAPOLATE.
+//! Adams Solver's documentation, statement SPLINE and function AKISPL: `SPLINE/id, X=x1, ..., Y=y1, ...`, or with
+//! `Y=z1, y11, ...` for each z; continuation lines begin with a comma; Akima's method over x, straight lines over
+//! z; LINEAR_EXTRAPOLATE.
 
 use super::interpolation::Interpolation;
 use super::numbers::plain;

@@ -1,5 +1,6 @@
-//! `calculix`: a nonlinear spring of CalculiX between two nodes, mm and N. CalculiX CrunchiX manual, *SPRING: the two degrees of
-//! freedom for SPRING2, then force and elongation a line, elongation ascending; the force is constant outside.
+//! `calculix`: a nonlinear spring of CalculiX between two nodes, mm and N. CalculiX CrunchiX manual, *SPRING: the
+//! two degrees of freedom for SPRING2, then force and elongation a line, elongation ascending; the force is
+//! constant outside.
 
 use super::interpolation::Interpolation;
 use super::numbers::plain;

@@ -1,5 +1,6 @@
-//! `chrono`: the curve of a nonlinear spring in the JSON of Chrono::Vehicle, m and N. Its documentation, "TSDA": pairs of displacement
-//! and force under "Spring Curve Data", between which ChFunctionInterp draws straight lines. JSON has no comments: the head is a list.
+//! `chrono`: the curve of a nonlinear spring in the JSON of Chrono::Vehicle, m and N. Its documentation, "TSDA":
+//! pairs of displacement and force under "Spring Curve Data", between which ChFunctionInterp draws straight lines.
+//! JSON has no comments: the head is a list.
 
 use serde_json::json;
 

@@ -1,5 +1,6 @@
-//! `exudyn`: the Python module with a user function for Exudyn's `CartesianSpringDamper` (ObjectConnectorCartesianSpringDamper,
-//! `springForceUserFunction`: Exudyn's documentation, chapter "Objects (Connector)"). The plain SpringDamper fails at zero length.
+//! `exudyn`: the Python module with a user function for Exudyn's `CartesianSpringDamper`
+//! (ObjectConnectorCartesianSpringDamper, `springForceUserFunction`: Exudyn's documentation, chapter "Objects
+//! (Connector)"). The plain SpringDamper fails at zero length.
 
 use super::hermite_text::{BEYOND, damping};
 use super::interpolation::Interpolation;

@@ -1,5 +1,5 @@
-//! How simulators go between the points of a table: their own rules, from their documentation, so that points can be chosen
-//! for them.
+//! How simulators go between the points of a table: their own rules, from their documentation, so that points can
+//! be chosen for them.
 
 /// A rule between points of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,9 +100,9 @@ fn steffen(x: &[f64], y: &[f64]) -> Vec<f64> {
     slopes
 }
 
-/// Weights of the values at `nodes` (ascending) for the polynomial through the four nearest, or through all where there are
-/// fewer, at `place`: the first node and its weights. They do not hang on the values, so that a derivative along another axis
-/// has the same weights.
+/// Weights of the values at `nodes` (ascending) for the polynomial through the four nearest, or through all where
+/// there are fewer, at `place`: the first node and its weights. They do not hang on the values, so that a
+/// derivative along another axis has the same weights.
 pub fn cubic_weights(nodes: &[f64], place: f64) -> (usize, Vec<f64>) {
     let count = nodes.len().min(4);
     let above = nodes.partition_point(|node| *node <= place);
@@ -135,6 +135,9 @@ mod tests {
         assert!((value - 10.89).abs() < 1e-12 && (slope - 6.6).abs() < 1e-12);
         let (value, slope) = Interpolant::new(Interpolation::Hermite, &x, &cube, &slopes).at(3.3);
         assert!((value - 35.937).abs() < 1e-12 && (slope - 32.67).abs() < 1e-12);
+        // Where two secants are alike, Akima's slope is theirs, whatever comes on the other side.
+        let kink = [0.0, 0.0, 0.0, 1.0, 3.0, 6.0, 10.0, 15.0, 21.0];
+        assert_eq!(Interpolant::new(Interpolation::Akima, &x, &kink, &[]).at(2.0), (0.0, 0.0));
         // A table that rises is never left downwards, however it bends.
         let steps = [0.0, 0.0, 0.1, 0.1, 4.0, 4.1, 4.1, 9.0, 9.0];
         let steffen = Interpolant::new(Interpolation::Steffen, &x, &steps, &[]);

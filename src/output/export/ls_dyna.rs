@@ -1,5 +1,6 @@
-//! `ls-dyna`: a *DEFINE_CURVE, mm and N. Keyword manual, *DEFINE_CURVE: LCID, SIDR, SFA, SFO, OFFA, OFFO, DATTYP, LCINT in fields of
-//! ten columns, then pairs in fields of twenty. LS-DYNA draws a curve anew at LCINT even steps (100 unless told).
+//! `ls-dyna`: a *DEFINE_CURVE, mm and N. Keyword manual, *DEFINE_CURVE: LCID, SIDR, SFA, SFO, OFFA, OFFO, DATTYP,
+//! LCINT in fields of ten columns, then pairs in fields of twenty. LS-DYNA draws a curve anew at LCINT even steps
+//! (100 unless told).
 
 use super::interpolation::Interpolation;
 use super::numbers::fitted;

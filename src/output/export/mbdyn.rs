@@ -1,5 +1,6 @@
-//! `mbdyn`: a scalar function of MBDyn, m and N. Input manual, section "Scalar functions": `multilinear`, pairs of x and y, straight
-//! lines, beyond the ends the last slope unless `do not extrapolate`; the constitutive law `scalar function elastic` uses it.
+//! `mbdyn`: a scalar function of MBDyn, m and N. Input manual, section "Scalar functions": `multilinear`, pairs of
+//! x and y, straight lines, beyond the ends the last slope unless `do not extrapolate`; the constitutive law
+//! `scalar function elastic` uses it.
 
 use super::interpolation::Interpolation;
 use super::numbers::plain;

@@ -1,8 +1,9 @@
-//! `modelica`: a package with functions of its own (.mo), and a text for the tables of the Modelica Standard Library (.txt).
+//! `modelica`: a package with functions of its own (.mo), and a text for the tables of the Modelica Standard
+//! Library (.txt).
 //!
-//! Modelica Standard Library, Modelica.Blocks.Tables: the text begins with `#1`, then `double name(rows, columns)` and the rows;
-//! CombiTable1Ds has indentation and force in its columns, CombiTable2Ds the indentations in its first column and the clearances
-//! in its first row.
+//! Modelica Standard Library, Modelica.Blocks.Tables: the text begins with `#1`, then `double name(rows, columns)`
+//! and the rows; CombiTable1Ds has indentation and force in its columns, CombiTable2Ds the indentations in its
+//! first column and the clearances in its first row.
 
 use super::hermite_text::BEYOND;
 use super::interpolation::Interpolation;

@@ -1,5 +1,5 @@
-//! `motionsolve`: a Reference_Spline of Altair MotionSolve's XML. Its documentation, "Reference: Spline" and AKISPL: pairs of x and y
-//! in the element's text, `num_xy_pair` of them, Akima's method, `linear_extrap`.
+//! `motionsolve`: a Reference_Spline of Altair MotionSolve's XML. Its documentation, "Reference: Spline" and
+//! AKISPL: pairs of x and y in the element's text, `num_xy_pair` of them, Akima's method, `linear_extrap`.
 
 use super::interpolation::Interpolation;
 use super::numbers::plain;

@@ -1,8 +1,9 @@
-//! `nastran`: bulk data for Nastran and OptiStruct: NLRGAP with the table of force over penetration, and PBUSHT with the table of
-//! force over displacement. mm and N.
+//! `nastran`: bulk data for Nastran and OptiStruct: NLRGAP with the table of force over penetration, and PBUSHT
+//! with the table of force over displacement. mm and N.
 //!
-//! Quick Reference Guide, NLRGAP: SID, GA, GB, PLANE, TABK, TABG, TABU, RADIUS; a negative TABK names a TABLED1 of force over
-//! penetration, TABG one of the clearance over time. TABLED1: straight lines, beyond the ends the last two points.
+//! Quick Reference Guide, NLRGAP: SID, GA, GB, PLANE, TABK, TABG, TABU, RADIUS; a negative TABK names a TABLED1 of
+//! force over penetration, TABG one of the clearance over time. TABLED1: straight lines, beyond the ends the last
+//! two points.
 
 use super::interpolation::Interpolation;
 use super::numbers::fitted;

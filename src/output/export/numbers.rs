@@ -21,7 +21,8 @@ impl std::fmt::Debug for Plain {
     }
 }
 
-/// In a field of some columns, at least nine: with as many digits as there is room for, and with an exponent where that has more.
+/// In a field of some columns, at least nine: with as many digits as there is room for, and with an exponent where
+/// that has more.
 pub fn fitted(value: f64, columns: usize) -> String {
     let fits = |text: &String| text.len() <= columns;
     let candidates = (1..=12).rev().find_map(|digits| {

@@ -1,6 +1,7 @@
-//! `opensim`: a PiecewiseLinearFunction of OpenSim's XML, m and N. OpenSim's API, class PiecewiseLinearFunction: lists `x` and `y`,
-//! straight lines between, and beyond the ends the slope of the last one. Its slopes are
-//! wrong between points that are less than 1e-7 apart (TINY_NUMBER of its source), here 1e-4 mm: it needs a longer first step.
+//! `opensim`: a PiecewiseLinearFunction of OpenSim's XML, m and N. OpenSim's API, class PiecewiseLinearFunction:
+//! lists `x` and `y`, straight lines between, and beyond the ends the slope of the last one. Its slopes are wrong
+//! between points that are less than 1e-7 apart (TINY_NUMBER of its source), here 1e-4 mm: it needs a longer first
+//! step.
 
 use super::interpolation::Interpolation;
 use super::numbers::plain;

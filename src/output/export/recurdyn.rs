@@ -1,5 +1,6 @@
-//! `recurdyn`: two columns for the import of a spline, also that of Ansys Motion: ascending, more than three rows, no header. What it
-//! is stands in a text beside it, because the import takes no comments. RecurDyn's online help, AKISPL: Akima's method.
+//! `recurdyn`: two columns for the import of a spline, also that of Ansys Motion: ascending, more than three rows,
+//! no header. What it is stands in a text beside it, because the import takes no comments. RecurDyn's online help,
+//! AKISPL: Akima's method.
 
 use super::interpolation::Interpolation;
 use super::numbers::plain;

@@ -1,4 +1,5 @@
-//! `simscape`: a script with the vectors of a lookup table (PS Lookup Table, 1-D and 2-D Lookup Table, interp1, interp2), m and N.
+//! `simscape`: a script with the vectors of a lookup table (PS Lookup Table, 1-D and 2-D Lookup Table, interp1,
+//! interp2), m and N.
 
 use super::interpolation::Interpolation;
 use super::numbers::{plain, rounded};

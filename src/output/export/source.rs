@@ -67,8 +67,8 @@ fn refuse<T>(what: impl Into<String>, problem: impl Into<String>) -> Result<T, E
 }
 
 impl Source {
-    /// `up_to` in mm against the support; without it the range ends with the largest indentation of the rows. Rows with a remark
-    /// are refused unless `allow_warned`, failed ones always.
+    /// `up_to` in mm against the support; without it the range ends with the largest indentation of the rows. Rows
+    /// with a remark are refused unless `allow_warned`, failed ones always.
     pub fn read(
         results: &Results,
         selection: Selection,
@@ -231,7 +231,8 @@ fn named(rows: &[&TableRow]) -> String {
     told.join("; ")
 }
 
-/// Mean motion of the hole's ring along the load and of the pin's against it, mm/N. A pressure p cos(phi) carries F = pi R t p.
+/// Mean motion of the hole's ring along the load and of the pin's against it, mm/N. A pressure p cos(phi) carries
+/// F = pi R t p.
 fn ring_compliance(joint: &JointDesign) -> Result<f64, Error> {
     let mut sum = 0.0;
     for part in [&joint.pin, &joint.plate] {

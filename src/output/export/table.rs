@@ -1,4 +1,5 @@
-//! The points of a table: chosen from the joint's own curve so that the simulator's own rule between them stays within an error.
+//! The points of a table: chosen from the joint's own curve so that the simulator's own rule between them stays
+//! within an error.
 
 use crate::engine::joint_curve::JointCurve;
 use crate::engine::outcome::{Response, StepOutcome};
@@ -83,8 +84,8 @@ pub const MOST_POINTS: usize = 400;
 /// The first point above zero, over the last.
 const FIRST: f64 = 1e-6;
 
-/// Places where curves are asked: every fourth may become a point, the other even ones choose them, and the odd ones, which
-/// nothing has seen, measure what was reached.
+/// Places where curves are asked: every fourth may become a point, the other even ones choose them, and the odd
+/// ones, which nothing has seen, measure what was reached.
 const PLACES: usize = 2400;
 
 /// Points at the start.
@@ -385,7 +386,7 @@ fn choose(
         loop {
             let mut bad = vec![false; points.len() - 1];
             let off = |i: usize, force: f64, slope: f64| {
-                if i % 2 == 0 && force.max(slope / OF_STIFFNESS) > aim {
+                if i.is_multiple_of(2) && force.max(slope / OF_STIFFNESS) > aim {
                     bad[points.partition_point(|point| *point < i) - 1] = true;
                 }
             };

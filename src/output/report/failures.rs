@@ -35,8 +35,7 @@ pub fn section(report: &Report) -> String {
             ]
         })
         .collect();
-    let mut html =
-        paragraph(&text) + &table(&["status", "rows", "share", "designs", "example"], &rows);
+    let mut html = paragraph(&text) + &table(&["status", "rows", "share", "designs", "example"], &rows);
     if all.len() > MOST {
         html += &paragraph(&format!("And {} more statuses; the table has them.", all.len() - MOST));
     }
