@@ -30,10 +30,10 @@ impl Impact {
     pub fn of(table: &Table, asked: ImpactRequest) -> Result<Impact, Error> {
         let refuse = |what: &str, problem: String| Err(Error::Export { what: what.into(), problem });
         if !(asked.restitution > 0.0 && asked.restitution <= 1.0) {
-            return refuse("--restitution", format!("{}: must be above 0 and at most 1", asked.restitution));
+            return refuse("restitution", format!("{}: must be above 0 and at most 1", asked.restitution));
         }
         if !(asked.speed > 0.0 && asked.speed.is_finite()) {
-            return refuse("--speed", format!("{} mm/s: must be above 0, and finite", asked.speed));
+            return refuse("speed", format!("{} mm/s: must be above 0, and finite", asked.speed));
         }
         let forces = table.interpolants(Interpolation::Hermite);
         let force = &forces[forces.len() / 2];
@@ -48,7 +48,7 @@ impl Impact {
         let best = Damping::ALL.into_iter().filter_map(impact).min_by(|a, b| off(a).total_cmp(&off(b)));
         match best {
             Some(impact) if impact.coefficient.is_finite() => Ok(impact),
-            _ => refuse("--restitution", format!("{}: no damping law reaches it", asked.restitution)),
+            _ => refuse("restitution", format!("{}: no damping law reaches it", asked.restitution)),
         }
     }
 }

@@ -86,7 +86,7 @@ pub struct Export {
 pub fn format(name: &str) -> Result<&'static Format, Error> {
     let names = FORMATS.map(|format| format.name);
     FORMATS.into_iter().find(|format| format.name == name).ok_or_else(|| Error::Export {
-        what: "--to".into(),
+        what: "to".into(),
         problem: format!("`{}`: not known; {}", shortened(name), suggest(name, &names)),
     })
 }
@@ -143,10 +143,10 @@ fn check(request: &Request) -> Result<(), Error> {
             shortened(name),
             LONGEST_NAME - 1
         );
-        return refuse("--name", problem);
+        return refuse("name", problem);
     }
     if !(*error >= LEAST_ERROR && *error < 1.0) {
-        return refuse("--error", format!("{error}: must be at least {LEAST_ERROR} and below 1 (100 %)"));
+        return refuse("error", format!("{error}: must be at least {LEAST_ERROR} and below 1 (100 %)"));
     }
     let able = |is_able: fn(&Format) -> bool| -> String {
         let names: Vec<String> =
@@ -155,19 +155,19 @@ fn check(request: &Request) -> Result<(), Error> {
     };
     if request.selection == Selection::OverRadialClearance && !format.two_dimensional {
         let problem = format!(
-            "`{}` holds one clearance only: name a design by --design, or take {}",
+            "`{}` holds one clearance only: name a `design`, or take {}",
             format.name,
             able(|format| format.two_dimensional)
         );
-        return refuse("--over radial_clearance", problem);
+        return refuse("over radial_clearance", problem);
     }
     if request.impact.is_some() && !format.damping {
         let problem =
             format!("`{}` has no place for damping; {} have", format.name, able(|format| format.damping));
-        return refuse("--restitution", problem);
+        return refuse("restitution", problem);
     }
     if let Some(end) = request.up_to.filter(|end| !(*end > 0.0 && end.is_finite())) {
-        return refuse("--up-to", format!("{end} mm: must be above 0"));
+        return refuse("up-to", format!("{end} mm: must be above 0"));
     }
     Ok(())
 }
@@ -186,11 +186,11 @@ impl Export {
             };
             if of_result.iter().any(is_same) {
                 let problem = format!("{} is the result itself: name another file", path.display());
-                return Err(Error::Export { what: "--out".into(), problem });
+                return Err(Error::Export { what: "out".into(), problem });
             }
             if path.is_dir() {
                 let problem = format!("{} is a folder: name a file", path.display());
-                return Err(Error::Export { what: "--out".into(), problem });
+                return Err(Error::Export { what: "out".into(), problem });
             }
             if !force && path.exists() {
                 return Err(Error::FileTaken { path: path.clone() });

@@ -118,7 +118,7 @@ fn only(results: &Results) -> Result<Member, Error> {
     }
     if last > 0 {
         let problem = format!(
-            "the result has {} designs: name one by `--design N`, or `--over radial_clearance` for a table of all",
+            "the result has {} designs: name one (`design`), or ask for a table of all (`over` radial_clearance)",
             last + 1
         );
         return refuse("design", problem);
@@ -160,12 +160,12 @@ fn family(results: &Results) -> Result<Vec<Member>, Error> {
             "the designs differ in {} too: a table over the clearance wants a result whose designs differ in nothing else",
             names.join(", ")
         );
-        return refuse("--over radial_clearance", problem);
+        return refuse("over radial_clearance", problem);
     }
     if members.len() < 2 {
         let problem =
-            "the result has one clearance only: leave --over out, or run a sweep over `radial_clearance`";
-        return refuse("--over radial_clearance", problem);
+            "the result has one clearance only: leave `over` out, or run a sweep over `radial_clearance`";
+        return refuse("over radial_clearance", problem);
     }
     members.sort_by(|a, b| a.joint.radial_clearance.total_cmp(&b.joint.radial_clearance));
     Ok(members)
@@ -193,7 +193,7 @@ impl Member {
             rows.iter().copied().filter(|row| row.force.is_none() || row.indentation.is_none()).collect();
         if !failed.is_empty() {
             let problem = format!(
-                "{} of its rows failed ({}): end the range before them with --up-to",
+                "{} of its rows failed ({}): end the range before them (`up-to`)",
                 failed.len(),
                 named(&failed)
             );
@@ -202,7 +202,7 @@ impl Member {
         let warned: Vec<&TableRow> = rows.into_iter().filter(|row| !row.is_ok()).collect();
         if !warned.is_empty() && !allow_warned {
             let problem = format!(
-                "{} of its rows are not ok ({}): end the range before them with --up-to, or take them with --allow-warned",
+                "{} of its rows are not ok ({}): end the range before them (`up-to`), or take them all the same (`allow-warned`)",
                 warned.len(),
                 named(&warned)
             );
@@ -242,7 +242,7 @@ fn ring_compliance(joint: &JointDesign) -> Result<f64, Error> {
                  `--reference support` is there for every body",
                 part.shape.name
             );
-            return refuse("--reference ring-mean", problem);
+            return refuse("reference ring-mean", problem);
         }
         let body = concentric(&joint.body(part));
         sum +=

@@ -235,7 +235,7 @@ fn answer(curve: &JointCurve, load: Load) -> Result<(Response, Status), Error> {
         Some(found) => Ok(found),
         None => {
             let status = step.map_or(String::new(), |step| step.status.to_string());
-            refuse(load.to_string(), format!("{status}: end the range before it with --up-to"))
+            refuse(load.to_string(), format!("{status}: end the range before it (`up-to`)"))
         }
     }
 }
@@ -305,12 +305,13 @@ impl Solver<'_> {
             match step.response {
                 Some(response) if !is_refused => Ok(response),
                 found => {
-                    let way_out = if found.is_some() { ", or take it with --allow-warned" } else { "" };
+                    let way_out =
+                        if found.is_some() { ", or take it all the same (`allow-warned`)" } else { "" };
                     let what = format!(
                         "radial_clearance {} mm, indentation {delta} mm",
                         curve.joint().radial_clearance
                     );
-                    refuse(what, format!("{}: end the range before it with --up-to{way_out}", step.status))
+                    refuse(what, format!("{}: end the range before it (`up-to`){way_out}", step.status))
                 }
             }
         };
@@ -371,14 +372,14 @@ fn choose(
     let too_many = || {
         let percent = 100.0 * error;
         let problem = format!("{percent} % needs more than {MOST_POINTS} points: ask for a larger error");
-        Error::Export { what: "--error".into(), problem }
+        Error::Export { what: "error".into(), problem }
     };
     let too_close = || {
         let percent = 100.0 * error;
         let problem = format!(
             "{percent} % needs points closer than {least_step} mm, which this format does not take: ask for a larger error"
         );
-        Error::Export { what: "--error".into(), problem }
+        Error::Export { what: "error".into(), problem }
     };
     let mut aim = AIM * error;
     loop {
