@@ -239,7 +239,7 @@ impl Iterator for Cases<'_> {
     }
 }
 
-/// What the table [solve] of a config's text asks for: all that is needed to solve one of its designs again. `path` is what
+/// What the table `[solve]` of a config's text asks for: all that is needed to solve one of its designs again. `path` is what
 /// complaints call the config.
 pub fn solve_options(path: &Path, text: &str) -> Result<SolveOptions, Error> {
     let source = Source::new(path.to_path_buf(), text.to_string());

@@ -1,7 +1,5 @@
 //! What a format has at hand: the table, what its head says, and the words for the outside.
 
-use crate::engine::joint_scale::JointScale;
-use crate::mechanics::body::Side;
 use crate::output::export::impact::Impact;
 use crate::output::export::interpolation::Interpolation;
 use crate::output::export::numbers::{plain, rounded};
@@ -9,7 +7,7 @@ use crate::output::export::source::{Reference, Source};
 use crate::output::export::table::{Between, Quality, Table};
 use crate::output::host::Program;
 use crate::output::manifest::Origin;
-use crate::study::columns::{Cell, Column, joint_columns, side_name};
+use crate::study::columns::{Cell, Column, joint_columns};
 
 /// A form for another program: one file of `output/export`, listed in `FORMATS`.
 pub struct Format {
@@ -134,8 +132,7 @@ pub fn head(
             Cell::Empty => {}
         }
     }
-    let thin = [Side::Pin, Side::Plate].map(side_name).join(" and ");
-    scene += &format!(" two dimensions, linear elastic, frictionless; {thin} as above, nothing else yields.");
+    scene += " two dimensions, linear elastic, frictionless; nothing but pin and plate yields.";
     said.push(scene);
     said.push(match source.reference {
         Reference::Support => "Indentation (reference: support): descent of the pin's rigid part after first touch, from where \
@@ -217,8 +214,7 @@ pub fn head(
             plain(rounded(1e3 * impact.mass, 4)),
         ));
     }
-    let neat = JointScale::of(joint).outlines.radial_clearance == 0.0;
-    if neat && source.members.len() == 1 {
+    if joint.radial_clearance == 0.0 && source.members.len() == 1 {
         said.push("A neat fit: the force is proportional to the indentation.".into());
     }
     said.iter().flat_map(|text| wrapped(&harmless(text))).collect()
