@@ -55,7 +55,7 @@ impl Default for SolveOptions {
 /// Designs up to which laws are fitted without being asked for: three megabytes of them, in a tenth of a second.
 pub const LAWS_UP_TO: u64 = 1000;
 
-/// The most steps [load] may have.
+/// The most steps that the table `load` may have.
 pub const MAX_STEPS: u64 = 100_000;
 
 /// What a config asks for. All that can be wrong with it has been found when there is one.
