@@ -1,4 +1,7 @@
-//! Laws fitted to random joints of every kind: how well they fit, whether what they say of it is true, and what it costs.
+//! Laws fitted to random joints of every kind: how well they fit, and whether what they say of it is true.
+
+#[path = "common/law_joints.rs"]
+mod law_joints;
 
 use std::collections::BTreeMap;
 
@@ -8,50 +11,13 @@ use jointsweep::engine::outcome::DesignLaws;
 use jointsweep::mechanics::laws::calibrated::{
     CALIBRATED_LAWS, Sample, Samples, Sizes, explicit, fitted_laws,
 };
-use jointsweep::study::config::Study;
 use jointsweep::study::design::{DesignCase, JointDesign, Load};
 use jointsweep::{MethodChoice, Options};
-
-fn study(text: &str) -> Study {
-    Study::from_text(std::path::Path::new("laws.toml"), text.into()).unwrap()
-}
-
-fn joints(pin: &str, plate: &str, count: usize) -> Vec<DesignCase> {
-    let text = format!(
-        r#"
-[joint]
-idealization     = ["plane-stress", "plane-strain"]
-hole_radius      = {{ from = "5 mm", to = "100 mm", spacing = "log" }}
-radial_clearance = {{ from = "0.005 mm", to = "0.2 mm", spacing = "log" }}
-thickness        = {{ from = "1 mm", to = "50 mm" }}
-[joint.pin]
-{pin}
-youngs_modulus = {{ from = "2 GPa", to = "210 GPa", spacing = "log" }}
-poissons_ratio = {{ from = 0.1, to = 0.45 }}
-[joint.plate]
-{plate}
-youngs_modulus = {{ from = "1 GPa", to = "210 GPa", spacing = "log" }}
-poissons_ratio = {{ from = 0.1, to = 0.45 }}
-[load]
-indentation = {{ from = "0.001 mm", to = "0.1 mm", count = 4, spacing = "log" }}
-[sampling]
-method = "latin-hypercube"
-count = {count}
-seed = 5
-"#
-    );
-    study(&text).cases().unwrap().map(Result::unwrap).collect()
-}
+use law_joints::{joints, of_every_kind};
 
 #[test]
 fn laws_fit_as_well_as_they_say() {
-    let core = "model = \"rigid-core\"\ncore_radius_ratio = { from = 0.05, to = 0.6 }";
-    let half = "model = \"rigid-midplane\"";
-    let ring = "model = \"annulus\"\nouter_radius_ratio = { from = 1.2, to = 50, spacing = \"log\" }";
-    let block = "model = \"block\"\nsupport = [\"base\", \"outer\"]\nhalf_width_ratio = { from = 1.5, to = 6 }\n\
-                 depth_ratio = { from = 1.5, to = 6 }\nheight_ratio = { from = 1.5, to = 6 }";
-    let kinds = [joints(core, ring, 500), joints(half, ring, 250), joints(core, block, 250)];
-    let cases: Vec<DesignCase> = kinds.concat();
+    let cases = of_every_kind();
     assert_eq!(cases.len(), 1000);
     let mut ladder = Ladder::new(Options { accuracy: 0.01, method: MethodChoice::Auto });
     let outcomes = ladder.solve(&cases);
