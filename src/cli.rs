@@ -399,9 +399,19 @@ pub fn main() -> ExitCode {
         Ok(Ending::SomeDesignsFailed) => ExitCode::from(2),
         Ok(Ending::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
-            say(&format!("error: {error}{}", way_out(&error)));
+            say(&format!("error: {}{error}{}", option(&error), way_out(&error)));
             ExitCode::FAILURE
         }
+    }
+}
+
+/// What makes an option of what an export's error is about.
+fn option(error: &Error) -> &'static str {
+    const OPTIONS: [&str; 8] = ["to", "out", "name", "error", "restitution", "speed", "up-to", "design"];
+    match error {
+        Error::Export { what, .. } if OPTIONS.contains(&what.as_str()) => "--",
+        Error::Export { what, .. } if what.starts_with("over ") || what.starts_with("reference ") => "--",
+        _ => "",
     }
 }
 

@@ -137,9 +137,14 @@ fn every_example_is_read_and_changes_something() {
 }
 
 /// All that a config decides.
-fn cases(study: &Study) -> (String, String, bool, Vec<String>) {
+fn cases(study: &Study) -> (String, String, [bool; 2], Vec<String>) {
     let cases = study.cases().unwrap().take(1000).map(|case| format!("{:?}", case.unwrap()));
-    (study.title().into(), format!("{:?}", study.solve), study.interpolation, cases.collect())
+    (
+        study.title().into(),
+        format!("{:?}", study.solve),
+        [study.interpolation, study.fits_laws()],
+        cases.collect(),
+    )
 }
 
 #[test]
@@ -197,6 +202,7 @@ fn what_is_allowed_is_taken_and_nothing_beyond_it() {
             "whole numbers from 1 to 1000000000" => {
                 &[("0", false), ("1", true), ("1000000000", true), ("1000000001", false), ("1.5", false)]
             }
+            "true or false" => &[("true", true), ("false", true), ("1", false), ("'true'", false)],
             "whole numbers from 0" => &[("-1", false), ("0", true)],
             words if words.starts_with('`') => {
                 let words: Vec<&str> = words.split(", ").map(|word| word.trim_matches('`')).collect();
@@ -229,4 +235,8 @@ fn the_pages_hold_what_the_code_says() {
         let (_, below) = text.split_once("from here on. -->\n").unwrap();
         assert!(below == made, "docs/{name} is old: cargo run --example documentation");
     }
+    let laws = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/laws.md")).unwrap();
+    let (_, columns) = laws.split_once("<!-- columns -->\n").unwrap();
+    let (columns, _) = columns.split_once("<!-- end of columns -->").unwrap();
+    assert_eq!(columns, schema::law_documentation(), "docs/laws.md");
 }

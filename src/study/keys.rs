@@ -128,7 +128,7 @@ pub fn config_keys() -> Vec<ConfigKey> {
             .default("\"auto\""),
         key("solve", "interpolation", "whether large sweeps may interpolate between bodies where that is cheaper", "-", &words(&["auto", "off"]), "\"off\"")
             .default("\"auto\""),
-        key("output", "laws", "whether laws are fitted to each design, into laws.csv", "-", "`true`, `false`", "true")
+        key("output", "laws", "whether laws are fitted to each design, into laws.csv", "-", "true or false", "false")
             .needed("`true` up to 1,000 designs"),
         key(RANGE, "from", "the first value", "as the key", "what the key allows", "\"10 N\""),
         key(RANGE, "to", "the last value", "as the key", "what the key allows, above `from`", "\"10 kN\""),

@@ -31,13 +31,13 @@ fn what_is_asked_wrongly_is_told() {
     refused(
         &work,
         &[dir, "--to", "c"],
-        &["the result has 2 designs", "--design N", "--over radial_clearance"],
+        &["--design: the result has 2 designs", "`design`", "`over` radial_clearance"],
     );
     for format in
         ["nastran", "opensim", "motionsolve", "recurdyn", "chrono", "mbdyn", "calculix", "abaqus", "ls-dyna"]
     {
         let said = format!("`{format}` holds one clearance only");
-        refused(&work, &[dir, "--to", format, "--over", "radial_clearance"], &[&said, "`adams`", "--design"]);
+        refused(&work, &[dir, "--to", format, "--over", "radial_clearance"], &[&said, "`adams`", "`design`"]);
     }
     refused(&work, &[dir, "--to", "c", "--over", "thickness"], &["radial_clearance"]);
     refused(&work, &with(&["--to", "c", "--over", "radial_clearance"]), &["cannot be used with"]);
@@ -124,7 +124,7 @@ fn rows_that_are_not_ok_are_named() {
     refused(
         &work,
         &arguments,
-        &["design 0: 1 of its rows are not ok", "at 0.3 mm: large displacement", "--allow-warned"],
+        &["design 0: 1 of its rows are not ok", "at 0.3 mm: large displacement", "`allow-warned`"],
     );
     work.run(&[&["export"], &arguments[..], &["--allow-warned"]].concat()).expect(0);
     work.run(&[&["export"], &arguments[..], &["--force", "--up-to", "0.004 mm"]].concat()).expect(0);
@@ -139,7 +139,7 @@ fn rows_that_are_not_ok_are_named() {
     work.write("failed.toml", &half);
     work.run(&["run", "failed.toml", "--quiet"]).expect(2);
     let arguments = ["out/failed", "--to", "c", "--out", "k.h"];
-    refused(&work, &arguments, &["design 0: 1 of its rows failed (at 50 mm: failed: ", "--up-to"]);
+    refused(&work, &arguments, &["design 0: 1 of its rows failed (at 50 mm: failed: ", "`up-to`"]);
     refused(&work, &[&arguments[..], &["--allow-warned"]].concat(), &["1 of its rows failed"]);
     work.run(&[&["export"], &arguments[..], &["--up-to", "0.004 mm"]].concat()).expect(0);
     refused(
@@ -155,7 +155,7 @@ fn rows_that_are_not_ok_are_named() {
             "--up-to",
             "0.004 mm",
         ],
-        &["--reference ring-mean", "not of `rigid-midplane`", "`--reference support`"],
+        &["--reference ring-mean", "not of `rigid-midplane`", "`reference support`"],
     );
 
     work.write("none.toml", &config.replace("[\"0.0004 mm\", \"0.004 mm\", \"0.0291 mm\"]", "\"0 mm\""));

@@ -239,7 +239,7 @@ fn ring_compliance(joint: &JointDesign) -> Result<f64, Error> {
         if !part.shape.concentric {
             let problem = format!(
                 "the mean motion of the ring is known of concentric bodies only (`rigid-core`, `annulus`), not of `{}`; \
-                 `--reference support` is there for every body",
+                 `reference support` is there for every body",
                 part.shape.name
             );
             return refuse("reference ring-mean", problem);
