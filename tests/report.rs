@@ -414,7 +414,7 @@ fn what_is_there_is_kept_without_force() {
     work.write("other.html", "mine, too");
     for arguments in [&["report", "out"][..], &["report", "out", "--out", "other.html"]] {
         let said = work.run(arguments).expect(1).stderr;
-        assert!(said.contains(".html is there: ") && said.contains("--force"), "{said}");
+        assert!(said.contains(".html is there already: ") && said.contains("--force"), "{said}");
     }
     assert_eq!((work.read("out/report.html"), work.read("other.html")), ("mine".into(), "mine, too".into()));
     work.run(&["report", "out", "--force", "--quiet"]).expect(0);
