@@ -7,13 +7,13 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use jointsweep::mechanics::body::{Body, MAX_PARAMETERS, annulus};
-use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
-use jointsweep::mechanics::compliance::ring_modes::RingModes;
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::grading::{GradingClass, LEVEL_COUNT};
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::real::LANES;
+use jointsweep::internals::mechanics::body::{Body, MAX_PARAMETERS, annulus};
+use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
+use jointsweep::internals::mechanics::compliance::ring_modes::RingModes;
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::grading::{GradingClass, LEVEL_COUNT};
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::real::LANES;
 
 #[path = "common/peak.rs"]
 mod peak;

@@ -2,16 +2,16 @@
 //! curve through its nodes, ten loads found on it, and what an error estimate takes: `cargo bench --bench contact`.
 
 use divan::{Bencher, black_box};
-use jointsweep::mechanics::body::Side;
-use jointsweep::mechanics::compliance::BodyCompliance;
-use jointsweep::mechanics::compliance::Boundary;
-use jointsweep::mechanics::compliance::pressure_space::JointCompliance;
-use jointsweep::mechanics::compliance::ring_modes::RingModes;
-use jointsweep::mechanics::compliance::series::ConcentricBody;
-use jointsweep::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
-use jointsweep::mechanics::contact::load::DimensionlessLoad;
-use jointsweep::mechanics::contact::outlines::Outlines;
-use jointsweep::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::body::Side;
+use jointsweep::internals::mechanics::compliance::BodyCompliance;
+use jointsweep::internals::mechanics::compliance::Boundary;
+use jointsweep::internals::mechanics::compliance::pressure_space::JointCompliance;
+use jointsweep::internals::mechanics::compliance::ring_modes::RingModes;
+use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
+use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
+use jointsweep::internals::mechanics::contact::load::DimensionlessLoad;
+use jointsweep::internals::mechanics::contact::outlines::Outlines;
+use jointsweep::internals::mechanics::material::Idealization;
 
 const RADIAL_CLEARANCE: f64 = 1e-3;
 

@@ -6,16 +6,16 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use jointsweep::engine::body_request::{Fidelity, TopologyKey};
-use jointsweep::engine::plan::JointPlan;
-use jointsweep::engine::sweep::{SweepOptions, run};
-use jointsweep::mechanics::compliance::arc::packed_count;
-use jointsweep::mechanics::compliance::lane_condensation::{CondensationPlan, Operations};
-use jointsweep::mechanics::compliance::ring_modes::RingModes;
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::grading::GradingClass;
-use jointsweep::mechanics::real::LANES;
-use jointsweep::study::config::Study;
+use jointsweep::internals::engine::body_request::{Fidelity, TopologyKey};
+use jointsweep::internals::engine::plan::JointPlan;
+use jointsweep::internals::engine::sweep::{SweepOptions, run};
+use jointsweep::internals::mechanics::compliance::arc::packed_count;
+use jointsweep::internals::mechanics::compliance::lane_condensation::{CondensationPlan, Operations};
+use jointsweep::internals::mechanics::compliance::ring_modes::RingModes;
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::grading::GradingClass;
+use jointsweep::internals::mechanics::real::LANES;
+use jointsweep::internals::study::config::Study;
 
 #[path = "common/peak.rs"]
 mod peak;

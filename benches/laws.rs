@@ -1,10 +1,10 @@
 //! What laws cost: `cargo bench --bench laws`. Fits of one law to the states of a joint, and all of them.
 
 use divan::Bencher;
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::law_fit::{law_case, laws_of};
-use jointsweep::engine::outcome::Answer;
-use jointsweep::study::design::DesignCase;
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::law_fit::{law_case, laws_of};
+use jointsweep::internals::engine::outcome::Answer;
+use jointsweep::internals::study::design::DesignCase;
 use jointsweep::{Dimensions, Idealization, Joint, Material, MethodChoice, Options, Part};
 
 fn main() {

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use jointsweep::engine::sweep::{SweepOptions, run};
-use jointsweep::study::config::Study;
+use jointsweep::internals::engine::sweep::{SweepOptions, run};
+use jointsweep::internals::study::config::Study;
 
 /// A config of the repository.
 fn study(name: &str) -> Study {

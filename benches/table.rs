@@ -3,13 +3,13 @@
 
 use divan::Bencher;
 use divan::counter::{BytesCount, ItemsCount};
-use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
-use jointsweep::engine::status::Status;
-use jointsweep::mechanics::body::{annulus, cored_disc};
-use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::output::sink::Sink;
-use jointsweep::output::table::Table;
-use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
+use jointsweep::internals::engine::status::Status;
+use jointsweep::internals::mechanics::body::{annulus, cored_disc};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::output::sink::Sink;
+use jointsweep::internals::output::table::Table;
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 
 fn outcome(index: u64, step_count: usize) -> DesignOutcome {
     // Numbers with all their digits, as a random sweep has them.

@@ -6,8 +6,8 @@
 
 use std::path::Path;
 
-use jointsweep::output::schema;
-use jointsweep::study::keys;
+use jointsweep::internals::output::schema;
+use jointsweep::internals::study::keys;
 
 /// The end of what is written by hand.
 const MARK: &str = "from here on. -->\n";

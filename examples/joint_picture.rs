@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use jointsweep::mechanics::laws::{Pair, johnson};
+use jointsweep::internals::mechanics::laws::{Pair, johnson};
 use jointsweep::{Dimensions, Idealization, Joint, Material, Options, Part};
 
 type Point = (f64, f64);

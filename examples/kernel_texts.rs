@@ -6,8 +6,8 @@
 
 use std::path::PathBuf;
 
-use jointsweep::engine::backend::gpu::batch::OnChip;
-use jointsweep::engine::backend::gpu::kernels::{KERNEL_FILES, Precision, Sums, Variant};
+use jointsweep::internals::engine::backend::gpu::batch::OnChip;
+use jointsweep::internals::engine::backend::gpu::kernels::{KERNEL_FILES, Precision, Sums, Variant};
 
 fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(std::env::args_os().nth(1).expect("a folder to write to"));

@@ -7,12 +7,12 @@
 #[path = "../tests/common/law_joints.rs"]
 mod law_joints;
 
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::law_fit::add_laws;
-use jointsweep::mechanics::laws::calibrated::CALIBRATED_LAWS;
-use jointsweep::output::chart::axis::{Axis, Spacing};
-use jointsweep::output::chart::line_chart::{LineChart, Marking, Series};
-use jointsweep::output::manifest::write_whole;
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::law_fit::add_laws;
+use jointsweep::internals::mechanics::laws::calibrated::CALIBRATED_LAWS;
+use jointsweep::internals::output::chart::axis::{Axis, Spacing};
+use jointsweep::internals::output::chart::line_chart::{LineChart, Marking, Series};
+use jointsweep::internals::output::manifest::write_whole;
 use jointsweep::{MethodChoice, Options};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use jointsweep::Error;
-use jointsweep::output::host::{Host, Program, utc};
-use jointsweep::output::manifest::{FileEntry, publish, stage, write_whole};
-use jointsweep::study::fingerprint::Fingerprint;
+use jointsweep::internals::output::host::{Host, Program, utc};
+use jointsweep::internals::output::manifest::{FileEntry, publish, stage, write_whole};
+use jointsweep::internals::study::fingerprint::Fingerprint;
 use study_figures::{ACCURACY, Anything, PLATES, figures};
 
 fn main() -> Result<(), Anything> {

@@ -15,14 +15,14 @@ mod mesh_works;
 #[path = "../tests/common/random.rs"]
 mod random;
 
-use jointsweep::engine::accuracy::mesh_change::Trust;
-use jointsweep::engine::bodies::BodyLibrary;
-use jointsweep::engine::body_request::{BodyRequest, Fidelity};
-use jointsweep::engine::refusal::{Refusal, is_bounded};
-use jointsweep::engine::spaces::Spaces;
-use jointsweep::mechanics::body::{Body, DEEPEST_MESHED, annulus, block, cored_disc, half_disc};
-use jointsweep::mechanics::grading::LEVEL_COUNT;
-use jointsweep::mechanics::material::Idealization;
+use jointsweep::internals::engine::accuracy::mesh_change::Trust;
+use jointsweep::internals::engine::bodies::BodyLibrary;
+use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity};
+use jointsweep::internals::engine::refusal::{Refusal, is_bounded};
+use jointsweep::internals::engine::spaces::Spaces;
+use jointsweep::internals::mechanics::body::{Body, DEEPEST_MESHED, annulus, block, cored_disc, half_disc};
+use jointsweep::internals::mechanics::grading::LEVEL_COUNT;
+use jointsweep::internals::mechanics::material::Idealization;
 use mesh_works::{Measured, rounded_up};
 use random::Random;
 

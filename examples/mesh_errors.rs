@@ -13,15 +13,15 @@ mod mesh_works;
 #[path = "../tests/common/random.rs"]
 mod random;
 
-use jointsweep::engine::accuracy::known_errors::{
+use jointsweep::internals::engine::accuracy::known_errors::{
     COLUMNS, DEPTHS, Group, KNOWN_LEVELS, Kind, Stiffness, column,
 };
-use jointsweep::engine::bodies::BodyLibrary;
-use jointsweep::engine::body_request::{BodyRequest, Fidelity};
-use jointsweep::engine::spaces::Spaces;
-use jointsweep::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
-use jointsweep::mechanics::grading::LEVEL_COUNT;
-use jointsweep::mechanics::material::Idealization;
+use jointsweep::internals::engine::bodies::BodyLibrary;
+use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity};
+use jointsweep::internals::engine::spaces::Spaces;
+use jointsweep::internals::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
+use jointsweep::internals::mechanics::grading::LEVEL_COUNT;
+use jointsweep::internals::mechanics::material::Idealization;
 use mesh_works::{Measured, rounded_up};
 use random::Random;
 

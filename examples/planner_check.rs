@@ -21,22 +21,22 @@ use std::process::Command;
 use std::time::{Duration, Instant, SystemTime};
 
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
-use jointsweep::engine::body_request::Fidelity;
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::status::Remark;
-use jointsweep::mechanics::body::Body;
-use jointsweep::mechanics::compliance::arc::{FEW_TERMS, TERM_CHOICES};
-use jointsweep::mechanics::grading::LEVEL_COUNT;
-use jointsweep::output::host::{Host, utc};
-use jointsweep::output::manifest;
-use jointsweep::study::config::{MethodChoice, SolveOptions};
-use jointsweep::study::design::{DesignCase, Part};
-use jointsweep::tradeoff::answer::States;
-use jointsweep::tradeoff::choice::{Choice, Family, Scope, Solution};
-use jointsweep::tradeoff::errors::force_error;
-use jointsweep::tradeoff::families::{closed_form, planner, series};
-use jointsweep::tradeoff::joints::Terms;
-use jointsweep::tradeoff::oracle::Oracle;
+use jointsweep::internals::engine::body_request::Fidelity;
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::status::Remark;
+use jointsweep::internals::mechanics::body::Body;
+use jointsweep::internals::mechanics::compliance::arc::{FEW_TERMS, TERM_CHOICES};
+use jointsweep::internals::mechanics::grading::LEVEL_COUNT;
+use jointsweep::internals::output::host::{Host, utc};
+use jointsweep::internals::output::manifest;
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{DesignCase, Part};
+use jointsweep::internals::tradeoff::answer::States;
+use jointsweep::internals::tradeoff::choice::{Choice, Family, Scope, Solution};
+use jointsweep::internals::tradeoff::errors::force_error;
+use jointsweep::internals::tradeoff::families::{closed_form, planner, series};
+use jointsweep::internals::tradeoff::joints::Terms;
+use jointsweep::internals::tradeoff::oracle::Oracle;
 use random::Random;
 
 const ACCURACIES: [f64; 3] = [0.1, 1e-2, 1e-3];
@@ -260,7 +260,7 @@ fn measure(name: &'static str, cases: &[DesignCase], oracle: &States, runs: usiz
     let planner = planned.into_iter().zip(ACCURACIES).map(|(measured, accuracy)| {
         let outcomes = Ladder::new(SolveOptions { accuracy, method: MethodChoice::Auto }).solve(cases);
         let rows: Vec<_> = judged.iter().map(|case| &outcomes[*case].steps[0]).collect();
-        let estimate = |response: Option<jointsweep::engine::outcome::Response>| {
+        let estimate = |response: Option<jointsweep::internals::engine::outcome::Response>| {
             response.map_or(f64::INFINITY, |response| response.force_error)
         };
         Planned {

@@ -6,11 +6,11 @@
 
 use std::path::PathBuf;
 
-use jointsweep::output::tradeoff_plot;
-use jointsweep::study::fingerprint::Fingerprint;
-use jointsweep::tradeoff::errors::{Errors, Quantiles};
-use jointsweep::tradeoff::families::FAMILIES;
-use jointsweep::tradeoff::measure::Measured;
+use jointsweep::internals::output::tradeoff_plot;
+use jointsweep::internals::study::fingerprint::Fingerprint;
+use jointsweep::internals::tradeoff::errors::{Errors, Quantiles};
+use jointsweep::internals::tradeoff::families::FAMILIES;
+use jointsweep::internals::tradeoff::measure::Measured;
 use serde_json::{Value, json};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

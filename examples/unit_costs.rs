@@ -15,28 +15,28 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-use jointsweep::engine::body_request::{BodyRequest, Fidelity, concentric, mesh_class, mesh_size};
-use jointsweep::engine::plan::JointPlan;
-use jointsweep::engine::refusal::is_bounded;
-use jointsweep::engine::spaces::SpaceKey;
-use jointsweep::engine::sweep::{self, SweepOptions};
-use jointsweep::engine::unit_costs::{
+use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity, concentric, mesh_class, mesh_size};
+use jointsweep::internals::engine::plan::JointPlan;
+use jointsweep::internals::engine::refusal::is_bounded;
+use jointsweep::internals::engine::spaces::SpaceKey;
+use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::engine::unit_costs::{
     Unit, batch, curve, design, interpolated_design, near_field_works, series, space, space_modes,
     space_ring_modes, spread_modes, spread_ring_modes, topology,
 };
-use jointsweep::mechanics::body::{Body, Side, annulus, block, cored_disc, half_disc};
-use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
-use jointsweep::mechanics::compliance::pressure_space::JointCompliance;
-use jointsweep::mechanics::compliance::ring_modes::RingModes;
-use jointsweep::mechanics::compliance::{BodyCompliance, Boundary};
-use jointsweep::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
-use jointsweep::mechanics::contact::outlines::Outlines;
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::real::LANES;
-use jointsweep::output::host::{Host, processor_seconds};
-use jointsweep::output::sink::Sink;
-use jointsweep::output::table::Table;
-use jointsweep::study::config::Study;
+use jointsweep::internals::mechanics::body::{Body, Side, annulus, block, cored_disc, half_disc};
+use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
+use jointsweep::internals::mechanics::compliance::pressure_space::JointCompliance;
+use jointsweep::internals::mechanics::compliance::ring_modes::RingModes;
+use jointsweep::internals::mechanics::compliance::{BodyCompliance, Boundary};
+use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
+use jointsweep::internals::mechanics::contact::outlines::Outlines;
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::real::LANES;
+use jointsweep::internals::output::host::{Host, processor_seconds};
+use jointsweep::internals::output::sink::Sink;
+use jointsweep::internals::output::table::Table;
+use jointsweep::internals::study::config::Study;
 
 /// Runs of which the median is taken, and the least time of each, s.
 const RUNS: usize = 9;
@@ -255,7 +255,7 @@ fn curves() -> Vec<Measured> {
     SPACES.map(key).map(of_space).into()
 }
 
-fn body(shape: &'static jointsweep::mechanics::body::Shape, parameters: [f64; 3]) -> Body {
+fn body(shape: &'static jointsweep::internals::mechanics::body::Shape, parameters: [f64; 3]) -> Body {
     Body { shape, parameters, support: 0, poissons_ratio: 0.3, idealization: Idealization::PlaneStrain }
 }
 

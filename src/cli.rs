@@ -7,8 +7,8 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use jointsweep::Error;
-use jointsweep::study::config::Study;
-use jointsweep::study::setting::Setting;
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::setting::Setting;
 
 mod backend;
 mod bench;

@@ -17,32 +17,12 @@
 //! # Ok::<(), jointsweep::Error>(())
 //! ```
 //!
-//! All that is not named on this page is for the program itself and its tests: it may change with any version.
-//!
 //! Data runs one way:
 //! `config -> design -> plan -> body -> mesh -> assembly -> solve -> compliance -> contact -> outcome -> table`.
-//! Wings, each of which uses only the wings above it (`tests/layering.rs` checks this):
+//! The parts are in [`internals`], of which no promise is made.
 
-/// What is true: pure functions of numbers, dimensionless; no files, threads or printing.
-#[doc(hidden)]
-pub mod mechanics;
-/// What is asked: from a file to a numbered list of designs.
-#[doc(hidden)]
-pub mod study;
-/// How it is computed: the only wing with threads and devices.
-#[doc(hidden)]
-pub mod engine;
-/// One joint and its curve, for programs that use the library.
-pub mod joint;
-/// Joints fitted to measured points.
-#[doc(hidden)]
-pub mod calibrate;
-/// What each choice costs and what it is worth: designs run through all of them, timed and compared.
-#[doc(hidden)]
-pub mod tradeoff;
-/// What is handed over: the only wing that writes files.
-#[doc(hidden)]
-pub mod output;
+pub mod internals;
+use internals::{calibrate, engine, joint, mechanics, output, study, tradeoff};
 
 /// Errors for people: each variant carries the values that explain it.
 pub mod error;

@@ -11,15 +11,15 @@ use common::rings::{MeshedBody, body, concentric_grading};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
-use jointsweep::mechanics::contact::node_contact::active_set::{
+use jointsweep::internals::mechanics::contact::node_contact::active_set::{
     ActiveSetOutcome, RingContact, ring_contact, solve_nodal_contact,
 };
-use jointsweep::mechanics::contact::node_contact::ring_joint::{RingsDiffer, normal_compliance};
-use jointsweep::mechanics::contact_grading::contact_grading;
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::element::stiffness::Elasticity;
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::SUPPORTED;
+use jointsweep::internals::mechanics::contact::node_contact::ring_joint::{RingsDiffer, normal_compliance};
+use jointsweep::internals::mechanics::contact_grading::contact_grading;
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::element::stiffness::Elasticity;
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::mesh::SUPPORTED;
 
 /// A meshed body with its Young's modulus, and +1 for the plate, which a contact force pushes along the normal
 /// n = (sin phi, -cos phi), -1 for the pin.

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use jointsweep::engine::backend::gpu::batch::{
+use jointsweep::internals::engine::backend::gpu::batch::{
     Batch, BatchError, BodyCounts, KernelFacts, LONGEST, MOST_BYTES, MOST_TRIPS, OnChip, SHORTEST, TARGET,
     adapted, batches,
 };
-use jointsweep::engine::backend::gpu::context::DeviceLimits;
+use jointsweep::internals::engine::backend::gpu::context::DeviceLimits;
 
 const LIMITS: DeviceLimits = DeviceLimits {
     binding_bytes: 128 << 20,

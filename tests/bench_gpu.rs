@@ -4,11 +4,11 @@
 #[path = "common/workdir.rs"]
 mod workdir;
 
-use jointsweep::engine::agreement::{Disagreement, worst_difference};
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::DesignOutcome;
-use jointsweep::study::config::Study;
-use jointsweep::study::design::DesignCase;
+use jointsweep::internals::engine::agreement::{Disagreement, worst_difference};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::DesignOutcome;
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::design::DesignCase;
 use workdir::{Rows, Workdir};
 
 const FILES: [&str; 5] = ["kernels.csv", "manifest.json", "peaks.csv", "precisions.csv", "scaling.csv"];

@@ -8,9 +8,9 @@ mod random;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
-use jointsweep::calibrate::calibration::{Calibration, calibrate};
-use jointsweep::calibrate::unknown::Unknown;
-use jointsweep::study::measured::MeasuredPoint;
+use jointsweep::internals::calibrate::calibration::{Calibration, calibrate};
+use jointsweep::internals::calibrate::unknown::Unknown;
+use jointsweep::internals::study::measured::MeasuredPoint;
 use jointsweep::{Dimensions, Error, Idealization, Joint, Load, Material, MethodChoice, Options, Part};
 use random::Random;
 

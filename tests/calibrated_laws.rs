@@ -5,13 +5,13 @@ mod law_joints;
 
 use std::collections::BTreeMap;
 
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::law_fit::{add_laws, law_case, laws_of, working_range};
-use jointsweep::engine::outcome::DesignLaws;
-use jointsweep::mechanics::laws::calibrated::{
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::law_fit::{add_laws, law_case, laws_of, working_range};
+use jointsweep::internals::engine::outcome::DesignLaws;
+use jointsweep::internals::mechanics::laws::calibrated::{
     CALIBRATED_LAWS, Sample, Samples, Sizes, explicit, fitted_laws,
 };
-use jointsweep::study::design::{DesignCase, JointDesign, Load};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load};
 use jointsweep::{MethodChoice, Options};
 use law_joints::{joints, of_every_kind};
 

@@ -5,17 +5,17 @@ mod common;
 
 use common::greatest::{difference, greatest};
 use common::rings::{MeshedBody, body};
-use jointsweep::mechanics::body::{Body, Side};
-use jointsweep::mechanics::compliance::arc::{ContactArc, packed_count};
-use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
-use jointsweep::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
-use jointsweep::mechanics::compliance::pressure_space::PressureSpace;
-use jointsweep::mechanics::compliance::ring_modes::{Push, RingModes};
-use jointsweep::mechanics::compliance::series::ConcentricBody;
-use jointsweep::mechanics::compliance::{BodyCompliance, Boundary};
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::grading::GradingClass;
-use jointsweep::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::body::{Body, Side};
+use jointsweep::internals::mechanics::compliance::arc::{ContactArc, packed_count};
+use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
+use jointsweep::internals::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
+use jointsweep::internals::mechanics::compliance::pressure_space::PressureSpace;
+use jointsweep::internals::mechanics::compliance::ring_modes::{Push, RingModes};
+use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
+use jointsweep::internals::mechanics::compliance::{BodyCompliance, Boundary};
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::grading::GradingClass;
+use jointsweep::internals::mechanics::material::Idealization;
 
 fn plan(body: &Body, class: &GradingClass) -> CondensationPlan {
     CondensationPlan::new(body, class.grading(body.shape.end_angle), RingModes::of(class))

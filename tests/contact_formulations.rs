@@ -7,17 +7,17 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use common::greatest::difference;
 use common::meshes::{ELEMENTS, order};
 use common::rings::{MeshedBody, body};
-use jointsweep::mechanics::contact::node_contact::active_set::{
+use jointsweep::internals::mechanics::contact::node_contact::active_set::{
     ActiveSetOutcome, NodalContact, solve_nodal_contact,
 };
-use jointsweep::mechanics::contact::node_contact::augmented_lagrangian::{
+use jointsweep::internals::mechanics::contact::node_contact::augmented_lagrangian::{
     AugmentedContact, AugmentedOutcome, AugmentedSettings, solve_augmented_lagrangian,
 };
-use jointsweep::mechanics::contact::node_contact::penalty::{penetration, solve_penalty, springs};
-use jointsweep::mechanics::contact::node_contact::ring_joint::RingJoint;
-use jointsweep::mechanics::contact_grading::contact_grading;
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::contact::node_contact::penalty::{penetration, solve_penalty, springs};
+use jointsweep::internals::mechanics::contact::node_contact::ring_joint::RingJoint;
+use jointsweep::internals::mechanics::contact_grading::contact_grading;
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::material::Idealization;
 
 /// Of two equal bodies with E' = 1.
 const EFFECTIVE_MODULUS: f64 = 0.5;

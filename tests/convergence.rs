@@ -8,10 +8,10 @@ mod common;
 use std::f64::consts::FRAC_PI_2;
 
 use common::meshes::{ELEMENTS, PlaneMesh, order};
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::element::quadrature::gauss_legendre;
-use jointsweep::mechanics::element::stiffness::Elasticity;
-use jointsweep::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::element::quadrature::gauss_legendre;
+use jointsweep::internals::mechanics::element::stiffness::Elasticity;
+use jointsweep::internals::mechanics::material::Idealization;
 
 /// One component of a displacement: amplitude sin(a x + p) sin(b y + q).
 #[derive(Clone, Copy)]

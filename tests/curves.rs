@@ -5,16 +5,16 @@ mod random;
 
 use std::f64::consts::FRAC_PI_2;
 
-use jointsweep::engine::spaces::SpaceKey;
-use jointsweep::mechanics::body::{Body, Side, annulus, cored_disc};
-use jointsweep::mechanics::compliance::arc::ContactArc;
-use jointsweep::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
-use jointsweep::mechanics::compliance::series::ConcentricBody;
-use jointsweep::mechanics::contact::curve::{ContactCurve, CurveSpace};
-use jointsweep::mechanics::contact::edge::EdgeStates;
-use jointsweep::mechanics::contact::load::DimensionlessLoad;
-use jointsweep::mechanics::contact::outlines::Outlines;
-use jointsweep::mechanics::material::Idealization;
+use jointsweep::internals::engine::spaces::SpaceKey;
+use jointsweep::internals::mechanics::body::{Body, Side, annulus, cored_disc};
+use jointsweep::internals::mechanics::compliance::arc::ContactArc;
+use jointsweep::internals::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
+use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
+use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace};
+use jointsweep::internals::mechanics::contact::edge::EdgeStates;
+use jointsweep::internals::mechanics::contact::load::DimensionlessLoad;
+use jointsweep::internals::mechanics::contact::outlines::Outlines;
+use jointsweep::internals::mechanics::material::Idealization;
 use random::Random;
 
 fn concentric(fixed_radius_ratio: f64, poissons_ratio: f64, idealization: Idealization) -> ConcentricBody {

@@ -4,10 +4,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use jointsweep::output::schema;
-use jointsweep::study::config::Study;
-use jointsweep::study::keys::{self, ConfigKey, RANGE, config_keys};
-use jointsweep::study::units::Dimension;
+use jointsweep::internals::output::schema;
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::keys::{self, ConfigKey, RANGE, config_keys};
+use jointsweep::internals::study::units::Dimension;
 
 /// Of one design, with a value for all that is needed and nothing else.
 const BASE: &str = r#"

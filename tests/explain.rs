@@ -6,10 +6,10 @@ mod greatest;
 use std::path::Path;
 
 use greatest::greatest;
-use jointsweep::engine::explain::{Explainer, Explanation};
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::Method;
-use jointsweep::study::config::Study;
+use jointsweep::internals::engine::explain::{Explainer, Explanation};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::Method;
+use jointsweep::internals::study::config::Study;
 
 /// A study of one joint, or of 100,000 that are drawn.
 fn study(pin: &str, plate: &str, solve: &str, count: Option<u64>) -> Study {

@@ -17,14 +17,14 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use greatest::greatest;
-use jointsweep::engine::interpolation::fit_plan::InterpolationPlan;
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::{DesignOutcome, Method, Response};
-use jointsweep::engine::status::{Remark, Status};
-use jointsweep::mechanics::body::{annulus, block, cored_disc, half_disc};
-use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::study::config::{MethodChoice, SolveOptions};
-use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::engine::interpolation::fit_plan::InterpolationPlan;
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::{DesignOutcome, Method, Response};
+use jointsweep::internals::engine::status::{Remark, Status};
+use jointsweep::internals::mechanics::body::{annulus, block, cored_disc, half_disc};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 use random::Random;
 
 const DRAWS: usize = 2000;

@@ -7,12 +7,12 @@ mod stepped_ring;
 #[path = "common/true_outlines.rs"]
 mod true_outlines;
 
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::Response;
-use jointsweep::mechanics::body::{annulus, cored_disc};
-use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::study::config::{MethodChoice, SolveOptions};
-use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::Response;
+use jointsweep::internals::mechanics::body::{annulus, cored_disc};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 use random::Random;
 use stepped_ring::Ring;
 use true_outlines::{TrueState, true_state};

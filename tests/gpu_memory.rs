@@ -8,13 +8,13 @@ mod draws;
 #[path = "common/random.rs"]
 mod random;
 
-use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuError};
-use jointsweep::engine::backend::gpu::kernels::Precision;
-use jointsweep::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::BackendKind;
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuError};
+use jointsweep::internals::engine::backend::gpu::kernels::Precision;
+use jointsweep::internals::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::BackendKind;
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use rlimit::Resource;
 
 /// Software Vulkan takes its memory from the process: once that may have no more than it has and some, a large batch is

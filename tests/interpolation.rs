@@ -9,14 +9,14 @@ mod random;
 use std::path::Path;
 
 use greatest::greatest;
-use jointsweep::engine::interpolation::fit_plan::InterpolationPlan;
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::{DesignOutcome, Method};
-use jointsweep::engine::sweep::{self, SweepOptions};
-use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
-use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::study::config::{MethodChoice, SolveOptions, Study};
-use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::engine::interpolation::fit_plan::InterpolationPlan;
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::{DesignOutcome, Method};
+use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 use random::Random;
 
 /// Of the sweeps that the designs drawn here stand for.

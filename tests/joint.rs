@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::study::design::DesignCase;
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::study::design::DesignCase;
 use jointsweep::{
     Curve, Dimensions, Error, Idealization, Joint, Load, Material, MethodChoice, Options, Part, solve,
 };

@@ -8,14 +8,14 @@ mod random;
 use std::f64::consts::PI;
 
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
-use jointsweep::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error, worst_known_error};
-use jointsweep::engine::bodies::BodyLibrary;
-use jointsweep::engine::body_request::{BodyRequest, Fidelity};
-use jointsweep::engine::spaces::{SpaceKey, Spaces};
-use jointsweep::mechanics::body::Body;
-use jointsweep::mechanics::contact::edge::EdgeStates;
-use jointsweep::mechanics::contact::outlines::Outlines;
-use jointsweep::mechanics::grading::LEVEL_COUNT;
+use jointsweep::internals::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error, worst_known_error};
+use jointsweep::internals::engine::bodies::BodyLibrary;
+use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity};
+use jointsweep::internals::engine::spaces::{SpaceKey, Spaces};
+use jointsweep::internals::mechanics::body::Body;
+use jointsweep::internals::mechanics::contact::edge::EdgeStates;
+use jointsweep::internals::mechanics::contact::outlines::Outlines;
+use jointsweep::internals::mechanics::grading::LEVEL_COUNT;
 
 /// Bodies of each shape.
 const COUNT: u64 = 60;

@@ -13,10 +13,10 @@ mod common;
 use common::greatest::greatest;
 use common::meshes::{ELEMENTS, order};
 use common::rings::{MeshedBody, body, concentric_grading, dot, ring_displacement};
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::element::stiffness::Elasticity;
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::SUPPORTED;
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::element::stiffness::Elasticity;
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::mesh::SUPPORTED;
 
 /// Displacement of the ring away from the centre under unit pressure.
 fn exact(elasticity: &Elasticity<f64>, far_radius: f64) -> f64 {

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use jointsweep::mechanics::laws::{
+use jointsweep::internals::mechanics::laws::{
     Curve, Damping, HertzContact, LAWS, Law, LawError, Pair, PerssonContact, Units, persson,
 };
-use jointsweep::mechanics::material::{Idealization, Material};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
 
 /// R2 = 40, dR = 0.2, t = 30, E* = 1e5: inside the range of every law (mm, MPa, N).
 const HOLE_RADIUS: f64 = 40.0;

@@ -1,6 +1,6 @@
 //! The house rules that the compiler does not check.
 //!
-//! Data runs one way: a wing uses only wings above it in `lib.rs`, and inside a wing a module uses only those
+//! Data runs one way: a wing uses only wings above it in `internals.rs`, and inside a wing a module uses only those
 //! listed before it in its `mod.rs`. Children may use what their `mod.rs` itself defines. Only the engine and what
 //! measures it have threads, only study and output touch files, and nothing in the library prints. Test modules are free.
 
@@ -35,6 +35,11 @@ const HARMLESS: &[&str] = &["std::thread::panicking"];
 fn every_module_uses_only_what_comes_before_it() {
     let mut sources = Sources::new();
     read(Path::new(env!("CARGO_MANIFEST_DIR")), Path::new("src"), &mut sources);
+    // The wings are listed in a file of their own, and stand at the crate's root all the same.
+    let wings = sources.remove("src/internals.rs").unwrap();
+    let root = sources.get_mut("src/lib.rs").unwrap();
+    assert!(root.contains("pub mod internals;"));
+    *root = root.replace("pub mod internals;", &wings);
     let offences = offences(&sources);
     assert!(offences.is_empty(), "\n{}\n", offences.join("\n"));
     // The library has more than a hundred files, which use others by more than a thousand paths.

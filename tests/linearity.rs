@@ -4,12 +4,12 @@
 mod finite_displacement;
 
 use finite_displacement::{Law, Scene, Soft};
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::Response;
-use jointsweep::mechanics::body::{annulus, cored_disc};
-use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::study::config::{MethodChoice, SolveOptions};
-use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::Response;
+use jointsweep::internals::mechanics::body::{annulus, cored_disc};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 use rayon::prelude::*;
 
 /// Steps to 3 % of the hole's radius; those compared.

@@ -11,11 +11,11 @@ mod study_joint;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-use jointsweep::engine::outcome::Response;
-use jointsweep::mechanics::body::half_disc;
-use jointsweep::mechanics::laws::{HertzContact, Law, Pair, PerssonContact, winkler};
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::study::design::Load;
+use jointsweep::internals::engine::outcome::Response;
+use jointsweep::internals::mechanics::body::half_disc;
+use jointsweep::internals::mechanics::laws::{HertzContact, Law, Pair, PerssonContact, winkler};
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::study::design::Load;
 use study_joint::{ACCURACY, HOLE_RADIUS, STEEL, Solver, joint};
 
 /// Ratios of outer radius to hole radius.

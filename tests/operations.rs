@@ -4,16 +4,16 @@ use std::cell::Cell;
 use std::f64::consts::PI;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-use jointsweep::mechanics::body::{Body, block};
-use jointsweep::mechanics::element::stiffness::{
+use jointsweep::internals::mechanics::body::{Body, block};
+use jointsweep::internals::mechanics::element::stiffness::{
     Elasticity, ElementRule, element_stiffness, stiffness_operations,
 };
-use jointsweep::mechanics::element::{ElementKind, MAX_NODES};
-use jointsweep::mechanics::grading::GradingClass;
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::RingTopology;
-use jointsweep::mechanics::real::Real;
-use jointsweep::mechanics::solve::band::{BandStructure, TILE};
+use jointsweep::internals::mechanics::element::{ElementKind, MAX_NODES};
+use jointsweep::internals::mechanics::grading::GradingClass;
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::mesh::RingTopology;
+use jointsweep::internals::mechanics::real::Real;
+use jointsweep::internals::mechanics::solve::band::{BandStructure, TILE};
 
 thread_local! {
     static DONE: Cell<u64> = const { Cell::new(0) };

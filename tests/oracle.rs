@@ -8,10 +8,10 @@ mod draws;
 mod random;
 
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::Response;
-use jointsweep::study::config::{MethodChoice, SolveOptions};
-use jointsweep::study::design::{DesignCase, Part};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::Response;
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{DesignCase, Part};
 use random::Random;
 
 /// Above what was seen: room for other roundings of the meshes' choice, not for a worse mesh.

@@ -8,15 +8,17 @@ mod common;
 use common::greatest::greatest;
 use common::meshes::{ELEMENTS, PlaneMesh, scatter};
 use faer::{Mat, Side};
-use jointsweep::mechanics::assembly::Assembly;
-use jointsweep::mechanics::compliance::condense::by_cholesky;
-use jointsweep::mechanics::contact::node_contact::active_set::{ActiveSetOutcome, solve_nodal_contact};
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::element::quadrature::gauss_legendre;
-use jointsweep::mechanics::element::stiffness::Elasticity;
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::SUPPORTED;
-use jointsweep::mechanics::solve::cholesky::CholeskyAnalysis;
+use jointsweep::internals::mechanics::assembly::Assembly;
+use jointsweep::internals::mechanics::compliance::condense::by_cholesky;
+use jointsweep::internals::mechanics::contact::node_contact::active_set::{
+    ActiveSetOutcome, solve_nodal_contact,
+};
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::element::quadrature::gauss_legendre;
+use jointsweep::internals::mechanics::element::stiffness::Elasticity;
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::mesh::SUPPORTED;
+use jointsweep::internals::mechanics::solve::cholesky::CholeskyAnalysis;
 
 const POISSONS_RATIOS: [f64; 4] = [-0.5, 0.0, 0.3, 0.499];
 

@@ -9,22 +9,22 @@ mod draws;
 mod random;
 
 use draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
-use jointsweep::engine::accuracy::Estimate;
-use jointsweep::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
-use jointsweep::engine::body_request::Fidelity;
-use jointsweep::engine::expected_contact::ExpectedContact;
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::{DesignOutcome, Method, Response};
-use jointsweep::engine::plan::{JointPlan, first_level};
-use jointsweep::mechanics::body::Body;
-use jointsweep::mechanics::grading::LEVEL_COUNT;
-use jointsweep::study::config::{MethodChoice, SolveOptions};
-use jointsweep::study::design::{DesignCase, Load};
-use jointsweep::tradeoff::answer::State;
-use jointsweep::tradeoff::errors::force_error;
-use jointsweep::tradeoff::families::series;
-use jointsweep::tradeoff::joints::{Terms, is_concentric};
-use jointsweep::tradeoff::oracle::Oracle;
+use jointsweep::internals::engine::accuracy::Estimate;
+use jointsweep::internals::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
+use jointsweep::internals::engine::body_request::Fidelity;
+use jointsweep::internals::engine::expected_contact::ExpectedContact;
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::{DesignOutcome, Method, Response};
+use jointsweep::internals::engine::plan::{JointPlan, first_level};
+use jointsweep::internals::mechanics::body::Body;
+use jointsweep::internals::mechanics::grading::LEVEL_COUNT;
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{DesignCase, Load};
+use jointsweep::internals::tradeoff::answer::State;
+use jointsweep::internals::tradeoff::errors::force_error;
+use jointsweep::internals::tradeoff::families::series;
+use jointsweep::internals::tradeoff::joints::{Terms, is_concentric};
+use jointsweep::internals::tradeoff::oracle::Oracle;
 
 const ACCURACIES: [f64; 3] = [0.1, 1e-2, 1e-3];
 

@@ -6,12 +6,12 @@ mod greatest;
 use std::ops::ControlFlow;
 
 use greatest::greatest;
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::{DesignOutcome, Response};
-use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
-use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::study::config::{MethodChoice, SolveOptions, Study};
-use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::{DesignOutcome, Response};
+use jointsweep::internals::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 
 const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
 const ALUMINIUM: Material = Material { youngs_modulus: 70e3, poissons_ratio: 0.34 };
@@ -237,8 +237,8 @@ fn threads_do_not_change_the_outcomes() {
     let study = Study::load(&path).unwrap();
     let run = |threads: usize| -> Vec<DesignOutcome> {
         let mut outcomes = Vec::new();
-        let options = jointsweep::engine::sweep::SweepOptions { threads, ..Default::default() };
-        let statistics = jointsweep::engine::sweep::run(&study, &options, &mut |outcome| {
+        let options = jointsweep::internals::engine::sweep::SweepOptions { threads, ..Default::default() };
+        let statistics = jointsweep::internals::engine::sweep::run(&study, &options, &mut |outcome| {
             outcomes.push(outcome);
             Ok(ControlFlow::Continue(()))
         });

@@ -9,12 +9,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, SystemTime};
 
 use jointsweep::Error;
-use jointsweep::engine::outcome::DesignOutcome;
-use jointsweep::engine::sweep::{self, SweepOptions};
-use jointsweep::output::folder::{Permissions, ResultFolder, Verdict};
-use jointsweep::output::manifest::Conditions;
-use jointsweep::output::recorder::Recorder;
-use jointsweep::study::config::Study;
+use jointsweep::internals::engine::outcome::DesignOutcome;
+use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
+use jointsweep::internals::output::manifest::Conditions;
+use jointsweep::internals::output::recorder::Recorder;
+use jointsweep::internals::study::config::Study;
 use workdir::Workdir;
 
 const CONFIG: &str = r#"

@@ -10,13 +10,13 @@ mod plain_mesh;
 #[path = "common/study_joint.rs"]
 mod study_joint;
 
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::Response;
-use jointsweep::mechanics::body::{block, cored_disc, half_disc};
-use jointsweep::mechanics::contact::outlines::Outlines;
-use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::study::config::{MethodChoice, SolveOptions};
-use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::Response;
+use jointsweep::internals::mechanics::body::{block, cored_disc, half_disc};
+use jointsweep::internals::mechanics::contact::outlines::Outlines;
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 use plain_mesh::{Pairing, State, meshed};
 use study_joint::{ACCURACY, HOLE_RADIUS, Solver, joint};
 

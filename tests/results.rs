@@ -4,12 +4,12 @@
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use jointsweep::engine::cost;
-use jointsweep::engine::sweep::{self, SweepOptions};
-use jointsweep::output::sink::Sink;
-use jointsweep::output::table::Table;
-use jointsweep::study::config::Study;
-use jointsweep::study::fingerprint::Fingerprint;
+use jointsweep::internals::engine::cost;
+use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::output::sink::Sink;
+use jointsweep::internals::output::table::Table;
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::fingerprint::Fingerprint;
 use serde_json::Value;
 
 /// Each with its manifest beside it.

@@ -7,13 +7,13 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use common::greatest::greatest;
 use common::meshes::{ELEMENTS, PlaneMesh, scatter};
 use common::rings::{MeshedBody, body};
-use jointsweep::mechanics::body::Body;
-use jointsweep::mechanics::contact_grading::contact_grading;
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::element::quadrature::gauss_legendre;
-use jointsweep::mechanics::grading::{GradingClass, LEVEL_COUNT};
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::{Grading, SUPPORTED};
+use jointsweep::internals::mechanics::body::Body;
+use jointsweep::internals::mechanics::contact_grading::contact_grading;
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::element::quadrature::gauss_legendre;
+use jointsweep::internals::mechanics::grading::{GradingClass, LEVEL_COUNT};
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::mesh::{Grading, SUPPORTED};
 
 /// Divided as for contact, but with a first layer of at most 0.4 of the thinnest place.
 fn mesh(body: &Body, element: ElementKind, least_angle: f64, q: f64) -> MeshedBody {

@@ -8,15 +8,15 @@ mod random;
 mod stepped_ring;
 
 use greatest::greatest;
-use jointsweep::mechanics::body::Side;
-use jointsweep::mechanics::compliance::arc::packed_count;
-use jointsweep::mechanics::compliance::pressure_space::JointCompliance;
-use jointsweep::mechanics::compliance::series::ConcentricBody;
-use jointsweep::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
-use jointsweep::mechanics::contact::load::DimensionlessLoad;
-use jointsweep::mechanics::contact::outlines::Outlines;
-use jointsweep::mechanics::contact::state::ContactState;
-use jointsweep::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::body::Side;
+use jointsweep::internals::mechanics::compliance::arc::packed_count;
+use jointsweep::internals::mechanics::compliance::pressure_space::JointCompliance;
+use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
+use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
+use jointsweep::internals::mechanics::contact::load::DimensionlessLoad;
+use jointsweep::internals::mechanics::contact::outlines::Outlines;
+use jointsweep::internals::mechanics::contact::state::ContactState;
+use jointsweep::internals::mechanics::material::Idealization;
 use random::Random;
 use stepped_ring::Ring;
 

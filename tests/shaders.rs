@@ -2,22 +2,22 @@
 
 use std::mem::offset_of;
 
-use jointsweep::engine::backend::gpu::batch::{KernelFacts, OnChip};
-use jointsweep::engine::backend::gpu::kernels::{
+use jointsweep::internals::engine::backend::gpu::batch::{KernelFacts, OnChip};
+use jointsweep::internals::engine::backend::gpu::kernels::{
     ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE, ROOFLINE, Sums, Variant,
     WORKS,
 };
-use jointsweep::engine::backend::gpu::layout::{
+use jointsweep::internals::engine::backend::gpu::layout::{
     AssembleParameters, SLICE, SystemOutcome, SystemParameters, SystemState,
 };
-use jointsweep::engine::backend::gpu::roofline::RooflineParameters;
-use jointsweep::engine::backend::gpu::works::WorksParameters;
-use jointsweep::mechanics::body::{Body, SHAPES, Side};
-use jointsweep::mechanics::compliance::arc::packed_count;
-use jointsweep::mechanics::compliance::ring_modes::{MOST_MODES, RingModes};
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::grading::{GradingClass, REFERENCE_LEVEL};
-use jointsweep::mechanics::material::Idealization;
+use jointsweep::internals::engine::backend::gpu::roofline::RooflineParameters;
+use jointsweep::internals::engine::backend::gpu::works::WorksParameters;
+use jointsweep::internals::mechanics::body::{Body, SHAPES, Side};
+use jointsweep::internals::mechanics::compliance::arc::packed_count;
+use jointsweep::internals::mechanics::compliance::ring_modes::{MOST_MODES, RingModes};
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::grading::{GradingClass, REFERENCE_LEVEL};
+use jointsweep::internals::mechanics::material::Idealization;
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 

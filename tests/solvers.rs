@@ -7,16 +7,16 @@ use std::f64::consts::PI;
 use common::greatest::{self, greatest};
 use common::meshes::{ELEMENTS, PlaneMesh, scatter};
 use common::rings::{MeshedBody, body, ring_displacement};
-use jointsweep::mechanics::assembly::{Assembly, AssemblyError, Csr};
-use jointsweep::mechanics::compliance::RingCompliance;
-use jointsweep::mechanics::compliance::condense::{CondenseError, by_pcg, variational_compliance};
-use jointsweep::mechanics::contact_grading::contact_grading;
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::element::stiffness::Elasticity;
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::SUPPORTED;
-use jointsweep::mechanics::solve::cholesky::{CholeskyAnalysis, CholeskyError};
-use jointsweep::mechanics::solve::pcg::{ALLOWED_DRIFT, PcgOutcome, PcgSettings, pcg};
+use jointsweep::internals::mechanics::assembly::{Assembly, AssemblyError, Csr};
+use jointsweep::internals::mechanics::compliance::RingCompliance;
+use jointsweep::internals::mechanics::compliance::condense::{CondenseError, by_pcg, variational_compliance};
+use jointsweep::internals::mechanics::contact_grading::contact_grading;
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::element::stiffness::Elasticity;
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::mesh::SUPPORTED;
+use jointsweep::internals::mechanics::solve::cholesky::{CholeskyAnalysis, CholeskyError};
+use jointsweep::internals::mechanics::solve::pcg::{ALLOWED_DRIFT, PcgOutcome, PcgSettings, pcg};
 
 /// An annulus of ratio 3, graded for contact from 5 degrees up with `q` ring elements in every angle.
 fn plate(element: ElementKind, q: f64, idealization: Idealization, poissons_ratio: f64) -> MeshedBody {

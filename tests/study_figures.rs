@@ -5,7 +5,7 @@ mod study_figures;
 
 use std::path::{Path, PathBuf};
 
-use jointsweep::study::fingerprint::Fingerprint;
+use jointsweep::internals::study::fingerprint::Fingerprint;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf()

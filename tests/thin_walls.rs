@@ -10,15 +10,15 @@ mod stepped_ring;
 
 use std::ops::ControlFlow;
 
-use jointsweep::engine::cost;
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::Response;
-use jointsweep::engine::status::Status;
-use jointsweep::engine::sweep::{self, SweepOptions};
-use jointsweep::mechanics::body::{annulus, cored_disc};
-use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::study::config::{MethodChoice, SolveOptions, Study};
-use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::engine::cost;
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::Response;
+use jointsweep::internals::engine::status::Status;
+use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::mechanics::body::{annulus, cored_disc};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 use nodal_ring::{NodalState, nodal_state};
 use random::Random;
 use stepped_ring::Ring;

@@ -10,13 +10,13 @@ mod random;
 mod workdir;
 
 use draws::{concentric, draw, half_disc_in_annulus};
-use jointsweep::study::design::{DesignCase, Load};
-use jointsweep::tradeoff::answer::States;
-use jointsweep::tradeoff::choice::{Choice, Scope};
-use jointsweep::tradeoff::errors::{Errors, Quantiles};
-use jointsweep::tradeoff::families::{FAMILIES, choices, named};
-use jointsweep::tradeoff::joints::least_contact_angle;
-use jointsweep::tradeoff::oracle::Oracle;
+use jointsweep::internals::study::design::{DesignCase, Load};
+use jointsweep::internals::tradeoff::answer::States;
+use jointsweep::internals::tradeoff::choice::{Choice, Scope};
+use jointsweep::internals::tradeoff::errors::{Errors, Quantiles};
+use jointsweep::internals::tradeoff::families::{FAMILIES, choices, named};
+use jointsweep::internals::tradeoff::joints::least_contact_angle;
+use jointsweep::internals::tradeoff::oracle::Oracle;
 use workdir::Workdir;
 
 /// Designs of both kinds of pin whose contact is neither tiny nor as wide as a half ring.

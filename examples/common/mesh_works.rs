@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use jointsweep::engine::bodies::BodyLibrary;
-use jointsweep::engine::body_request::{BodyRequest, Fidelity};
-use jointsweep::engine::spaces::{SpaceKey, Spaces};
-use jointsweep::mechanics::body::Body;
-use jointsweep::mechanics::contact::edge::EdgeStates;
-use jointsweep::mechanics::contact::outlines::Outlines;
+use jointsweep::internals::engine::bodies::BodyLibrary;
+use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity};
+use jointsweep::internals::engine::spaces::{SpaceKey, Spaces};
+use jointsweep::internals::mechanics::body::Body;
+use jointsweep::internals::mechanics::contact::edge::EdgeStates;
+use jointsweep::internals::mechanics::contact::outlines::Outlines;
 
 /// Narrower contacts, deg, are like this one.
 const NARROWEST: f64 = 0.01;

@@ -1,8 +1,8 @@
 //! The figures of docs/liu2007.md: charts with data from the joint's own curves, shared by the example that writes them
 //! and the test that holds the written ones to it.
 
-use jointsweep::mechanics::laws::{LAWS, Law, Pair, PerssonContact, winkler};
-use jointsweep::output::chart::{Axis, LineChart, Marking, Series};
+use jointsweep::internals::mechanics::laws::{LAWS, Law, Pair, PerssonContact, winkler};
+use jointsweep::internals::output::chart::{Axis, LineChart, Marking, Series};
 use jointsweep::{
     Curve, Dimensions, Error, Idealization, Joint, Load, Material, MethodChoice, Options, Part, Response,
 };

@@ -1,10 +1,10 @@
 //! Which device a run is computed on.
 
 use jointsweep::Error;
-use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
-use jointsweep::engine::backend::gpu::kernels::Precision;
-use jointsweep::engine::backend::gpu::roofline::preferred_precision;
-use jointsweep::study::config::Study;
+use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
+use jointsweep::internals::engine::backend::gpu::kernels::Precision;
+use jointsweep::internals::engine::backend::gpu::roofline::preferred_precision;
+use jointsweep::internals::study::config::Study;
 
 use super::{Backend, BackendArgs, say};
 

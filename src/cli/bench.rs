@@ -5,10 +5,10 @@ use std::process::{Command, Stdio};
 use std::time::{Instant, SystemTime};
 
 use jointsweep::Error;
-use jointsweep::engine::cost;
-use jointsweep::output::benchmark::{BenchmarkManifest, Measurement, Run};
-use jointsweep::output::folder::{MANIFEST, TABLE};
-use jointsweep::study::config::Study;
+use jointsweep::internals::engine::cost;
+use jointsweep::internals::output::benchmark::{BenchmarkManifest, Measurement, Run};
+use jointsweep::internals::output::folder::{MANIFEST, TABLE};
+use jointsweep::internals::study::config::Study;
 use serde_json::Value;
 
 use super::report::{aligned, duration};

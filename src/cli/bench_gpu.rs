@@ -6,20 +6,24 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use jointsweep::Error;
-use jointsweep::engine::agreement::worst_difference;
-use jointsweep::engine::backend::gpu::context::{AdapterChoice, AdapterKind, Adapters, GpuDevice, GpuError};
-use jointsweep::engine::backend::gpu::kernels::Precision;
-use jointsweep::engine::backend::gpu::measure::{KernelTime, SWEEP_ACCURACY, body_kernels};
-use jointsweep::engine::backend::gpu::roofline::{Peaks, peaks, preferred_precision};
-use jointsweep::engine::backend::gpu::solver::GpuChoice;
-use jointsweep::engine::outcome::DesignOutcome;
-use jointsweep::engine::sweep::{self, Statistics, SweepOptions};
-use jointsweep::output::folder::ResultFolder;
-use jointsweep::output::gpu_benchmark::{Asked, GpuBenchmark, GpuSweep, PrecisionRow, ScalingRow, Shares};
-use jointsweep::output::manifest::Conditions;
-use jointsweep::output::recorder::Recorder;
-use jointsweep::study::config::Study;
-use jointsweep::study::design::DesignCase;
+use jointsweep::internals::engine::agreement::worst_difference;
+use jointsweep::internals::engine::backend::gpu::context::{
+    AdapterChoice, AdapterKind, Adapters, GpuDevice, GpuError,
+};
+use jointsweep::internals::engine::backend::gpu::kernels::Precision;
+use jointsweep::internals::engine::backend::gpu::measure::{KernelTime, SWEEP_ACCURACY, body_kernels};
+use jointsweep::internals::engine::backend::gpu::roofline::{Peaks, peaks, preferred_precision};
+use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
+use jointsweep::internals::engine::outcome::DesignOutcome;
+use jointsweep::internals::engine::sweep::{self, Statistics, SweepOptions};
+use jointsweep::internals::output::folder::ResultFolder;
+use jointsweep::internals::output::gpu_benchmark::{
+    Asked, GpuBenchmark, GpuSweep, PrecisionRow, ScalingRow, Shares,
+};
+use jointsweep::internals::output::manifest::Conditions;
+use jointsweep::internals::output::recorder::Recorder;
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::design::DesignCase;
 
 use super::bench::Scratch;
 use super::report::{aligned, duration};

@@ -4,12 +4,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::SystemTime;
 
-use jointsweep::calibrate::calibration::{Calibration, Fitted, calibrate as fit};
-use jointsweep::calibrate::unknown::Unknown;
-use jointsweep::output::calibration::CalibrationManifest;
-use jointsweep::output::folder::{CALIBRATION, Permissions, ResultFolder, Verdict};
-use jointsweep::study::config::Study;
-use jointsweep::study::measured::Measured;
+use jointsweep::internals::calibrate::calibration::{Calibration, Fitted, calibrate as fit};
+use jointsweep::internals::calibrate::unknown::Unknown;
+use jointsweep::internals::output::calibration::CalibrationManifest;
+use jointsweep::internals::output::folder::{CALIBRATION, Permissions, ResultFolder, Verdict};
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::measured::Measured;
 use jointsweep::{Error, Joint};
 
 use super::report::aligned;

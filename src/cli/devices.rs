@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use jointsweep::Error;
-use jointsweep::engine::backend::gpu::context::{AdapterChoice, AdapterFacts, Adapters, choose};
+use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, AdapterFacts, Adapters, choose};
 
 use super::{Ending, backend, print};
 

@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 
 use jointsweep::Error;
-use jointsweep::engine::explain::{Explainer, Explanation, percent};
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::status::Status;
-use jointsweep::study::config::Study;
-use jointsweep::study::design::DesignCase;
+use jointsweep::internals::engine::explain::{Explainer, Explanation, percent};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::status::Status;
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::design::DesignCase;
 
 use super::report::{aligned, duration};
 use super::{Ending, ExplainArgs, print};

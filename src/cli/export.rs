@@ -1,12 +1,12 @@
 //! `jointsweep export`: from a result to a table for another simulator.
 
 use jointsweep::Error;
-use jointsweep::engine::explain::percent;
-use jointsweep::output::export::impact::ImpactRequest;
-use jointsweep::output::export::source::{Reference, Selection};
-use jointsweep::output::export::{Export, FORMATS, Request, export, format};
-use jointsweep::output::results::Results;
-use jointsweep::study::units::{Dimension, parse_percentage, parse_quantity};
+use jointsweep::internals::engine::explain::percent;
+use jointsweep::internals::output::export::impact::ImpactRequest;
+use jointsweep::internals::output::export::source::{Reference, Selection};
+use jointsweep::internals::output::export::{Export, FORMATS, Request, export, format};
+use jointsweep::internals::output::results::Results;
+use jointsweep::internals::study::units::{Dimension, parse_percentage, parse_quantity};
 
 use super::{Ending, ExportArgs, OverQuantity, ReferenceChoice, print, say};
 

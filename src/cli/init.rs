@@ -1,7 +1,7 @@
 //! `jointsweep init`: a config to start from.
 
 use jointsweep::Error;
-use jointsweep::output::manifest::write_whole;
+use jointsweep::internals::output::manifest::write_whole;
 
 use super::{Ending, InitArgs, print};
 
@@ -22,7 +22,7 @@ pub fn init(args: &InitArgs) -> Result<Ending, Error> {
 mod tests {
     use std::path::Path;
 
-    use jointsweep::study::config::Study;
+    use jointsweep::internals::study::config::Study;
 
     use super::*;
 

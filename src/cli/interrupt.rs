@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
-use jointsweep::output::recorder::Recorder;
+use jointsweep::internals::output::recorder::Recorder;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use super::{INTERRUPTED, report, say};

@@ -1,16 +1,17 @@
 //! `jointsweep laws`: laws for a result that has none.
 
 use jointsweep::Error;
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::law_fit::laws_of_all;
-use jointsweep::engine::outcome::{Answer, BackendKind, DesignOutcome};
-use jointsweep::output::folder::{LAWS, MANIFEST};
-use jointsweep::output::laws_table::LawsTable;
-use jointsweep::output::manifest::{publish, staged, with_file, write_whole};
-use jointsweep::output::results::{Results, TableRow};
-use jointsweep::output::sink::SinkFile;
-use jointsweep::study::config::{MethodChoice, solve_options};
-use jointsweep::study::design::{DesignCase, Load};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::law_fit::laws_of_all;
+use jointsweep::internals::engine::outcome::{Answer, BackendKind, DesignOutcome};
+use jointsweep::internals::output::folder::{LAWS, MANIFEST};
+use jointsweep::internals::output::laws_table::LawsTable;
+use jointsweep::internals::output::lock::FolderLock;
+use jointsweep::internals::output::manifest::{publish, staged, with_file, write_whole};
+use jointsweep::internals::output::results::{Results, TableRow};
+use jointsweep::internals::output::sink::SinkFile;
+use jointsweep::internals::study::config::{MethodChoice, solve_options};
+use jointsweep::internals::study::design::{DesignCase, Load};
 
 use super::{Ending, LawsArgs, print, threads};
 
@@ -29,11 +30,28 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
     if options.method == MethodChoice::ClosedForm {
         return refuse("a closed form has no curve to fit laws to");
     }
+    let _lock = FolderLock::take(&args.dir, "of its laws")?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads(args.threads)).build();
     let pool =
         pool.map_err(|error| Error::Threads { threads: threads(args.threads), problem: error.to_string() })?;
-    let mut ladder = Ladder::new(options);
     let mut file = SinkFile::new(Box::new(LawsTable), staged(&path));
+    let written = pool.install(|| write_laws(&results, Ladder::new(options), &mut file));
+    if written.is_err() {
+        // What is half written is of no use to anybody.
+        let _ = std::fs::remove_file(staged(&path));
+    }
+    let count = written?;
+    publish(&path)?;
+    let Some(manifest) = with_file(&results.manifest, LAWS, &file.fingerprint()) else {
+        return refuse("its manifest cannot be read");
+    };
+    write_whole(&args.dir.join(MANIFEST), manifest.as_bytes())?;
+    print(&format!("laws of {count} designs: {}\n", path.display()))?;
+    Ok(Ending::Complete)
+}
+
+/// Fits all designs of a result, and says how many there are.
+fn write_laws(results: &Results, mut ladder: Ladder, file: &mut SinkFile) -> Result<usize, Error> {
     file.open()?;
     file.begin()?;
     let mut designs = Designs { rows: results.rows()?, next: None };
@@ -49,7 +67,7 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
         }
         count += batch.len();
         let asked: Vec<_> = batch.iter().map(|(case, working)| (case, *working)).collect();
-        let fitted = pool.install(|| laws_of_all(&mut ladder, &asked));
+        let fitted = laws_of_all(&mut ladder, &asked);
         for ((case, _), laws) in batch.into_iter().zip(fitted) {
             let mut outcome =
                 DesignOutcome::new(case, Answer { backend: BackendKind::Cpu, steps: Vec::new() });
@@ -58,18 +76,12 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
         }
     }
     file.flush()?;
-    publish(&path)?;
-    let Some(manifest) = with_file(&results.manifest, LAWS, &file.fingerprint()) else {
-        return refuse("its manifest cannot be read");
-    };
-    write_whole(&args.dir.join(MANIFEST), manifest.as_bytes())?;
-    print(&format!("laws of {count} designs: {}\n", path.display()))?;
-    Ok(Ending::Complete)
+    Ok(count)
 }
 
 /// The designs of a table, each with the least and the greatest indentation that was answered.
 struct Designs {
-    rows: jointsweep::output::results::TableRows,
+    rows: jointsweep::internals::output::results::TableRows,
     /// The first row of the next design, where it was read.
     next: Option<TableRow>,
 }

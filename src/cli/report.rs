@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use jointsweep::engine::cost::Estimate;
-use jointsweep::engine::explain::percent;
-use jointsweep::output::folder::MANIFEST;
-use jointsweep::output::manifest::{Counts, Manifest, Origin};
+use jointsweep::internals::engine::cost::Estimate;
+use jointsweep::internals::engine::explain::percent;
+use jointsweep::internals::output::folder::MANIFEST;
+use jointsweep::internals::output::manifest::{Counts, Manifest, Origin};
 
 /// The most causes of failure that are listed; the table has them all.
 const CAUSES: usize = 10;

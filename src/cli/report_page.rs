@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use jointsweep::Error;
-use jointsweep::output::manifest::write_whole;
-use jointsweep::output::report::page;
-use jointsweep::output::results::Results;
+use jointsweep::internals::output::manifest::write_whole;
+use jointsweep::internals::output::report::page;
+use jointsweep::internals::output::results::Results;
 
 use super::{Ending, ReportArgs, print};
 

@@ -5,12 +5,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
 use jointsweep::Error;
-use jointsweep::engine::backend::gpu::solver::GpuChoice;
-use jointsweep::engine::cost;
-use jointsweep::engine::sweep::{self, SweepOptions};
-use jointsweep::output::folder::{Permissions, ResultFolder, Verdict};
-use jointsweep::output::manifest::{Conditions, Origin};
-use jointsweep::output::recorder::Recorder;
+use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
+use jointsweep::internals::engine::cost;
+use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
+use jointsweep::internals::output::manifest::{Conditions, Origin};
+use jointsweep::internals::output::recorder::Recorder;
 
 use super::interrupt::Interrupt;
 use super::progress::Progress;

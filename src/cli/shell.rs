@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 use jointsweep::Error;
-use jointsweep::output::manifest::write_whole;
+use jointsweep::internals::output::manifest::write_whole;
 
 use super::{Cli, CompletionsArgs, Ending, ManArgs, print};
 

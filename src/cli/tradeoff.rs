@@ -4,16 +4,16 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use jointsweep::Error;
-use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice};
-use jointsweep::engine::refusal::Refusal;
-use jointsweep::output::folder::{Permissions, ResultFolder, TRADEOFF};
-use jointsweep::output::tradeoff::{TradeoffConditions, TradeoffManifest};
-use jointsweep::study::config::Study;
-use jointsweep::study::design::DesignCase;
-use jointsweep::tradeoff::choice::Scope;
-use jointsweep::tradeoff::families::choices;
-use jointsweep::tradeoff::joints::least_contact_angle;
-use jointsweep::tradeoff::measure::{Measured, measure};
+use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice};
+use jointsweep::internals::engine::refusal::Refusal;
+use jointsweep::internals::output::folder::{Permissions, ResultFolder, TRADEOFF};
+use jointsweep::internals::output::tradeoff::{TradeoffConditions, TradeoffManifest};
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::design::DesignCase;
+use jointsweep::internals::tradeoff::choice::Scope;
+use jointsweep::internals::tradeoff::families::choices;
+use jointsweep::internals::tradeoff::joints::least_contact_angle;
+use jointsweep::internals::tradeoff::measure::{Measured, measure};
 
 use super::report::{aligned, duration};
 use super::{Ending, TradeoffArgs, backend, print, say};
@@ -125,7 +125,7 @@ fn front(rows: &[Measured]) -> String {
     let mut lines =
         vec![["family", "choice", "time/design", "shared", "force, 95 %", "worst"].map(String::from)];
     for row in on_front {
-        let error = |of: fn(&jointsweep::tradeoff::errors::Quantiles) -> f64| {
+        let error = |of: fn(&jointsweep::internals::tradeoff::errors::Quantiles) -> f64| {
             row.errors.force.as_ref().map_or(String::new(), |force| format!("{:.1e}", of(force)))
         };
         lines.push([

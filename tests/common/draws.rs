@@ -1,9 +1,9 @@
 //! Random designs over the whole range the program is meant for: dissimilar materials, both idealizations, dR/R2 from
 //! 1e-6 to 0.03, delta/dR from 0.01 to 100, plates from thin (1.2) to wide (50).
 
-use jointsweep::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
-use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 
 use crate::random::Random;
 

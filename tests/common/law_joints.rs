@@ -1,7 +1,7 @@
 //! Random joints of every kind that laws are fitted to.
 
-use jointsweep::study::config::Study;
-use jointsweep::study::design::DesignCase;
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::design::DesignCase;
 
 pub const CORE: &str = "model = \"rigid-core\"\ncore_radius_ratio = { from = 0.05, to = 0.6 }";
 pub const HALF: &str = "model = \"rigid-midplane\"";

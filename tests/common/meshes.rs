@@ -1,10 +1,10 @@
 //! Plane meshes of quadrilaterals on a rectangle's grid, and their full (uncondensed) solution.
 
-use jointsweep::mechanics::assembly::Assembly;
-use jointsweep::mechanics::element::stiffness::Elasticity;
-use jointsweep::mechanics::element::{ElementKind, MAX_NODES, ShapeFunctions};
-use jointsweep::mechanics::mesh::SUPPORTED;
-use jointsweep::mechanics::solve::cholesky::CholeskyAnalysis;
+use jointsweep::internals::mechanics::assembly::Assembly;
+use jointsweep::internals::mechanics::element::stiffness::Elasticity;
+use jointsweep::internals::mechanics::element::{ElementKind, MAX_NODES, ShapeFunctions};
+use jointsweep::internals::mechanics::mesh::SUPPORTED;
+use jointsweep::internals::mechanics::solve::cholesky::CholeskyAnalysis;
 
 pub const ELEMENTS: [ElementKind; 2] = [ElementKind::Quad4, ElementKind::Quad8];
 

@@ -4,15 +4,15 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use jointsweep::mechanics::body::Body;
-use jointsweep::mechanics::compliance::arc::ContactArc;
-use jointsweep::mechanics::element::quadrature::gauss_legendre;
-use jointsweep::mechanics::element::stiffness::{Elasticity, ElementRule, element_stiffness};
-use jointsweep::mechanics::element::{ElementKind, MAX_NODES, side_functions};
-use jointsweep::mechanics::layers::{Layers, layer_thicknesses};
-use jointsweep::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
-use jointsweep::mechanics::solve::band::{BandStructure, TILE, Tile};
-use jointsweep::study::design::JointDesign;
+use jointsweep::internals::mechanics::body::Body;
+use jointsweep::internals::mechanics::compliance::arc::ContactArc;
+use jointsweep::internals::mechanics::element::quadrature::gauss_legendre;
+use jointsweep::internals::mechanics::element::stiffness::{Elasticity, ElementRule, element_stiffness};
+use jointsweep::internals::mechanics::element::{ElementKind, MAX_NODES, side_functions};
+use jointsweep::internals::mechanics::layers::{Layers, layer_thicknesses};
+use jointsweep::internals::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
+use jointsweep::internals::mechanics::solve::band::{BandStructure, TILE, Tile};
+use jointsweep::internals::study::design::JointDesign;
 
 /// What meets, and along what it pushes, at angles m = (the pin's + the hole's)/2 from the load line.
 #[derive(Clone, Copy)]

@@ -2,17 +2,17 @@
 
 use std::f64::consts::PI;
 
-use jointsweep::mechanics::assembly::Assembly;
-use jointsweep::mechanics::body::{Body, MAX_PARAMETERS, SHAPES, Shape};
-use jointsweep::mechanics::compliance::RingCompliance;
-use jointsweep::mechanics::compliance::condense::by_cholesky;
-use jointsweep::mechanics::contact::node_contact::ring_joint::RingBody;
-use jointsweep::mechanics::element::stiffness::Elasticity;
-use jointsweep::mechanics::element::{ElementKind, side_functions};
-use jointsweep::mechanics::layers::Layers;
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
-use jointsweep::mechanics::solve::cholesky::CholeskyAnalysis;
+use jointsweep::internals::mechanics::assembly::Assembly;
+use jointsweep::internals::mechanics::body::{Body, MAX_PARAMETERS, SHAPES, Shape};
+use jointsweep::internals::mechanics::compliance::RingCompliance;
+use jointsweep::internals::mechanics::compliance::condense::by_cholesky;
+use jointsweep::internals::mechanics::contact::node_contact::ring_joint::RingBody;
+use jointsweep::internals::mechanics::element::stiffness::Elasticity;
+use jointsweep::internals::mechanics::element::{ElementKind, side_functions};
+use jointsweep::internals::mechanics::layers::Layers;
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
+use jointsweep::internals::mechanics::solve::cholesky::CholeskyAnalysis;
 
 pub fn shape(name: &str) -> &'static Shape {
     SHAPES.into_iter().find(|shape| shape.name == name).unwrap()

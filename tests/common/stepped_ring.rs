@@ -2,7 +2,7 @@
 //!
 //! Lengths over the ring's radius, per unit thickness.
 
-use jointsweep::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::material::Idealization;
 
 /// A ring from radius 1 to `fixed_radius_ratio`, where it is held.
 #[derive(Clone, Copy, Debug)]

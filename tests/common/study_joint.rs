@@ -1,11 +1,11 @@
 //! The joint of Liu, Zhang & Yang (2007): steel in steel, plane stress, R2 = 100 mm, t = 1 mm, a plate fixed outside.
 
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::Response;
-use jointsweep::mechanics::body::{Shape, annulus};
-use jointsweep::mechanics::material::{Idealization, Material};
-use jointsweep::study::config::{MethodChoice, SolveOptions};
-use jointsweep::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::Response;
+use jointsweep::internals::mechanics::body::{Shape, annulus};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 
 pub const STEEL: Material = Material { youngs_modulus: 200e3, poissons_ratio: 0.3 };
 pub const HOLE_RADIUS: f64 = 100.0;

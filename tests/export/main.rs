@@ -125,9 +125,10 @@ fn every_table_follows_the_curve_by_the_targets_own_rule() {
     ];
     let work = solved("export-formats", "\"0.02 mm\"", "3");
     let (curve, places) = (curve(0.02), places(400));
-    let hash =
-        jointsweep::study::fingerprint::Fingerprint::of(work.read("out/sweep/manifest.json").as_bytes())
-            .hash();
+    let hash = jointsweep::internals::study::fingerprint::Fingerprint::of(
+        work.read("out/sweep/manifest.json").as_bytes(),
+    )
+    .hash();
     for (format, file, read, unit, rules) in cases {
         let main = match format {
             "adams" => "t.adm",
@@ -170,7 +171,7 @@ fn every_table_follows_the_curve_by_the_targets_own_rule() {
 fn numbers_are_plain_decimals() {
     let work = solved("export-plain", "\"0.02 mm\"", "3");
     let mut numbers = 0;
-    for format in jointsweep::output::export::FORMATS.map(|format| format.name) {
+    for format in jointsweep::internals::output::export::FORMATS.map(|format| format.name) {
         work.run(&["export", "out/sweep", "--to", format, "--out", "t.txt", "--force"]).expect(0);
         for word in work.read("t.txt").split(|c: char| c.is_whitespace() || ",[](){};".contains(c)) {
             if word.parse::<f64>().is_ok() && word.contains('.') {

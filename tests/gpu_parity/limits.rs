@@ -1,7 +1,7 @@
 //! What must not matter, and what goes wrong: company, resuming, workgroups, bad systems, bad meshes, refusals.
 
-use jointsweep::engine::backend::gpu::works::ModeLoads;
-use jointsweep::mechanics::compliance::ring_modes::{Push, RingModes};
+use jointsweep::internals::engine::backend::gpu::works::ModeLoads;
+use jointsweep::internals::mechanics::compliance::ring_modes::{Push, RingModes};
 
 use super::*;
 

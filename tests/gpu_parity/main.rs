@@ -19,20 +19,22 @@ use std::sync::OnceLock;
 
 use common::greatest::{difference, greatest};
 use common::rings::{MeshedBody, body};
-use jointsweep::engine::backend::gpu::batch::{BodyCounts, MOST_BYTES, MOST_TRIPS, batches};
-use jointsweep::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
-use jointsweep::engine::backend::gpu::kernels::{Kernels, Precision};
-use jointsweep::engine::backend::gpu::layout::{MeshLayout, SystemLayout, SystemOutcome, SystemState};
-use jointsweep::engine::backend::gpu::stages::{SystemBatch, SystemReports};
-use jointsweep::mechanics::body::Body;
-use jointsweep::mechanics::compliance::condense::variational_compliance;
-use jointsweep::mechanics::element::ElementKind;
-use jointsweep::mechanics::grading::GradingClass;
-use jointsweep::mechanics::layers::{Layers, SHRINK};
-use jointsweep::mechanics::material::Idealization;
-use jointsweep::mechanics::mesh::{Grading, RingTopology, corner_columns, ring_points};
-use jointsweep::mechanics::solve::pcg::{PcgOutcome, PcgReport, PcgSettings, pcg};
-use jointsweep::mechanics::solve::refine::{RefineSettings, refined};
+use jointsweep::internals::engine::backend::gpu::batch::{BodyCounts, MOST_BYTES, MOST_TRIPS, batches};
+use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
+use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Precision};
+use jointsweep::internals::engine::backend::gpu::layout::{
+    MeshLayout, SystemLayout, SystemOutcome, SystemState,
+};
+use jointsweep::internals::engine::backend::gpu::stages::{SystemBatch, SystemReports};
+use jointsweep::internals::mechanics::body::Body;
+use jointsweep::internals::mechanics::compliance::condense::variational_compliance;
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::grading::GradingClass;
+use jointsweep::internals::mechanics::layers::{Layers, SHRINK};
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::mesh::{Grading, RingTopology, corner_columns, ring_points};
+use jointsweep::internals::mechanics::solve::pcg::{PcgOutcome, PcgReport, PcgSettings, pcg};
+use jointsweep::internals::mechanics::solve::refine::{RefineSettings, refined};
 
 /// As many invocations as the twin has partial sums.
 const INVOCATIONS: u32 = 64;

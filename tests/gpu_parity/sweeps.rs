@@ -1,10 +1,10 @@
 //! Whole designs on a device and on the processor.
 
-use jointsweep::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
-use jointsweep::engine::ladder::Ladder;
-use jointsweep::engine::outcome::{BackendKind, DesignOutcome, Method};
-use jointsweep::study::config::{MethodChoice, SolveOptions};
-use jointsweep::study::design::{DesignCase, Load, Part};
+use jointsweep::internals::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{DesignCase, Load, Part};
 
 use super::*;
 use crate::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
@@ -88,8 +88,8 @@ fn a_thousand_random_designs() {
 }
 
 /// Young's modulus of the one, Poisson's ratio of the other.
-fn with_ratio(own: Part, shape: Part) -> jointsweep::mechanics::material::Material {
-    jointsweep::mechanics::material::Material {
+fn with_ratio(own: Part, shape: Part) -> jointsweep::internals::mechanics::material::Material {
+    jointsweep::internals::mechanics::material::Material {
         youngs_modulus: own.material.youngs_modulus,
         poissons_ratio: shape.material.poissons_ratio,
     }

@@ -1,13 +1,13 @@
 //! The works of ring modes against the processor: the kernel alone, from a body's numbers on, and as a sweep asks for them.
 
-use jointsweep::engine::backend::Device;
-use jointsweep::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
-use jointsweep::engine::backend::gpu::works::{BodyWorks, ModeLoads};
-use jointsweep::engine::body_request::{BodyRequest, Fidelity, Group, TopologyKey};
-use jointsweep::mechanics::compliance::RingCompliance;
-use jointsweep::mechanics::compliance::arc::packed_count;
-use jointsweep::mechanics::compliance::lane_condensation::CondensationPlan;
-use jointsweep::mechanics::compliance::ring_modes::{MOST_MODES, Push, RingModes};
+use jointsweep::internals::engine::backend::Device;
+use jointsweep::internals::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
+use jointsweep::internals::engine::backend::gpu::works::{BodyWorks, ModeLoads};
+use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity, Group, TopologyKey};
+use jointsweep::internals::mechanics::compliance::RingCompliance;
+use jointsweep::internals::mechanics::compliance::arc::packed_count;
+use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
+use jointsweep::internals::mechanics::compliance::ring_modes::{MOST_MODES, Push, RingModes};
 
 use super::*;
 

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use jointsweep::study::columns::{self, Cell, joint_columns};
+use jointsweep::internals::study::columns::{self, Cell, joint_columns};
 
 use crate::{Folder, STEPS, all, row, with};
 

@@ -7,9 +7,9 @@ mod refusals;
 use std::fs;
 use std::path::PathBuf;
 
-use jointsweep::study::columns::{Cell, joint_columns};
-use jointsweep::study::config::Study;
-use jointsweep::study::design::DesignCase;
+use jointsweep::internals::study::columns::{Cell, joint_columns};
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::design::DesignCase;
 
 const BASE: &str = r#"title = "Test"
 [joint]

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use jointsweep::study::config::Study;
+use jointsweep::internals::study::config::Study;
 
 use crate::{CLEARANCE, Folder, RADIUS, sampled, with};
 

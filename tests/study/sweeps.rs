@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use jointsweep::study::config::{MethodChoice, Study};
-use jointsweep::study::design::{DesignCase, Load};
+use jointsweep::internals::study::config::{MethodChoice, Study};
+use jointsweep::internals::study::design::{DesignCase, Load};
 
 use crate::{CLEARANCE, Folder, IDEALIZATION, RADIUS, all, row, sampled, with};
 

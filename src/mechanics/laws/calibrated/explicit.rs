@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::least_squares::LeastSquares;
 use super::logarithm::LogarithmSum;
 use super::{CalibratedLaw, Sample, Samples, number};
 
@@ -19,20 +20,24 @@ pub static LAW: CalibratedLaw = CalibratedLaw {
     },
 };
 
-/// Exponents that are tried, and how closely the best is found.
+/// Exponents that are tried, and how closely the best is found before a parabola tells the rest.
 const EXPONENTS: (f64, f64) = (0.6, 2.2);
-const CLOSE: f64 = 0.02;
+const CLOSE: f64 = 0.1;
 
 fn fit(samples: &[Sample]) -> Option<Vec<f64>> {
     let sum = LogarithmSum::new(samples)?;
-    let roots: Vec<[f64; 2]> =
-        samples.iter().map(|sample| sample.share()).map(|share| [1.0 / share.sqrt(), -share.ln()]).collect();
-    let rows = |exponent: f64| -> Vec<[f64; 3]> {
-        roots.iter().map(|[root, logarithm]| [1.0, *root, (exponent * logarithm).exp()]).collect()
+    let logarithms: Vec<f64> = samples.iter().map(|sample| -sample.share().ln()).collect();
+    let mut rows: Vec<[f64; 3]> =
+        samples.iter().map(|sample| [1.0, 1.0 / sample.share().sqrt(), 1.0]).collect();
+    let mut take = |exponent: f64| {
+        let powers = logarithms.iter().map(|logarithm| (exponent * logarithm).exp());
+        rows.iter_mut().zip(powers).for_each(|(row, power)| row[2] = power);
+        rows.clone()
     };
-    let misfit = |exponent: f64| sum.least_misfit(&rows(exponent)).unwrap_or(f64::INFINITY);
-    let exponent = golden_section(EXPONENTS, misfit);
-    let [a, b, c] = sum.fit(&rows(exponent))?;
+    let mut room = LeastSquares::new();
+    let exponent =
+        least(EXPONENTS, |exponent| sum.least_misfit(&take(exponent), &mut room).unwrap_or(f64::INFINITY));
+    let [a, b, c] = sum.fit(&take(exponent))?;
     let constants = vec![a, b, c, exponent];
     // Between the states, too, the argument of the logarithm must be above 1, and the force rise.
     let between = samples.windows(2).map(|pair| (pair[0].x * pair[1].x).sqrt());
@@ -40,23 +45,34 @@ fn fit(samples: &[Sample]) -> Option<Vec<f64>> {
     between.into_iter().all(is_sound).then_some(constants)
 }
 
-/// The place of the least value, where there is one least.
-fn golden_section((mut low, mut high): (f64, f64), value: impl Fn(f64) -> f64) -> f64 {
+/// The place of the least value, where there is one least: by the golden section, at the end by the parabola through the last places.
+fn least((mut low, mut high): (f64, f64), mut value: impl FnMut(f64) -> f64) -> f64 {
     const SHARE: f64 = 0.618_033_988_749_894_9;
     let mut inner = [high - SHARE * (high - low), low + SHARE * (high - low)];
-    let mut values = inner.map(&value);
+    let mut values = inner.map(&mut value);
+    // The end beside the better one, with its value, where it was one of the inner places.
+    let mut outer = None;
     while high - low > CLOSE {
         if values[0] <= values[1] {
+            outer = Some((inner[1], values[1]));
             high = inner[1];
             inner = [high - SHARE * (high - low), inner[0]];
             values = [value(inner[0]), values[0]];
         } else {
+            outer = Some((inner[0], values[0]));
             low = inner[0];
             inner = [inner[1], low + SHARE * (high - low)];
             values = [values[1], value(inner[1])];
         }
     }
-    0.5 * (low + high)
+    let best = if values[0] <= values[1] { inner[0] } else { inner[1] };
+    let Some((third, at_third)) = outer else { return best };
+    // Where the slope of the parabola through the three is zero.
+    let [a, b] = inner.map(|place| place - third);
+    let [rise_a, rise_b] = values.map(|value| value - at_third);
+    let below = 2.0 * (b * rise_a - a * rise_b);
+    let vertex = third + (b * b * rise_a - a * a * rise_b) / below;
+    if vertex > low && vertex < high { vertex } else { best }
 }
 
 fn value(constants: &[f64], x: f64, _: f64) -> [f64; 2] {

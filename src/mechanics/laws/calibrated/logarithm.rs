@@ -2,7 +2,7 @@
 //! from linear equations.
 
 use super::Sample;
-use super::least_squares::{even_fit, least_squares};
+use super::least_squares::{LeastSquares, even_fit};
 
 /// G = exp(pi s/f) of samples, as a sum of functions with constants. Weighted so that misfits are those of the force:
 /// dF/F = -dG/(G ln G).
@@ -25,8 +25,12 @@ impl LogarithmSum {
     }
 
     /// The least sum of squares of misfits.
-    pub fn least_misfit<const TERMS: usize>(&self, functions: &[[f64; TERMS]]) -> Option<f64> {
-        least_squares(functions, &self.values, &self.weights).map(|(_, left)| left)
+    pub fn least_misfit<const TERMS: usize>(
+        &self,
+        functions: &[[f64; TERMS]],
+        room: &mut LeastSquares<TERMS>,
+    ) -> Option<f64> {
+        room.solve(functions, &self.values, &self.weights).map(|(_, left)| left)
     }
 }
 

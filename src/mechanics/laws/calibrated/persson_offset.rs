@@ -53,7 +53,7 @@ fn half_tangent(y: f64) -> f64 {
         let next = (logarithm - (own / y).ln() * own / slope).min(0.5 * (logarithm + NEAT_FIT.ln()));
         let step = next - logarithm;
         logarithm = next;
-        if step.abs() < 1e-5 {
+        if step.abs() < 1e-3 {
             break;
         }
     }

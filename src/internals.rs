@@ -1,0 +1,26 @@
+//! The parts of the program, for its command line, tests and benchmarks: no promise is made of them, they may change with any
+//! version. What other programs need stands at the root.
+//!
+//! Wings, each of which uses only the wings above it (`tests/layering.rs` checks this):
+
+/// What is true: pure functions of numbers, dimensionless; no files, threads or printing.
+#[path = "mechanics/mod.rs"]
+pub mod mechanics;
+/// What is asked: from a file to a numbered list of designs.
+#[path = "study/mod.rs"]
+pub mod study;
+/// How it is computed: the only wing with threads and devices.
+#[path = "engine/mod.rs"]
+pub mod engine;
+/// One joint and its curve, for programs that use the library.
+#[path = "joint.rs"]
+pub mod joint;
+/// Joints fitted to measured points.
+#[path = "calibrate/mod.rs"]
+pub mod calibrate;
+/// What each choice costs and what it is worth: designs run through all of them, timed and compared.
+#[path = "tradeoff/mod.rs"]
+pub mod tradeoff;
+/// What is handed over: the only wing that writes files.
+#[path = "output/mod.rs"]
+pub mod output;
