@@ -21,28 +21,31 @@ pub static LAW: CalibratedLaw = CalibratedLaw {
 };
 
 /// Exponents that are tried, and how closely the best is found before a parabola tells the rest.
-const EXPONENTS: (f64, f64) = (0.6, 2.2);
-const CLOSE: f64 = 0.1;
+const EXPONENTS: (f64, f64) = (0.7, 2.0);
+const CLOSE: f64 = 0.15;
 
 fn fit(samples: &[Sample]) -> Option<Vec<f64>> {
     let sum = LogarithmSum::new(samples)?;
     let logarithms: Vec<f64> = samples.iter().map(|sample| -sample.share().ln()).collect();
     let mut rows: Vec<[f64; 3]> =
         samples.iter().map(|sample| [1.0, 1.0 / sample.share().sqrt(), 1.0]).collect();
-    let mut take = |exponent: f64| {
-        let powers = logarithms.iter().map(|logarithm| (exponent * logarithm).exp());
-        rows.iter_mut().zip(powers).for_each(|(row, power)| row[2] = power);
-        rows.clone()
-    };
     let mut room = LeastSquares::new();
-    let exponent =
-        least(EXPONENTS, |exponent| sum.least_misfit(&take(exponent), &mut room).unwrap_or(f64::INFINITY));
-    let [a, b, c] = sum.fit(&take(exponent))?;
+    let exponent = least(EXPONENTS, |exponent| {
+        raise(&mut rows, &logarithms, exponent);
+        sum.least_misfit(&rows, &mut room).unwrap_or(f64::INFINITY)
+    });
+    raise(&mut rows, &logarithms, exponent);
+    let [a, b, c] = sum.fit(&rows)?;
     let constants = vec![a, b, c, exponent];
     // Between the states, too, the argument of the logarithm must be above 1, and the force rise.
     let between = samples.windows(2).map(|pair| (pair[0].x * pair[1].x).sqrt());
     let is_sound = |x| value(&constants, x, f64::NAN)[1] > 0.0;
     between.into_iter().all(is_sound).then_some(constants)
+}
+
+/// Puts (e/delta)^n into the last column, from ln(e/delta).
+fn raise(rows: &mut [[f64; 3]], logarithms: &[f64], exponent: f64) {
+    rows.iter_mut().zip(logarithms).for_each(|(row, logarithm)| row[2] = (exponent * logarithm).exp());
 }
 
 /// The place of the least value, where there is one least: by the golden section, at the end by the parabola through the last places.

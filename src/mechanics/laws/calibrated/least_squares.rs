@@ -58,14 +58,14 @@ impl<const UNKNOWNS: usize> LeastSquares<UNKNOWNS> {
         right.iter().all(|value| value.is_finite()).then(|| (right, dot(left, left)))
     }
 
-    /// The same with the greatest weighted residual lessened, and that residual: Lawson's way, a few steps of it.
+    /// The same with the greatest weighted residual lessened, and that residual: so many steps of Lawson's way.
     pub fn even(
         &mut self,
+        steps: usize,
         rows: &[[f64; UNKNOWNS]],
         values: &[f64],
         weights: &[f64],
     ) -> Option<([f64; UNKNOWNS], f64)> {
-        const STEPS: usize = 4;
         let mut own = std::mem::take(&mut self.own_weights);
         own.clear();
         own.extend_from_slice(weights);
@@ -74,13 +74,13 @@ impl<const UNKNOWNS: usize> LeastSquares<UNKNOWNS> {
             (weights[i] * (values[i] - sum)).abs()
         };
         let mut best: Option<([f64; UNKNOWNS], f64)> = None;
-        for step in 0..STEPS {
+        for step in 1..=steps {
             let (numbers, _) = self.solve(rows, values, &own)?;
             let worst = (0..rows.len()).map(|i| residual(&numbers, i)).fold(0.0, f64::max);
             if best.is_none_or(|(_, least)| worst < least) {
                 best = Some((numbers, worst));
             }
-            if worst == 0.0 || step == STEPS - 1 {
+            if worst == 0.0 || step == steps {
                 break;
             }
             // The square root of Lawson's factor, since squares are summed; never nothing.
@@ -110,13 +110,13 @@ fn subtract(from: &mut [f64], factor: f64, column: &[f64]) {
     from.iter_mut().zip(column).for_each(|(own, other)| *own -= factor * other);
 }
 
-/// One fit with the least worst residual.
+/// One fit with about the least worst residual: fewer steps do for fewer unknowns.
 pub fn even_fit<const UNKNOWNS: usize>(
     rows: &[[f64; UNKNOWNS]],
     values: &[f64],
     weights: &[f64],
 ) -> Option<([f64; UNKNOWNS], f64)> {
-    LeastSquares::new().even(rows, values, weights)
+    LeastSquares::new().even(if UNKNOWNS > 2 { 4 } else { 3 }, rows, values, weights)
 }
 
 #[cfg(test)]

@@ -44,7 +44,7 @@ pub const FEWEST: usize = 9;
 pub const RANGE: (f64, f64) = (0.01, 10.0);
 
 /// States that are asked for: an odd number, so that the first and the last one are fitted.
-const COUNT: usize = 33;
+const COUNT: usize = 29;
 
 /// The widest range, delta/dR.
 const WIDEST: (f64, f64) = (1e-5, 1e5);
