@@ -12,6 +12,7 @@ use crate::engine::body_request::{
 };
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::joint_contact::joint_key;
+use crate::engine::law_fit::law_case;
 use crate::engine::plan::JointPlan;
 use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{
@@ -21,9 +22,10 @@ use crate::engine::unit_costs::{
 use crate::error::Error;
 use crate::mechanics::compliance::near_field::NearFieldClass;
 use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::laws::calibrated::samples::RANGE;
 use crate::mechanics::real::LANES;
 use crate::study::config::{MethodChoice, Study};
-use crate::study::design::DesignCase;
+use crate::study::design::{DesignCase, Load};
 
 /// What a sweep will take.
 #[derive(Clone, Copy, Debug, Default)]
@@ -147,6 +149,16 @@ impl Needs {
         }
     }
 
+    /// Adds a design from its first plan on, each finer one by how likely it is.
+    fn climb(&mut self, case: &DesignCase, first: JointPlan, accuracy: f64) {
+        let mut rung = Some((first, 1.0));
+        while let Some((plan, share)) = rung.filter(|(_, share)| *share > FEW) {
+            plan.requests().for_each(|request| self.add(&request, share));
+            self.add_joint(&plan, case, share);
+            rung = plan.finer().map(|finer| (finer, share * climbers(&plan, accuracy)));
+        }
+    }
+
     fn total_seconds(&self) -> f64 {
         let of_near_field = |(class, (size, bodies)): (&NearFieldClass, &(MeshSize, f64))| {
             let modes = RingModes::of(&class.grading).count;
@@ -167,6 +179,23 @@ impl Needs {
             + self.groups.values().map(Group::seconds).sum::<f64>()
             + self.near_fields.iter().map(of_near_field).sum::<f64>()
     }
+}
+
+/// To fit the laws of a design to its states, s: `cargo bench --bench laws`.
+const LAWS_SECONDS: f64 = 35e-6;
+
+/// Indentations at work as far as loads tell, mm.
+fn working_range_of(case: &DesignCase) -> (f64, f64) {
+    let indentations = case.steps.iter().filter_map(|load| match *load {
+        Load::Indentation(value) if value > 0.0 => Some(value),
+        _ => None,
+    });
+    let clearance = case.joint.radial_clearance;
+    let known = indentations.fold(None, |range: Option<(f64, f64)>, value| {
+        let (low, high) = range.unwrap_or((value, value));
+        Some((low.min(value), high.max(value)))
+    });
+    known.unwrap_or((RANGE.0 * clearance, RANGE.1 * clearance))
 }
 
 /// Goes through the designs of a study without solving any.
@@ -193,11 +222,17 @@ pub fn estimate(study: &Study) -> Result<Estimate, Error> {
             estimate.refused += 1;
             continue;
         };
-        let mut rung = Some((first, 1.0));
-        while let Some((plan, share)) = rung.filter(|(_, share)| *share > FEW) {
-            plan.requests().for_each(|request| needs.add(&request, share));
-            needs.add_joint(&plan, &case, share);
-            rung = plan.finer().map(|finer| (finer, share * climbers(&plan, accuracy)));
+        needs.climb(&case, first, accuracy);
+        if study.fits_laws() {
+            // Their loads go further, where meshes may have to be finer. Unknowns stay those of the table.
+            let case = law_case(&case, working_range_of(&case));
+            let unknowns = needs.unknowns;
+            if let Ok(first) = JointPlan::cheapest(&case, method, accuracy) {
+                needs.climb(&case, first, accuracy);
+                let of_design = joint_seconds(&first) + design(case.steps.len() as f64).seconds();
+                needs.seconds += of_design + LAWS_SECONDS;
+            }
+            needs.unknowns = unknowns;
         }
     }
     estimate.distinct_bodies = needs.bodies.len() as u64;
