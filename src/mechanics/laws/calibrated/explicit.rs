@@ -22,7 +22,7 @@ pub static LAW: CalibratedLaw = CalibratedLaw {
 
 /// Exponents that are tried, and how closely the best is found before a parabola tells the rest.
 const EXPONENTS: (f64, f64) = (0.7, 2.0);
-const CLOSE: f64 = 0.15;
+const CLOSE: f64 = 0.25;
 
 fn fit(samples: &[Sample]) -> Option<Vec<f64>> {
     let sum = LogarithmSum::new(samples)?;

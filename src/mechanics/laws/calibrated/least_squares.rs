@@ -110,13 +110,16 @@ fn subtract(from: &mut [f64], factor: f64, column: &[f64]) {
     from.iter_mut().zip(column).for_each(|(own, other)| *own -= factor * other);
 }
 
-/// One fit with about the least worst residual: fewer steps do for fewer unknowns.
+/// Of Lawson's way: more gain little.
+const STEPS: usize = 3;
+
+/// One fit with about the least worst residual.
 pub fn even_fit<const UNKNOWNS: usize>(
     rows: &[[f64; UNKNOWNS]],
     values: &[f64],
     weights: &[f64],
 ) -> Option<([f64; UNKNOWNS], f64)> {
-    LeastSquares::new().even(if UNKNOWNS > 2 { 4 } else { 3 }, rows, values, weights)
+    LeastSquares::new().even(STEPS, rows, values, weights)
 }
 
 #[cfg(test)]
