@@ -117,7 +117,7 @@ struct RunArgs {
     /// Overwrite the result of another config
     #[arg(long)]
     force: bool,
-    /// Run a config again whose result is complete; the old one stays until the new one is
+    /// Begin anew where the config was run before; a complete result stays until the new one is
     #[arg(long)]
     again: bool,
     /// Only say what the sweep has to do and what it will cost
@@ -419,6 +419,7 @@ fn option(error: &Error) -> &'static str {
 fn way_out(error: &Error) -> &'static str {
     match error {
         Error::FolderTaken { .. } => ": name another folder with --out, or overwrite it with --force",
+        Error::CannotGoOn { .. } => ": go on with that program, or begin anew with --again",
         Error::FolderInUse { .. } => ": wait for it, or name another folder with --out",
         Error::DesignsInTheWay { .. } | Error::InputInTheWay { .. } => ": name another folder with --out",
         Error::FileTaken { .. } => ": name another file, or overwrite it with --force",

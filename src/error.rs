@@ -22,6 +22,10 @@ pub enum Error {
     #[error("{} holds {occupant}", dir.display())]
     FolderTaken { dir: PathBuf, occupant: String },
 
+    /// `problem` is whose unfinished result is there, and who wants to go on with it.
+    #[error("{} holds {problem}", dir.display())]
+    CannotGoOn { dir: PathBuf, problem: String },
+
     /// `holder` in the words of the run that has it; empty where they cannot be read.
     #[error("{} is in use by another run{}", dir.display(), in_brackets(holder))]
     FolderInUse { dir: PathBuf, holder: String },

@@ -107,7 +107,19 @@ fn newtons(force: f64) -> String {
 pub fn interrupted(manifest: &Manifest, rows: &Path) -> String {
     let Counts { designs, designs_asked, .. } = manifest.counts;
     let done = format!("interrupted: {designs} of {designs_asked} designs are done");
-    if designs == 0 { done } else { format!("{done}; their rows are in {}", rows.display()) }
+    if designs == 0 {
+        return done;
+    }
+    format!("{done}, their rows are in {}; the same command goes on from there", rows.display())
+}
+
+/// What is said of a run that goes on where another has stopped, or cannot because of a damage.
+pub fn going_on(begun: &Origin, damage: Option<&str>) -> String {
+    let Counts { designs, designs_asked, .. } = begun.counts;
+    match damage {
+        None => format!("{designs} of {designs_asked} designs were done before; going on"),
+        Some(damage) => format!("warning: {damage}; beginning anew"),
+    }
 }
 
 /// What is said instead of running a config again.

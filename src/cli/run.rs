@@ -7,7 +7,7 @@ use std::time::SystemTime;
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::engine::cost;
-use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::engine::sweep::{self, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
 use jointsweep::internals::output::manifest::{Conditions, Origin};
 use jointsweep::internals::output::recorder::Recorder;
@@ -41,22 +41,31 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
         ));
     }
     // While this one waited another run may have ended.
-    if let Verdict::Done(origin) = folder.check(&study, permissions)? {
-        return already_done(args, &folder, &origin);
-    }
+    let begun = match folder.check(&study, permissions)? {
+        Verdict::Done(origin) => return already_done(args, &folder, &origin),
+        Verdict::Begun(origin) => Some(origin),
+        Verdict::ToDo => None,
+    };
     let conditions = Conditions { gpu, threads, started };
-    let recorder = Arc::new(Mutex::new(Some(Recorder::new(claim, &study, &conditions)?)));
+    let mut recorder = Recorder::new(claim, &study, &conditions)?;
+    if let Some(begun) = begun {
+        go_on(args, &mut recorder, &begun)?;
+    }
+    let (first, sinks) = (recorder.designs(), recorder.sinks());
+    let recorder = Arc::new(Mutex::new(Some(recorder)));
     let interrupt = Interrupt::watch(&recorder, args.quiet);
 
-    let mut progress = Progress::new(study.design_count(), args.quiet);
-    let options = SweepOptions { threads, gpu, notify: Some(&say) };
-    let outcome = sweep::run(&study, &options, &mut |outcome| {
+    let mut progress = Progress::new(first, study.design_count(), args.quiet);
+    let designs = Some(first..study.design_count());
+    let options = SweepOptions { threads, gpu, notify: Some(&say), designs };
+    let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
+    let outcome = sweep::run_digested(&study, &options, &digest, &mut |rows| {
         match recorder.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
-            Some(recorder) => recorder.write(outcome)?,
+            Some(recorder) => recorder.write(&rows)?,
             // The watcher has ended the run.
             None => return Ok(ControlFlow::Break(())),
         }
-        progress.advance();
+        progress.advance(rows.designs());
         Ok(if interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     });
     progress.finish();
@@ -85,6 +94,15 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     Ok(ending(manifest.counts.failed_designs))
 }
 
+/// Goes on where a run before has stopped, and says so.
+fn go_on(args: &RunArgs, recorder: &mut Recorder, begun: &Origin) -> Result<(), Error> {
+    let damage = recorder.go_on(begun)?;
+    if let (false, line) = (args.quiet, report::going_on(begun, damage.as_deref())) {
+        say(&line);
+    }
+    Ok(())
+}
+
 fn ending(failed_designs: u64) -> Ending {
     if failed_designs > 0 { Ending::SomeDesignsFailed } else { Ending::Complete }
 }
@@ -94,5 +112,5 @@ fn already_done(args: &RunArgs, folder: &ResultFolder, origin: &Origin) -> Resul
     if !args.quiet {
         print(&report::already_done(origin, &folder.table()))?;
     }
-    Ok(ending(origin.failed_designs))
+    Ok(ending(origin.counts.failed_designs))
 }

@@ -36,7 +36,7 @@ pub static CALIBRATION: Contents =
 pub struct Permissions {
     /// The result of another config, or files that nobody vouches for.
     pub force: bool,
-    /// A finished result of the same config.
+    /// A result of the same config, finished or not.
     pub again: bool,
 }
 
@@ -46,6 +46,8 @@ pub enum Verdict {
     ToDo,
     /// The same config was run before, to the end.
     Done(Box<Origin>),
+    /// The same config was run before, but not to the end.
+    Begun(Box<Origin>),
 }
 
 /// The folder of a result, which may not be there yet.
@@ -80,11 +82,13 @@ impl ResultFolder {
             (Occupant::Other(occupant), _) | (_, Occupant::Other(occupant)) if !permissions.force => {
                 Err(taken(occupant))
             }
-            (Occupant::Same(origin), _) if !permissions.again => match self.changed(&origin) {
+            (_, _) if permissions.again => Ok(Verdict::ToDo),
+            (Occupant::Same(origin), _) => match self.changed(&origin) {
                 None => Ok(Verdict::Done(origin)),
                 Some(_) if permissions.force => Ok(Verdict::ToDo),
                 Some(file) => Err(taken(format!("a {file} that was changed after it was written"))),
             },
+            (_, Occupant::Same(origin)) => Ok(Verdict::Begun(origin)),
             _ => Ok(Verdict::ToDo),
         }
     }
