@@ -30,6 +30,13 @@ pub enum Error {
     #[error("{} is in use by another run{}", dir.display(), in_brackets(holder))]
     FolderInUse { dir: PathBuf, holder: String },
 
+    /// A folder whose shards cannot be put together.
+    #[error("{}: {problem}", dir.display())]
+    NoShards { dir: PathBuf, problem: String },
+
+    #[error("{} is damaged: {problem}", path.display())]
+    DamagedShard { path: PathBuf, problem: String },
+
     #[error("{} is the list of designs and would be overwritten", path.display())]
     DesignsInTheWay { path: PathBuf },
 

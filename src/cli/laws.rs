@@ -25,7 +25,7 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
         return Err(Error::FileTaken { path });
     }
     let origin = &results.origin;
-    let options = solve_options(std::path::Path::new(&origin.path), &origin.text)?;
+    let options = solve_options(std::path::Path::new(&origin.inputs.path), &origin.inputs.text)?;
     let refuse = |problem: &str| Err(Error::NoResult { dir: args.dir.clone(), problem: problem.into() });
     if options.method == MethodChoice::ClosedForm {
         return refuse("a closed form has no curve to fit laws to");

@@ -7,7 +7,7 @@ use std::path::Path;
 use jointsweep::internals::engine::cost::Estimate;
 use jointsweep::internals::engine::explain::percent;
 use jointsweep::internals::output::folder::MANIFEST;
-use jointsweep::internals::output::manifest::{Counts, Manifest, Origin};
+use jointsweep::internals::output::manifest::{Counts, Manifest, Origin, Shard};
 
 /// The most causes of failure that are listed; the table has them all.
 const CAUSES: usize = 10;
@@ -132,6 +132,52 @@ pub fn already_done(origin: &Origin, table: &Path) -> String {
         "already complete, nothing to do: the same config was run before (by {by}); --again makes it anew\n{}\n",
         table.display()
     )
+}
+
+/// Which designs a shard has.
+pub fn shard(shard: &Shard, file: &Path) -> String {
+    let Shard { designs, shard, of, .. } = shard;
+    let count = plural(designs.end - designs.start, "design", "designs");
+    let which = if designs.is_empty() {
+        String::new()
+    } else {
+        format!(", {} to {}", designs.start, designs.end - 1)
+    };
+    format!("shard {shard} of {of}: {count}{which}\n{}\n", file.display())
+}
+
+/// What a shard came to.
+pub fn shard_summary(manifest: &Manifest, file: &Path) -> String {
+    let counts = &manifest.counts;
+    let failed = match counts.failed_designs {
+        0 => String::new(),
+        failed => format!(", of which {failed} failed"),
+    };
+    format!(
+        "{}{failed}, {} in {} ({}, {})\nwritten:\n  {}\n",
+        plural(counts.designs, "design", "designs"),
+        plural(counts.rows, "row", "rows"),
+        duration(manifest.wall_seconds),
+        manifest.computed_by(),
+        plural(manifest.threads as u64, "thread", "threads"),
+        file.display(),
+    )
+}
+
+/// What was put together from shards, now or before.
+pub fn merged(origin: &Origin, dir: &Path, is_new: bool) -> String {
+    let counts = &origin.counts;
+    let said = if is_new { "written" } else { "already merged, nothing to do; --again does it anew" };
+    let mut text = format!(
+        "{}, {}, {} failed\n{said}:\n",
+        plural(counts.designs, "design", "designs"),
+        plural(counts.rows, "row", "rows"),
+        counts.failed_rows,
+    );
+    for name in origin.files.iter().map(|(name, _)| name.as_str()).chain([MANIFEST]) {
+        _ = writeln!(text, "  {}", dir.join(name).display());
+    }
+    text
 }
 
 /// The statuses of rows, the most frequent first.

@@ -9,18 +9,22 @@ use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::engine::sweep::{self, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
-use jointsweep::internals::output::manifest::{Conditions, Origin};
+use jointsweep::internals::output::manifest::{Conditions, Manifest, Origin};
 use jointsweep::internals::output::recorder::Recorder;
+use jointsweep::internals::study::config::Study;
 
 use super::interrupt::Interrupt;
 use super::progress::Progress;
-use super::{Ending, RunArgs, backend, print, report, say, threads};
+use super::{Ending, RunArgs, backend, print, report, say, shard, threads};
 
 pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();
     backend::check(&args.backend)?;
     let study = args.settings.load(&args.config)?;
     let folder = ResultFolder::of_run(args.out.as_deref(), &study);
+    if let Some(part) = args.shard {
+        return shard::run(args, &study, part, started);
+    }
     if args.dry_run {
         print(&report::estimate(&cost::estimate(&study)?, &folder.table()))?;
         return Ok(Ending::Complete);
@@ -51,15 +55,29 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     if let Some(begun) = begun {
         go_on(args, &mut recorder, &begun)?;
     }
-    let (first, sinks) = (recorder.designs(), recorder.sinks());
+    let Some(manifest) = record(args, &study, recorder, &conditions)? else { return Ok(Ending::Interrupted) };
+    if !args.quiet {
+        print(&report::summary(&manifest, folder.dir(), args.verbose))?;
+    }
+    Ok(ending(manifest.counts.failed_designs))
+}
+
+/// Solves the designs that a recorder has not yet, and ends it; nothing where the user has interrupted it.
+pub fn record(
+    args: &RunArgs,
+    study: &Study,
+    recorder: Recorder,
+    conditions: &Conditions,
+) -> Result<Option<Manifest>, Error> {
+    let (designs, sinks) = (recorder.designs_left(), recorder.sinks());
     let recorder = Arc::new(Mutex::new(Some(recorder)));
     let interrupt = Interrupt::watch(&recorder, args.quiet);
 
-    let mut progress = Progress::new(first, study.design_count(), args.quiet);
-    let designs = Some(first..study.design_count());
-    let options = SweepOptions { threads, gpu, notify: Some(&say), designs };
+    let mut progress = Progress::new(designs.start, designs.end, args.quiet);
+    let Conditions { threads, gpu, .. } = *conditions;
+    let options = SweepOptions { threads, gpu, notify: Some(&say), designs: Some(designs) };
     let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
-    let outcome = sweep::run_digested(&study, &options, &digest, &mut |rows| {
+    let outcome = sweep::run_digested(study, &options, &digest, &mut |rows| {
         match recorder.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
             Some(recorder) => recorder.write(&rows)?,
             // The watcher has ended the run.
@@ -70,7 +88,7 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     });
     progress.finish();
     let Some(recorder) = recorder.lock().unwrap_or_else(PoisonError::into_inner).take() else {
-        return Ok(Ending::Interrupted);
+        return Ok(None);
     };
     let statistics = match outcome {
         Ok(statistics) => statistics,
@@ -85,17 +103,13 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
         if !args.quiet {
             say(&report::interrupted(&manifest, &rows));
         }
-        return Ok(Ending::Interrupted);
+        return Ok(None);
     }
-    let manifest = recorder.finish(&statistics)?;
-    if !args.quiet {
-        print(&report::summary(&manifest, folder.dir(), args.verbose))?;
-    }
-    Ok(ending(manifest.counts.failed_designs))
+    recorder.finish(&statistics).map(Some)
 }
 
 /// Goes on where a run before has stopped, and says so.
-fn go_on(args: &RunArgs, recorder: &mut Recorder, begun: &Origin) -> Result<(), Error> {
+pub fn go_on(args: &RunArgs, recorder: &mut Recorder, begun: &Origin) -> Result<(), Error> {
     let damage = recorder.go_on(begun)?;
     if let (false, line) = (args.quiet, report::going_on(begun, damage.as_deref())) {
         say(&line);
@@ -103,7 +117,7 @@ fn go_on(args: &RunArgs, recorder: &mut Recorder, begun: &Origin) -> Result<(), 
     Ok(())
 }
 
-fn ending(failed_designs: u64) -> Ending {
+pub fn ending(failed_designs: u64) -> Ending {
     if failed_designs > 0 { Ending::SomeDesignsFailed } else { Ending::Complete }
 }
 

@@ -1,5 +1,6 @@
 //! `manifest.json`: what was asked, by which program and on what machine, what came of it and how long it took.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -45,6 +46,12 @@ pub struct Manifest {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
     title: String,
+    /// Which part of a sweep it is of, where it is of a part only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part: Option<Shard>,
+    /// The bytes of each file's header; only parts say.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    header_bytes: Vec<u64>,
     config: Config,
     designs_file: Option<String>,
     /// The config and the list of designs as they were read.
@@ -88,6 +95,18 @@ pub struct Manifest {
 struct Spent {
     wall_seconds: f64,
     processor_seconds: Option<f64>,
+}
+
+/// Which part of a sweep a shard is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shard {
+    /// From 1.
+    pub shard: u64,
+    pub of: u64,
+    /// The numbers of its designs.
+    pub designs: Range<u64>,
+    /// Of the whole sweep.
+    pub sweep_designs: u64,
 }
 
 /// What computed beside the processor.
@@ -238,6 +257,8 @@ impl Manifest {
             state: State::Incomplete,
             error: None,
             title: study.title().to_string(),
+            part: None,
+            header_bytes: Vec::new(),
             config: Config::of(study),
             designs_file: study.designs_file().map(|path| path.display().to_string()),
             inputs: FileEntry::inputs(study),
@@ -269,6 +290,15 @@ impl Manifest {
         }
     }
 
+    /// Of one part of the study.
+    pub fn of_part(mut self, shard: Shard, header_bytes: Vec<u64>) -> Manifest {
+        let rows = self.counts.rows_asked / self.counts.designs_asked.max(1);
+        self.counts.designs_asked = shard.designs.end - shard.designs.start;
+        self.counts.rows_asked = self.counts.designs_asked * rows;
+        (self.part, self.header_bytes) = (Some(shard), header_bytes);
+        self
+    }
+
     /// Takes over what an unfinished run has done; or what keeps this program, as it is started now, from going on with it.
     pub fn go_on(&mut self, origin: &Origin) -> Result<(), String> {
         let by = |program: &str, computed: &str| format!("{program} on {computed}");
@@ -276,6 +306,16 @@ impl Manifest {
             (by(&origin.program(), &origin.computed_by), by(&self.program.in_words(), &self.computed_by()));
         if then != now {
             return Err(format!("an unfinished result by {then}, this is {now}"));
+        }
+        let part = |part: Option<&Shard>| match part {
+            Some(Shard { shard, of, designs, .. }) => {
+                format!("shard {shard} of {of} (designs {} to {})", designs.start, designs.end)
+            }
+            None => "the whole sweep".into(),
+        };
+        let (then, now) = (part(origin.part.as_ref().map(|(part, _)| part)), part(self.part.as_ref()));
+        if then != now {
+            return Err(format!("an unfinished result of {then}, not of {now}"));
         }
         self.counts = origin.counts.clone();
         self.starts = origin.starts + 1;
@@ -338,9 +378,14 @@ fn computed_by(adapter: Option<&Adapter>, precision: &str) -> String {
 
 /// Writes any manifest beside `path`.
 pub fn stage(manifest: &impl Serialize, path: &Path) -> Result<(), Error> {
-    let mut text = serde_json::to_string_pretty(manifest).expect("a manifest has only JSON's own types");
-    text.push('\n');
-    stage_bytes(path, text.as_bytes())
+    stage_bytes(path, &text(manifest))
+}
+
+/// The text of a manifest.
+pub fn text(manifest: &impl Serialize) -> Vec<u8> {
+    let mut text = serde_json::to_vec_pretty(manifest).expect("a manifest has only JSON's own types");
+    text.push(b'\n');
+    text
 }
 
 /// Writes bytes where a file waits before it is published.
@@ -373,24 +418,46 @@ pub fn publish(path: &Path) -> Result<(), Error> {
     std::fs::rename(staged(path), path).map_err(into_error)
 }
 
-/// What a manifest on disk says of a result.
+/// What a result is of: a config and the list of designs that it may name, word for word.
 #[derive(Clone, Debug)]
-pub struct Origin {
+pub struct Inputs {
     /// Of the config, with its text.
     pub path: String,
     pub text: String,
+    files: Vec<Fingerprint>,
+}
+
+impl Inputs {
+    pub fn of(study: &Study) -> Inputs {
+        let Config { path, text } = Config::of(study);
+        Inputs { path, text, files: study.inputs().into_iter().map(|(_, print)| print).collect() }
+    }
+}
+
+/// Wherever the config is.
+impl PartialEq for Inputs {
+    fn eq(&self, other: &Inputs) -> bool {
+        self.text == other.text && self.files == other.files
+    }
+}
+
+/// What a manifest on disk says of a result.
+#[derive(Clone, Debug)]
+pub struct Origin {
+    pub inputs: Inputs,
     /// What was done with it; a run does not say.
     pub command: Option<String>,
     /// Only runs say.
     pub state: Option<State>,
     pub version: String,
     pub commit: Option<String>,
-    inputs: Vec<Fingerprint>,
     /// What was made, by name.
     pub files: Vec<(String, Fingerprint)>,
     pub counts: Counts,
+    /// Of a part of a sweep: which, and the bytes of each file's header.
+    pub part: Option<(Shard, Vec<u64>)>,
     /// As `Manifest::computed_by` says it.
-    computed_by: String,
+    pub computed_by: String,
     started_utc: String,
     starts: u64,
     spent: Spent,
@@ -405,6 +472,9 @@ struct Saved {
     commit: Option<String>,
     command: Option<String>,
     state: Option<State>,
+    part: Option<Shard>,
+    #[serde(default)]
+    header_bytes: Vec<u64>,
     adapter: Option<Adapter>,
     #[serde(default)]
     precision: String,
@@ -432,13 +502,16 @@ impl Origin {
         let named = |file: FileEntry| Some((file.path.clone(), file.fingerprint()?));
         Some(Origin {
             computed_by: computed_by(saved.adapter.as_ref(), &saved.precision),
-            path: saved.config.path,
-            text: saved.config.text,
+            part: saved.part.map(|part| (part, saved.header_bytes)),
+            inputs: Inputs {
+                path: saved.config.path,
+                text: saved.config.text,
+                files: saved.inputs.iter().filter_map(FileEntry::fingerprint).collect(),
+            },
             command: saved.command,
             state: saved.state,
             version: saved.version,
             commit: saved.commit,
-            inputs: saved.inputs.iter().filter_map(FileEntry::fingerprint).collect(),
             files: saved.files.into_iter().filter_map(named).collect(),
             // Other commands count other things.
             counts: serde_json::from_value(saved.counts).unwrap_or_default(),
@@ -452,11 +525,5 @@ impl Origin {
     /// What has made it, as `Program::in_words` says it.
     pub fn program(&self) -> String {
         in_words(Program::CURRENT.program, &self.version, self.commit.as_deref())
-    }
-
-    /// Whether it is of this config and, word for word, of the list of designs that it names.
-    pub fn is_of(&self, study: &Study) -> bool {
-        let inputs = study.inputs().into_iter().map(|(_, print)| print);
-        self.text == study.source_text() && self.inputs.iter().copied().eq(inputs)
     }
 }

@@ -1,6 +1,7 @@
 //! Saves rows as they come, so that a run that ends early leaves whole rows and a manifest that says where it stood: the next run
 //! goes on from there.
 
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,7 +11,8 @@ use crate::engine::sweep::Statistics;
 use crate::error::Error;
 use crate::output::folder::{Claim, MANIFEST, TABLE};
 use crate::output::laws_table::LawsTable;
-use crate::output::manifest::{self, Conditions, Counts, Manifest, Origin, State};
+use crate::output::manifest::{self, Conditions, Counts, Manifest, Origin, Shard, State};
+use crate::output::shard;
 use crate::output::sink::{Sink, SinkFile};
 use crate::output::table::Table;
 use crate::study::config::Study;
@@ -54,6 +56,11 @@ impl Sinks {
         outcomes.iter().for_each(|outcome| counts.add(outcome));
         Rows { bytes, counts }
     }
+
+    /// A shard begins at a multiple of this many designs.
+    pub fn cut(&self) -> u64 {
+        1
+    }
 }
 
 /// Few enough that those who watch the file of a slow run see it grow.
@@ -67,6 +74,8 @@ const MARK: Duration = Duration::from_millis(250);
 pub struct Recorder {
     claim: Claim,
     manifest: Manifest,
+    /// Of a shard: which, and the file that it becomes.
+    shard: Option<(Shard, PathBuf)>,
     sinks: Arc<Sinks>,
     files: Vec<SinkFile>,
     /// Whether the files are this run's.
@@ -77,12 +86,37 @@ pub struct Recorder {
 
 impl Recorder {
     pub fn new(claim: Claim, study: &Study, conditions: &Conditions) -> Result<Recorder, Error> {
+        Recorder::start(claim, study, conditions, None)
+    }
+
+    /// Of a shard, which becomes this file when it is whole. `claim` is of the folder where its rows are until then.
+    pub fn of_shard(
+        claim: Claim,
+        study: &Study,
+        conditions: &Conditions,
+        shard: Shard,
+        file: PathBuf,
+    ) -> Result<Recorder, Error> {
+        Recorder::start(claim, study, conditions, Some((shard, file)))
+    }
+
+    fn start(
+        claim: Claim,
+        study: &Study,
+        conditions: &Conditions,
+        shard: Option<(Shard, PathBuf)>,
+    ) -> Result<Recorder, Error> {
         let sinks = Sinks::of(study);
         let file = |sink: &Box<dyn Sink>| SinkFile::new(sink.file_name(), claim.partial(sink.file_name()));
         let files = sinks.all.iter().map(file).collect();
-        let manifest = Manifest::new(study, conditions);
+        let mut manifest = Manifest::new(study, conditions);
+        if let Some((shard, _)) = &shard {
+            let headers = sinks.all.iter().map(|sink| sink.header().len() as u64).collect();
+            manifest = manifest.of_part(shard.clone(), headers);
+        }
         let (sinks, marked) = (Arc::new(sinks), Instant::now());
-        let mut recorder = Recorder { claim, manifest, sinks, files, begun: false, finished: false, marked };
+        let mut recorder =
+            Recorder { claim, manifest, shard, sinks, files, begun: false, finished: false, marked };
         recorder.manifest.stage(&recorder.manifest_path())?;
         Ok(recorder)
     }
@@ -109,9 +143,11 @@ impl Recorder {
         Ok(None)
     }
 
-    /// Designs whose rows are there.
-    pub fn designs(&self) -> u64 {
-        self.manifest.counts.designs
+    /// The numbers of the designs whose rows are not there yet.
+    pub fn designs_left(&self) -> Range<u64> {
+        let Counts { designs, designs_asked, .. } = self.manifest.counts;
+        let first = self.shard.as_ref().map_or(0, |(shard, _)| shard.designs.start);
+        first + designs..first + designs_asked
     }
 
     /// What rows are made with.
@@ -142,7 +178,7 @@ impl Recorder {
     /// Ends a run that went through all designs: table and manifest take the place of what was there before.
     pub fn finish(mut self, statistics: &Statistics) -> Result<Manifest, Error> {
         self.manifest.add_statistics(statistics);
-        match self.close().and_then(|()| self.claim.publish()) {
+        match self.close().and_then(|()| self.publish()) {
             Ok(()) => {
                 self.finished = true;
                 Ok(self.manifest.clone())
@@ -157,11 +193,21 @@ impl Recorder {
     /// All that a complete run leaves is on disk afterwards.
     fn close(&mut self) -> Result<(), Error> {
         self.begin()?;
-        for (file, sink) in self.files.iter_mut().zip(&self.sinks.all) {
-            file.end(&**sink)?;
+        if self.shard.is_none() {
+            for (file, sink) in self.files.iter_mut().zip(&self.sinks.all) {
+                file.end(&**sink)?;
+            }
         }
         self.manifest.state = State::Complete;
         self.mark()
+    }
+
+    /// Gives what is complete its own name.
+    fn publish(&mut self) -> Result<(), Error> {
+        let Some((_, to)) = &self.shard else { return self.claim.publish() };
+        let tables: Vec<PathBuf> = self.files.iter().map(|file| self.claim.partial(file.name())).collect();
+        shard::pack(&tables, &manifest::text(&self.manifest), to)?;
+        self.claim.remove()
     }
 
     /// Ends a run that was interrupted: the rows so far stay, and what was there before stays as well.

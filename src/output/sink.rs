@@ -28,7 +28,7 @@ pub trait Sink: Send + Sync {
 
 /// A sink's file.
 pub struct SinkFile {
-    name: &'static str,
+    name: String,
     path: PathBuf,
     /// From the first rows on.
     file: Option<File>,
@@ -40,12 +40,12 @@ pub struct SinkFile {
 const PIECE: usize = 1 << 20;
 
 impl SinkFile {
-    pub fn new(name: &'static str, path: PathBuf) -> SinkFile {
-        SinkFile { name, path, file: None, printer: Fingerprinter::default() }
+    pub fn new(name: &str, path: PathBuf) -> SinkFile {
+        SinkFile { name: name.into(), path, file: None, printer: Fingerprinter::default() }
     }
 
-    pub fn name(&self) -> &'static str {
-        self.name
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     pub fn fingerprint(&self) -> Fingerprint {
