@@ -24,6 +24,7 @@ mod merge;
 mod progress;
 mod report;
 mod report_page;
+mod retry;
 mod run;
 mod shard;
 mod shell;
@@ -127,6 +128,9 @@ struct RunArgs {
     /// Solve only one of N parts of the sweep, of about the same cost, into one file of the folder; `merge` puts them together
     #[arg(long, value_name = "I/N", value_parser = shard::part)]
     shard: Option<shard::Part>,
+    /// Do the failed rows of a finished result again, and nothing else
+    #[arg(long, conflicts_with_all = ["shard", "again", "force", "dry_run"])]
+    retry_failed: bool,
     /// Only say what the sweep has to do and what it will cost
     #[arg(long)]
     dry_run: bool,

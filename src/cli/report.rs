@@ -134,6 +134,13 @@ pub fn already_done(origin: &Origin, table: &Path) -> String {
     )
 }
 
+/// What became of failed rows that were done again.
+pub fn done_again(rows: u64, origin: &Origin, table: &Path) -> String {
+    let still = origin.counts.failed_rows;
+    let rows = plural(rows, "failed row was", "failed rows were");
+    format!("{rows} done again, {still} still failed\n{}\n", table.display())
+}
+
 /// Which designs a shard has.
 pub fn shard(shard: &Shard, file: &Path) -> String {
     let Shard { designs, shard, of, .. } = shard;

@@ -7,7 +7,7 @@ use std::time::SystemTime;
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::engine::cost;
-use jointsweep::internals::engine::sweep::{self, Digest, SweepOptions};
+use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
 use jointsweep::internals::output::manifest::{Conditions, Manifest, Origin};
 use jointsweep::internals::output::recorder::Recorder;
@@ -15,7 +15,7 @@ use jointsweep::internals::study::config::Study;
 
 use super::interrupt::Interrupt;
 use super::progress::Progress;
-use super::{Ending, RunArgs, backend, print, report, say, shard, threads};
+use super::{Ending, RunArgs, backend, print, report, retry, say, shard, threads};
 
 pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();
@@ -28,6 +28,9 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     if args.dry_run {
         print(&report::estimate(&cost::estimate(&study)?, &folder.table()))?;
         return Ok(Ending::Complete);
+    }
+    if args.retry_failed {
+        return retry::retry(args, &study, &folder);
     }
     let permissions = Permissions { force: args.force, again: args.again };
     if let Verdict::Done(origin) = folder.check(&study, permissions)? {
@@ -75,7 +78,7 @@ pub fn record(
 
     let mut progress = Progress::new(designs.start, designs.end, args.quiet);
     let Conditions { threads, gpu, .. } = *conditions;
-    let options = SweepOptions { threads, gpu, notify: Some(&say), designs: Some(designs) };
+    let options = SweepOptions { threads, gpu, notify: Some(&say), designs: Chosen::Range(designs) };
     let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
     let outcome = sweep::run_digested(study, &options, &digest, &mut |rows| {
         match recorder.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {

@@ -21,4 +21,5 @@ pub mod law_fit;
 pub mod cost;
 pub mod shares;
 pub mod explain;
+mod distinct;
 pub mod sweep;

@@ -152,6 +152,16 @@ impl StatusCounts {
         }
     }
 
+    /// Counts one failure of this text less.
+    pub fn forget(&mut self, failure: &str) {
+        if let Some(count) = self.failed.get_mut(failure) {
+            *count -= 1;
+            if *count == 0 {
+                self.failed.remove(failure);
+            }
+        }
+    }
+
     /// From what `by_text` and `failures` gave.
     pub fn from_text(all: BTreeMap<String, u64>, failed: BTreeMap<String, u64>) -> StatusCounts {
         let text = |bits: usize| Status::Answered(Remarks(bits as u8)).to_string();

@@ -1,16 +1,14 @@
 //! Designs x plan x backend -> outcomes in design order.
 
-use std::hash::BuildHasher;
 use std::ops::{ControlFlow, Range};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
 
-use foldhash::HashSet;
-use foldhash::fast::RandomState;
 use rayon::prelude::*;
 
 use crate::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
+use crate::engine::distinct::Distinct;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
 use crate::engine::law_fit::add_laws;
@@ -58,17 +56,47 @@ pub struct SweepOptions<'a> {
     pub gpu: Option<GpuChoice<'a>>,
     /// Told at once, in one line, that the GPU was given up and why.
     pub notify: Option<&'a (dyn Fn(&str) + Sync)>,
-    /// The designs to solve, by their numbers; `None` for all.
-    pub designs: Option<Range<u64>>,
+    pub designs: Chosen,
 }
 
-impl SweepOptions<'_> {
-    /// The designs to solve, of those that there are.
-    fn range(&self, study: &Study) -> Range<u64> {
-        let end = study.design_count();
-        self.designs
-            .clone()
-            .map_or(0..end, |asked| asked.start.min(end)..asked.end.clamp(asked.start.min(end), end))
+/// The designs to solve, by their numbers.
+#[derive(Clone, Debug, Default)]
+pub enum Chosen {
+    #[default]
+    All,
+    Range(Range<u64>),
+    /// In their order, none twice.
+    Listed(Vec<u64>),
+}
+
+type Cases<'a> = Box<dyn Iterator<Item = Result<DesignCase, Error>> + Send + 'a>;
+
+impl Chosen {
+    fn count(&self, study: &Study) -> u64 {
+        match self {
+            Chosen::All => study.design_count(),
+            Chosen::Range(range) => range.end.min(study.design_count()).saturating_sub(range.start),
+            Chosen::Listed(numbers) => numbers.len() as u64,
+        }
+    }
+
+    fn cases<'a>(&'a self, study: &'a Study) -> Result<Cases<'a>, Error> {
+        let mut cases = study.cases()?;
+        Ok(match self {
+            Chosen::All => Box::new(cases),
+            Chosen::Range(range) => {
+                let (start, end) = (range.start, range.end.max(range.start));
+                Box::new(cases.skip(start as usize).take((end - start) as usize))
+            }
+            Chosen::Listed(numbers) => {
+                let mut next = 0;
+                Box::new(numbers.iter().filter_map(move |number| {
+                    let gap = number.checked_sub(next)?;
+                    next = number + 1;
+                    cases.nth(gap as usize)
+                }))
+            }
+        })
     }
 }
 
@@ -94,8 +122,7 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
     let digest = Digest { designs: FIRST_BATCH as u64, make: &|outcomes| outcomes };
     let mut statistics = run_digested(study, options, &digest, &mut receive_all)?;
     statistics.designs = received;
-    let asked = options.range(study);
-    statistics.interrupted = is_broken && received < asked.end - asked.start;
+    statistics.interrupted = is_broken && received < options.designs.count(study);
     Ok(statistics)
 }
 
@@ -115,9 +142,7 @@ pub fn run_digested<T: Send>(
         .num_threads(threads)
         .build()
         .map_err(|error| Error::Threads { threads, problem: error.to_string() })?;
-    let asked = options.range(study);
-    let count = asked.end - asked.start;
-    let cases = study.cases()?.skip(asked.start as usize).take(count as usize);
+    let (count, cases) = (options.designs.count(study), options.designs.cases(study)?);
     let mut statistics = Statistics::default();
     let (drawn_sender, drawn) = sync_channel(1);
     let (solved_sender, solved) = sync_channel(1);
@@ -132,7 +157,7 @@ pub fn run_digested<T: Send>(
         let solution = joined(solver);
         let distinct = joined(drawer);
         statistics.interrupted &= statistics.designs < count;
-        statistics.distinct_bodies = distinct.hashes.len() as u64;
+        statistics.distinct_bodies = distinct.count();
         if options.gpu.is_none() {
             statistics.designs_on_cpu = 0;
         }
@@ -176,7 +201,7 @@ fn draw_all(
         let is_last = match &batch {
             Ok(batch) if batch.is_empty() => break,
             Ok(batch) => {
-                batch.iter().for_each(|case| distinct.meet(case));
+                batch.iter().for_each(|case| meet(&mut distinct, case));
                 false
             }
             Err(_) => true,
@@ -187,6 +212,12 @@ fn draw_all(
         }
     }
     distinct
+}
+
+fn meet(distinct: &mut Distinct, case: &DesignCase) {
+    for part in [&case.joint.pin, &case.joint.plate] {
+        distinct.meet(&case.joint.body(part).key());
+    }
 }
 
 /// What is left of the solver at the end.
@@ -346,19 +377,4 @@ fn receive_all<T>(
         *time += started.elapsed();
     }
     Ok(())
-}
-
-/// Counts distinct bodies by hash: 8 bytes each.
-#[derive(Default)]
-struct Distinct {
-    hasher: RandomState,
-    hashes: HashSet<u64>,
-}
-
-impl Distinct {
-    fn meet(&mut self, case: &DesignCase) {
-        for part in [&case.joint.pin, &case.joint.plate] {
-            self.hashes.insert(self.hasher.hash_one(case.joint.body(part).key()));
-        }
-    }
 }

@@ -16,6 +16,8 @@ use crate::study::fingerprint::Fingerprint;
 pub const TABLE: &str = "table.csv";
 pub const LAWS: &str = "laws.csv";
 pub const MANIFEST: &str = "manifest.json";
+/// Of a run that goes on: the manifest as it was when all it speaks of was last known to be on the disk.
+pub const SAFE: &str = "manifest.safe.json";
 
 /// What a command leaves in a folder besides the manifest.
 #[derive(Debug)]
@@ -204,10 +206,8 @@ impl ResultFolder {
             }
         }
         rename(&partial(&self.manifest()), &self.manifest())?;
-        for path in left {
-            std::fs::remove_file(&path).map_err(|source| Error::Io { action: "remove", path, source })?;
-        }
-        Ok(())
+        left.push(partial(&self.dir.join(SAFE)));
+        left.iter().try_for_each(|path| remove_file(path))
     }
 
     /// Ends what a process that was killed between its renames has left undone.
@@ -230,10 +230,8 @@ impl ResultFolder {
         }
         rename(&partial(&self.manifest()), &self.manifest())?;
         let is_new = |path: &PathBuf| origin.files.iter().any(|(name, _)| self.dir.join(name) == *path);
-        for path in self.files().filter(|path| !is_new(path) && path.exists()) {
-            std::fs::remove_file(&path).map_err(|source| Error::Io { action: "remove", path, source })?;
-        }
-        Ok(())
+        let mut others = self.files().filter(|path| !is_new(path)).chain([partial(&self.dir.join(SAFE))]);
+        others.try_for_each(|path| remove_file(&path))
     }
 }
 
@@ -270,7 +268,7 @@ impl Claim {
     /// Removes what an unfinished run before has left of files that this one does not write.
     pub fn remove_others<'a>(&self, own: impl Iterator<Item = &'a str>) -> Result<(), Error> {
         let own: Vec<&str> = own.collect();
-        let mut others = self.folder.contents.files.iter().filter(|name| !own.contains(*name));
+        let mut others = self.folder.contents.files.iter().filter(|name| !own.contains(*name)).chain([&SAFE]);
         others.try_for_each(|name| remove_file(&self.partial(name)))
     }
 
@@ -284,6 +282,7 @@ impl Claim {
         self.folder.files().try_for_each(|path| remove_file(&partial(&path)))?;
         remove_file(&partial(&self.folder.manifest()))?;
         remove_file(&staged(&partial(&self.folder.manifest())))?;
+        remove_file(&self.partial(SAFE))?;
         // The lock goes with this claim; only then the folder is empty.
         self.is_to_go = true;
         Ok(())

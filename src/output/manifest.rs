@@ -167,7 +167,7 @@ pub struct Counts {
     /// Designs with at least one failed row.
     pub failed_designs: u64,
     pub failed_rows: u64,
-    /// Bodies that are not alike; one that several processes met counts for each of them.
+    /// Bodies that are not alike, to 0.2 % beyond a million; one that several processes met counts for each of them.
     pub distinct_bodies: u64,
     /// The largest of a row.
     pub greatest_force_error: f64,
@@ -220,6 +220,15 @@ impl Counts {
         self.designs += 1;
         self.rows += outcome.steps.len() as u64;
         self.failed_designs += u64::from(self.failed_rows > failed_before);
+    }
+
+    /// Counts a row that failed by what was found in its place; whether its design still has failed rows is not known here.
+    pub fn replace_failure(&mut self, status: &str, found: &Counts) {
+        let (designs, rows) = (self.designs, self.rows);
+        self.by_status.forget(status);
+        self.failed_rows = self.failed_rows.saturating_sub(1);
+        self.merge(found);
+        (self.designs, self.rows) = (designs, rows);
     }
 
     /// Adds what was counted elsewhere, of other designs of the same sweep.

@@ -14,6 +14,7 @@ pub mod export;
 pub mod shard;
 pub mod recorder;
 pub mod merge;
+pub mod retry;
 pub mod benchmark;
 pub mod gpu_benchmark;
 pub mod residual_plot;

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
-use crate::output::folder::{Claim, MANIFEST, TABLE};
+use crate::output::folder::{Claim, MANIFEST, SAFE, TABLE};
 use crate::output::laws_table::LawsTable;
 use crate::output::manifest::{self, Conditions, Counts, Manifest, Origin, Shard, State};
 use crate::output::shard;
@@ -66,8 +66,10 @@ impl Sinks {
 /// Few enough that those who watch the file of a slow run see it grow.
 const PORTION: u64 = 64;
 
-/// Time between two manifests of a run that goes on: what it loses at most when it is killed.
+/// Time between two manifests of a run that goes on: what it loses at most when it is killed ...
 const MARK: Duration = Duration::from_millis(250);
+/// ... and when the machine is, which may keep what is written in memory.
+const SAFE_MARK: Duration = Duration::from_secs(60);
 
 /// Writes the files and the manifest of one run, under their partial names until it is complete. Before the first rows it
 /// only proves that it can: a run that ends before leaves nothing behind.
@@ -82,6 +84,7 @@ pub struct Recorder {
     begun: bool,
     finished: bool,
     marked: Instant,
+    saved: Instant,
 }
 
 impl Recorder {
@@ -114,32 +117,57 @@ impl Recorder {
             let headers = sinks.all.iter().map(|sink| sink.header().len() as u64).collect();
             manifest = manifest.of_part(shard.clone(), headers);
         }
-        let (sinks, marked) = (Arc::new(sinks), Instant::now());
-        let mut recorder =
-            Recorder { claim, manifest, shard, sinks, files, begun: false, finished: false, marked };
+        let (sinks, now) = (Arc::new(sinks), Instant::now());
+        let mut recorder = Recorder {
+            claim,
+            manifest,
+            shard,
+            sinks,
+            files,
+            begun: false,
+            finished: false,
+            marked: now,
+            saved: now,
+        };
         recorder.manifest.stage(&recorder.manifest_path())?;
         Ok(recorder)
     }
 
-    /// Goes on with what an unfinished run of the same study has left, from design number `designs` on. Where its files are not what
-    /// its manifest says, the run begins anew, and this says why.
+    /// Goes on with what an unfinished run of the same study has left. Where its files are not what its manifest says, they are what
+    /// an earlier one says, or the run begins anew; then this says what is wrong.
     pub fn go_on(&mut self, unfinished: &Origin) -> Result<Option<String>, Error> {
-        let mut manifest = self.manifest.clone();
-        manifest.go_on(unfinished).map_err(|problem| {
-            let dir = self.claim.folder().dir().to_path_buf();
-            Error::CannotGoOn { dir, problem }
-        })?;
+        self.files.iter_mut().try_for_each(SinkFile::open)?;
+        let earlier =
+            std::fs::read_to_string(self.claim.partial(SAFE)).ok().and_then(|text| Origin::of(&text));
+        let earlier = earlier.filter(|earlier| earlier.inputs == unfinished.inputs);
+        let mut problem = None;
+        for origin in [unfinished].into_iter().chain(&earlier) {
+            let mut manifest = self.manifest.clone();
+            manifest.go_on(origin).map_err(|problem| {
+                let dir = self.claim.folder().dir().to_path_buf();
+                Error::CannotGoOn { dir, problem }
+            })?;
+            let Some(changed) = self.first_changed(origin)? else {
+                self.files.iter_mut().try_for_each(SinkFile::go_on)?;
+                self.manifest = manifest;
+                self.begun = true;
+                self.mark()?;
+                return Ok(problem);
+            };
+            let told = format!("{changed} is not what it was when the run before ended");
+            problem.get_or_insert(told);
+        }
+        Ok(problem)
+    }
+
+    /// The first file that does not begin as a manifest says.
+    fn first_changed(&mut self, origin: &Origin) -> Result<Option<String>, Error> {
         for file in &mut self.files {
-            let known = unfinished.files.iter().find(|(name, _)| name == file.name());
-            file.open()?;
+            let known = origin.files.iter().find(|(name, _)| name == file.name());
             if !known.map_or(Ok(false), |(_, print)| file.is_still(print))? {
-                return Ok(Some(format!("{} is not what it was when the run before ended", file.name())));
+                return Ok(Some(file.name().to_string()));
             }
         }
-        self.files.iter_mut().try_for_each(SinkFile::go_on)?;
-        self.manifest = manifest;
-        self.begun = true;
-        self.mark()?;
         Ok(None)
     }
 
@@ -172,6 +200,9 @@ impl Recorder {
             file.append(bytes)?;
         }
         self.manifest.counts.merge(&rows.counts);
+        if self.saved.elapsed() > SAFE_MARK {
+            return self.mark_safely();
+        }
         if self.marked.elapsed() > MARK { self.mark() } else { Ok(()) }
     }
 
@@ -251,6 +282,15 @@ impl Recorder {
         }
         self.manifest.save(&self.manifest_path())?;
         self.marked = Instant::now();
+        Ok(())
+    }
+
+    /// Saves where the run stands, in a place of its own, when all of it is on the disk.
+    fn mark_safely(&mut self) -> Result<(), Error> {
+        self.files.iter().try_for_each(SinkFile::sync)?;
+        self.mark()?;
+        self.manifest.save(&self.claim.partial(SAFE))?;
+        self.saved = Instant::now();
         Ok(())
     }
 }

@@ -5,6 +5,10 @@ mod interrupts;
 #[cfg(unix)]
 mod meetings;
 #[cfg(unix)]
+mod resume;
+#[cfg(unix)]
+mod shards;
+#[cfg(unix)]
 mod shortages;
 #[path = "../common/random.rs"]
 #[allow(dead_code, reason = "shared with tests that draw designs")]
