@@ -446,7 +446,7 @@ fn option(error: &Error) -> &'static str {
 fn way_out(error: &Error) -> &'static str {
     match error {
         Error::FolderTaken { .. } => ": name another folder with --out, or overwrite it with --force",
-        Error::DamagedShard { .. } => ": remove it and run this shard again",
+        Error::DamagedShard { .. } => ": run this shard again",
         Error::CannotGoOn { .. } => ": go on with that program, or begin anew with --again",
         Error::FolderInUse { .. } => ": wait for it, or name another folder with --out",
         Error::DesignsInTheWay { .. } | Error::InputInTheWay { .. } => ": name another folder with --out",

@@ -113,13 +113,13 @@ pub fn interrupted(manifest: &Manifest, rows: &Path) -> String {
     format!("{done}, their rows are in {}; the same command goes on from there", rows.display())
 }
 
-/// What is said of a run that goes on where another has stopped, or cannot because of a damage.
-pub fn going_on(begun: &Origin, damage: Option<&str>) -> String {
-    let Counts { designs, designs_asked, .. } = begun.counts;
-    match damage {
-        None => format!("{designs} of {designs_asked} designs were done before; going on"),
-        Some(damage) => format!("warning: {damage}; beginning anew"),
-    }
+/// What is said of a run that goes on where another has stopped, after so many designs of those asked, and of a damage that was found.
+pub fn going_on(done: u64, asked: u64, damage: Option<&str>) -> String {
+    let goes_on = match done {
+        0 => "beginning anew".into(),
+        _ => format!("{done} of {asked} designs were done before; going on"),
+    };
+    damage.map_or(goes_on.clone(), |damage| format!("warning: {damage}; {goes_on}"))
 }
 
 /// What is said instead of running a config again.

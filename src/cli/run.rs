@@ -113,9 +113,11 @@ pub fn record(
 
 /// Goes on where a run before has stopped, and says so.
 pub fn go_on(args: &RunArgs, recorder: &mut Recorder, begun: &Origin) -> Result<(), Error> {
+    let asked = recorder.designs_left();
     let damage = recorder.go_on(begun)?;
-    if let (false, line) = (args.quiet, report::going_on(begun, damage.as_deref())) {
-        say(&line);
+    if !args.quiet {
+        let done = recorder.designs_left().start - asked.start;
+        say(&report::going_on(done, asked.end - asked.start, damage.as_deref()));
     }
     Ok(())
 }

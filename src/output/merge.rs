@@ -52,7 +52,7 @@ pub fn merge(dir: &Path, permissions: Permissions) -> Result<Merged, Error> {
 fn what_is_missing(survey: &Survey) -> Option<String> {
     if let Some((shard, problem)) = survey.damaged.first() {
         let name = file_name(*shard, survey.of);
-        return Some(format!("{name} is damaged ({problem}): remove it and run this shard again"));
+        return Some(format!("{name} is damaged ({problem}): run this shard again"));
     }
     let of = survey.of;
     match survey.missing[..] {

@@ -145,6 +145,9 @@ impl ShardFile {
         let Some((shard, headers)) = origin.part.clone() else {
             return Err(damaged("its manifest is of no shard"));
         };
+        if path.file_name().is_none_or(|name| *name != *file_name(shard.shard, shard.of)) {
+            return Err(damaged(&format!("it is shard {} of {}", shard.shard, shard.of)));
+        }
         let tables: u64 = origin.files.iter().map(|(_, print)| print.bytes).sum();
         if tables + manifest_length + TAIL != length || headers.len() != origin.files.len() {
             return Err(damaged("it is not as long as it says"));
