@@ -1,6 +1,6 @@
 //! `jointsweep run --shard`: a part of a sweep, for `jointsweep merge` to put together with the others.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use jointsweep::Error;
@@ -126,7 +126,7 @@ fn claim(args: &RunArgs, folder: &ResultFolder) -> Result<Claim, Error> {
     }
 }
 
-fn already_complete(args: &RunArgs, origin: &Origin, file: &PathBuf) -> Result<Ending, Error> {
+fn already_complete(args: &RunArgs, origin: &Origin, file: &Path) -> Result<Ending, Error> {
     if !args.quiet {
         print(&report::already_done(origin, file))?;
     }

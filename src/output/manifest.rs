@@ -224,11 +224,11 @@ impl Counts {
 
     /// Counts a row that failed by what was found in its place; whether its design still has failed rows is not known here.
     pub fn replace_failure(&mut self, status: &str, found: &Counts) {
-        let (designs, rows) = (self.designs, self.rows);
+        let before = (self.designs, self.rows, self.failed_designs);
         self.by_status.forget(status);
         self.failed_rows = self.failed_rows.saturating_sub(1);
         self.merge(found);
-        (self.designs, self.rows) = (designs, rows);
+        (self.designs, self.rows, self.failed_designs) = before;
     }
 
     /// Adds what was counted elsewhere, of other designs of the same sweep.

@@ -110,8 +110,8 @@ impl Recorder {
         shard: Option<(Shard, PathBuf)>,
     ) -> Result<Recorder, Error> {
         let sinks = Sinks::of(study);
-        let file = |sink: &Box<dyn Sink>| SinkFile::new(sink.file_name(), claim.partial(sink.file_name()));
-        let files = sinks.all.iter().map(file).collect();
+        let names = sinks.all.iter().map(|sink| sink.file_name());
+        let files = names.map(|name| SinkFile::new(name, claim.partial(name))).collect();
         let mut manifest = Manifest::new(study, conditions);
         if let Some((shard, _)) = &shard {
             let headers = sinks.all.iter().map(|sink| sink.header().len() as u64).collect();
