@@ -6,7 +6,7 @@ pub mod columns;
 pub mod setting;
 mod source;
 mod values;
-mod sampling;
+pub mod sampling;
 mod recipe;
 pub mod designs_file;
 pub mod measured;
