@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::SystemTime;
 
-use jointsweep::Error;
 use jointsweep::internals::engine::sweep::SweepOptions;
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, SENSITIVITY, Verdict};
 use jointsweep::internals::output::result_column::ResultColumn;
@@ -12,6 +11,7 @@ use jointsweep::internals::output::sensitivity::{Question, load, order, save};
 use jointsweep::internals::sensitivity::analysis::{Analysis, Output, OutputIndices, analyse};
 use jointsweep::internals::sensitivity::indices::{Estimate, FactorIndices};
 use jointsweep::internals::study::config::Study;
+use jointsweep::{Error, Status};
 
 use super::progress::Progress;
 use super::report::aligned;
@@ -88,8 +88,13 @@ fn summary(study: &Study, columns: &[ResultColumn], analysis: &Analysis, dir: &P
         text += &table(&factors, column, &load(study), output);
         text.push('\n');
     }
-    let Analysis { samples, designs, .. } = analysis;
+    let Analysis { samples, designs, statuses, .. } = analysis;
     _ = writeln!(text, "{samples} samples of {} factors, {designs} designs", factors.len());
+    for (status, count) in statuses.by_text() {
+        if status != Status::OK.to_string() {
+            _ = writeln!(text, "{count} designs: {status}");
+        }
+    }
     text += "written:\n";
     for name in ["sensitivity.csv", "sensitivity.svg", "manifest.json"] {
         _ = writeln!(text, "  {}", dir.join(name).display());
@@ -109,20 +114,14 @@ fn table(factors: &[&str], column: &ResultColumn, load: &str, output: &OutputInd
         None => text += "it does not change: there is no variance to share\n",
         Some(indices) => {
             let mut lines = vec![["factor", "first order", "95 %", "total", "95 %"].map(String::from)];
-            let interval = |one: Estimate| format!("{:.3} to {:.3}", one.low, one.high);
+            let interval = |one: Estimate| format!("{} to {}", digits(one.low), digits(one.high));
             for place in order(indices) {
                 let FactorIndices { first_order, total } = indices.factors[place];
-                let [first, all] = [first_order, total].map(|one| format!("{:.3}", one.value));
+                let [first, all] = [first_order, total].map(|one| digits(one.value));
                 lines.push([factors[place].into(), first, interval(first_order), all, interval(total)]);
             }
             let sum = indices.sum_of_first_orders;
-            lines.push([
-                "sum".into(),
-                format!("{:.3}", sum.value),
-                interval(sum),
-                String::new(),
-                String::new(),
-            ]);
+            lines.push(["sum".into(), digits(sum.value), interval(sum), String::new(), String::new()]);
             text += &aligned(&lines);
         }
     }
@@ -130,4 +129,10 @@ fn table(factors: &[&str], column: &ResultColumn, load: &str, output: &OutputInd
         _ = writeln!(text, "left out: {left_out} samples with a design that has no {}", column.name);
     }
     text
+}
+
+/// Three decimals, and no zero below zero.
+fn digits(share: f64) -> String {
+    let text = format!("{share:.3}");
+    if text == "-0.000" { "0.000".into() } else { text }
 }

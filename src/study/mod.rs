@@ -5,7 +5,7 @@ pub mod design;
 pub mod columns;
 pub mod setting;
 mod source;
-mod values;
+pub mod values;
 pub mod sampling;
 mod recipe;
 pub mod designs_file;

@@ -42,6 +42,8 @@ const GAP: f64 = 10.0;
 const HEADING: f64 = 26.0;
 /// Half of a whisker's end.
 const END: f64 = 3.0;
+/// Some fonts are wider than others.
+const ROOM: f64 = 1.08;
 /// Longer names are cut: the plot needs the room.
 const WIDEST_NAME: f64 = 200.0;
 
@@ -50,7 +52,7 @@ impl BarChart {
     pub fn alone(&self) -> String {
         let groups = || self.panels.iter().flat_map(|panel| &panel.groups);
         let widest = groups().map(|group| width(&fitted(&group.name))).fold(0.0, f64::max);
-        let mut frame = Frame::new(&self.title, widest - 20.0, 0, true);
+        let mut frame = Frame::new(&self.title, ROOM * widest - 20.0, 0, true);
         let heights = groups().map(|group| BAR * group.bars.len() as f64 + GAP);
         frame.bottom = frame.top + heights.sum::<f64>() + HEADING * self.panels.len() as f64;
         self.axis(&mut frame);
@@ -59,7 +61,7 @@ impl BarChart {
             _ = writeln!(
                 frame.svg,
                 "<text class=\"faint\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                frame.left + 6.0,
+                8.0,
                 y + 0.7 * HEADING,
                 escaped(&panel.heading)
             );
