@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn groups_are_few_and_none_for_a_handful() {
         for (rows, groups, longest) in
-            [(5, 5, 1), (64, 64, 1), (65, 33, 2), (1000, 63, 16), (1 << 20, 64, 1 << 14)]
+            [(5, 5, 1), (64, 64, 1), (65, 33, 2), (1000, 63, 16), (3000, 47, 64), (1 << 20, 64, 1 << 14)]
         {
             let mut moments = Moments::new(1, rows);
             (0..rows).for_each(|row| moments.add_row(&[Some(row as f64), Some(1.0), Some(2.0)]));
