@@ -326,7 +326,7 @@ fn a_joint_has_the_indices_that_follow_from_its_mechanics() {
 #[test]
 fn results_do_not_depend_on_threads() {
     let work = Workdir::new("sensitivity-threads");
-    let config = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/sensitivity.toml");
+    let config = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/sensitivity/clevis.toml");
     let written = ["1", "3"].map(|threads| {
         let out = format!("out{threads}");
         let arguments =

@@ -75,7 +75,7 @@ pub fn indices(moments: &Moments) -> Option<Indices> {
     for resample in 0..RESAMPLES {
         let drawn = (0..groups.len()).map(|k| {
             let random = mix(SEED ^ mix((resample * groups.len() + k) as u64));
-            groups[(u128::from(random) * groups.len() as u128 >> 64) as usize]
+            groups[((u128::from(random) * groups.len() as u128) >> 64) as usize]
         });
         for (draws, share) in draws.iter_mut().zip(shares(&total(factors, drawn))) {
             // Groups that are all alike have no variance to share.

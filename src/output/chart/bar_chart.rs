@@ -57,6 +57,8 @@ impl BarChart {
         frame.bottom = frame.top + heights.sum::<f64>() + HEADING * self.panels.len() as f64;
         self.axis(&mut frame);
         let mut y = frame.top;
+        // The line on the left leaves out the headings, which are as wide as the sheet.
+        let mut lines = format!("M{:.1} {:.1}H{:.1}", frame.left, frame.bottom, frame.right);
         for panel in &self.panels {
             _ = writeln!(
                 frame.svg,
@@ -66,12 +68,14 @@ impl BarChart {
                 escaped(&panel.heading)
             );
             y += HEADING;
+            let first = y;
             for group in &panel.groups {
                 self.group(&mut frame, group, y);
                 y += BAR * group.bars.len() as f64 + GAP;
             }
+            _ = write!(lines, "M{:.1} {first:.1}V{y:.1}", frame.left);
         }
-        frame.border();
+        _ = writeln!(frame.svg, "<path class=\"axis\" fill=\"none\" d=\"{lines}\"/>");
         frame.names(&self.x.name, "");
         let entries: Vec<Entry> = self.series.iter().enumerate().map(swatch).collect();
         frame.legend(&entries);
