@@ -61,13 +61,8 @@ fn main() {
 #[divan::bench(args = [1, 10])]
 fn rows(bencher: Bencher, step_count: usize) {
     let mut outcomes: Vec<_> = (0..ROWS / step_count).map(|i| outcome(i as u64, step_count)).collect();
-    let mut table = Table::default();
-    let mut text = Vec::new();
-    let mut write = || {
-        text.clear();
-        outcomes.iter_mut().for_each(|outcome| table.push_rows(&mut text, outcome));
-        text.len()
-    };
+    let table = Table::default();
+    let mut write = || table.rows(&mut outcomes).len();
     let bytes = write();
     bencher.counter(ItemsCount::new(ROWS)).counter(BytesCount::new(bytes)).bench_local(write);
 }

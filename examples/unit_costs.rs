@@ -19,7 +19,7 @@ use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity, concent
 use jointsweep::internals::engine::plan::JointPlan;
 use jointsweep::internals::engine::refusal::is_bounded;
 use jointsweep::internals::engine::spaces::SpaceKey;
-use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::engine::sweep::{self, Digest, SweepOptions};
 use jointsweep::internals::engine::unit_costs::{
     Unit, batch, curve, design, interpolated_design, near_field_works, series, space, space_modes,
     space_ring_modes, spread_modes, spread_ring_modes, topology,
@@ -34,8 +34,7 @@ use jointsweep::internals::mechanics::contact::outlines::Outlines;
 use jointsweep::internals::mechanics::material::Idealization;
 use jointsweep::internals::mechanics::real::LANES;
 use jointsweep::internals::output::host::{Host, processor_seconds};
-use jointsweep::internals::output::sink::Sink;
-use jointsweep::internals::output::table::Table;
+use jointsweep::internals::output::recorder::Sinks;
 use jointsweep::internals::study::config::Study;
 
 /// Runs of which the median is taken, and the least time of each, s.
@@ -357,13 +356,9 @@ interpolation = "{interpolation}"
 /// A sweep on one thread with the text of its table.
 fn run_sweep(study: &Study) {
     let options = SweepOptions { threads: 1, ..SweepOptions::default() };
-    let (mut table, mut text) = (Table::default(), Vec::new());
-    let receive = &mut |mut outcome| {
-        text.clear();
-        table.push_rows(&mut text, &mut outcome);
-        Ok(ControlFlow::Continue(()))
-    };
-    sweep::run(study, &options, receive).expect("a sweep");
+    let sinks = Sinks::of(study);
+    let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
+    sweep::run_digested(study, &options, &digest, &mut |_| Ok(ControlFlow::Continue(()))).expect("a sweep");
 }
 
 /// Its processor time, s.

@@ -20,11 +20,13 @@ mod init;
 mod export;
 mod interrupt;
 mod laws;
+mod merge;
 mod progress;
 mod report;
 mod report_page;
 mod run;
 mod sensitivity;
+mod shard;
 mod shell;
 mod tradeoff;
 
@@ -51,6 +53,8 @@ enum Command {
     Init(InitArgs),
     /// Solves every design of a config and writes table.csv and manifest.json
     Run(RunArgs),
+    /// Puts the shards of a sweep together into the result of the whole
+    Merge(MergeArgs),
     /// Fits laws to the designs of a result and writes laws.csv beside its table
     Laws(LawsArgs),
     /// Says what each design is solved with and why, what was ruled out, and the estimated error and time
@@ -120,9 +124,12 @@ struct RunArgs {
     /// Overwrite the result of another config
     #[arg(long)]
     force: bool,
-    /// Run a config again whose result is complete; the old one stays until the new one is
+    /// Begin anew where the config was run before; a complete result stays until the new one is
     #[arg(long)]
     again: bool,
+    /// Solve only one of N parts of the sweep, of about the same cost, into one file of the folder; `merge` puts them together
+    #[arg(long, value_name = "I/N", value_parser = shard::part)]
+    shard: Option<shard::Part>,
     /// Only say what the sweep has to do and what it will cost
     #[arg(long)]
     dry_run: bool,
@@ -132,6 +139,21 @@ struct RunArgs {
     /// Say the time of each stage, too
     #[arg(long, conflicts_with = "quiet")]
     verbose: bool,
+}
+
+#[derive(Args)]
+struct MergeArgs {
+    /// Folder of the shards, where the result will be
+    dir: PathBuf,
+    /// Overwrite the result of another config
+    #[arg(long)]
+    force: bool,
+    /// Merge again what was merged
+    #[arg(long)]
+    again: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
 }
 
 #[derive(Args)]
@@ -418,6 +440,7 @@ pub fn main() -> ExitCode {
     let ending = match cli.command {
         Command::Init(args) => init::init(&args),
         Command::Run(args) => run::run(&args),
+        Command::Merge(args) => merge::merge(&args),
         Command::Laws(args) => laws::laws(&args),
         Command::Explain(args) => explain::explain(&args),
         Command::Calibrate(args) => calibrate::calibrate(&args),
@@ -456,6 +479,8 @@ fn option(error: &Error) -> &'static str {
 fn way_out(error: &Error) -> &'static str {
     match error {
         Error::FolderTaken { .. } => ": name another folder with --out, or overwrite it with --force",
+        Error::DamagedShard { .. } => ": remove it and run this shard again",
+        Error::CannotGoOn { .. } => ": go on with that program, or begin anew with --again",
         Error::FolderInUse { .. } => ": wait for it, or name another folder with --out",
         Error::DesignsInTheWay { .. } | Error::InputInTheWay { .. } => ": name another folder with --out",
         Error::FileTaken { .. } => ": name another file, or overwrite it with --force",

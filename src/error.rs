@@ -22,9 +22,20 @@ pub enum Error {
     #[error("{} holds {occupant}", dir.display())]
     FolderTaken { dir: PathBuf, occupant: String },
 
+    /// `problem` is whose unfinished result is there, and who wants to go on with it.
+    #[error("{} holds {problem}", dir.display())]
+    CannotGoOn { dir: PathBuf, problem: String },
+
     /// `holder` in the words of the run that has it; empty where they cannot be read.
     #[error("{} is in use by another run{}", dir.display(), in_brackets(holder))]
     FolderInUse { dir: PathBuf, holder: String },
+
+    /// A folder whose shards cannot be put together.
+    #[error("{}: {problem}", dir.display())]
+    NoShards { dir: PathBuf, problem: String },
+
+    #[error("{} is damaged: {problem}", path.display())]
+    DamagedShard { path: PathBuf, problem: String },
 
     #[error("{} is the list of designs and would be overwritten", path.display())]
     DesignsInTheWay { path: PathBuf },

@@ -47,6 +47,11 @@ fn recorder(work: &Workdir, folder: &str) -> (Study, Recorder) {
     (study, recorder)
 }
 
+fn write(recorder: &mut Recorder, outcome: DesignOutcome) {
+    let rows = recorder.sinks().rows(vec![outcome]);
+    recorder.write(&rows).unwrap();
+}
+
 fn outcomes(study: &Study) -> Vec<DesignOutcome> {
     let mut outcomes = Vec::new();
     let options = SweepOptions { threads: 1, ..Default::default() };
@@ -71,7 +76,7 @@ fn a_run_without_an_outcome_leaves_nothing_behind() {
 fn complete(work: &Workdir, folder: &str) -> (String, String) {
     let (study, mut recorder) = recorder(work, folder);
     for outcome in outcomes(&study) {
-        recorder.write(outcome).unwrap();
+        write(&mut recorder, outcome);
     }
     recorder.finish(&Default::default()).unwrap();
     assert_eq!(work.json(&format!("{folder}/manifest.json"))["state"], "complete");
@@ -90,7 +95,7 @@ fn an_earlier_result_stays_until_the_new_one_is_whole() {
     assert_eq!(now(), first);
     assert_eq!(work.files(), ["result/laws.csv", "result/manifest.json", "result/table.csv", "study.toml"]);
     let (_, mut third) = recorder(&work, "result");
-    third.write(outcomes(&study).remove(0)).unwrap();
+    write(&mut third, outcomes(&study).remove(0));
     drop(third);
     assert_eq!(now(), first);
     assert_eq!(work.table("result/table.csv.partial").records.len(), 2);
@@ -179,7 +184,7 @@ fn a_run_that_fails_or_panics_keeps_its_rows_and_says_so() {
         [("failed", Some(Error::Asked { problem: "neither nor".into() })), ("panicked", None)]
     {
         let (study, mut recorder) = recorder(&work, folder);
-        recorder.write(outcomes(&study).remove(0)).unwrap();
+        write(&mut recorder, outcomes(&study).remove(0));
         match &error {
             Some(error) => recorder.fail(error),
             None => {
@@ -205,9 +210,9 @@ fn the_rows_of_a_slow_run_can_be_watched() {
     let work = Workdir::new("slow");
     let (study, mut recorder) = recorder(&work, "result");
     let mut outcomes = outcomes(&study).into_iter();
-    recorder.write(outcomes.next().unwrap()).unwrap();
+    write(&mut recorder, outcomes.next().unwrap());
     std::thread::sleep(Duration::from_millis(1100));
-    recorder.write(outcomes.next().unwrap()).unwrap();
+    write(&mut recorder, outcomes.next().unwrap());
     assert_eq!(work.table("result/table.csv.partial").records.len(), 4);
     assert_eq!(work.json("result/manifest.json.partial")["state"], "incomplete");
 }

@@ -32,10 +32,10 @@ fn json(path: &str) -> Value {
 
 /// The table of a study, as `run` writes it.
 fn table(study: &Study) -> String {
-    let (mut table, mut text) = (Table::default(), Vec::new());
-    table.push_header(&mut text);
-    sweep::run(study, &SweepOptions::default(), &mut |mut outcome| {
-        table.push_rows(&mut text, &mut outcome);
+    let table = Table::default();
+    let mut text = table.header();
+    sweep::run(study, &SweepOptions::default(), &mut |outcome| {
+        text.extend(table.rows(&mut [outcome]));
         Ok(ControlFlow::Continue(()))
     })
     .unwrap();

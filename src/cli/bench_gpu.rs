@@ -15,7 +15,7 @@ use jointsweep::internals::engine::backend::gpu::measure::{KernelTime, SWEEP_ACC
 use jointsweep::internals::engine::backend::gpu::roofline::{Peaks, peaks, preferred_precision};
 use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::engine::outcome::DesignOutcome;
-use jointsweep::internals::engine::sweep::{self, Statistics, SweepOptions};
+use jointsweep::internals::engine::sweep::{self, Digest, Statistics, SweepOptions};
 use jointsweep::internals::output::folder::ResultFolder;
 use jointsweep::internals::output::gpu_benchmark::{
     Asked, GpuBenchmark, GpuSweep, PrecisionRow, ScalingRow, Shares,
@@ -293,9 +293,11 @@ impl Bench<'_> {
         let started = Instant::now();
         let conditions = Conditions { gpu, threads: self.threads, started: SystemTime::now() };
         let mut recorder = Recorder::new(folder.claim("of bench-gpu")?, study, &conditions)?;
-        let options = SweepOptions { threads: self.threads, gpu, notify: None };
-        let statistics = sweep::run(study, &options, &mut |outcome| {
-            recorder.write(outcome)?;
+        let options = SweepOptions { threads: self.threads, gpu, ..SweepOptions::default() };
+        let sinks = recorder.sinks();
+        let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
+        let statistics = sweep::run_digested(study, &options, &digest, &mut |rows| {
+            recorder.write(&rows)?;
             Ok(ControlFlow::Continue(()))
         })?;
         recorder.finish(&statistics)?;
@@ -315,7 +317,7 @@ impl Bench<'_> {
         receive: &mut dyn FnMut(DesignOutcome),
     ) -> Result<(f64, Statistics), Error> {
         let gpu = precision.map(|precision| GpuChoice { device: self.gpu, precision });
-        let options = SweepOptions { threads: self.threads, gpu, notify: None };
+        let options = SweepOptions { threads: self.threads, gpu, ..SweepOptions::default() };
         let started = Instant::now();
         let statistics = sweep::run(study, &options, &mut |outcome| {
             receive(outcome);

@@ -27,7 +27,7 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<Ending, Error> {
     let permissions = Permissions { force: args.force, again: args.force };
     // Other points, or other unknowns: only the config is known to be the same.
     if let Verdict::Done(origin) = folder.check(&study, permissions)? {
-        return Err(Error::FolderTaken { dir, occupant: format!("a calibration of {}", origin.path) });
+        return Err(Error::FolderTaken { dir, occupant: format!("a calibration of {}", origin.inputs.path) });
     }
     let calibration = fit(&joint, study.solve, &unknowns, &measured.points).map_err(|error| match error {
         Error::Calibration { problem } => {

@@ -9,7 +9,7 @@ use jointsweep::internals::output::laws_table::LawsTable;
 use jointsweep::internals::output::lock::FolderLock;
 use jointsweep::internals::output::manifest::{publish, staged, with_file, write_whole};
 use jointsweep::internals::output::results::{Results, TableRow};
-use jointsweep::internals::output::sink::SinkFile;
+use jointsweep::internals::output::sink::{Sink, SinkFile};
 use jointsweep::internals::study::config::{MethodChoice, solve_options};
 use jointsweep::internals::study::design::{DesignCase, Load};
 
@@ -25,7 +25,7 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
         return Err(Error::FileTaken { path });
     }
     let origin = &results.origin;
-    let options = solve_options(std::path::Path::new(&origin.path), &origin.text)?;
+    let options = solve_options(std::path::Path::new(&origin.inputs.path), &origin.inputs.text)?;
     let refuse = |problem: &str| Err(Error::NoResult { dir: args.dir.clone(), problem: problem.into() });
     if options.method == MethodChoice::ClosedForm {
         return refuse("a closed form has no curve to fit laws to");
@@ -34,7 +34,7 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads(args.threads)).build();
     let pool =
         pool.map_err(|error| Error::Threads { threads: threads(args.threads), problem: error.to_string() })?;
-    let mut file = SinkFile::new(Box::new(LawsTable), staged(&path));
+    let mut file = SinkFile::new(LAWS, staged(&path));
     let written = pool.install(|| write_laws(&results, Ladder::new(options), &mut file));
     if written.is_err() {
         // What is half written is of no use to anybody.
@@ -53,7 +53,7 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
 /// Fits all designs of a result, and says how many there are.
 fn write_laws(results: &Results, mut ladder: Ladder, file: &mut SinkFile) -> Result<usize, Error> {
     file.open()?;
-    file.begin()?;
+    file.begin(&LawsTable.header())?;
     let mut designs = Designs { rows: results.rows()?, next: None };
     let mut count = 0;
     loop {
@@ -68,14 +68,13 @@ fn write_laws(results: &Results, mut ladder: Ladder, file: &mut SinkFile) -> Res
         count += batch.len();
         let asked: Vec<_> = batch.iter().map(|(case, working)| (case, *working)).collect();
         let fitted = laws_of_all(&mut ladder, &asked);
-        for ((case, _), laws) in batch.into_iter().zip(fitted) {
-            let mut outcome =
-                DesignOutcome::new(case, Answer { backend: BackendKind::Cpu, steps: Vec::new() });
-            outcome.laws = Some(Box::new(laws));
-            file.write(&mut outcome)?;
-        }
+        let with_laws = batch.into_iter().zip(fitted).map(|((case, _), laws)| {
+            let answer = Answer { backend: BackendKind::Cpu, steps: Vec::new() };
+            DesignOutcome { laws: Some(Box::new(laws)), ..DesignOutcome::new(case, answer) }
+        });
+        let mut with_laws: Vec<DesignOutcome> = with_laws.collect();
+        file.append(&LawsTable.rows(&mut with_laws))?;
     }
-    file.flush()?;
     Ok(count)
 }
 

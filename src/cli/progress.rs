@@ -15,37 +15,38 @@ const PAUSE: Duration = Duration::from_secs(10);
 pub enum Progress {
     Silent,
     Bar(ProgressBar),
-    Lines { done: u64, total: u64, started: Instant, next: Instant },
+    Lines { before: u64, done: u64, total: u64, started: Instant, next: Instant },
 }
 
 impl Progress {
-    pub fn new(total: u64, quiet: bool) -> Progress {
+    /// Of `total` designs, of which `before` were done by an earlier run.
+    pub fn new(before: u64, total: u64, quiet: bool) -> Progress {
         if quiet {
             return Progress::Silent;
         }
         if std::io::stderr().is_terminal() {
             // The mean rate from the start on: indicatif's own takes seconds to find a fast sweep's.
-            let words = |state: &ProgressState, out: &mut dyn Write| {
-                _ = out.write_str(&line(state.pos(), state.len().unwrap_or(0), state.elapsed()));
+            let words = move |state: &ProgressState, out: &mut dyn Write| {
+                _ = out.write_str(&line(before, state.pos(), state.len().unwrap_or(0), state.elapsed()));
             };
             let style = ProgressStyle::with_template("{bar:30} {words}").expect("the template is valid");
             let style = style.with_key("words", words);
-            return Progress::Bar(ProgressBar::new(total).with_style(style));
+            return Progress::Bar(ProgressBar::new(total).with_position(before).with_style(style));
         }
         let started = Instant::now();
-        Progress::Lines { done: 0, total, started, next: started + PAUSE }
+        Progress::Lines { before, done: before, total, started, next: started + PAUSE }
     }
 
-    /// One more design is done.
-    pub fn advance(&mut self) {
+    /// More designs are done.
+    pub fn advance(&mut self, designs: u64) {
         match self {
             Progress::Silent => {}
-            Progress::Bar(bar) => bar.inc(1),
-            Progress::Lines { done, total, started, next } => {
-                *done += 1;
+            Progress::Bar(bar) => bar.inc(designs),
+            Progress::Lines { before, done, total, started, next } => {
+                *done += designs;
                 let now = Instant::now();
                 if now >= *next && done < total {
-                    say(&line(*done, *total, now - *started));
+                    say(&line(*before, *done, *total, now - *started));
                     *next = now + PAUSE;
                 }
             }
@@ -59,11 +60,11 @@ impl Progress {
     }
 }
 
-fn line(done: u64, total: u64, elapsed: Duration) -> String {
-    if done == 0 {
-        return format!("0/{total} designs");
+fn line(before: u64, done: u64, total: u64, elapsed: Duration) -> String {
+    if done == before {
+        return format!("{done}/{total} designs");
     }
-    let rate = done as f64 / elapsed.as_secs_f64();
+    let rate = (done - before) as f64 / elapsed.as_secs_f64();
     let left = duration(total.saturating_sub(done) as f64 / rate);
     format!("{done}/{total} designs, {rate:.0}/s, {left} left")
 }
@@ -75,7 +76,8 @@ mod tests {
     #[test]
     fn a_line_tells_rate_and_time_left() {
         let elapsed = Duration::from_secs(10);
-        assert_eq!(line(12_000, 100_000, elapsed), "12000/100000 designs, 1200/s, 73 s left");
-        assert_eq!(line(0, 100, elapsed), "0/100 designs");
+        assert_eq!(line(0, 12_000, 100_000, elapsed), "12000/100000 designs, 1200/s, 73 s left");
+        assert_eq!(line(10_000, 12_000, 100_000, elapsed), "12000/100000 designs, 200/s, 7 min left");
+        assert_eq!(line(0, 0, 100, elapsed), "0/100 designs");
     }
 }

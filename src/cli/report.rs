@@ -7,7 +7,7 @@ use std::path::Path;
 use jointsweep::internals::engine::cost::Estimate;
 use jointsweep::internals::engine::explain::percent;
 use jointsweep::internals::output::folder::MANIFEST;
-use jointsweep::internals::output::manifest::{Counts, Manifest, Origin};
+use jointsweep::internals::output::manifest::{Counts, Manifest, Origin, Shard};
 
 /// The most causes of failure that are listed; the table has them all.
 const CAUSES: usize = 10;
@@ -107,7 +107,19 @@ fn newtons(force: f64) -> String {
 pub fn interrupted(manifest: &Manifest, rows: &Path) -> String {
     let Counts { designs, designs_asked, .. } = manifest.counts;
     let done = format!("interrupted: {designs} of {designs_asked} designs are done");
-    if designs == 0 { done } else { format!("{done}; their rows are in {}", rows.display()) }
+    if designs == 0 {
+        return done;
+    }
+    format!("{done}, their rows are in {}; the same command goes on from there", rows.display())
+}
+
+/// What is said of a run that goes on where another has stopped, or cannot because of a damage.
+pub fn going_on(begun: &Origin, damage: Option<&str>) -> String {
+    let Counts { designs, designs_asked, .. } = begun.counts;
+    match damage {
+        None => format!("{designs} of {designs_asked} designs were done before; going on"),
+        Some(damage) => format!("warning: {damage}; beginning anew"),
+    }
 }
 
 /// What is said instead of running a config again.
@@ -120,6 +132,52 @@ pub fn already_done(origin: &Origin, table: &Path) -> String {
         "already complete, nothing to do: the same config was run before (by {by}); --again makes it anew\n{}\n",
         table.display()
     )
+}
+
+/// Which designs a shard has.
+pub fn shard(shard: &Shard, file: &Path) -> String {
+    let Shard { designs, shard, of, .. } = shard;
+    let count = plural(designs.end - designs.start, "design", "designs");
+    let which = if designs.is_empty() {
+        String::new()
+    } else {
+        format!(", {} to {}", designs.start, designs.end - 1)
+    };
+    format!("shard {shard} of {of}: {count}{which}\n{}\n", file.display())
+}
+
+/// What a shard came to.
+pub fn shard_summary(manifest: &Manifest, file: &Path) -> String {
+    let counts = &manifest.counts;
+    let failed = match counts.failed_designs {
+        0 => String::new(),
+        failed => format!(", of which {failed} failed"),
+    };
+    format!(
+        "{}{failed}, {} in {} ({}, {})\nwritten:\n  {}\n",
+        plural(counts.designs, "design", "designs"),
+        plural(counts.rows, "row", "rows"),
+        duration(manifest.wall_seconds),
+        manifest.computed_by(),
+        plural(manifest.threads as u64, "thread", "threads"),
+        file.display(),
+    )
+}
+
+/// What was put together from shards, now or before.
+pub fn merged(origin: &Origin, dir: &Path, is_new: bool) -> String {
+    let counts = &origin.counts;
+    let said = if is_new { "written" } else { "already merged, nothing to do; --again does it anew" };
+    let mut text = format!(
+        "{}, {}, {} failed\n{said}:\n",
+        plural(counts.designs, "design", "designs"),
+        plural(counts.rows, "row", "rows"),
+        counts.failed_rows,
+    );
+    for name in origin.files.iter().map(|(name, _)| name.as_str()).chain([MANIFEST]) {
+        _ = writeln!(text, "  {}", dir.join(name).display());
+    }
+    text
 }
 
 /// The statuses of rows, the most frequent first.

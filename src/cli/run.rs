@@ -7,20 +7,24 @@ use std::time::SystemTime;
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::engine::cost;
-use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::engine::sweep::{self, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
-use jointsweep::internals::output::manifest::{Conditions, Origin};
+use jointsweep::internals::output::manifest::{Conditions, Manifest, Origin};
 use jointsweep::internals::output::recorder::Recorder;
+use jointsweep::internals::study::config::Study;
 
 use super::interrupt::Interrupt;
 use super::progress::Progress;
-use super::{Ending, RunArgs, backend, print, report, say, threads};
+use super::{Ending, RunArgs, backend, print, report, say, shard, threads};
 
 pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();
     backend::check(&args.backend)?;
     let study = args.settings.load(&args.config)?;
     let folder = ResultFolder::of_run(args.out.as_deref(), &study);
+    if let Some(part) = args.shard {
+        return shard::run(args, &study, part, started);
+    }
     if args.dry_run {
         print(&report::estimate(&cost::estimate(&study)?, &folder.table()))?;
         return Ok(Ending::Complete);
@@ -41,27 +45,50 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
         ));
     }
     // While this one waited another run may have ended.
-    if let Verdict::Done(origin) = folder.check(&study, permissions)? {
-        return already_done(args, &folder, &origin);
-    }
+    let begun = match folder.check(&study, permissions)? {
+        Verdict::Done(origin) => return already_done(args, &folder, &origin),
+        Verdict::Begun(origin) => Some(origin),
+        Verdict::ToDo => None,
+    };
     let conditions = Conditions { gpu, threads, started };
-    let recorder = Arc::new(Mutex::new(Some(Recorder::new(claim, &study, &conditions)?)));
+    let mut recorder = Recorder::new(claim, &study, &conditions)?;
+    if let Some(begun) = begun {
+        go_on(args, &mut recorder, &begun)?;
+    }
+    let Some(manifest) = record(args, &study, recorder, &conditions)? else { return Ok(Ending::Interrupted) };
+    if !args.quiet {
+        print(&report::summary(&manifest, folder.dir(), args.verbose))?;
+    }
+    Ok(ending(manifest.counts.failed_designs))
+}
+
+/// Solves the designs that a recorder has not yet, and ends it; nothing where the user has interrupted it.
+pub fn record(
+    args: &RunArgs,
+    study: &Study,
+    recorder: Recorder,
+    conditions: &Conditions,
+) -> Result<Option<Manifest>, Error> {
+    let (designs, sinks) = (recorder.designs_left(), recorder.sinks());
+    let recorder = Arc::new(Mutex::new(Some(recorder)));
     let interrupt = Interrupt::watch(&recorder, args.quiet);
 
-    let mut progress = Progress::new(study.design_count(), args.quiet);
-    let options = SweepOptions { threads, gpu, notify: Some(&say) };
-    let outcome = sweep::run(&study, &options, &mut |outcome| {
+    let mut progress = Progress::new(designs.start, designs.end, args.quiet);
+    let Conditions { threads, gpu, .. } = *conditions;
+    let options = SweepOptions { threads, gpu, notify: Some(&say), designs: Some(designs) };
+    let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
+    let outcome = sweep::run_digested(study, &options, &digest, &mut |rows| {
         match recorder.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
-            Some(recorder) => recorder.write(outcome)?,
+            Some(recorder) => recorder.write(&rows)?,
             // The watcher has ended the run.
             None => return Ok(ControlFlow::Break(())),
         }
-        progress.advance();
+        progress.advance(rows.designs());
         Ok(if interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     });
     progress.finish();
     let Some(recorder) = recorder.lock().unwrap_or_else(PoisonError::into_inner).take() else {
-        return Ok(Ending::Interrupted);
+        return Ok(None);
     };
     let statistics = match outcome {
         Ok(statistics) => statistics,
@@ -76,16 +103,21 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
         if !args.quiet {
             say(&report::interrupted(&manifest, &rows));
         }
-        return Ok(Ending::Interrupted);
+        return Ok(None);
     }
-    let manifest = recorder.finish(&statistics)?;
-    if !args.quiet {
-        print(&report::summary(&manifest, folder.dir(), args.verbose))?;
-    }
-    Ok(ending(manifest.counts.failed_designs))
+    recorder.finish(&statistics).map(Some)
 }
 
-fn ending(failed_designs: u64) -> Ending {
+/// Goes on where a run before has stopped, and says so.
+pub fn go_on(args: &RunArgs, recorder: &mut Recorder, begun: &Origin) -> Result<(), Error> {
+    let damage = recorder.go_on(begun)?;
+    if let (false, line) = (args.quiet, report::going_on(begun, damage.as_deref())) {
+        say(&line);
+    }
+    Ok(())
+}
+
+pub fn ending(failed_designs: u64) -> Ending {
     if failed_designs > 0 { Ending::SomeDesignsFailed } else { Ending::Complete }
 }
 
@@ -94,5 +126,5 @@ fn already_done(args: &RunArgs, folder: &ResultFolder, origin: &Origin) -> Resul
     if !args.quiet {
         print(&report::already_done(origin, &folder.table()))?;
     }
-    Ok(ending(origin.failed_designs))
+    Ok(ending(origin.counts.failed_designs))
 }

@@ -28,13 +28,16 @@ pub fn sensitivity(args: &SensitivityArgs) -> Result<Ending, Error> {
     let permissions = Permissions { force: args.force, again: args.force };
     // Other columns, or other samples: only the config is known to be the same.
     if let Verdict::Done(origin) = folder.check(&study, permissions)? {
-        return Err(Error::FolderTaken { dir, occupant: format!("the sensitivities of {}", origin.path) });
+        return Err(Error::FolderTaken {
+            dir,
+            occupant: format!("the sensitivities of {}", origin.inputs.path),
+        });
     }
     let claim = folder.claim(&format!("of {}", args.config.display()))?;
 
     let threads = threads(args.threads);
-    let options = SweepOptions { threads, gpu: None, notify: Some(&say) };
-    let mut progress = Progress::new(study.design_count(), args.quiet);
+    let options = SweepOptions { threads, notify: Some(&say), ..SweepOptions::default() };
+    let mut progress = Progress::new(0, study.design_count(), args.quiet);
     let analysis = analyse_columns(&study, &columns, &options, &mut progress);
     progress.finish();
     let analysis = analysis?;
@@ -78,7 +81,7 @@ fn analyse_columns(
     let values: Vec<_> = columns.iter().map(|column| |response: &_| column.value(response)).collect();
     let outputs: Vec<Output> =
         columns.iter().zip(&values).map(|(column, value)| Output { name: &column.name, value }).collect();
-    analyse(study, &outputs, options, &mut || progress.advance())
+    analyse(study, &outputs, options, &mut || progress.advance(1))
 }
 
 fn summary(study: &Study, columns: &[ResultColumn], analysis: &Analysis, dir: &Path) -> String {

@@ -198,6 +198,35 @@ fn working_range_of(case: &DesignCase) -> (f64, f64) {
     known.unwrap_or((RANGE.0 * clearance, RANGE.1 * clearance))
 }
 
+/// What a further design of a study takes, s, whatever it shares with others.
+pub struct DesignCost<'a> {
+    study: &'a Study,
+    interpolation: Option<InterpolationPlan>,
+}
+
+impl DesignCost<'_> {
+    pub fn of_study(study: &Study) -> DesignCost<'_> {
+        DesignCost { study, interpolation: InterpolationPlan::of_study(study) }
+    }
+
+    pub fn seconds(&self, case: &DesignCase) -> f64 {
+        let rows = case.steps.len() as f64;
+        if self.interpolation.as_ref().is_some_and(|plan| plan.covers(&case.joint)) {
+            return interpolated_design(rows).seconds();
+        }
+        let of_rows = design(rows).seconds();
+        let solve = self.study.solve;
+        if solve.method == MethodChoice::ClosedForm {
+            return of_rows;
+        }
+        let Ok(first) = JointPlan::cheapest(case, solve.method, solve.accuracy) else { return of_rows };
+        let mut needs = Needs::default();
+        needs.climb(case, first, solve.accuracy);
+        let in_lanes = |group: &Group| group.bodies * batch(group.size).seconds() / LANES as f64;
+        of_rows + needs.seconds + needs.groups.values().map(in_lanes).sum::<f64>()
+    }
+}
+
 /// Goes through the designs of a study without solving any.
 pub fn estimate(study: &Study) -> Result<Estimate, Error> {
     let (method, accuracy) = (study.solve.method, study.solve.accuracy);

@@ -19,5 +19,6 @@ pub mod joint_curve;
 pub mod ladder;
 pub mod law_fit;
 pub mod cost;
+pub mod shares;
 pub mod explain;
 pub mod sweep;

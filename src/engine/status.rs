@@ -142,6 +142,23 @@ impl StatusCounts {
         }
     }
 
+    /// Adds what was counted elsewhere.
+    pub fn merge(&mut self, other: &StatusCounts) {
+        for (own, more) in self.answered.iter_mut().zip(other.answered) {
+            *own += more;
+        }
+        for (text, count) in &other.failed {
+            *self.failed.entry(text.clone()).or_default() += count;
+        }
+    }
+
+    /// From what `by_text` and `failures` gave.
+    pub fn from_text(all: BTreeMap<String, u64>, failed: BTreeMap<String, u64>) -> StatusCounts {
+        let text = |bits: usize| Status::Answered(Remarks(bits as u8)).to_string();
+        let answered = std::array::from_fn(|bits| all.get(&text(bits)).copied().unwrap_or(0));
+        StatusCounts { answered, failed }
+    }
+
     /// By what the table says.
     pub fn by_text(&self) -> BTreeMap<String, u64> {
         let mut all = self.failed.clone();
@@ -177,5 +194,10 @@ mod tests {
         ];
         assert_eq!(counts.by_text(), expected.map(|(text, count)| (text.to_string(), count)).into());
         assert_eq!(counts.failures().len(), 1);
+        let read = StatusCounts::from_text(counts.by_text(), counts.failures().clone());
+        assert_eq!(read, counts);
+        let mut twice = StatusCounts::default();
+        [&counts, &read].iter().for_each(|more| twice.merge(more));
+        assert_eq!(twice.by_text(), expected.map(|(text, count)| (text.to_string(), 2 * count)).into());
     }
 }

@@ -1,13 +1,14 @@
 //! Designs x plan x backend -> outcomes in design order.
 
 use std::hash::BuildHasher;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
 
 use foldhash::HashSet;
 use foldhash::fast::RandomState;
+use rayon::prelude::*;
 
 use crate::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
@@ -38,11 +39,18 @@ pub struct Statistics {
     pub interrupted: bool,
 }
 
-/// Hands every outcome to `receive`, in design order whatever the threads, until it breaks.
-pub type Receive<'a> = &'a mut dyn FnMut(DesignOutcome) -> Result<ControlFlow<()>, Error>;
+/// Takes what comes of a sweep, in design order whatever the threads, until it breaks.
+pub type Receive<'a, T = DesignOutcome> = &'a mut dyn FnMut(T) -> Result<ControlFlow<()>, Error>;
+
+/// What the threads that solve also make of outcomes, so that whoever receives it has little left to do.
+pub struct Digest<'a, T> {
+    /// A portion ends before the designs whose numbers are multiples of this, and nowhere else but at the end.
+    pub designs: u64,
+    pub make: &'a (dyn Fn(Vec<DesignOutcome>) -> T + Sync),
+}
 
 /// How a sweep is run.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Default)]
 pub struct SweepOptions<'a> {
     /// Threads that solve; 0 for one a processor.
     pub threads: usize,
@@ -50,6 +58,18 @@ pub struct SweepOptions<'a> {
     pub gpu: Option<GpuChoice<'a>>,
     /// Told at once, in one line, that the GPU was given up and why.
     pub notify: Option<&'a (dyn Fn(&str) + Sync)>,
+    /// The designs to solve, by their numbers; `None` for all.
+    pub designs: Option<Range<u64>>,
+}
+
+impl SweepOptions<'_> {
+    /// The designs to solve, of those that there are.
+    fn range(&self, study: &Study) -> Range<u64> {
+        let end = study.design_count();
+        self.designs
+            .clone()
+            .map_or(0..end, |asked| asked.start.min(end)..asked.end.clamp(asked.start.min(end), end))
+    }
 }
 
 /// Designs of a batch on the processor: enough to fill the lanes of many topologies, few enough to stay small.
@@ -58,9 +78,35 @@ const BATCH: usize = 1024;
 /// Designs of the first batch, so that a slow sweep shows its first rows soon.
 const FIRST_BATCH: usize = 64;
 
-/// Runs every design of `study` and hands the outcomes over one by one. While one batch is solved the next one is drawn
-/// and the one before is received.
+/// Runs designs of `study` and hands the outcomes over one by one.
 pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<Statistics, Error> {
+    let (mut received, mut is_broken) = (0, false);
+    let mut receive_all = |outcomes: Vec<DesignOutcome>| {
+        for outcome in outcomes {
+            received += 1;
+            if receive(outcome)?.is_break() {
+                is_broken = true;
+                return Ok(ControlFlow::Break(()));
+            }
+        }
+        Ok(ControlFlow::Continue(()))
+    };
+    let digest = Digest { designs: FIRST_BATCH as u64, make: &|outcomes| outcomes };
+    let mut statistics = run_digested(study, options, &digest, &mut receive_all)?;
+    statistics.designs = received;
+    let asked = options.range(study);
+    statistics.interrupted = is_broken && received < asked.end - asked.start;
+    Ok(statistics)
+}
+
+/// Runs designs of `study`, digests the outcomes and hands the portions over one by one. While one batch is solved the next one is
+/// drawn and the one before is received.
+pub fn run_digested<T: Send>(
+    study: &Study,
+    options: &SweepOptions,
+    digest: &Digest<T>,
+    receive: Receive<T>,
+) -> Result<Statistics, Error> {
     let threads = match options.threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
         threads => threads,
@@ -69,21 +115,23 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
         .num_threads(threads)
         .build()
         .map_err(|error| Error::Threads { threads, problem: error.to_string() })?;
-    let cases = study.cases()?;
+    let asked = options.range(study);
+    let count = asked.end - asked.start;
+    let cases = study.cases()?.skip(asked.start as usize).take(count as usize);
     let mut statistics = Statistics::default();
     let (drawn_sender, drawn) = sync_channel(1);
     let (solved_sender, solved) = sync_channel(1);
     let batch_size = options.gpu.map_or(BATCH, |gpu| gpu.batch_size());
     std::thread::scope(|scope| {
         let drawer = scope.spawn(move || draw_all(cases, batch_size, &drawn_sender));
-        let solver = scope.spawn(move || solve_all(study, options, &pool, &drawn, &solved_sender));
+        let solver = scope.spawn(move || solve_all(study, options, digest, &pool, &drawn, &solved_sender));
         let mut received = Duration::ZERO;
         let result = receive_all(&solved, receive, &mut statistics, &mut received);
         // Those who still send to nobody end.
         drop(solved);
         let solution = joined(solver);
         let distinct = joined(drawer);
-        statistics.interrupted &= statistics.designs < study.design_count();
+        statistics.interrupted &= statistics.designs < count;
         statistics.distinct_bodies = distinct.hashes.len() as u64;
         if options.gpu.is_none() {
             statistics.designs_on_cpu = 0;
@@ -92,7 +140,7 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
         statistics.worst_residual = solution.worst_residual;
         statistics.fallback = solution.fallback;
         statistics.stages = solution.stages;
-        statistics.stages.push(("table", received));
+        statistics.stages.push(("writing", received));
         result
     })?;
     Ok(statistics)
@@ -104,7 +152,15 @@ fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
 }
 
 type Drawn = Result<Vec<DesignCase>, Error>;
-type Solved = Result<Vec<DesignOutcome>, Error>;
+type Solved<T> = Result<Vec<Portion<T>>, Error>;
+
+/// Designs that follow each other, digested.
+struct Portion<T> {
+    designs: u64,
+    steps: u64,
+    on_cpu: u64,
+    content: T,
+}
 
 /// Draws the designs in batches, up to the first that cannot be read.
 fn draw_all(
@@ -141,12 +197,13 @@ struct Solution {
     fallback: Option<String>,
 }
 
-fn solve_all(
+fn solve_all<T: Send>(
     study: &Study,
     options: &SweepOptions,
+    digest: &Digest<T>,
     pool: &rayon::ThreadPool,
     drawn: &Receiver<Drawn>,
-    solved: &SyncSender<Solved>,
+    solved: &SyncSender<Solved<T>>,
 ) -> Solution {
     let mut fallback = None;
     let ladder = Ladder::new(study.solve).interpolating(InterpolationPlan::of_study(study));
@@ -158,8 +215,9 @@ fn solve_all(
             ladder
         }
     };
+    let mut digestion = Digestion::new(digest, pool);
     for batch in drawn {
-        let outcomes = batch.map(|batch| {
+        let portions = batch.map(|batch| {
             let answers = pool.install(|| ladder.answers(&batch));
             let outcomes = batch.into_iter().zip(answers);
             let mut outcomes: Vec<_> =
@@ -167,22 +225,96 @@ fn solve_all(
             if study.fits_laws() {
                 pool.install(|| add_laws(&mut ladder, &mut outcomes));
             }
-            outcomes
+            digestion.add(outcomes)
         });
         if let Some(error) = ladder.library.lost().filter(|_| fallback.is_none()) {
             fallback = given_up(options, &error.to_string());
         }
         // The receiver is gone when it has broken off.
-        if solved.send(outcomes).is_err() {
+        if solved.send(portions).is_err() {
             break;
         }
     }
+    let _ = solved.send(Ok(digestion.end()));
     let device = ladder.library.device();
+    let mut stages = ladder.stages();
+    stages.push(("table", digestion.time));
     Solution {
-        stages: ladder.stages(),
+        stages,
         worst_residual: device.map(|device| device.worst_residual()),
         solves: device.map_or(0, |device| device.solves()),
         fallback,
+    }
+}
+
+/// Cuts outcomes into portions and digests these on all threads.
+struct Digestion<'a, T> {
+    digest: &'a Digest<'a, T>,
+    pool: &'a rayon::ThreadPool,
+    /// Outcomes that wait for the rest of their portions.
+    waiting: Vec<DesignOutcome>,
+    digested: Instant,
+    /// Summed over threads.
+    time: Duration,
+}
+
+/// Whole portions wait for as many others as there are threads, but not longer than this.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+impl<'a, T: Send> Digestion<'a, T> {
+    fn new(digest: &'a Digest<'a, T>, pool: &'a rayon::ThreadPool) -> Digestion<'a, T> {
+        Digestion { digest, pool, waiting: Vec::new(), digested: Instant::now(), time: Duration::ZERO }
+    }
+
+    /// Of whole portions, with those that waited.
+    fn add(&mut self, mut outcomes: Vec<DesignOutcome>) -> Vec<Portion<T>> {
+        self.waiting.append(&mut outcomes);
+        let (Some(first), Some(last)) = (self.waiting.first(), self.waiting.last()) else {
+            return Vec::new();
+        };
+        let whole = |number: u64| number / self.digest.designs;
+        let portions = whole(last.case.index + 1) - whole(first.case.index);
+        let enough = self.pool.current_num_threads() as u64;
+        if portions == 0 || (portions < enough && self.digested.elapsed() < PATIENCE) {
+            return Vec::new();
+        }
+        let end = whole(last.case.index + 1) * self.digest.designs;
+        let rest = self.waiting.partition_point(|outcome| outcome.case.index < end);
+        let rest = self.waiting.split_off(rest);
+        let ready = std::mem::replace(&mut self.waiting, rest);
+        self.digest(ready)
+    }
+
+    /// Of what still waits.
+    fn end(&mut self) -> Vec<Portion<T>> {
+        let rest = std::mem::take(&mut self.waiting);
+        self.digest(rest)
+    }
+
+    fn digest(&mut self, outcomes: Vec<DesignOutcome>) -> Vec<Portion<T>> {
+        let mut portions: Vec<Vec<DesignOutcome>> = Vec::new();
+        for outcome in outcomes {
+            let is_first = outcome.case.index % self.digest.designs == 0;
+            match portions.last_mut() {
+                Some(portion) if !is_first => portion.push(outcome),
+                _ => portions.push(vec![outcome]),
+            }
+        }
+        let make = self.digest.make;
+        let digest = |outcomes: Vec<DesignOutcome>| {
+            let started = Instant::now();
+            let portion = Portion {
+                designs: outcomes.len() as u64,
+                steps: outcomes.iter().map(|outcome| outcome.steps.len() as u64).sum(),
+                on_cpu: outcomes.iter().filter(|outcome| outcome.backend == BackendKind::Cpu).count() as u64,
+                content: make(outcomes),
+            };
+            (portion, started.elapsed())
+        };
+        let digested: Vec<_> = self.pool.install(|| portions.into_par_iter().map(digest).collect());
+        self.digested = Instant::now();
+        self.time += digested.iter().map(|(_, time)| *time).sum::<Duration>();
+        digested.into_iter().map(|(portion, _)| portion).collect()
     }
 }
 
@@ -194,19 +326,19 @@ fn given_up(options: &SweepOptions, problem: &str) -> Option<String> {
     Some(problem.to_string())
 }
 
-fn receive_all(
-    solved: &Receiver<Solved>,
-    receive: Receive,
+fn receive_all<T>(
+    solved: &Receiver<Solved<T>>,
+    receive: Receive<T>,
     statistics: &mut Statistics,
     time: &mut Duration,
 ) -> Result<(), Error> {
-    for batch in solved {
+    for portions in solved {
         let started = Instant::now();
-        for outcome in batch? {
-            statistics.designs += 1;
-            statistics.steps += outcome.steps.len() as u64;
-            statistics.designs_on_cpu += u64::from(outcome.backend == BackendKind::Cpu);
-            if receive(outcome)?.is_break() {
+        for portion in portions? {
+            statistics.designs += portion.designs;
+            statistics.steps += portion.steps;
+            statistics.designs_on_cpu += portion.on_cpu;
+            if receive(portion.content)?.is_break() {
                 statistics.interrupted = true;
                 return Ok(());
             }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::output::lock::FolderLock;
-use crate::output::manifest::{Origin, State, with_suffix};
+use crate::output::manifest::{Inputs, Origin, State, staged, with_suffix};
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 
@@ -38,7 +38,7 @@ pub static SENSITIVITY: Contents =
 pub struct Permissions {
     /// The result of another config, or files that nobody vouches for.
     pub force: bool,
-    /// A finished result of the same config.
+    /// A result of the same config, finished or not.
     pub again: bool,
 }
 
@@ -48,6 +48,8 @@ pub enum Verdict {
     ToDo,
     /// The same config was run before, to the end.
     Done(Box<Origin>),
+    /// The same config was run before, but not to the end.
+    Begun(Box<Origin>),
 }
 
 /// The folder of a result, which may not be there yet.
@@ -75,18 +77,25 @@ impl ResultFolder {
         if let Some(path) = self.files().flat_map(|path| [partial(&path), path]).find(in_the_way) {
             return Err(Error::DesignsInTheWay { path });
         }
+        self.check_for(&Inputs::of(study), permissions)
+    }
+
+    /// The same for a config that need not be there.
+    pub fn check_for(&self, inputs: &Inputs, permissions: Permissions) -> Result<Verdict, Error> {
         let taken = |occupant| Error::FolderTaken { dir: self.dir.clone(), occupant };
-        let whole = self.occupant(study, &self.manifest(), |path| path)?;
-        let unfinished = self.occupant(study, &partial(&self.manifest()), |path| partial(&path))?;
+        let whole = self.occupant(inputs, &self.manifest(), |path| path)?;
+        let unfinished = self.occupant(inputs, &partial(&self.manifest()), |path| partial(&path))?;
         match (whole, unfinished) {
             (Occupant::Other(occupant), _) | (_, Occupant::Other(occupant)) if !permissions.force => {
                 Err(taken(occupant))
             }
-            (Occupant::Same(origin), _) if !permissions.again => match self.changed(&origin) {
+            (_, _) if permissions.again => Ok(Verdict::ToDo),
+            (Occupant::Same(origin), _) => match self.changed(&origin) {
                 None => Ok(Verdict::Done(origin)),
                 Some(_) if permissions.force => Ok(Verdict::ToDo),
                 Some(file) => Err(taken(format!("a {file} that was changed after it was written"))),
             },
+            (_, Occupant::Same(origin)) => Ok(Verdict::Begun(origin)),
             _ => Ok(Verdict::ToDo),
         }
     }
@@ -101,7 +110,7 @@ impl ResultFolder {
     /// What a manifest says of the files beside it, `name` being where they are.
     fn occupant(
         &self,
-        study: &Study,
+        inputs: &Inputs,
         manifest: &Path,
         name: impl Fn(PathBuf) -> PathBuf,
     ) -> Result<Occupant, Error> {
@@ -120,17 +129,17 @@ impl ResultFolder {
             None => Occupant::Other(format!("a {MANIFEST} of another program")),
             Some(origin) if origin.command.as_deref() != self.contents.command => {
                 let command = origin.command.as_deref().unwrap_or("run");
-                Occupant::Other(format!("the result of `jointsweep {command}` for {}", origin.path))
+                Occupant::Other(format!("the result of `jointsweep {command}` for {}", origin.inputs.path))
             }
-            Some(origin) if origin.is_of(study) => Occupant::Same(Box::new(origin)),
-            Some(origin) if origin.text == study.source_text() => {
-                Occupant::Other(format!("the result of {} for another list of designs", origin.path))
+            Some(origin) if origin.inputs == *inputs => Occupant::Same(Box::new(origin)),
+            Some(Origin { inputs: own, .. }) if own.text == inputs.text => {
+                Occupant::Other(format!("the result of {} for another list of designs", own.path))
             }
-            Some(origin) if Path::new(&origin.path) == study.path() => Occupant::Other(format!(
+            Some(Origin { inputs: own, .. }) if own.path == inputs.path => Occupant::Other(format!(
                 "the result of {} as it was before its last change, or with other values set",
-                origin.path
+                own.path
             )),
-            Some(origin) => Occupant::Other(format!("the result of another config ({})", origin.path)),
+            Some(origin) => Occupant::Other(format!("the result of another config ({})", origin.inputs.path)),
         })
     }
 
@@ -163,7 +172,7 @@ impl ResultFolder {
         match FolderLock::take(&self.dir, what) {
             Ok(lock) => {
                 self.settle()?;
-                Ok(Claim { folder: self.clone(), created, lock: Some(lock) })
+                Ok(Claim { folder: self.clone(), created, lock: Some(lock), is_to_go: false })
             }
             Err(error) => {
                 remove_empty(&created);
@@ -246,6 +255,8 @@ pub struct Claim {
     /// Folders made for it, outermost first; they go again where nothing is put into them.
     created: Vec<PathBuf>,
     lock: Option<FolderLock>,
+    /// Whether the folder goes, too.
+    is_to_go: bool,
 }
 
 impl Claim {
@@ -261,21 +272,23 @@ impl Claim {
     /// Removes what an unfinished run before has left of files that this one does not write.
     pub fn remove_others<'a>(&self, own: impl Iterator<Item = &'a str>) -> Result<(), Error> {
         let own: Vec<&str> = own.collect();
-        for name in self.folder.contents.files.iter().filter(|name| !own.contains(*name)) {
-            let path = self.partial(name);
-            match std::fs::remove_file(&path) {
-                Err(source) if source.kind() != ErrorKind::NotFound => {
-                    return Err(Error::Io { action: "remove", path, source });
-                }
-                _ => {}
-            }
-        }
-        Ok(())
+        let mut others = self.folder.contents.files.iter().filter(|name| !own.contains(*name));
+        others.try_for_each(|name| remove_file(&self.partial(name)))
     }
 
     /// Gives the files of a complete result their own names.
     pub fn publish(&self) -> Result<(), Error> {
         self.folder.publish()
+    }
+
+    /// Removes the folder with what an unfinished run has left in it.
+    pub fn remove(&mut self) -> Result<(), Error> {
+        self.folder.files().try_for_each(|path| remove_file(&partial(&path)))?;
+        remove_file(&partial(&self.folder.manifest()))?;
+        remove_file(&staged(&partial(&self.folder.manifest())))?;
+        // The lock goes with this claim; only then the folder is empty.
+        self.is_to_go = true;
+        Ok(())
     }
 
     /// Whether other processes can see that the folder is taken.
@@ -287,6 +300,9 @@ impl Claim {
 impl Drop for Claim {
     fn drop(&mut self) {
         self.lock = None;
+        if self.is_to_go {
+            remove_empty(std::slice::from_ref(&self.folder.dir));
+        }
         remove_empty(&self.created);
     }
 }
@@ -304,6 +320,16 @@ fn is_still(path: &Path, print: &Fingerprint) -> bool {
 
 fn rename(from: &Path, to: &Path) -> Result<(), Error> {
     std::fs::rename(from, to).map_err(|source| Error::Io { action: "write", path: to.into(), source })
+}
+
+/// Removes a file that may not be there.
+fn remove_file(path: &Path) -> Result<(), Error> {
+    match std::fs::remove_file(path) {
+        Err(source) if source.kind() != ErrorKind::NotFound => {
+            Err(Error::Io { action: "remove", path: path.into(), source })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Takes back folders, innermost first, as far as nobody has put anything there.

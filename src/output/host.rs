@@ -7,7 +7,7 @@ use serde::Serialize;
 /// What has made a result.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Program {
-    program: &'static str,
+    pub program: &'static str,
     version: &'static str,
     /// Of the source, with `-dirty` where it was changed since; absent where it was built without its history.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -23,9 +23,14 @@ impl Program {
 
     /// "jointsweep 0.1.0 (1234567)".
     pub fn in_words(&self) -> String {
-        let commit = self.commit.map_or(String::new(), |commit| format!(" ({commit})"));
-        format!("{} {}{commit}", self.program, self.version)
+        in_words(self.program, self.version, self.commit)
     }
+}
+
+/// "jointsweep 0.1.0 (1234567)".
+pub fn in_words(program: &str, version: &str, commit: Option<&str>) -> String {
+    let commit = commit.map_or(String::new(), |commit| format!(" ({commit})"));
+    format!("{program} {version}{commit}")
 }
 
 #[derive(Clone, Debug, Serialize)]

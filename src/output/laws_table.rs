@@ -20,23 +20,29 @@ impl Sink for LawsTable {
         LAWS
     }
 
-    fn push_header(&self, out: &mut Vec<u8>) {
+    fn header(&self) -> Vec<u8> {
         let names: Vec<&str> = law_columns().iter().map(|(name, ..)| *name).collect();
-        out.extend_from_slice(names.join(",").as_bytes());
-        out.push(b'\n');
+        format!("{}\n", names.join(",")).into()
     }
 
-    fn push_rows(&mut self, out: &mut Vec<u8>, outcome: &mut DesignOutcome) {
-        let design = outcome.case.index.to_string();
-        let Some(laws) = &outcome.laws else { return };
-        if let Some(why) = laws.missing {
-            let empty = ",".repeat(law_columns().len() - 2);
-            out.extend_from_slice(format!("{design},none{empty}no: {why}\n").as_bytes());
-        }
-        for (place, law) in laws.laws.iter().enumerate() {
-            out.extend_from_slice(design.as_bytes());
-            push_law(out, law, laws, place);
-        }
+    fn rows(&self, outcomes: &mut [DesignOutcome]) -> Vec<u8> {
+        let mut out = Vec::new();
+        outcomes.iter().for_each(|outcome| push_laws(&mut out, outcome));
+        out
+    }
+}
+
+/// The rows of a design.
+fn push_laws(out: &mut Vec<u8>, outcome: &DesignOutcome) {
+    let design = outcome.case.index.to_string();
+    let Some(laws) = &outcome.laws else { return };
+    if let Some(why) = laws.missing {
+        let empty = ",".repeat(law_columns().len() - 2);
+        out.extend_from_slice(format!("{design},none{empty}no: {why}\n").as_bytes());
+    }
+    for (place, law) in laws.laws.iter().enumerate() {
+        out.extend_from_slice(design.as_bytes());
+        push_law(out, law, laws, place);
     }
 }
 

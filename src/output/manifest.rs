@@ -1,17 +1,20 @@
 //! `manifest.json`: what was asked, by which program and on what machine, what came of it and how long it took.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use serde::de::Deserializer;
 use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 use crate::engine::backend::gpu::solver::GpuChoice;
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::status::StatusCounts;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
-use crate::output::host::{Host, Program, peak_memory, processor_seconds, utc};
+use crate::output::host::{Host, Program, in_words, peak_memory, processor_seconds, utc};
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 
@@ -43,6 +46,12 @@ pub struct Manifest {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
     title: String,
+    /// Which part of a sweep it is of, where it is of a part only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part: Option<Shard>,
+    /// The bytes of each file's header; only parts say.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    header_bytes: Vec<u64>,
     config: Config,
     designs_file: Option<String>,
     /// The config and the list of designs as they were read.
@@ -62,10 +71,13 @@ pub struct Manifest {
     worst_residual: Option<f64>,
     pub threads: usize,
     started_utc: String,
+    /// How often it was started: once, and once more each time it went on.
+    starts: u64,
+    /// Of all processes that worked on it.
     pub wall_seconds: f64,
-    /// Time of all processors spent on the process, where the system tells it.
+    /// Time of all processors spent on them, where the system tells it.
     pub processor_seconds: Option<f64>,
-    /// The most memory the process has had at once, where the system tells it.
+    /// The most memory the last of them has had at once, where the system tells it.
     pub peak_memory_bytes: Option<u64>,
     pub counts: Counts,
     /// Wall time of each stage in the order they run, summed over threads.
@@ -73,10 +85,32 @@ pub struct Manifest {
     host: Host,
     #[serde(skip)]
     started: SystemTime,
+    /// What the processes before this one took.
+    #[serde(skip)]
+    before: Spent,
+}
+
+/// Time spent, s.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spent {
+    wall_seconds: f64,
+    processor_seconds: Option<f64>,
+}
+
+/// Which part of a sweep a shard is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shard {
+    /// From 1.
+    pub shard: u64,
+    pub of: u64,
+    /// The numbers of its designs.
+    pub designs: Range<u64>,
+    /// Of the whole sweep.
+    pub sweep_designs: u64,
 }
 
 /// What computed beside the processor.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Adapter {
     pub name: String,
     kind: String,
@@ -121,7 +155,8 @@ impl FileEntry {
     }
 }
 
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Counts {
     /// What the config asks for.
     pub designs_asked: u64,
@@ -132,6 +167,7 @@ pub struct Counts {
     /// Designs with at least one failed row.
     pub failed_designs: u64,
     pub failed_rows: u64,
+    /// Bodies that are not alike; one that several processes met counts for each of them.
     pub distinct_bodies: u64,
     /// The largest of a row.
     pub greatest_force_error: f64,
@@ -144,7 +180,7 @@ pub struct Counts {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub designs_on_cpu: Option<u64>,
     /// Rows by status, and of these the failed ones.
-    #[serde(flatten, serialize_with = "rows_by_status")]
+    #[serde(flatten, serialize_with = "rows_by_status", deserialize_with = "status_counts")]
     pub by_status: StatusCounts,
 }
 
@@ -153,6 +189,17 @@ fn rows_by_status<S: Serializer>(counts: &StatusCounts, serializer: S) -> Result
     map.serialize_entry("statuses", &counts.by_text())?;
     map.serialize_entry("failures", counts.failures())?;
     map.end()
+}
+
+fn status_counts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<StatusCounts, D::Error> {
+    #[derive(Default, Deserialize)]
+    #[serde(default)]
+    struct Saved {
+        statuses: BTreeMap<String, u64>,
+        failures: BTreeMap<String, u64>,
+    }
+    let Saved { statuses, failures } = Saved::deserialize(deserializer)?;
+    Ok(StatusCounts::from_text(statuses, failures))
 }
 
 impl Counts {
@@ -174,6 +221,24 @@ impl Counts {
         self.rows += outcome.steps.len() as u64;
         self.failed_designs += u64::from(self.failed_rows > failed_before);
     }
+
+    /// Adds what was counted elsewhere, of other designs of the same sweep.
+    pub fn merge(&mut self, other: &Counts) {
+        self.designs += other.designs;
+        self.rows += other.rows;
+        self.failed_designs += other.failed_designs;
+        self.failed_rows += other.failed_rows;
+        self.distinct_bodies += other.distinct_bodies;
+        self.greatest_force_error = self.greatest_force_error.max(other.greatest_force_error);
+        self.greatest_linearity_error = self.greatest_linearity_error.max(other.greatest_linearity_error);
+        self.forces_n = match (self.forces_n, other.forces_n) {
+            (Some([least, greatest]), Some(more)) => Some([least.min(more[0]), greatest.max(more[1])]),
+            (own, more) => own.or(more),
+        };
+        let on_cpu = self.designs_on_cpu.into_iter().chain(other.designs_on_cpu).sum();
+        self.designs_on_cpu = self.designs_on_cpu.or(other.designs_on_cpu).map(|_| on_cpu);
+        self.by_status.merge(&other.by_status);
+    }
 }
 
 /// A manifest's text with a file of the result added to those it vouches for, in the place of one of that name.
@@ -192,6 +257,8 @@ impl Manifest {
             state: State::Incomplete,
             error: None,
             title: study.title().to_string(),
+            part: None,
+            header_bytes: Vec::new(),
             config: Config::of(study),
             designs_file: study.designs_file().map(|path| path.display().to_string()),
             inputs: FileEntry::inputs(study),
@@ -207,6 +274,7 @@ impl Manifest {
             worst_residual: None,
             threads: conditions.threads,
             started_utc: utc(conditions.started),
+            starts: 1,
             wall_seconds: 0.0,
             processor_seconds: None,
             peak_memory_bytes: None,
@@ -218,7 +286,43 @@ impl Manifest {
             stage_seconds: serde_json::Map::new(),
             host: Host::current(),
             started: conditions.started,
+            before: Spent::default(),
         }
+    }
+
+    /// Of one part of the study.
+    pub fn of_part(mut self, shard: Shard, header_bytes: Vec<u64>) -> Manifest {
+        let rows = self.counts.rows_asked / self.counts.designs_asked.max(1);
+        self.counts.designs_asked = shard.designs.end - shard.designs.start;
+        self.counts.rows_asked = self.counts.designs_asked * rows;
+        (self.part, self.header_bytes) = (Some(shard), header_bytes);
+        self
+    }
+
+    /// Takes over what an unfinished run has done; or what keeps this program, as it is started now, from going on with it.
+    pub fn go_on(&mut self, origin: &Origin) -> Result<(), String> {
+        let by = |program: &str, computed: &str| format!("{program} on {computed}");
+        let (then, now) =
+            (by(&origin.program(), &origin.computed_by), by(&self.program.in_words(), &self.computed_by()));
+        if then != now {
+            return Err(format!("an unfinished result by {then}, this is {now}"));
+        }
+        let part = |part: Option<&Shard>| match part {
+            Some(Shard { shard, of, designs, .. }) => {
+                format!("shard {shard} of {of} (designs {} to {})", designs.start, designs.end)
+            }
+            None => "the whole sweep".into(),
+        };
+        let (then, now) = (part(origin.part.as_ref().map(|(part, _)| part)), part(self.part.as_ref()));
+        if then != now {
+            return Err(format!("an unfinished result of {then}, not of {now}"));
+        }
+        self.counts = origin.counts.clone();
+        self.starts = origin.starts + 1;
+        self.started_utc.clone_from(&origin.started_utc);
+        self.before = origin.spent;
+        self.stage_seconds.clone_from(&origin.stage_seconds);
+        Ok(())
     }
 
     /// Says what a file of the run is.
@@ -234,28 +338,30 @@ impl Manifest {
 
     /// What a person calls that which computed.
     pub fn computed_by(&self) -> String {
-        match &self.adapter {
-            Some(adapter) => format!("{}, {}", adapter.name, self.precision),
-            None => "cpu".into(),
-        }
+        computed_by(self.adapter.as_ref(), self.precision)
     }
 
     /// Takes over what only the sweep knows.
     pub fn add_statistics(&mut self, statistics: &Statistics) {
-        self.counts.distinct_bodies = statistics.distinct_bodies;
-        self.counts.designs_on_cpu = self.adapter.is_some().then_some(statistics.designs_on_cpu);
+        self.counts.distinct_bodies += statistics.distinct_bodies;
+        if self.adapter.is_some() {
+            *self.counts.designs_on_cpu.get_or_insert(0) += statistics.designs_on_cpu;
+        }
         self.fallback.clone_from(&statistics.fallback);
         self.worst_residual = statistics.worst_residual;
         for (stage, time) in &statistics.stages {
-            self.stage_seconds.insert(stage.to_string(), time.as_secs_f64().into());
+            let before = self.stage_seconds.get(*stage).and_then(serde_json::Value::as_f64).unwrap_or(0.0);
+            self.stage_seconds.insert(stage.to_string(), (before + time.as_secs_f64()).into());
         }
     }
 
     /// Writes the manifest beside `path`, from where `publish` puts it in place: a reader, or a crash, never
     /// meets half a manifest.
     pub fn stage(&mut self, path: &Path) -> Result<(), Error> {
-        self.wall_seconds = self.started.elapsed().map_or(0.0, |time| time.as_secs_f64());
-        self.processor_seconds = processor_seconds();
+        let wall = self.started.elapsed().map_or(0.0, |time| time.as_secs_f64());
+        self.wall_seconds = self.before.wall_seconds + wall;
+        self.processor_seconds =
+            processor_seconds().map(|own| own + self.before.processor_seconds.unwrap_or(0.0));
         self.peak_memory_bytes = peak_memory();
         stage(self, path)
     }
@@ -266,11 +372,20 @@ impl Manifest {
     }
 }
 
+fn computed_by(adapter: Option<&Adapter>, precision: &str) -> String {
+    adapter.map_or("cpu".into(), |adapter| format!("{}, {precision}", adapter.name))
+}
+
 /// Writes any manifest beside `path`.
 pub fn stage(manifest: &impl Serialize, path: &Path) -> Result<(), Error> {
-    let mut text = serde_json::to_string_pretty(manifest).expect("a manifest has only JSON's own types");
-    text.push('\n');
-    stage_bytes(path, text.as_bytes())
+    stage_bytes(path, &text(manifest))
+}
+
+/// The text of a manifest.
+pub fn text(manifest: &impl Serialize) -> Vec<u8> {
+    let mut text = serde_json::to_vec_pretty(manifest).expect("a manifest has only JSON's own types");
+    text.push(b'\n');
+    text
 }
 
 /// Writes bytes where a file waits before it is published.
@@ -303,22 +418,50 @@ pub fn publish(path: &Path) -> Result<(), Error> {
     std::fs::rename(staged(path), path).map_err(into_error)
 }
 
-/// What a manifest on disk says of a result.
+/// What a result is of: a config and the list of designs that it may name, word for word.
 #[derive(Clone, Debug)]
-pub struct Origin {
+pub struct Inputs {
     /// Of the config, with its text.
     pub path: String,
     pub text: String,
+    files: Vec<Fingerprint>,
+}
+
+impl Inputs {
+    pub fn of(study: &Study) -> Inputs {
+        let Config { path, text } = Config::of(study);
+        Inputs { path, text, files: study.inputs().into_iter().map(|(_, print)| print).collect() }
+    }
+}
+
+/// Wherever the config is.
+impl PartialEq for Inputs {
+    fn eq(&self, other: &Inputs) -> bool {
+        self.text == other.text && self.files == other.files
+    }
+}
+
+/// What a manifest on disk says of a result.
+#[derive(Clone, Debug)]
+pub struct Origin {
+    pub inputs: Inputs,
     /// What was done with it; a run does not say.
     pub command: Option<String>,
     /// Only runs say.
     pub state: Option<State>,
     pub version: String,
     pub commit: Option<String>,
-    inputs: Vec<Fingerprint>,
     /// What was made, by name.
     pub files: Vec<(String, Fingerprint)>,
-    pub failed_designs: u64,
+    pub counts: Counts,
+    /// Of a part of a sweep: which, and the bytes of each file's header.
+    pub part: Option<(Shard, Vec<u64>)>,
+    /// As `Manifest::computed_by` says it.
+    pub computed_by: String,
+    started_utc: String,
+    starts: u64,
+    spent: Spent,
+    stage_seconds: serde_json::Map<String, serde_json::Value>,
 }
 
 /// The part of a manifest that is read again.
@@ -329,41 +472,58 @@ struct Saved {
     commit: Option<String>,
     command: Option<String>,
     state: Option<State>,
+    part: Option<Shard>,
+    #[serde(default)]
+    header_bytes: Vec<u64>,
+    adapter: Option<Adapter>,
+    #[serde(default)]
+    precision: String,
     #[serde(default)]
     inputs: Vec<FileEntry>,
     #[serde(default)]
     files: Vec<FileEntry>,
     #[serde(default)]
-    counts: SavedCounts,
-}
-
-#[derive(Default, Deserialize)]
-struct SavedCounts {
-    failed_designs: u64,
+    counts: serde_json::Value,
+    #[serde(default)]
+    started_utc: String,
+    #[serde(default)]
+    starts: u64,
+    #[serde(default)]
+    wall_seconds: f64,
+    processor_seconds: Option<f64>,
+    #[serde(default)]
+    stage_seconds: serde_json::Map<String, serde_json::Value>,
 }
 
 impl Origin {
     /// Reads a manifest; `None` where it is none of this program's.
     pub fn of(manifest: &str) -> Option<Origin> {
-        let Saved { config, version, commit, command, state, inputs, files, counts } =
-            serde_json::from_str(manifest).ok()?;
+        let saved: Saved = serde_json::from_str(manifest).ok()?;
         let named = |file: FileEntry| Some((file.path.clone(), file.fingerprint()?));
         Some(Origin {
-            path: config.path,
-            text: config.text,
-            command,
-            state,
-            version,
-            commit,
-            inputs: inputs.iter().filter_map(FileEntry::fingerprint).collect(),
-            files: files.into_iter().filter_map(named).collect(),
-            failed_designs: counts.failed_designs,
+            computed_by: computed_by(saved.adapter.as_ref(), &saved.precision),
+            part: saved.part.map(|part| (part, saved.header_bytes)),
+            inputs: Inputs {
+                path: saved.config.path,
+                text: saved.config.text,
+                files: saved.inputs.iter().filter_map(FileEntry::fingerprint).collect(),
+            },
+            command: saved.command,
+            state: saved.state,
+            version: saved.version,
+            commit: saved.commit,
+            files: saved.files.into_iter().filter_map(named).collect(),
+            // Other commands count other things.
+            counts: serde_json::from_value(saved.counts).unwrap_or_default(),
+            started_utc: saved.started_utc,
+            starts: saved.starts,
+            spent: Spent { wall_seconds: saved.wall_seconds, processor_seconds: saved.processor_seconds },
+            stage_seconds: saved.stage_seconds,
         })
     }
 
-    /// Whether it is of this config and, word for word, of the list of designs that it names.
-    pub fn is_of(&self, study: &Study) -> bool {
-        let inputs = study.inputs().into_iter().map(|(_, print)| print);
-        self.text == study.source_text() && self.inputs.iter().copied().eq(inputs)
+    /// What has made it, as `Program::in_words` says it.
+    pub fn program(&self) -> String {
+        in_words(Program::CURRENT.program, &self.version, self.commit.as_deref())
     }
 }

@@ -1,43 +1,158 @@
-//! Saves outcomes as they come, so that a run that ends early leaves whole rows and a manifest that says so.
+//! Saves rows as they come, so that a run that ends early leaves whole rows and a manifest that says where it stood: the next run
+//! goes on from there.
 
+use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
 use crate::output::folder::{Claim, MANIFEST, TABLE};
 use crate::output::laws_table::LawsTable;
-use crate::output::manifest::{self, Conditions, Manifest, State};
+use crate::output::manifest::{self, Conditions, Counts, Manifest, Origin, Shard, State};
+use crate::output::shard;
 use crate::output::sink::{Sink, SinkFile};
 use crate::output::table::Table;
 use crate::study::config::Study;
 
-/// Writes the table and the manifest of one run, under their partial names until it is complete. Before the first outcome it
+/// What the outcomes of a run go to.
+pub struct Sinks {
+    all: Vec<Box<dyn Sink>>,
+}
+
+/// What some designs add to a run: bytes for each of its files, and counts.
+pub struct Rows {
+    bytes: Vec<Vec<u8>>,
+    counts: Counts,
+}
+
+impl Rows {
+    /// How many designs they are of.
+    pub fn designs(&self) -> u64 {
+        self.counts.designs
+    }
+}
+
+impl Sinks {
+    pub fn of(study: &Study) -> Sinks {
+        let mut all: Vec<Box<dyn Sink>> = vec![Box::new(Table::default())];
+        if study.fits_laws() {
+            all.push(Box::new(LawsTable));
+        }
+        Sinks { all }
+    }
+
+    /// Designs whose rows are made together.
+    pub fn portion(&self) -> u64 {
+        PORTION
+    }
+
+    /// Rows of designs that follow each other, made by any thread.
+    pub fn rows(&self, mut outcomes: Vec<DesignOutcome>) -> Rows {
+        let bytes = self.all.iter().map(|sink| sink.rows(&mut outcomes)).collect();
+        let mut counts = Counts::default();
+        outcomes.iter().for_each(|outcome| counts.add(outcome));
+        Rows { bytes, counts }
+    }
+
+    /// A shard begins at a multiple of this many designs.
+    pub fn cut(&self) -> u64 {
+        1
+    }
+}
+
+/// Few enough that those who watch the file of a slow run see it grow.
+const PORTION: u64 = 64;
+
+/// Time between two manifests of a run that goes on: what it loses at most when it is killed.
+const MARK: Duration = Duration::from_millis(250);
+
+/// Writes the files and the manifest of one run, under their partial names until it is complete. Before the first rows it
 /// only proves that it can: a run that ends before leaves nothing behind.
 pub struct Recorder {
     claim: Claim,
     manifest: Manifest,
-    sinks: Vec<SinkFile>,
-    /// Whether there was an outcome.
+    /// Of a shard: which, and the file that it becomes.
+    shard: Option<(Shard, PathBuf)>,
+    sinks: Arc<Sinks>,
+    files: Vec<SinkFile>,
+    /// Whether the files are this run's.
     begun: bool,
     finished: bool,
+    marked: Instant,
 }
 
 impl Recorder {
     pub fn new(claim: Claim, study: &Study, conditions: &Conditions) -> Result<Recorder, Error> {
-        let mut sinks: Vec<Box<dyn Sink>> = vec![Box::new(Table::default())];
-        if study.fits_laws() {
-            sinks.push(Box::new(LawsTable));
+        Recorder::start(claim, study, conditions, None)
+    }
+
+    /// Of a shard, which becomes this file when it is whole. `claim` is of the folder where its rows are until then.
+    pub fn of_shard(
+        claim: Claim,
+        study: &Study,
+        conditions: &Conditions,
+        shard: Shard,
+        file: PathBuf,
+    ) -> Result<Recorder, Error> {
+        Recorder::start(claim, study, conditions, Some((shard, file)))
+    }
+
+    fn start(
+        claim: Claim,
+        study: &Study,
+        conditions: &Conditions,
+        shard: Option<(Shard, PathBuf)>,
+    ) -> Result<Recorder, Error> {
+        let sinks = Sinks::of(study);
+        let file = |sink: &Box<dyn Sink>| SinkFile::new(sink.file_name(), claim.partial(sink.file_name()));
+        let files = sinks.all.iter().map(file).collect();
+        let mut manifest = Manifest::new(study, conditions);
+        if let Some((shard, _)) = &shard {
+            let headers = sinks.all.iter().map(|sink| sink.header().len() as u64).collect();
+            manifest = manifest.of_part(shard.clone(), headers);
         }
-        let file = |sink: Box<dyn Sink>| {
-            let path = claim.partial(sink.file_name());
-            SinkFile::new(sink, path)
-        };
-        let sinks = sinks.into_iter().map(file).collect();
-        let manifest = Manifest::new(study, conditions);
-        let mut recorder = Recorder { claim, manifest, sinks, begun: false, finished: false };
+        let (sinks, marked) = (Arc::new(sinks), Instant::now());
+        let mut recorder =
+            Recorder { claim, manifest, shard, sinks, files, begun: false, finished: false, marked };
         recorder.manifest.stage(&recorder.manifest_path())?;
         Ok(recorder)
+    }
+
+    /// Goes on with what an unfinished run of the same study has left, from design number `designs` on. Where its files are not what
+    /// its manifest says, the run begins anew, and this says why.
+    pub fn go_on(&mut self, unfinished: &Origin) -> Result<Option<String>, Error> {
+        let mut manifest = self.manifest.clone();
+        manifest.go_on(unfinished).map_err(|problem| {
+            let dir = self.claim.folder().dir().to_path_buf();
+            Error::CannotGoOn { dir, problem }
+        })?;
+        for file in &mut self.files {
+            let known = unfinished.files.iter().find(|(name, _)| name == file.name());
+            file.open()?;
+            if !known.map_or(Ok(false), |(_, print)| file.is_still(print))? {
+                return Ok(Some(format!("{} is not what it was when the run before ended", file.name())));
+            }
+        }
+        self.files.iter_mut().try_for_each(SinkFile::go_on)?;
+        self.manifest = manifest;
+        self.begun = true;
+        self.mark()?;
+        Ok(None)
+    }
+
+    /// The numbers of the designs whose rows are not there yet.
+    pub fn designs_left(&self) -> Range<u64> {
+        let Counts { designs, designs_asked, .. } = self.manifest.counts;
+        let first = self.shard.as_ref().map_or(0, |(shard, _)| shard.designs.start);
+        first + designs..first + designs_asked
+    }
+
+    /// What rows are made with.
+    pub fn sinks(&self) -> Arc<Sinks> {
+        Arc::clone(&self.sinks)
     }
 
     /// Where the manifest is until the run is complete.
@@ -50,20 +165,20 @@ impl Recorder {
         self.claim.partial(TABLE)
     }
 
-    /// Adds the rows of a design.
-    pub fn write(&mut self, mut outcome: DesignOutcome) -> Result<(), Error> {
+    /// Adds the rows of the next designs.
+    pub fn write(&mut self, rows: &Rows) -> Result<(), Error> {
         self.begin()?;
-        for sink in &mut self.sinks {
-            sink.write(&mut outcome)?;
+        for (file, bytes) in self.files.iter_mut().zip(&rows.bytes) {
+            file.append(bytes)?;
         }
-        self.manifest.counts.add(&outcome);
-        Ok(())
+        self.manifest.counts.merge(&rows.counts);
+        if self.marked.elapsed() > MARK { self.mark() } else { Ok(()) }
     }
 
     /// Ends a run that went through all designs: table and manifest take the place of what was there before.
     pub fn finish(mut self, statistics: &Statistics) -> Result<Manifest, Error> {
         self.manifest.add_statistics(statistics);
-        match self.close(State::Complete).and_then(|()| self.claim.publish()) {
+        match self.close().and_then(|()| self.publish()) {
             Ok(()) => {
                 self.finished = true;
                 Ok(self.manifest.clone())
@@ -75,28 +190,37 @@ impl Recorder {
         }
     }
 
+    /// All that a complete run leaves is on disk afterwards.
+    fn close(&mut self) -> Result<(), Error> {
+        self.begin()?;
+        if self.shard.is_none() {
+            for (file, sink) in self.files.iter_mut().zip(&self.sinks.all) {
+                file.end(&**sink)?;
+            }
+        }
+        self.manifest.state = State::Complete;
+        self.mark()
+    }
+
+    /// Gives what is complete its own name.
+    fn publish(&mut self) -> Result<(), Error> {
+        let Some((_, to)) = &self.shard else { return self.claim.publish() };
+        let tables: Vec<PathBuf> = self.files.iter().map(|file| self.claim.partial(file.name())).collect();
+        shard::pack(&tables, &manifest::text(&self.manifest), to)?;
+        self.claim.remove()
+    }
+
     /// Ends a run that was interrupted: the rows so far stay, and what was there before stays as well.
     pub fn interrupt(mut self, statistics: Option<&Statistics>) -> Result<Manifest, Error> {
         if let Some(statistics) = statistics {
             self.manifest.add_statistics(statistics);
         }
+        self.manifest.state = State::Interrupted;
         if self.begun {
-            self.close(State::Interrupted)?;
+            self.mark()?;
             self.finished = true;
         }
-        self.manifest.state = State::Interrupted;
         Ok(self.manifest.clone())
-    }
-
-    /// All rows and a manifest in this state are on disk afterwards.
-    fn close(&mut self, state: State) -> Result<(), Error> {
-        self.begin()?;
-        self.flush()?;
-        self.manifest.state = state;
-        for sink in &self.sinks {
-            self.manifest.set_file(sink.name(), &sink.fingerprint());
-        }
-        self.manifest.save(&self.manifest_path())
     }
 
     /// Ends a run that an error stopped: rows written so far are kept, and the manifest tells the error.
@@ -110,15 +234,24 @@ impl Recorder {
         if self.begun {
             return Ok(());
         }
-        self.sinks.iter_mut().try_for_each(SinkFile::open)?;
+        self.files.iter_mut().try_for_each(SinkFile::open)?;
         manifest::publish(&self.manifest_path())?;
         self.begun = true;
-        self.claim.remove_others(self.sinks.iter().map(SinkFile::name))?;
-        self.sinks.iter_mut().try_for_each(SinkFile::begin)
+        self.claim.remove_others(self.files.iter().map(SinkFile::name))?;
+        for (file, sink) in self.files.iter_mut().zip(&self.sinks.all) {
+            file.begin(&sink.header())?;
+        }
+        Ok(())
     }
 
-    fn flush(&mut self) -> Result<(), Error> {
-        self.sinks.iter_mut().try_for_each(SinkFile::flush)
+    /// Saves where the run stands.
+    fn mark(&mut self) -> Result<(), Error> {
+        for file in &self.files {
+            self.manifest.set_file(file.name(), &file.fingerprint());
+        }
+        self.manifest.save(&self.manifest_path())?;
+        self.marked = Instant::now();
+        Ok(())
     }
 }
 
@@ -136,8 +269,7 @@ impl Drop for Recorder {
         if std::thread::panicking() && self.manifest.error.is_none() {
             self.manifest.error = Some("the program panicked, which is a fault in it".into());
         }
-        let _ = self.flush();
         self.manifest.state = State::Failed;
-        let _ = self.manifest.save(&self.manifest_path());
+        let _ = self.mark();
     }
 }

@@ -1,9 +1,9 @@
-//! Every column of `table.csv`, once: its name, its unit, what it means, and its value in a row.
+//! The value that every column of `table.csv` has in a row. Its name, its unit and what it means stand in `study::columns`.
 
 use std::borrow::Cow;
 
 use crate::engine::outcome::{BackendKind, Response, StepOutcome};
-use crate::study::columns::{self, Column, joint_columns};
+use crate::study::columns::{self, Column, Quantity, joint_columns};
 use crate::study::design::Load;
 
 /// A column, documented.
@@ -35,77 +35,36 @@ pub struct LoadColumn {
     pub found: fn(&Response) -> f64,
 }
 
-/// The columns after the inputs.
-const RESULTS: [(&str, &str, &str, Kind); 11] = [
-    (
-        columns::INDENTATION,
-        "mm",
-        "descent of the pin's rigid part after first touch, from where the plate is held",
-        Kind::Load(LoadColumn {
+/// Where the cells of a quantity come from.
+fn kind(quantity: Quantity) -> Kind {
+    match quantity {
+        Quantity::Indentation => Kind::Load(LoadColumn {
             asked: |load| match load {
                 Load::Indentation(value) => Some(value),
                 Load::Force(_) => None,
             },
             found: |response| response.indentation,
         }),
-    ),
-    (
-        columns::FORCE,
-        "N",
-        "of the whole joint, both halves",
-        Kind::Load(LoadColumn {
+        Quantity::Force => Kind::Load(LoadColumn {
             asked: |load| match load {
                 Load::Indentation(_) => None,
                 Load::Force(value) => Some(value),
             },
             found: |response| response.force,
         }),
-    ),
-    (
-        "tangent_stiffness_n_per_mm",
-        "N/mm",
-        "slope of the force over the indentation",
-        Kind::Result(|response| Some(response.tangent_stiffness)),
-    ),
-    (
-        "contact_half_angle_deg",
-        "deg",
-        "where the pressure ends, at the hole's centre, from the load line",
-        Kind::Result(|response| response.contact_half_angle.map(f64::to_degrees)),
-    ),
-    (
-        "peak_pressure_mpa",
-        "MPa",
-        "at the load line, per area of the hole",
-        Kind::Result(|response| response.peak_pressure),
-    ),
-    ("energy_mj", "mJ", "strain energy of both bodies", Kind::Result(|response| response.energy)),
-    (
-        "force_error",
-        "-",
-        "estimated relative error of the force, displacements being small",
-        Kind::Result(|response| Some(response.force_error)),
-    ),
-    (
-        "linearity_error",
-        "-",
-        "estimated relative difference of the force from laws of finite displacement",
-        Kind::Result(|response| response.linearity_error),
-    ),
-    (
-        "method",
-        "-",
-        "`series`, `interpolated`, `fe` or `closed-form`; empty where there is no answer",
-        Kind::Word(|step, _| step.response.map_or("", |response| response.method.name())),
-    ),
-    (
-        "backend",
-        "-",
-        "what has computed: `cpu` or `gpu`; empty where there is no answer",
-        Kind::Word(|step, backend| step.response.map_or("", |_| backend.name())),
-    ),
-    ("status", "-", "`ok`, or remarks on the answer, or `failed: ` and why", Kind::Status),
-];
+        Quantity::TangentStiffness => Kind::Result(|response| Some(response.tangent_stiffness)),
+        Quantity::ContactHalfAngle => {
+            Kind::Result(|response| response.contact_half_angle.map(f64::to_degrees))
+        }
+        Quantity::PeakPressure => Kind::Result(|response| response.peak_pressure),
+        Quantity::Energy => Kind::Result(|response| response.energy),
+        Quantity::ForceError => Kind::Result(|response| Some(response.force_error)),
+        Quantity::LinearityError => Kind::Result(|response| response.linearity_error),
+        Quantity::Method => Kind::Word(|step, _| step.response.map_or("", |response| response.method.name())),
+        Quantity::Backend => Kind::Word(|step, backend| step.response.map_or("", |_| backend.name())),
+        Quantity::Status => Kind::Status,
+    }
+}
 
 /// The columns of `laws.csv`: name, unit, meaning.
 pub fn law_columns() -> [(&'static str, &'static str, &'static str); 20] {
@@ -140,7 +99,7 @@ pub fn law_columns() -> [(&'static str, &'static str, &'static str); 20] {
 /// All columns, in their order.
 pub fn table_columns() -> Vec<TableColumn> {
     let design = TableColumn {
-        name: "design".into(),
+        name: columns::DESIGN.into(),
         unit: "-",
         about: "number of the design, from 0".into(),
         kind: Kind::Design,
@@ -151,11 +110,11 @@ pub fn table_columns() -> Vec<TableColumn> {
         about: column.about(),
         kind: Kind::Input(column),
     });
-    let results = RESULTS.map(|(name, unit, about, kind)| TableColumn {
-        name: name.into(),
-        unit,
-        about: about.into(),
-        kind,
+    let results = Quantity::ALL.map(|quantity| TableColumn {
+        name: quantity.name().into(),
+        unit: quantity.unit(),
+        about: quantity.about().into(),
+        kind: kind(quantity),
     });
     std::iter::once(design).chain(inputs).chain(results).collect()
 }

@@ -1,52 +1,51 @@
 //! A file of a result that rows are added to as designs are solved: what it is, and how it is kept whole.
 
 use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 use crate::engine::outcome::DesignOutcome;
 use crate::error::Error;
 use crate::study::fingerprint::{Fingerprint, Fingerprinter};
 
-/// What each outcome adds to a file. A new kind of file is one of these.
-pub trait Sink: Send {
+/// What outcomes add to a file. A new kind of file is one of these.
+pub trait Sink: Send + Sync {
     /// The file's name in the folder of the result.
     fn file_name(&self) -> &'static str;
 
-    /// Appends what the file begins with.
-    fn push_header(&self, out: &mut Vec<u8>);
+    /// What the file begins with.
+    fn header(&self) -> Vec<u8>;
 
-    /// Appends the rows of a design. A response that cannot be written is turned into a failed one, in `outcome`, too.
-    fn push_rows(&mut self, out: &mut Vec<u8>, outcome: &mut DesignOutcome);
+    /// The rows of some designs, made by any thread. A response that cannot be written is turned into a failed one, in `outcomes`,
+    /// too.
+    fn rows(&self, outcomes: &mut [DesignOutcome]) -> Vec<u8>;
+
+    /// What the file ends with, behind its rows.
+    fn end(&self, _file: &mut File) -> std::io::Result<Vec<u8>> {
+        Ok(Vec::new())
+    }
 }
 
-/// Rows are handed to the file in portions of about this many bytes ...
-const PORTION: usize = 1 << 16;
-/// ... and at least this often, for those who watch the file of a slow run.
-const PATIENCE: Duration = Duration::from_secs(1);
-
-/// A sink with its file.
+/// A sink's file.
 pub struct SinkFile {
-    sink: Box<dyn Sink>,
+    name: String,
     path: PathBuf,
-    /// Whole rows that wait for the file.
-    waiting: Vec<u8>,
-    /// From the first outcome on.
+    /// From the first rows on.
     file: Option<File>,
-    /// Of the whole rows in the file.
+    /// Of what is in the file.
     printer: Fingerprinter,
-    written: Instant,
 }
+
+/// Bytes read at a time.
+const PIECE: usize = 1 << 20;
 
 impl SinkFile {
-    pub fn new(sink: Box<dyn Sink>, path: PathBuf) -> SinkFile {
-        let (waiting, printer, written) = (Vec::new(), Fingerprinter::default(), Instant::now());
-        SinkFile { sink, path, waiting, file: None, printer, written }
+    pub fn new(name: &str, path: PathBuf) -> SinkFile {
+        SinkFile { name: name.into(), path, file: None, printer: Fingerprinter::default() }
     }
 
-    pub fn name(&self) -> &'static str {
-        self.sink.file_name()
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     pub fn fingerprint(&self) -> Fingerprint {
@@ -55,37 +54,74 @@ impl SinkFile {
 
     /// Opens the file, and leaves what is in it.
     pub fn open(&mut self) -> Result<(), Error> {
-        let opened = OpenOptions::new().write(true).create(true).truncate(false).open(&self.path);
+        let opened = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&self.path);
         self.file = Some(opened.map_err(|source| self.unwritable(source))?);
         Ok(())
     }
 
+    /// Whether the file, which is open, begins as it was when it had this fingerprint.
+    pub fn is_still(&mut self, print: &Fingerprint) -> Result<bool, Error> {
+        let unreadable = |source| Error::Io { action: "read", path: self.path.clone(), source };
+        let Some(file) = &mut self.file else { return Ok(false) };
+        self.printer = Fingerprinter::default();
+        file.seek(SeekFrom::Start(0)).map_err(unreadable)?;
+        let (mut piece, mut left) = (vec![0; PIECE], print.bytes);
+        while left > 0 {
+            let wanted = left.min(PIECE as u64) as usize;
+            match file.read(&mut piece[..wanted]) {
+                Ok(0) => return Ok(false),
+                Ok(count) => {
+                    self.printer.update(&piece[..count]);
+                    left -= count as u64;
+                }
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(source) => return Err(unreadable(source)),
+            }
+        }
+        Ok(self.printer.fingerprint() == *print)
+    }
+
+    /// Forgets what is in the file behind what was found to be still there.
+    pub fn go_on(&mut self) -> Result<(), Error> {
+        self.cut(self.printer.fingerprint().bytes)
+    }
+
     /// Empties the file, and begins anew.
-    pub fn begin(&mut self) -> Result<(), Error> {
-        self.sink.push_header(&mut self.waiting);
-        let emptied = self.file.as_ref().map_or(Ok(()), |file| file.set_len(0));
-        emptied.map_err(|source| self.unwritable(source))
+    pub fn begin(&mut self, header: &[u8]) -> Result<(), Error> {
+        self.printer = Fingerprinter::default();
+        self.cut(0)?;
+        self.append(header)
     }
 
-    /// Adds the rows of a design.
-    pub fn write(&mut self, outcome: &mut DesignOutcome) -> Result<(), Error> {
-        self.sink.push_rows(&mut self.waiting, outcome);
-        let overdue = self.written.elapsed() > PATIENCE;
-        if self.waiting.len() >= PORTION || overdue { self.flush() } else { Ok(()) }
+    fn cut(&mut self, bytes: u64) -> Result<(), Error> {
+        let cut = |file: &mut File| file.set_len(bytes).and_then(|()| file.seek(SeekFrom::Start(bytes)));
+        self.file.as_mut().map_or(Ok(0), cut).map_err(|source| self.unwritable(source))?;
+        Ok(())
     }
 
-    /// Appends all rows that wait or, when that fails, none of them: the file ends with a whole row.
-    pub fn flush(&mut self) -> Result<(), Error> {
+    /// Appends all of the bytes or, when that fails, none of them: the file ends with a whole row.
+    pub fn append(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let Some(file) = &mut self.file else { return Ok(()) };
-        if let Err(source) = file.write_all(&self.waiting) {
+        if let Err(source) = file.write_all(bytes) {
             // Should this fail too, the first error is still the one to tell.
             let _ = file.set_len(self.printer.fingerprint().bytes);
             return Err(self.unwritable(source));
         }
-        self.printer.update(&self.waiting);
-        self.written = Instant::now();
-        self.waiting.clear();
+        self.printer.update(bytes);
         Ok(())
+    }
+
+    /// Writes what the file ends with.
+    pub fn end(&mut self, sink: &dyn Sink) -> Result<(), Error> {
+        let Some(file) = &mut self.file else { return Ok(()) };
+        let end = sink.end(file).and_then(|end| file.seek(SeekFrom::End(0)).map(|_| end));
+        let end = end.map_err(|source| self.unwritable(source))?;
+        self.append(&end)
+    }
+
+    /// Waits until the file is on the disk, whatever becomes of the machine.
+    pub fn sync(&self) -> Result<(), Error> {
+        self.file.as_ref().map_or(Ok(()), File::sync_data).map_err(|source| self.unwritable(source))
     }
 
     fn unwritable(&self, source: std::io::Error) -> Error {

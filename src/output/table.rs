@@ -18,10 +18,6 @@ pub struct Table {
     columns: Vec<TableColumn>,
     /// How many of the columns are the same in each row of a design.
     input_count: usize,
-    /// The text of a design's inputs, the same in each of its rows; kept only to spare the allocation.
-    input_text: Vec<u8>,
-    /// The values of the loads of the design before, with their text: most sweeps load all designs alike.
-    loads: Vec<(f64, Vec<u8>)>,
 }
 
 impl Default for Table {
@@ -29,8 +25,17 @@ impl Default for Table {
         let columns = table_columns();
         let is_input = |column: &&TableColumn| matches!(column.kind, Kind::Design | Kind::Input(_));
         let input_count = columns.iter().take_while(is_input).count();
-        Table { columns, input_count, input_text: Vec::new(), loads: Vec::new() }
+        Table { columns, input_count }
     }
+}
+
+/// What the rows of designs that follow each other have in common, as text.
+#[derive(Default)]
+struct Common {
+    /// A design's inputs, the same in each of its rows; kept only to spare the allocation.
+    inputs: Vec<u8>,
+    /// The loads of the design before: most sweeps load all designs alike.
+    loads: Vec<(f64, Vec<u8>)>,
 }
 
 impl Sink for Table {
@@ -38,21 +43,30 @@ impl Sink for Table {
         TABLE
     }
 
-    fn push_header(&self, out: &mut Vec<u8>) {
+    fn header(&self) -> Vec<u8> {
         let names: Vec<&str> = self.columns.iter().map(|column| &*column.name).collect();
-        out.extend_from_slice(names.join(",").as_bytes());
-        out.push(b'\n');
+        format!("{}\n", names.join(",")).into()
     }
 
-    /// A response that is not a number in every part is no response.
-    fn push_rows(&mut self, out: &mut Vec<u8>, outcome: &mut DesignOutcome) {
+    fn rows(&self, outcomes: &mut [DesignOutcome]) -> Vec<u8> {
+        let (mut out, mut common) = (Vec::new(), Common::default());
+        for outcome in outcomes {
+            self.push_rows(&mut out, &mut common, outcome);
+        }
+        out
+    }
+}
+
+impl Table {
+    /// The rows of a design. A response that is not a number in every part is no response.
+    fn push_rows(&self, out: &mut Vec<u8>, common: &mut Common, outcome: &mut DesignOutcome) {
         assert_eq!(outcome.case.steps.len(), outcome.steps.len(), "an outcome for every step");
         let (inputs, results) = self.columns.split_at(self.input_count);
-        self.input_text.clear();
-        push_inputs(&mut self.input_text, inputs, &outcome.case);
+        common.inputs.clear();
+        push_inputs(&mut common.inputs, inputs, &outcome.case);
         // NaN is no load, and equals none.
-        self.loads.resize(outcome.steps.len(), (f64::NAN, Vec::new()));
-        for ((load, text), step) in outcome.case.steps.iter().zip(&mut self.loads).zip(&mut outcome.steps) {
+        common.loads.resize(outcome.steps.len(), (f64::NAN, Vec::new()));
+        for ((load, text), step) in outcome.case.steps.iter().zip(&mut common.loads).zip(&mut outcome.steps) {
             let (Load::Indentation(value) | Load::Force(value)) = *load;
             if value != text.0 {
                 text.0 = value;
@@ -62,7 +76,7 @@ impl Sink for Table {
             if let Some(name) = step.response.and_then(|response| non_finite(results, &response)) {
                 *step = StepOutcome::failed(Failure::NotFinite(name));
             }
-            out.extend_from_slice(&self.input_text);
+            out.extend_from_slice(&common.inputs);
             for column in results {
                 let response = step.response.as_ref();
                 match column.kind {
@@ -163,10 +177,8 @@ mod tests {
             plate: part(&annulus::SHAPE, [2.0, 0.0, 0.0]),
         };
         let case = DesignCase { index: 7, joint, steps: loads.to_vec() };
-        let mut text = Vec::new();
-        Table::default()
-            .push_rows(&mut text, &mut DesignOutcome::new(case, Answer { backend: BackendKind::Cpu, steps }));
-        String::from_utf8(text).unwrap()
+        let outcome = DesignOutcome::new(case, Answer { backend: BackendKind::Cpu, steps });
+        String::from_utf8(Table::default().rows(&mut [outcome])).unwrap()
     }
 
     const OK: StepOutcome = StepOutcome { response: Some(RESPONSE), status: Status::OK };
@@ -222,8 +234,7 @@ mod tests {
     /// Read by an independent CSV reader, which refuses rows of another length than the header's.
     #[test]
     fn every_row_has_a_cell_for_each_column() {
-        let mut text = Vec::new();
-        Table::default().push_header(&mut text);
+        let mut text = Table::default().header();
         let steps = vec![OK, StepOutcome::failed(Failure::NotAPush)];
         text.extend_from_slice(rows(&[Load::Indentation(0.1); 2], steps).as_bytes());
         let mut reader = csv::Reader::from_reader(text.as_slice());

@@ -1,5 +1,5 @@
-//! The columns that describe a joint in CSV files, in their order: written once, for the lists of designs that
-//! are read and for the tables that are written. What shapes add to them comes from the registry of shapes.
+//! The columns of CSV files, in their order: written once, for the lists of designs that are read, for the tables that are
+//! written and for configs that name them. What shapes add to them comes from the registry of shapes.
 
 use crate::mechanics::body::{Shape, Side};
 use crate::mechanics::material::Idealization;
@@ -23,6 +23,100 @@ pub enum Column {
 /// The columns of the two loads; a row of a list of designs fills one of them.
 pub const INDENTATION: &str = "indentation_mm";
 pub const FORCE: &str = "force_n";
+
+/// The number of a row's design.
+pub const DESIGN: &str = "design";
+
+/// What a row of the table tells of a load step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    Indentation,
+    Force,
+    TangentStiffness,
+    ContactHalfAngle,
+    PeakPressure,
+    Energy,
+    ForceError,
+    LinearityError,
+    Method,
+    Backend,
+    Status,
+}
+
+impl Quantity {
+    /// In the order of the table.
+    pub const ALL: [Quantity; 11] = [
+        Quantity::Indentation,
+        Quantity::Force,
+        Quantity::TangentStiffness,
+        Quantity::ContactHalfAngle,
+        Quantity::PeakPressure,
+        Quantity::Energy,
+        Quantity::ForceError,
+        Quantity::LinearityError,
+        Quantity::Method,
+        Quantity::Backend,
+        Quantity::Status,
+    ];
+
+    /// The column's header, with its unit.
+    pub fn name(self) -> &'static str {
+        self.documented().0
+    }
+
+    /// "-" for ratios and words.
+    pub fn unit(self) -> &'static str {
+        self.documented().1
+    }
+
+    /// What it means.
+    pub fn about(self) -> &'static str {
+        self.documented().2
+    }
+
+    /// Whether there are numbers in the column, not words.
+    pub fn is_number(self) -> bool {
+        !matches!(self, Quantity::Method | Quantity::Backend | Quantity::Status)
+    }
+
+    fn documented(self) -> (&'static str, &'static str, &'static str) {
+        match self {
+            Quantity::Indentation => (
+                INDENTATION,
+                "mm",
+                "descent of the pin's rigid part after first touch, from where the plate is held",
+            ),
+            Quantity::Force => (FORCE, "N", "of the whole joint, both halves"),
+            Quantity::TangentStiffness => {
+                ("tangent_stiffness_n_per_mm", "N/mm", "slope of the force over the indentation")
+            }
+            Quantity::ContactHalfAngle => (
+                "contact_half_angle_deg",
+                "deg",
+                "where the pressure ends, at the hole's centre, from the load line",
+            ),
+            Quantity::PeakPressure => ("peak_pressure_mpa", "MPa", "at the load line, per area of the hole"),
+            Quantity::Energy => ("energy_mj", "mJ", "strain energy of both bodies"),
+            Quantity::ForceError => {
+                ("force_error", "-", "estimated relative error of the force, displacements being small")
+            }
+            Quantity::LinearityError => (
+                "linearity_error",
+                "-",
+                "estimated relative difference of the force from laws of finite displacement",
+            ),
+            Quantity::Method => (
+                "method",
+                "-",
+                "`series`, `interpolated`, `fe` or `closed-form`; empty where there is no answer",
+            ),
+            Quantity::Backend => {
+                ("backend", "-", "what has computed: `cpu` or `gpu`; empty where there is no answer")
+            }
+            Quantity::Status => ("status", "-", "`ok`, or remarks on the answer, or `failed: ` and why"),
+        }
+    }
+}
 
 /// What stands in a column for one joint.
 #[derive(Clone, Copy, Debug, PartialEq)]

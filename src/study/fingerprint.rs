@@ -33,6 +33,11 @@ impl Fingerprint {
         format!("{:032x}", self.xxh128)
     }
 
+    /// The hash, its first digits first.
+    pub fn bytes_of_hash(&self) -> [u8; 16] {
+        self.xxh128.to_be_bytes()
+    }
+
     /// From what `bytes` and `hash` gave.
     pub fn parse(bytes: u64, hash: &str) -> Option<Fingerprint> {
         Some(Fingerprint { bytes, xxh128: u128::from_str_radix(hash, 16).ok()? })

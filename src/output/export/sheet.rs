@@ -106,7 +106,7 @@ pub fn head(
     said.push(format!(
         "Made by {}; config {}, manifest.json xxh128 {manifest_hash}.",
         program.in_words(),
-        origin.path
+        origin.inputs.path
     ));
     let joint = &source.members[0].joint;
     let designs = match &source.members[..] {

@@ -76,7 +76,7 @@ impl Source {
         up_to: Option<f64>,
         allow_warned: bool,
     ) -> Result<Source, Error> {
-        let solve = solve_options(Path::new(&results.origin.path), &results.origin.text)?;
+        let solve = solve_options(Path::new(&results.origin.inputs.path), &results.origin.inputs.text)?;
         if solve.method == MethodChoice::ClosedForm {
             let problem = "it holds closed forms, which know nothing of the plate; export wants `auto`, `series` or `fe`";
             return refuse(results.dir().display().to_string(), problem);

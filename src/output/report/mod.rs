@@ -47,7 +47,7 @@ pub fn page(results: &Results, designs: &[u64]) -> Result<String, Error> {
     if designs.len() > MOST_DESIGNS {
         return Err(Error::TooManyDesigns { asked: designs.len(), most: MOST_DESIGNS });
     }
-    let asked = Asked::from_text(Path::new(&results.origin.path), &results.origin.text)?;
+    let asked = Asked::from_text(Path::new(&results.origin.inputs.path), &results.origin.inputs.text)?;
     let scan = Scan::read(results, &designs)?;
     let chosen = chosen::choose(&scan, &designs, asked.solve);
     let title = origin::title(results);

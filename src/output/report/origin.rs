@@ -32,7 +32,7 @@ pub fn section(report: &Report) -> String {
     if let Some(commit) = word("commit") {
         text += &format!(" (commit {commit})");
     }
-    text += &format!(" from {}", shortened_to(&results.origin.path, LONGEST_TITLE));
+    text += &format!(" from {}", shortened_to(&results.origin.inputs.path, LONGEST_TITLE));
     if let Some(started) = word("started_utc") {
         text += &format!(", run at {started}");
     }
@@ -46,7 +46,7 @@ pub fn section(report: &Report) -> String {
     if body.chars().count() > LONGEST {
         body = shortened_to(&body, LONGEST) + "\n(cut here: the file has it all)";
     }
-    let config = shortened_to(&results.origin.text, LONGEST);
+    let config = shortened_to(&results.origin.inputs.text, LONGEST);
     let details = format!(
         "<details>\n<summary>Config</summary>\n<pre>{}</pre>\n</details>\n\
          <details>\n<summary>Manifest</summary>\n<pre>{}</pre>\n</details>\n",

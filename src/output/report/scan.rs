@@ -265,8 +265,8 @@ impl Scan {
     /// Reads the table once. `named` designs are kept whole; the accuracy asked is the limit of `force_error`.
     pub fn read(results: &Results, named: &[u64]) -> Result<Scan, Error> {
         let asked = crate::study::config::Asked::from_text(
-            std::path::Path::new(&results.origin.path),
-            &results.origin.text,
+            std::path::Path::new(&results.origin.inputs.path),
+            &results.origin.inputs.text,
         )?;
         let mut rows = results.rows()?;
         let places = Places {
