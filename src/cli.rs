@@ -26,6 +26,7 @@ mod report;
 mod report_page;
 mod retry;
 mod run;
+mod sensitivity;
 mod shard;
 mod shell;
 mod tradeoff;
@@ -61,6 +62,8 @@ enum Command {
     Explain(ExplainArgs),
     /// Fits what is not known of a joint to measured forces and indentations
     Calibrate(CalibrateArgs),
+    /// Says which swept quantities the scatter of a result comes from: first-order and total Sobol indices
+    Sensitivity(SensitivityArgs),
     /// Makes one page of a result, for people: curves, map, errors, what failed and why
     Report(ReportArgs),
     /// Writes the force of a design, or of a sweep over the clearance, as a table that another simulator reads
@@ -196,6 +199,39 @@ struct CalibrateArgs {
     out: Option<PathBuf>,
     #[command(flatten)]
     settings: SettingArgs,
+    /// Overwrite a result that is there
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
+struct SensitivityArgs {
+    /// The factors and their ranges, a TOML file: what sweeps there, whatever its [sampling] says
+    config: PathBuf,
+    /// Columns of results, with commas between, with or without their unit [default: force_n, or indentation_mm where the
+    /// force is prescribed]
+    #[arg(long, value_name = "COLUMN", value_delimiter = ',')]
+    of: Vec<String>,
+    /// The load step, from 1 [default: the last]
+    #[arg(long, value_name = "N")]
+    step: Option<u64>,
+    /// Samples; each is as many designs as there are factors, and two. Best a power of two
+    #[arg(long, value_name = "N", default_value = "1024", value_parser = sample_count)]
+    samples: u64,
+    /// Other samples
+    #[arg(long, value_name = "N", default_value = "0")]
+    seed: u64,
+    /// Folder of the result [default: out/<config's name>/sensitivity]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    settings: SettingArgs,
+    /// Threads that compute [default: all cores]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
     /// Overwrite a result that is there
     #[arg(long)]
     force: bool,
@@ -412,6 +448,7 @@ pub fn main() -> ExitCode {
         Command::Laws(args) => laws::laws(&args),
         Command::Explain(args) => explain::explain(&args),
         Command::Calibrate(args) => calibrate::calibrate(&args),
+        Command::Sensitivity(args) => sensitivity::sensitivity(&args),
         Command::Report(args) => report_page::report_page(&args),
         Command::Export(args) => export::run(&args),
         Command::Bench(args) => bench::bench(&args),
@@ -480,6 +517,14 @@ fn thread_count(text: &str) -> Result<usize, String> {
         Ok(count) if (1..=MOST_THREADS).contains(&count) => Ok(count),
         _ => Err(format!("a whole number from 1 to {MOST_THREADS} is needed")),
     }
+}
+
+/// Fewer say nothing: intervals come from groups of samples, and there are half a hundred of those then.
+const FEWEST_SAMPLES: u64 = 64;
+
+fn sample_count(text: &str) -> Result<u64, String> {
+    let number = text.parse().ok().filter(|number| *number >= FEWEST_SAMPLES);
+    number.ok_or(format!("a whole number from {FEWEST_SAMPLES} on is needed, best a power of two"))
 }
 
 /// A count of things to do, at least one.

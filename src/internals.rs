@@ -18,6 +18,9 @@ pub mod joint;
 /// Joints fitted to measured points.
 #[path = "calibrate/mod.rs"]
 pub mod calibrate;
+/// Which inputs the scatter of a result comes from.
+#[path = "sensitivity/mod.rs"]
+pub mod sensitivity;
 /// What each choice costs and what it is worth: designs run through all of them, timed and compared.
 #[path = "tradeoff/mod.rs"]
 pub mod tradeoff;

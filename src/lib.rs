@@ -22,7 +22,7 @@
 //! The parts are in [`internals`], of which no promise is made.
 
 pub mod internals;
-use internals::{calibrate, engine, joint, mechanics, output, study, tradeoff};
+use internals::{calibrate, engine, joint, mechanics, output, sensitivity, study, tradeoff};
 
 /// Errors for people: each variant carries the values that explain it.
 pub mod error;

@@ -11,7 +11,7 @@ use std::path::Path;
 type Sources = BTreeMap<String, String>;
 
 /// Beginnings of paths and names of macros that a wing must not use, and what they are.
-const FORBIDDEN: [(&str, &str, &[&str]); 9] = [
+const FORBIDDEN: [(&str, &str, &[&str]); 11] = [
     ("src/mechanics/", "threads", THREADS),
     ("src/study/", "threads", THREADS),
     ("src/output/", "threads", THREADS),
@@ -19,6 +19,8 @@ const FORBIDDEN: [(&str, &str, &[&str]); 9] = [
     ("src/engine/", "files", FILES),
     ("src/tradeoff/", "files", FILES),
     ("src/calibrate/", "files", FILES),
+    ("src/sensitivity/", "files", FILES),
+    ("src/sensitivity/", "threads", THREADS),
     ("src/mechanics/", "environment", &["std::env", "std::process", "std::net"]),
     (
         "src/",

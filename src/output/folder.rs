@@ -32,6 +32,8 @@ pub static TRADEOFF: Contents =
     Contents { command: Some("tradeoff"), files: &["tradeoff.csv", "front.csv", "tradeoff.svg"] };
 pub static CALIBRATION: Contents =
     Contents { command: Some("calibrate"), files: &["calibration.csv", "residuals.csv", "residuals.svg"] };
+pub static SENSITIVITY: Contents =
+    Contents { command: Some("sensitivity"), files: &["sensitivity.csv", "sensitivity.svg"] };
 
 /// What may be put in the place of what is there.
 #[derive(Clone, Copy, Debug, Default)]

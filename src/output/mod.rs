@@ -1,5 +1,6 @@
 mod number;
 pub mod schema;
+pub mod result_column;
 pub mod host;
 pub mod manifest;
 pub mod lock;
@@ -19,5 +20,6 @@ pub mod benchmark;
 pub mod gpu_benchmark;
 pub mod residual_plot;
 pub mod calibration;
+pub mod sensitivity;
 pub mod tradeoff_plot;
 pub mod tradeoff;

@@ -138,6 +138,45 @@ impl Study {
         Ok(Study { title, solve, interpolation, laws, designs, source })
     }
 
+    /// The same joint in a design for sensitivity indices instead of what [sampling] says, under one load step (from 1; the
+    /// last one where none is named) and without laws.
+    pub fn for_sensitivity(mut self, samples: u64, seed: u64, step: Option<u64>) -> Result<Study, Error> {
+        let refuse =
+            |problem: String| Error::Asked { problem: format!("{}: {problem}", self.source.path.display()) };
+        let Designs::Sampled { recipe, steps } = &self.designs else {
+            return Err(refuse(
+                "the designs of [designs] are a fixed list: a sensitivity needs factors that vary each by itself; give [joint] \
+                 with ranges and lists in its place"
+                    .into(),
+            ));
+        };
+        let step = step.unwrap_or(steps.len() as u64);
+        let place = usize::try_from(step).ok().and_then(|step| step.checked_sub(1));
+        let Some(&load) = place.and_then(|place| steps.get(place)) else {
+            return Err(refuse(format!("there is no load step {step}: the config has {}", steps.len())));
+        };
+        let recipe = Box::new(recipe.for_sensitivity(samples, seed).map_err(refuse)?);
+        self.designs = Designs::Sampled { recipe, steps: vec![load] };
+        self.laws = Some(false);
+        Ok(self)
+    }
+
+    /// What sweeps, by its keys in [joint], as listed; nothing for a list of designs.
+    pub fn factors(&self) -> Vec<&str> {
+        match &self.designs {
+            Designs::Sampled { recipe, .. } => recipe.factors(),
+            Designs::Listed(_) => Vec::new(),
+        }
+    }
+
+    /// The load steps of each design; nothing for a list of designs, whose rows have their own.
+    pub fn loads(&self) -> &[Load] {
+        match &self.designs {
+            Designs::Sampled { steps, .. } => steps,
+            Designs::Listed(_) => &[],
+        }
+    }
+
     /// The title, or the file's name when there is none.
     pub fn title(&self) -> &str {
         &self.title

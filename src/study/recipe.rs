@@ -2,7 +2,7 @@
 
 use std::ops::Not;
 
-use crate::error::Error;
+use crate::error::{Error, quoted};
 use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
 use crate::mechanics::material::{Idealization, Material};
 use crate::study::columns::side_name;
@@ -44,6 +44,7 @@ pub struct Recipe {
     thickness: Quantity,
     pin: PartRecipe,
     plate: PartRecipe,
+    axes: Vec<Axis>,
     sampler: Sampler,
 }
 
@@ -105,6 +106,7 @@ impl Recipe {
             thickness,
             pin,
             plate,
+            axes: reader.axes,
             sampler,
         };
         recipe.check_fit(&hole_item, &clearance_item)?;
@@ -113,6 +115,32 @@ impl Recipe {
 
     pub fn sampler(&self) -> &Sampler {
         &self.sampler
+    }
+
+    /// The keys of what sweeps, as listed, without `joint.` before them.
+    pub fn factors(&self) -> Vec<&str> {
+        let mut axes: Vec<&Axis> = self.axes.iter().collect();
+        axes.sort_by_key(|axis| axis.start);
+        axes.iter().map(|axis| axis.key.strip_prefix("joint.").unwrap_or(&axis.key)).collect()
+    }
+
+    /// The same quantities in a design for sensitivity indices: counted ranges are continuous there, lists equally likely. On
+    /// failure, what is wrong.
+    pub fn for_sensitivity(&self, rows: u64, seed: u64) -> Result<Recipe, String> {
+        let factors = self.factors();
+        if factors.is_empty() {
+            return Err("nothing sweeps: give at least one quantity of [joint] a range or a list".into());
+        }
+        if self.sampler.scheme() == Scheme::Zip && factors.len() > 1 {
+            return Err(format!(
+                "zip moves {} together, so what one of them does cannot be told from the others: a sensitivity needs factors \
+                 that vary each by itself; leave `method = \"zip\"` out of [sampling]",
+                quoted(&factors)
+            ));
+        }
+        let sampler =
+            Sampler::new(Scheme::Saltelli { rows, seed }, &self.axes).map_err(|(_, problem)| problem)?;
+        Ok(Recipe { sampler, ..self.clone() })
     }
 
     /// Design number `design` of the sweep.
@@ -249,7 +277,7 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     fn new(scheme: Scheme) -> Reader<'a> {
         let counts = match scheme {
-            Scheme::Grid | Scheme::Zip => Counts::Required,
+            Scheme::Grid | Scheme::Zip | Scheme::Saltelli { .. } => Counts::Required,
             Scheme::LatinHypercube { .. } | Scheme::Sobol { .. } => Counts::Refused(scheme.name()),
         };
         Reader { counts, axes: Vec::new(), items: Vec::new() }

@@ -1,4 +1,4 @@
-//! Which values design number i takes: grid, zip, latin hypercube, sobol. Everything is computed from the number
+//! Which values design number i takes: grid, zip, latin hypercube, sobol, saltelli. Everything is computed from the number
 //! of the design alone, so a sweep of any length needs no memory and can start anywhere.
 
 use crate::study::values::Pick;
@@ -26,19 +26,24 @@ pub enum Scheme {
     LatinHypercube { count: u64, seed: u64 },
     /// `count` designs of an Owen-scrambled Sobol sequence.
     Sobol { count: u64, seed: u64 },
+    /// For sensitivity indices, never named by a config: `rows` of `row_length` designs. A point of an Owen-scrambled Sobol
+    /// sequence of twice as many dimensions as axes is two designs, A and B; then comes A with the first axis of B, A with
+    /// the second axis of B ... (Saltelli et al., Computer Physics Communications 181, 2010, section 3).
+    Saltelli { rows: u64, seed: u64 },
 }
 
 impl Scheme {
-    /// The names in configs, in the order of the variants.
+    /// The names in configs, in the order of the variants that configs can name.
     pub const NAMES: [&str; 4] = ["grid", "zip", "latin-hypercube", "sobol"];
 
     pub fn name(self) -> &'static str {
-        Scheme::NAMES[match self {
-            Scheme::Grid => 0,
-            Scheme::Zip => 1,
-            Scheme::LatinHypercube { .. } => 2,
-            Scheme::Sobol { .. } => 3,
-        }]
+        match self {
+            Scheme::Grid => Scheme::NAMES[0],
+            Scheme::Zip => Scheme::NAMES[1],
+            Scheme::LatinHypercube { .. } => Scheme::NAMES[2],
+            Scheme::Sobol { .. } => Scheme::NAMES[3],
+            Scheme::Saltelli { .. } => "saltelli",
+        }
     }
 }
 
@@ -99,6 +104,9 @@ impl Sampler {
                 order.first().map_or(1, |&first| roles[first].count)
             }
             Scheme::LatinHypercube { count, .. } | Scheme::Sobol { count, .. } => count,
+            Scheme::Saltelli { rows, .. } => {
+                saltelli_count(rows, axes.len()).map_err(|problem| (0, problem))?
+            }
         };
         Ok(Sampler { scheme, design_count, roles })
     }
@@ -119,8 +127,35 @@ impl Sampler {
             Scheme::Zip => Pick::Index(design),
             Scheme::LatinHypercube { count, seed } => Pick::Fraction(slice(design, count, role.rank, seed)),
             Scheme::Sobol { seed, .. } => Pick::Fraction(sobol(design, role.rank, seed)),
+            Scheme::Saltelli { seed, .. } => {
+                let axes = self.roles.len();
+                let (row, member) = (design / row_length(axes), design % row_length(axes));
+                let is_of_b = member == 1 || member == u64::from(role.rank) + 2;
+                let dimension = role.rank + if is_of_b { axes as u32 } else { 0 };
+                Pick::Fraction(sobol(row, dimension, seed))
+            }
         }
     }
+}
+
+/// Designs of a row of Saltelli's scheme: A, B, and one for each axis.
+pub fn row_length(axes: usize) -> u64 {
+    axes as u64 + 2
+}
+
+/// All designs of Saltelli's scheme.
+fn saltelli_count(rows: u64, axes: usize) -> Result<u64, String> {
+    let most_axes = sobol_burley::NUM_DIMENSIONS as usize / 2;
+    if axes > most_axes {
+        return Err(format!(
+            "{axes} factors need a Sobol sequence of {} dimensions; at most {most_axes} factors are possible",
+            2 * axes
+        ));
+    }
+    let count = rows.checked_mul(row_length(axes)).filter(|&count| count <= MAX_DESIGNS);
+    count.ok_or_else(|| {
+        format!("{rows} samples of {axes} factors are too many designs; at most {MAX_DESIGNS} are allowed")
+    })
 }
 
 fn too_many(order: &[usize], axes: &[Axis]) -> String {
@@ -166,7 +201,7 @@ fn sobol(design: u64, rank: u32, seed: u64) -> f64 {
 }
 
 /// A hash of 64 bits to 64 bits: one step of SplitMix64 (Steele, Lea & Flood, 2014).
-fn mix(state: u64) -> u64 {
+pub fn mix(state: u64) -> u64 {
     let mut z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -235,6 +270,37 @@ mod tests {
             }
         }
         assert_ne!(sobol(0, 0, 3), sobol(1 << 16, 0, 3), "blocks repeat");
+    }
+
+    /// A row's designs differ from A on one axis each, where they are B; axes are counted as listed, not as handed over.
+    #[test]
+    fn saltelli_rows_are_two_points_and_their_crossings() {
+        let axes = [axis(30, None), axis(10, Some(4)), axis(20, None)];
+        let sampler = Sampler::new(Scheme::Saltelli { rows: 4, seed: 9 }, &axes).unwrap();
+        assert_eq!(sampler.design_count(), 20);
+        for row in 0..4u64 {
+            let point = |member: u64| [1, 2, 0].map(|axis| sampler.pick(5 * row + member, axis));
+            let (a, b) = (point(0), point(1));
+            assert_eq!(a, [0, 1, 2].map(|dimension| Pick::Fraction(sobol(row, dimension, 9))));
+            assert_eq!(b, [3, 4, 5].map(|dimension| Pick::Fraction(sobol(row, dimension, 9))));
+            for i in 0..3 {
+                let mut crossed = a;
+                crossed[i] = b[i];
+                assert_eq!(point(i as u64 + 2), crossed);
+            }
+        }
+    }
+
+    #[test]
+    fn saltelli_is_refused_beyond_its_sequence_and_beyond_all_bounds() {
+        let refused = |rows: u64, count: usize| {
+            let axes: Vec<Axis> = (0..count).map(|start| axis(start, None)).collect();
+            Sampler::new(Scheme::Saltelli { rows, seed: 0 }, &axes).map(|sampler| sampler.design_count())
+        };
+        assert_eq!(refused(16, 128), Ok(16 * 130));
+        assert!(refused(16, 129).unwrap_err().1.contains("at most 128 factors"));
+        assert!(refused(u64::MAX, 3).unwrap_err().1.contains("too many designs"));
+        assert!(refused(200_000_001, 3).unwrap_err().1.contains("too many designs"));
     }
 
     /// Designs of a seed must stay what they are: results are compared across machines and versions.

@@ -9,7 +9,9 @@ pub mod axis;
 pub mod frame;
 pub mod line_chart;
 pub mod map_chart;
+pub mod bar_chart;
 
 pub use axis::{Axis, Spacing};
+pub use bar_chart::{Bar, BarChart, BarGroup, BarPanel};
 pub use line_chart::{LineChart, Marking, Series};
 pub use map_chart::{Cell, MapAxis, MapChart};

@@ -1,0 +1,141 @@
+//! `jointsweep sensitivity`: which swept quantities the scatter of a result comes from.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::time::SystemTime;
+
+use jointsweep::internals::engine::sweep::SweepOptions;
+use jointsweep::internals::output::folder::{Permissions, ResultFolder, SENSITIVITY, Verdict};
+use jointsweep::internals::output::result_column::ResultColumn;
+use jointsweep::internals::output::sensitivity::{Question, load, order, save};
+use jointsweep::internals::sensitivity::analysis::{Analysis, Output, OutputIndices, analyse};
+use jointsweep::internals::sensitivity::indices::{Estimate, FactorIndices};
+use jointsweep::internals::study::config::Study;
+use jointsweep::{Error, Status};
+
+use super::progress::Progress;
+use super::report::aligned;
+use super::{Ending, SensitivityArgs, print, say, threads};
+
+pub fn sensitivity(args: &SensitivityArgs) -> Result<Ending, Error> {
+    let started = SystemTime::now();
+    let study = args.settings.load(&args.config)?;
+    let step = args.step.unwrap_or(study.steps_per_design());
+    let study = study.for_sensitivity(args.samples, args.seed, args.step)?;
+    let columns = columns(&study, &args.of)?;
+    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(study.name()).join("sensitivity"));
+    let folder = ResultFolder::new(&SENSITIVITY, dir.clone());
+    let permissions = Permissions { force: args.force, again: args.force };
+    // Other columns, or other samples: only the config is known to be the same.
+    if let Verdict::Done(origin) = folder.check(&study, permissions)? {
+        return Err(Error::FolderTaken {
+            dir,
+            occupant: format!("the sensitivities of {}", origin.inputs.path),
+        });
+    }
+    let claim = folder.claim(&format!("of {}", args.config.display()))?;
+
+    let threads = threads(args.threads);
+    let options = SweepOptions { threads, notify: Some(&say), ..SweepOptions::default() };
+    let mut progress = Progress::new(0, study.design_count(), args.quiet);
+    let analysis = analyse_columns(&study, &columns, &options, &mut progress);
+    progress.finish();
+    let analysis = analysis?;
+    let question = Question { columns: &columns, step, seed: args.seed, threads, started };
+    save(&study, &question, &analysis, &claim)?;
+    if !args.quiet {
+        print(&summary(&study, &columns, &analysis, &dir))?;
+    }
+    let is_whole = analysis.outputs.iter().all(|output| output.left_out == 0);
+    Ok(if is_whole { Ending::Complete } else { Ending::SomeDesignsFailed })
+}
+
+/// Those that are named, or what answers the load.
+fn columns(study: &Study, names: &[String]) -> Result<Vec<ResultColumn>, Error> {
+    let load = study.loads()[0];
+    if names.is_empty() {
+        return Ok(vec![ResultColumn::answering(load)?]);
+    }
+    let mut columns: Vec<ResultColumn> = Vec::new();
+    for name in names {
+        let column = ResultColumn::named(name.trim())?;
+        let problem = if columns.iter().any(|other| other.name == column.name) {
+            "it is named twice"
+        } else if column.is_asked_by(load) {
+            "the config prescribes it, so it does not change"
+        } else {
+            columns.push(column);
+            continue;
+        };
+        return Err(Error::Asked { problem: format!("`{}`: {problem}", column.name) });
+    }
+    Ok(columns)
+}
+
+fn analyse_columns(
+    study: &Study,
+    columns: &[ResultColumn],
+    options: &SweepOptions,
+    progress: &mut Progress,
+) -> Result<Analysis, Error> {
+    let values: Vec<_> = columns.iter().map(|column| |response: &_| column.value(response)).collect();
+    let outputs: Vec<Output> =
+        columns.iter().zip(&values).map(|(column, value)| Output { name: &column.name, value }).collect();
+    analyse(study, &outputs, options, &mut || progress.advance(1))
+}
+
+fn summary(study: &Study, columns: &[ResultColumn], analysis: &Analysis, dir: &Path) -> String {
+    let factors = study.factors();
+    let mut text = String::new();
+    for (column, output) in columns.iter().zip(&analysis.outputs) {
+        text += &table(&factors, column, &load(study), output);
+        text.push('\n');
+    }
+    let Analysis { samples, designs, statuses, .. } = analysis;
+    _ = writeln!(text, "{samples} samples of {} factors, {designs} designs", factors.len());
+    for (status, count) in statuses.by_text() {
+        if status != Status::OK.to_string() {
+            _ = writeln!(text, "{count} designs: {status}");
+        }
+    }
+    text += "written:\n";
+    for name in ["sensitivity.csv", "sensitivity.svg", "manifest.json"] {
+        _ = writeln!(text, "  {}", dir.join(name).display());
+    }
+    text
+}
+
+/// One column: the factor with the greatest total first.
+fn table(factors: &[&str], column: &ResultColumn, load: &str, output: &OutputIndices) -> String {
+    let OutputIndices { mean, standard_deviation, indices, left_out } = output;
+    let unit = if column.unit == "-" { String::new() } else { format!(" {}", column.unit) };
+    let mut text = format!(
+        "{} at {load}: mean {mean:.4e}{unit}, standard deviation {standard_deviation:.4e}{unit}\n",
+        column.name
+    );
+    match indices {
+        None => text += "it does not change: there is no variance to share\n",
+        Some(indices) => {
+            let mut lines = vec![["factor", "first order", "95 %", "total", "95 %"].map(String::from)];
+            let interval = |one: Estimate| format!("{} to {}", digits(one.low), digits(one.high));
+            for place in order(indices) {
+                let FactorIndices { first_order, total } = indices.factors[place];
+                let [first, all] = [first_order, total].map(|one| digits(one.value));
+                lines.push([factors[place].into(), first, interval(first_order), all, interval(total)]);
+            }
+            let sum = indices.sum_of_first_orders;
+            lines.push(["sum".into(), digits(sum.value), interval(sum), String::new(), String::new()]);
+            text += &aligned(&lines);
+        }
+    }
+    if *left_out > 0 {
+        _ = writeln!(text, "left out: {left_out} samples with a design that has no {}", column.name);
+    }
+    text
+}
+
+/// Three decimals, and no zero below zero.
+fn digits(share: f64) -> String {
+    let text = format!("{share:.3}");
+    if text == "-0.000" { "0.000".into() } else { text }
+}

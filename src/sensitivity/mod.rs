@@ -1,0 +1,3 @@
+mod moments;
+pub mod indices;
+pub mod analysis;
