@@ -4,6 +4,8 @@ pub mod host;
 pub mod manifest;
 pub mod lock;
 pub mod folder;
+pub mod shard;
+pub mod slurm;
 pub mod sink;
 pub mod table;
 pub mod laws_table;
