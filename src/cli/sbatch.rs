@@ -108,7 +108,7 @@ impl Submission<'_> {
 const WITHOUT: &str = "there is no sbatch here: is this a machine of the cluster";
 
 /// A word as a person would write it.
-fn shell_word(word: &str) -> String {
+pub fn shell_word(word: &str) -> String {
     let is_plain = |letter: char| letter.is_alphanumeric() || "-_=,.:/%@+".contains(letter);
     if !word.is_empty() && word.chars().all(is_plain) { word.into() } else { quoted(word) }
 }

@@ -9,7 +9,7 @@ use jointsweep::internals::output::folder::{MANIFEST, TABLE};
 use jointsweep::internals::output::shard::{Survey, file_name};
 use jointsweep::internals::output::slurm::ranges;
 
-use super::sbatch::{script, shards};
+use super::sbatch::{script, shards, shell_word};
 use super::{Ending, StatusArgs, print};
 
 pub fn status(args: &StatusArgs) -> Result<Ending, Error> {
@@ -40,7 +40,7 @@ fn told(survey: &Survey, dir: &Path) -> String {
     for (shard, why) in &survey.damaged {
         _ = writeln!(text, "{}: {why}", file_name(*shard, survey.of));
     }
-    let shown = dir.display();
+    let shown = shell_word(&dir.to_string_lossy());
     let missing = survey.missing.len();
     text += &match (missing, is_merged(dir)) {
         (0, true) => format!("all {} shards are complete: {}\n", survey.of, dir.join(TABLE).display()),

@@ -9,7 +9,7 @@ use jointsweep::internals::output::slurm::{ARRAY, FOLDER, Job, MERGE, MOST_SHARD
 use jointsweep::internals::study::config::Study;
 
 use super::report::plural;
-use super::sbatch::{Submission, absolute, has_shards, script, shards};
+use super::sbatch::{Submission, absolute, has_shards, script, shards, shell_word};
 use super::{Ending, SubmitArgs, print, report};
 
 pub fn submit(args: &SubmitArgs) -> Result<Ending, Error> {
