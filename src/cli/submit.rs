@@ -58,10 +58,8 @@ pub fn submit(args: &SubmitArgs) -> Result<Ending, Error> {
     submission.submit()?;
     if !args.dry_run {
         let designs = plural(study.design_count(), "design", "designs");
-        print(&format!(
-            "{designs} in all; how far they are: jointsweep status {}\n",
-            folder.dir().display()
-        ))?;
+        let shown = shell_word(&folder.dir().to_string_lossy());
+        print(&format!("{designs} in all; how far they are: jointsweep status {shown}\n"))?;
     }
     Ok(Ending::Complete)
 }

@@ -96,7 +96,8 @@ start_node() { # name
 
 # Processes, by their numbers, that have a file open whose path begins so.
 processes_at() { # path
-    find /proc/[0-9]*/fd -maxdepth 1 -lname "$1*" 2> /dev/null | cut -d / -f 3 | sort -un
+    # A process that ends meanwhile is an error of find's.
+    { find /proc/[0-9]*/fd -maxdepth 1 -lname "$1*" 2> /dev/null || true; } | cut -d / -f 3 | sort -un
 }
 
 # As when its machine loses power: nothing of it has the time to tell the controller, so what watches a task goes before the task.
