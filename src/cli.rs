@@ -24,11 +24,15 @@ mod merge;
 mod progress;
 mod report;
 mod report_page;
+mod resubmit;
 mod retry;
 mod run;
+mod sbatch;
 mod sensitivity;
 mod shard;
 mod shell;
+mod status;
+mod submit;
 mod tradeoff;
 
 /// Parametric sweeps of pin joints with clearance: contact stiffness tables of a stated accuracy.
@@ -46,7 +50,7 @@ const VERSION: &str = match option_env!("JOINTSWEEP_VERSION") {
 };
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 an error, nothing computed is lost; 2 done, but some designs \
-failed and say why in their status; 130 interrupted, the rows so far are kept.";
+failed and say why in their status; 3 `status` only: shards are missing; 130 interrupted, the rows so far are kept.";
 
 #[derive(Subcommand)]
 enum Command {
@@ -56,6 +60,12 @@ enum Command {
     Run(RunArgs),
     /// Puts the shards of a sweep together into the result of the whole
     Merge(MergeArgs),
+    /// Submits a sweep to a Slurm cluster, one task of a job array for each shard, and the merge after them
+    Submit(SubmitArgs),
+    /// Says which shards of a sweep are complete, in work, damaged or missing, as their files tell
+    Status(StatusArgs),
+    /// Submits the missing shards of a sweep once more, and the merge after them
+    Resubmit(ResubmitArgs),
     /// Fits laws to the designs of a result and writes laws.csv beside its table
     Laws(LawsArgs),
     /// Says what each design is solved with and why, what was ruled out, and the estimated error and time
@@ -158,6 +168,47 @@ struct MergeArgs {
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
+}
+
+#[derive(Args)]
+struct SubmitArgs {
+    /// The sweep, a TOML file
+    config: PathBuf,
+    #[command(flatten)]
+    settings: SettingArgs,
+    /// Shards that the sweep is divided into: tasks of the array
+    #[arg(long, value_name = "N", value_parser = count::<u64>)]
+    shards: u64,
+    /// Folder of the shards and of the result, seen by all machines of the cluster [default: out/<config's name>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Only write the scripts, and say how they would be submitted
+    #[arg(long, visible_alias = "no-submit")]
+    dry_run: bool,
+    /// For sbatch, like --time=1:00:00 --mem=4G --partition=NAME; array and merge both have them
+    #[arg(last = true, value_name = "SBATCH ARGUMENTS")]
+    sbatch: Vec<String>,
+}
+
+#[derive(Args)]
+struct StatusArgs {
+    /// Folder of the shards
+    dir: PathBuf,
+}
+
+#[derive(Args)]
+struct ResubmitArgs {
+    /// Folder of the shards, with the scripts of `jointsweep submit`
+    dir: PathBuf,
+    /// Submit the shards that are not complete
+    #[arg(long, required = true)]
+    missing: bool,
+    /// Only say how they would be submitted
+    #[arg(long, visible_alias = "no-submit")]
+    dry_run: bool,
+    /// For sbatch, in the place of what was given to `submit`; options that are not named here stay
+    #[arg(last = true, value_name = "SBATCH ARGUMENTS")]
+    sbatch: Vec<String>,
 }
 
 #[derive(Args)]
@@ -429,6 +480,7 @@ enum Precision {
 enum Ending {
     Complete,
     SomeDesignsFailed,
+    ShardsMissing,
     Interrupted,
 }
 
@@ -445,6 +497,9 @@ pub fn main() -> ExitCode {
         Command::Init(args) => init::init(&args),
         Command::Run(args) => run::run(&args),
         Command::Merge(args) => merge::merge(&args),
+        Command::Submit(args) => submit::submit(&args),
+        Command::Status(args) => status::status(&args),
+        Command::Resubmit(args) => resubmit::resubmit(&args),
         Command::Laws(args) => laws::laws(&args),
         Command::Explain(args) => explain::explain(&args),
         Command::Calibrate(args) => calibrate::calibrate(&args),
@@ -461,6 +516,7 @@ pub fn main() -> ExitCode {
     match ending {
         Ok(Ending::Complete) => ExitCode::SUCCESS,
         Ok(Ending::SomeDesignsFailed) => ExitCode::from(2),
+        Ok(Ending::ShardsMissing) => ExitCode::from(3),
         Ok(Ending::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
             say(&format!("error: {}{error}{}", option(&error), way_out(&error)));

@@ -61,6 +61,10 @@ pub enum Error {
     #[error("{problem}")]
     Asked { problem: String },
 
+    /// Jobs that cannot be submitted, or not as asked.
+    #[error("{problem}")]
+    Slurm { problem: String },
+
     /// A GPU that does not answer as the processor does: no figure of it is worth anything.
     #[error("{adapter} is wrong in {precision}: {problem}")]
     WrongAnswer { adapter: String, precision: &'static str, problem: String },

@@ -201,7 +201,7 @@ fn causes(failures: &BTreeMap<String, u64>) -> String {
     text
 }
 
-fn plural(count: u64, one: &str, many: &str) -> String {
+pub fn plural(count: u64, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 

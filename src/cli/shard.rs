@@ -30,7 +30,9 @@ pub fn part(text: &str) -> Result<Part, String> {
     };
     match (shard, of) {
         (_, 0) => Err("there must be at least one shard".into()),
-        (_, MOST_SHARDS..) => Err(format!("{of} shards are too many: fewer than {MOST_SHARDS} are allowed")),
+        (_, of) if of > MOST_SHARDS => {
+            Err(format!("{of} shards are too many: at most {MOST_SHARDS} are allowed"))
+        }
         (0, _) => Err(format!("shards are counted from 1 to {of}")),
         (shard, of) if shard > of => Err(format!("there is no shard {shard} of {of}")),
         _ => Ok(Part { shard, of }),

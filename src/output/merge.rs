@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::error::Error;
 use crate::output::folder::{Claim, MANIFEST, Permissions, RUN, ResultFolder, Verdict};
 use crate::output::manifest::{self, Counts, FileEntry, Origin, Shard, State};
-use crate::output::shard::{ShardFile, Survey, file_name, survey};
+use crate::output::shard::{ShardFile, Survey, file_name, ranges, survey};
 use crate::output::sink::SinkFile;
 
 /// What became of a merge.
@@ -60,16 +60,6 @@ fn what_is_missing(survey: &Survey) -> Option<String> {
         [one] => Some(format!("shard {one} of {of} is missing")),
         _ => Some(format!("shards {} of {of} are missing", ranges(&survey.missing))),
     }
-}
-
-/// "3-5,9", of numbers in their order.
-pub fn ranges(numbers: &[u64]) -> String {
-    let runs = numbers.chunk_by(|one, next| one + 1 == *next);
-    let said = runs.map(|run| match run {
-        [one] => one.to_string(),
-        _ => format!("{}-{}", run[0], run[run.len() - 1]),
-    });
-    said.collect::<Vec<_>>().join(",")
 }
 
 /// Whether one shard follows another; else what differs.

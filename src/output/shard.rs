@@ -98,8 +98,18 @@ pub fn survey(dir: &Path) -> Result<Survey, Error> {
     Ok(survey)
 }
 
-/// More than any queue takes.
-pub const MOST_SHARDS: u64 = 1_000_000;
+/// "3-5,9", of numbers in their order.
+pub fn ranges(numbers: &[u64]) -> String {
+    let runs = numbers.chunk_by(|one, next| one + 1 == *next);
+    let said = runs.map(|run| match run {
+        [one] => one.to_string(),
+        _ => format!("{}-{}", run[0], run[run.len() - 1]),
+    });
+    said.collect::<Vec<_>>().join(",")
+}
+
+/// More files than a folder of a cluster's file system should have.
+pub const MOST_SHARDS: u64 = 100_000;
 
 /// A whole shard, to be read.
 #[derive(Debug)]

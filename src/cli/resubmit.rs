@@ -1,0 +1,50 @@
+//! `jointsweep resubmit`: the missing shards of a sweep once more, and the merge.
+
+use std::path::Path;
+
+use jointsweep::Error;
+use jointsweep::internals::output::slurm::{of_script, quoted};
+
+use super::sbatch::{Submission, absolute, script, shards};
+use super::status::is_merged;
+use super::{Ending, ResubmitArgs, print};
+
+pub fn resubmit(args: &ResubmitArgs) -> Result<Ending, Error> {
+    let survey = shards(&args.dir)?;
+    if survey.missing.is_empty() && is_merged(&args.dir) {
+        print(&format!("all {} shards are complete and merged: there is nothing to submit\n", survey.of))?;
+        return Ok(Ending::Complete);
+    }
+    let dir = absolute(&args.dir)?;
+    check_scripts(&dir)?;
+    let submission =
+        Submission { dir: &dir, shards: &survey.missing, arguments: &args.sbatch, dry_run: args.dry_run };
+    submission.submit()?;
+    Ok(Ending::Complete)
+}
+
+/// Refuses a folder without scripts, and one that was moved: the scripts would go on where it was.
+fn check_scripts(dir: &Path) -> Result<(), Error> {
+    let refuse = |problem: String| Err(Error::NoResult { dir: dir.into(), problem });
+    let path = script(dir);
+    let text = match std::fs::read_to_string(&path) {
+        Ok(text) => text,
+        Err(error) => {
+            return refuse(format!(
+                "cannot read the script of `jointsweep submit`, {}: {error}",
+                path.display()
+            ));
+        }
+    };
+    let Some((_, own)) = of_script(&text) else {
+        return refuse(format!("{} is no script of `jointsweep submit`", path.display()));
+    };
+    let is_here = match (Path::new(&own).canonicalize(), dir.canonicalize()) {
+        (Ok(own), Ok(dir)) => own == dir,
+        _ => false,
+    };
+    if !is_here {
+        return refuse(format!("its scripts write to {}: was it moved? Submit it again", quoted(&own)));
+    }
+    Ok(())
+}
