@@ -2,7 +2,8 @@
 
 use std::process::Command;
 
-use jointsweep::internals::output::slurm::{Array, Job, arrays, quoted, ranges};
+use jointsweep::internals::output::shard::ranges;
+use jointsweep::internals::output::slurm::{Array, Job, arrays, quoted};
 
 use crate::Cluster;
 use crate::workdir::Ended;

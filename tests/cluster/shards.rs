@@ -24,7 +24,7 @@ fn status_tells_ranges_and_its_exit_code_whether_all_are_there() {
         "complete      20 (1-20)\nall 20 shards are complete; to make the table: jointsweep merge o\n"
     );
     cluster.shards("o", 21, &[4], &[]);
-    assert!(status().expect(1).stderr.contains("o: holds shards of a sweep in"));
+    assert!(status().expect(1).stderr.contains("there are shards of 20 and shards of 21"));
 }
 
 #[test]

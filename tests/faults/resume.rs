@@ -8,7 +8,7 @@ use crate::random::Random;
 use crate::workdir::{Ended, Workdir};
 
 /// Some seconds of a machine with two cores, in a table of many megabytes.
-const DESIGNS: usize = 60_000;
+const DESIGNS: usize = 40_000;
 
 /// Kills a run after so long, and says how it ended.
 fn killed_after(work: &Workdir, seconds: f64, arguments: &[&str]) -> Ended {
