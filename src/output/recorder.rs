@@ -83,7 +83,8 @@ pub struct Recorder {
     /// Whether the files are this run's.
     begun: bool,
     finished: bool,
-    marked: Instant,
+    /// When its manifest last told where it stands.
+    marked: Option<Instant>,
     saved: Instant,
 }
 
@@ -117,7 +118,7 @@ impl Recorder {
             let headers = sinks.all.iter().map(|sink| sink.header().len() as u64).collect();
             manifest = manifest.of_part(shard.clone(), headers);
         }
-        let (sinks, now) = (Arc::new(sinks), Instant::now());
+        let sinks = Arc::new(sinks);
         let mut recorder = Recorder {
             claim,
             manifest,
@@ -126,8 +127,8 @@ impl Recorder {
             files,
             begun: false,
             finished: false,
-            marked: now,
-            saved: now,
+            marked: None,
+            saved: Instant::now(),
         };
         recorder.manifest.stage(&recorder.manifest_path())?;
         Ok(recorder)
@@ -203,7 +204,7 @@ impl Recorder {
         if self.saved.elapsed() > SAFE_MARK {
             return self.mark_safely();
         }
-        if self.marked.elapsed() > MARK { self.mark() } else { Ok(()) }
+        if self.marked.is_none_or(|marked| marked.elapsed() > MARK) { self.mark() } else { Ok(()) }
     }
 
     /// Ends a run that went through all designs: table and manifest take the place of what was there before.
@@ -281,7 +282,7 @@ impl Recorder {
             self.manifest.set_file(file.name(), &file.fingerprint());
         }
         self.manifest.save(&self.manifest_path())?;
-        self.marked = Instant::now();
+        self.marked = Some(Instant::now());
         Ok(())
     }
 

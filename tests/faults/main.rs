@@ -1,6 +1,8 @@
 //! What is lost when runs meet, are killed, or run out of something: nothing that was finished, and of the rest whole rows.
 
 #[cfg(unix)]
+mod folders;
+#[cfg(unix)]
 mod interrupts;
 #[cfg(unix)]
 mod meetings;

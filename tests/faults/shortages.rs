@@ -55,6 +55,11 @@ fn a_file_that_may_not_grow_is_an_error() {
 fn an_output_that_takes_nothing_is_an_error_of_every_verb() {
     let work = Workdir::new("no-listener");
     work.write("sweep.toml", &config(3));
+    work.write(
+        "one.toml",
+        &config(3).replace("{ from = \"0.01 mm\", to = \"0.1 mm\", count = 3 }", "\"0.05 mm\""),
+    );
+    work.write("points.csv", "indentation_mm,force_n\n0.001,500\n0.004,2400\n0.01,6800\n");
     let mut verbs = 0;
     for arguments in [
         &["--help"][..],
@@ -67,6 +72,20 @@ fn an_output_that_takes_nothing_is_an_error_of_every_verb() {
         &["explain", "sweep.toml"],
         &["explain", "sweep.toml", "--design", "2"],
         &["devices"],
+        &["run", "sweep.toml", "--shard", "1/1", "--out", "shards"],
+        &["run", "sweep.toml", "--shard", "1/1", "--dry-run"],
+        &["status", "shards"],
+        &["merge", "shards"],
+        &["run", "sweep.toml", "--retry-failed"],
+        &["laws", "out/sweep", "--force"],
+        &["report", "out/sweep"],
+        &["export", "out/sweep", "--to", "csv", "--design", "0"],
+        &["calibrate", "one.toml", "--measured", "points.csv", "--fit", "plate_youngs_modulus"],
+        &["sensitivity", "sweep.toml", "--samples", "64"],
+        &["submit", "sweep.toml", "--shards", "2", "--out", "cluster", "--dry-run"],
+        &["init", "new.toml"],
+        &["completions", "bash"],
+        &["man"],
         &["bench", "sweep.toml", "--runs", "1", "--out", "bench"],
         &["tradeoff", "sweep.toml", "--runs", "1", "--designs", "1", "--out", "tradeoff", "--quiet"],
     ] {
@@ -80,7 +99,7 @@ fn an_output_that_takes_nothing_is_an_error_of_every_verb() {
         }
         verbs += 1;
     }
-    assert_eq!(verbs, 11);
+    assert_eq!(verbs, 25);
     for name in ["out/sweep/table.csv", "bench/sweep.csv", "tradeoff/tradeoff.csv"] {
         assert!(work.path(name).exists(), "{name}");
     }
