@@ -3,6 +3,7 @@ mod line_guard;
 pub mod units;
 pub mod design;
 pub mod columns;
+pub mod expression;
 pub mod setting;
 mod source;
 mod values;
