@@ -1,11 +1,14 @@
 mod number;
 pub mod schema;
+pub mod row_value;
+pub mod filter;
 pub mod host;
 pub mod manifest;
 pub mod lock;
 pub mod folder;
 pub mod sink;
 pub mod table;
+pub mod reduce;
 pub mod laws_table;
 pub mod results;
 pub mod chart;

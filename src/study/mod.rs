@@ -6,6 +6,7 @@ pub mod columns;
 pub mod expression;
 pub mod setting;
 mod source;
+pub mod reduce;
 mod values;
 mod sampling;
 mod recipe;

@@ -19,7 +19,10 @@ pub struct Part {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// With its value, where no column is in it.
-    Number { unit: Unit, constant: Option<f64> },
+    Number {
+        unit: Unit,
+        constant: Option<f64>,
+    },
     Condition,
     Words(WordColumn),
     Quoted(String),
@@ -56,7 +59,8 @@ fn number(part: &Part) -> Result<(Unit, Option<f64>), Complaint> {
     match &part.kind {
         Kind::Number { unit, constant } => Ok((*unit, *constant)),
         Kind::Condition => {
-            let problem = "this is a condition, where a number is needed; join conditions by `and`: a < b and b < c";
+            let problem =
+                "this is a condition, where a number is needed; join conditions by `and`: a < b and b < c";
             Err(Complaint::new(part.place.clone(), problem.to_string()))
         }
         other => {
@@ -78,7 +82,8 @@ fn same_unit(a: &Part, b: &Part, done: &str) -> Result<Unit, Complaint> {
         _ => None,
     };
     if let Some((value, unit, part)) = bare {
-        let problem = format!("the unit is missing: {} is meant, like `{value} {}`", unit.said(), unit.text());
+        let problem =
+            format!("the unit is missing: {} is meant, like `{value} {}`", unit.said(), unit.text());
         return Err(Complaint::new(part.place.clone(), problem));
     }
     Err(Complaint::new(around(a, b), format!("{} and {} cannot be {done}", unit_a.said(), unit_b.said())))
@@ -109,14 +114,18 @@ pub fn power(a: Part, b: Part) -> Checked {
         return Err(Complaint::new(b.place, problem));
     }
     let unit = match value_b {
-        Some(exponent) if exponent.is_finite() && exponent.abs() <= LARGEST_EXPONENT => unit_a.to_the(exponent),
+        Some(exponent) if exponent.is_finite() && exponent.abs() <= LARGEST_EXPONENT => {
+            unit_a.to_the(exponent)
+        }
         _ if unit_a.is_none() => Unit::NONE,
         Some(_) => {
-            let problem = format!("exponents of values with a unit go from -{LARGEST_EXPONENT} to {LARGEST_EXPONENT}");
+            let problem =
+                format!("exponents of values with a unit go from -{LARGEST_EXPONENT} to {LARGEST_EXPONENT}");
             return Err(Complaint::new(b.place, problem));
         }
         None => {
-            let problem = format!("the base is {}, so the exponent must be a number without columns", unit_a.said());
+            let problem =
+                format!("the base is {}, so the exponent must be a number without columns", unit_a.said());
             return Err(Complaint::new(b.place, problem));
         }
     };
@@ -205,7 +214,11 @@ pub fn call(name: &str, arguments: Vec<Part>, place: Range<usize>) -> Checked {
         "min" => Operation::Smaller,
         "max" => Operation::Larger,
         _ => {
-            let problem = format!("there is no function `{}`; the functions are {}", shortened(name), quoted(&FUNCTIONS));
+            let problem = format!(
+                "there is no function `{}`; the functions are {}",
+                shortened(name),
+                quoted(&FUNCTIONS)
+            );
             return Err(Complaint::new(place, problem));
         }
     };

@@ -78,9 +78,16 @@ impl Expression {
         let problem = match (expression.unit, expression.constant) {
             (Some(own), Some(value)) if own == unit && value.is_finite() => return Ok(value),
             (Some(own), Some(_)) if own.is_none() => {
-                format!("the unit is missing: {} is meant, like `{} {}`", unit.said(), text.trim(), unit.text())
+                format!(
+                    "the unit is missing: {} is meant, like `{} {}`",
+                    unit.said(),
+                    text.trim(),
+                    unit.text()
+                )
             }
-            (Some(own), Some(_)) if own != unit => format!("this is {}, where {} is needed", own.said(), unit.said()),
+            (Some(own), Some(_)) if own != unit => {
+                format!("this is {}, where {} is needed", own.said(), unit.said())
+            }
             _ => format!("{} is needed here, without columns", unit.said()),
         };
         Err(marked(text, &Complaint::new(0..text.len(), problem)))

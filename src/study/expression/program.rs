@@ -66,7 +66,7 @@ pub const DEEPEST: usize = 64;
 
 impl Operation {
     /// How many numbers it takes from the stack; it puts one back.
-    fn takes(&self) -> usize {
+    pub fn takes(&self) -> usize {
         use Operation::*;
         match self {
             Number(_) | Column(_) | WordIs(_) => 0,
@@ -84,73 +84,4 @@ pub fn depth(operations: &[Operation]) -> usize {
         most = most.max(now);
     }
     most
-}
-
-/// The calculation itself, with the values that a row has: NaN where it has none.
-#[inline]
-pub fn calculate<T: Copy>(
-    operations: &[T],
-    value: impl Fn(&T) -> Result<f64, Operation>,
-) -> f64 {
-    let mut stack = [0.0_f64; DEEPEST];
-    let mut top = 0;
-    for operation in operations {
-        match value(operation) {
-            Ok(number) => {
-                stack[top] = number;
-                top += 1;
-            }
-            Err(operation) if operation.takes() == 1 => stack[top - 1] = unary(operation, stack[top - 1]),
-            Err(operation) => {
-                top -= 1;
-                stack[top - 1] = binary(operation, stack[top - 1], stack[top]);
-            }
-        }
-    }
-    stack[0]
-}
-
-fn unary(operation: Operation, a: f64) -> f64 {
-    match operation {
-        Operation::Negate => -a,
-        Operation::Not => 1.0 - a,
-        Operation::Absolute => a.abs(),
-        Operation::SquareRoot => a.sqrt(),
-        Operation::Logarithm => a.ln(),
-        Operation::Logarithm10 => a.log10(),
-        Operation::Exponential => a.exp(),
-        _ => f64::NAN,
-    }
-}
-
-fn binary(operation: Operation, a: f64, b: f64) -> f64 {
-    // What is decided by one side needs no value on the other.
-    match operation {
-        Operation::And if a == 0.0 || b == 0.0 => return 0.0,
-        Operation::Or if a == 1.0 || b == 1.0 => return 1.0,
-        _ => {}
-    }
-    // Neither a power (x^0), nor a smaller value, nor a comparison is known when a value is missing.
-    if a.is_nan() || b.is_nan() {
-        return f64::NAN;
-    }
-    let told = |holds: bool| if holds { 1.0 } else { 0.0 };
-    match operation {
-        Operation::Add => a + b,
-        Operation::Subtract => a - b,
-        Operation::Multiply => a * b,
-        Operation::Divide => a / b,
-        Operation::Power => a.powf(b),
-        Operation::Less => told(a < b),
-        Operation::LessOrEqual => told(a <= b),
-        Operation::Greater => told(a > b),
-        Operation::GreaterOrEqual => told(a >= b),
-        Operation::Equal => told(a == b),
-        Operation::NotEqual => told(a != b),
-        Operation::And => 1.0,
-        Operation::Or => 0.0,
-        Operation::Smaller => a.min(b),
-        Operation::Larger => a.max(b),
-        _ => f64::NAN,
-    }
 }

@@ -16,7 +16,10 @@ use crate::study::units;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Piece {
-    Number { value: f64, unit: Unit },
+    Number {
+        value: f64,
+        unit: Unit,
+    },
     /// A column, a function, or one of `and`, `or`, `not`.
     Name(String),
     /// In quotes.
@@ -76,7 +79,8 @@ pub fn tokens(text: &str) -> Result<Vec<Token>, Complaint> {
         open = if token.is("(") { open + 1 } else { open.saturating_sub(usize::from(token.is(")"))) };
         waiting += usize::from(token.is("^") || token.is("not") || (token.is("-") && !is_value));
         if open > DEEPEST || waiting > DEEPEST {
-            let problem = format!("more than {DEEPEST} brackets, signs, `not` or `^` wait for each other here");
+            let problem =
+                format!("more than {DEEPEST} brackets, signs, `not` or `^` wait for each other here");
             return Err(Complaint::new(token.place, problem));
         }
         tokens.push(token);
@@ -154,7 +158,8 @@ fn name<'a>(input: &mut Input<'a>) -> Result<&'a str, EmptyError> {
 }
 
 fn quoted<'a>(input: &mut Input<'a>) -> Result<&'a str, EmptyError> {
-    alt((delimited('\'', take_till(0.., '\''), '\''), delimited('"', take_till(0.., '"'), '"'))).parse_next(input)
+    alt((delimited('\'', take_till(0.., '\''), '\''), delimited('"', take_till(0.., '"'), '"')))
+        .parse_next(input)
 }
 
 /// Letters, maybe over letters: `N/mm`, `%`.
