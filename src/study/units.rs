@@ -124,9 +124,9 @@ pub fn find(name: &str) -> Option<(Dimension, f64)> {
     UNITS.iter().find(|unit| unit.0 == name).map(|unit| (unit.1, unit.2))
 }
 
-/// All units that there are.
+/// All units that there are, those with a micro sign once.
 pub fn all_names() -> Vec<&'static str> {
-    UNITS.iter().map(|unit| unit.0).collect()
+    UNITS.iter().map(|unit| unit.0).filter(|name| !name.contains('\u{3bc}')).collect()
 }
 
 /// `value` of a unit with this factor, in the unit of the tables.

@@ -91,11 +91,11 @@ impl ExactSum {
         (negative, digits.iter().map(|digit| *digit as u32).collect())
     }
 
-    /// The sum over `count`, to the last digit but one.
+    /// The sum over `count`, rounded to the nearest number but for ties.
     pub fn mean(&self, count: u64) -> f64 {
         let (negative, digits) = self.magnitude();
         let (leading, exponent) = leading(&digits);
-        let mean = scaled(leading / count as f64, exponent + LOWEST);
+        let mean = scaled((leading / u128::from(count)) as f64, exponent + LOWEST);
         if negative { -mean } else { mean }
     }
 }
@@ -109,7 +109,7 @@ pub fn standard_deviation(sum: &ExactSum, squares: &ExactSum, count: u64) -> f64
     // sum^2 counts in 2^(2 LOWEST), the squares in 2^LOWEST.
     let aligned: Vec<u32> = std::iter::repeat_n(0, (-LOWEST / 32) as usize).chain(squares).collect();
     let (leading, exponent) = leading(&difference(product(&aligned, &counts), &product(&sum, &sum)));
-    let variance = leading / (count as f64 * (count - 1) as f64);
+    let variance = leading as f64 / (count as f64 * (count - 1) as f64);
     let exponent = exponent + 2 * LOWEST;
     let odd = exponent.rem_euclid(2);
     scaled((variance * f64::from(1 + odd)).sqrt(), (exponent - odd) / 2)
@@ -133,12 +133,12 @@ fn carry(digits: &mut [i64; DIGITS]) {
     }
 }
 
-/// The leading 64 bits or more of an integer, rounded, as number and exponent of 2.
-fn leading(digits: &[u32]) -> (f64, i32) {
-    let Some(last) = digits.iter().rposition(|digit| *digit != 0) else { return (0.0, 0) };
-    let first = last.saturating_sub(2);
+/// The leading 97 bits or more of an integer, and the exponent of 2 that they have.
+fn leading(digits: &[u32]) -> (u128, i32) {
+    let Some(last) = digits.iter().rposition(|digit| *digit != 0) else { return (0, 0) };
+    let first = last.saturating_sub(3);
     let top = digits[first..=last].iter().rev().fold(0_u128, |top, digit| top << 32 | u128::from(*digit));
-    (top as f64, 32 * first as i32)
+    (top, 32 * first as i32)
 }
 
 /// value 2^exponent.

@@ -179,25 +179,23 @@ fn quantity(input: &mut Input, digits: &str, start: usize) -> Result<(f64, Unit)
     let before = *input;
     blanks(input);
     let unit_start = input.current_token_start();
-    let with_unit = |value: f64, (dimension, factor): (units::Dimension, f64)| {
-        (units::in_table_units(value, factor), Unit::of(dimension))
+    let with_unit = |(dimension, factor): (units::Dimension, f64)| {
+        let value = units::in_table_units(value, factor);
+        if value.is_finite() { Ok((value, Unit::of(dimension))) } else { too_large(place.clone()) }
     };
     // `N/mm` first: `2 N/thickness` is a force over a column.
     let behind = *input;
     match take(input, unit_name) {
         Some("%") => return Ok((units::tidy(value / 100.0), Unit::NONE)),
         Some(unit) => match units::find(unit) {
-            Some(found) => return Ok(with_unit(value, found)),
+            Some(found) => return with_unit(found),
             None => *input = behind,
         },
         None => {}
     }
     match take(input, name) {
         Some(word) if !KEYWORDS.contains(&word) => match units::find(word) {
-            Some(found) => {
-                let (value, unit) = with_unit(value, found);
-                if value.is_finite() { Ok((value, unit)) } else { too_large(place) }
-            }
+            Some(found) => with_unit(found),
             None => {
                 let problem =
                     format!("`{}` is not a unit; {}", shortened(word), suggest(word, &units::all_names()));
