@@ -17,6 +17,7 @@ use jointsweep::internals::engine::sweep;
 use jointsweep::internals::output::reduce::exact_sum::{ExactSum, standard_deviation};
 use jointsweep::internals::output::reduce::sketch::{MOST_COUNTS, Sketch};
 use jointsweep::internals::output::reduce::{MOST_POINTS, Reductions};
+use jointsweep::internals::output::report::answers;
 use jointsweep::internals::output::row_value::{Formula, Row};
 use jointsweep::internals::output::sink::Sink;
 use jointsweep::internals::output::table::Table;
@@ -545,4 +546,28 @@ fn the_example_answers_what_its_rows_say() {
     assert_eq!(records.len(), 5);
     assert_eq!(number(&records[0], "design") as u64, best.unwrap().1);
     assert_eq!(records[0]["unit"], "N/mm^3");
+}
+
+/// The part of `report.html` that shows the answers, from their files alone.
+#[test]
+fn a_page_shows_the_answers() {
+    let dir = std::env::temp_dir().join(format!("jointsweep-answers-{}", std::process::id()));
+    std::fs::create_dir_all(&dir).unwrap();
+    assert_eq!(answers::section(&dir), "");
+    let reductions = reduced(ALL, &outcomes(15, 400));
+    for (name, text) in reductions.files() {
+        std::fs::write(dir.join(name), text).unwrap();
+    }
+    let section = answers::section(&dir);
+    std::fs::remove_dir_all(&dir).unwrap();
+    let page = roxmltree::Document::parse(&section).unwrap();
+    let count = |name: &str| page.descendants().filter(|node| node.has_tag_name(name)).count();
+    let svg = |node: &roxmltree::Node| node.tag_name().name() == "svg";
+    // Statistics and two rankings; three histograms and a front of three quantities.
+    assert_eq!((count("table"), count("figure"), page.descendants().filter(svg).count()), (3, 5, 5));
+    let text: String = page.descendants().filter_map(|node| node.text()).collect();
+    for record in records(&reductions, "statistics.csv") {
+        assert!(text.contains(&record["of"]) && text.contains(&record["statistic"].replace('_', " ")));
+    }
+    assert!(text.contains("The largest values of peak_pressure, 10 of 20"));
 }
