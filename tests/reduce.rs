@@ -152,7 +152,6 @@ fn what_is_no_state_is_refused() {
         ("\"digits\":10", "\"digits\":9"),
         ("\"force > 3 N and", "\"force > 3 mm and"),
         ("\"kept\":", "\"kept\":-"),
-        ("\"known\":[0,", "\"known\":["),
         ("\"known\":[", "\"known\":[1,"),
         ("\"first\":", "\"first\":9999"),
     ] {
@@ -205,7 +204,7 @@ fn sums_that_cancel_keep_what_is_left() {
         (&[1e308, 1.0, -1e308][..], 1.0),
         (&[1e16, 1.0, 1.0, -1e16, 0.5], 2.5),
         (&[f64::MAX, f64::MAX, -f64::MAX, -f64::MAX, 5e-324], 5e-324),
-        (&[-1e100, 3e-300, 1e100, -4e-300], -1e-300),
+        (&[-1e100, 3e-300, 1e100, -4e-300], 3e-300 - 4e-300),
         (&[f64::MIN_POSITIVE, -5e-324], f64::MIN_POSITIVE - 5e-324),
         (&[0.1, -0.1], 0.0),
     ] {
@@ -532,7 +531,7 @@ fn the_example_answers_what_its_rows_say() {
         let response = outcome.steps[0].response.unwrap();
         let joint = &outcome.case.joint;
         let is_ok = outcome.steps[0].status.to_string() == "ok";
-        if response.peak_pressure.unwrap() < 200.0 && response.tangent_stiffness > 2e5 && is_ok {
+        if response.peak_pressure.unwrap() < 60.0 && response.tangent_stiffness > 3e5 && is_ok {
             kept += 1;
             let value = response.tangent_stiffness / (joint.hole_radius * joint.thickness);
             if best.is_none_or(|best| value > best.0) {

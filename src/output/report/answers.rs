@@ -184,14 +184,20 @@ fn rankings(lines: &Lines) -> String {
         let differs =
             |name: &str| shown.iter().any(|line| lines.cell(line, name) != lines.cell(&shown[0], name));
         let names = columns.iter().map(|column| &*column.name);
-        let told: Vec<&str> = names.filter(|name| *name == "design" || differs(name)).take(MOST_COLUMNS).collect();
+        let told: Vec<&str> =
+            names.filter(|name| *name == "design" || differs(name)).take(MOST_COLUMNS).collect();
         let row = |line: &csv::StringRecord| -> Vec<Cell> {
             let cells = ["rank", "value"].iter().chain(&told);
             cells.map(|name| Cell::Number(short(lines.cell(line, name)))).collect()
         };
         let value = if unit == "-" { "value".to_string() } else { format!("value, {unit}") };
         let head: Vec<&str> = ["rank", &value].into_iter().chain(told.iter().copied()).collect();
-        text += &remark(&format!("The {} values of {by}, {} of {}", lines.cell(&shown[0], "order"), shown.len(), all.len()));
+        text += &remark(&format!(
+            "The {} values of {by}, {} of {}",
+            lines.cell(&shown[0], "order"),
+            shown.len(),
+            all.len()
+        ));
         text += &table(&head, &shown.iter().map(row).collect::<Vec<_>>());
     }
     text
