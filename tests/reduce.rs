@@ -481,6 +481,13 @@ fn bins_hold_what_lies_in_them() {
         assert_eq!(total as usize, known.len(), "{asked}");
         let inner: Vec<_> =
             records.iter().filter(|one| !one["from"].is_empty() && !one["to"].is_empty()).collect();
+        // Bins are of equal width, or of equal ratio.
+        let (first, last) = (inner[0], inner[inner.len() - 1]);
+        let size = |record: &BTreeMap<String, String>| match more.contains("log") {
+            true => number(record, "to") / number(record, "from"),
+            false => number(record, "to") - number(record, "from"),
+        };
+        assert!((size(first) / size(last) - 1.0).abs() < 1e-6 || inner.len() == 1, "{asked}");
         for (place, record) in inner.iter().enumerate() {
             // To nine digits, edges look like the values on them.
             let (from, to) = (number(record, "from"), number(record, "to"));
