@@ -322,7 +322,7 @@ fn conditions_hold_fail_or_are_unknown() {
             let found = if value.is_nan() { None } else { Some(value == 1.0) };
             assert!(value.is_nan() || value == 0.0 || value == 1.0);
             assert_eq!(found, expected, "{text} in {:?}", row.outcome);
-            assert_eq!(filter.keeps(&row.case, row.step, row.outcome, row.backend), expected == yes);
+            assert_eq!(filter.keeps(row.case, row.step, row.outcome, row.backend), expected == yes);
         }
     }
 }

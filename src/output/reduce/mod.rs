@@ -251,7 +251,7 @@ fn table_header() -> String {
 /// The row as a line of the table, without the line's end.
 fn table_line(table: &mut Table, row: &Row) -> String {
     let Row { case, step, outcome, backend } = *row;
-    let case = DesignCase { index: case.index, joint: case.joint.clone(), steps: vec![case.steps[step]] };
+    let case = DesignCase { index: case.index, joint: case.joint, steps: vec![case.steps[step]] };
     let mut line = Vec::new();
     table.push_rows(&mut line, &mut DesignOutcome::new(case, Answer { backend, steps: vec![*outcome] }));
     String::from_utf8_lossy(&line).trim_end().to_string()

@@ -7,14 +7,20 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use foldhash::{HashMap, HashMapExt};
+use serde::{Deserialize, Serialize, Serializer};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sketch {
     /// Binary digits behind the leading one that tell numbers apart.
     digits: u32,
     /// By the leading bits, negative for negative numbers; 0 for zeros and for what is smaller than 2.2e-308.
-    counts: BTreeMap<i64, u64>,
+    #[serde(serialize_with = "sorted")]
+    counts: HashMap<i64, u64>,
+}
+
+fn sorted<S: Serializer>(counts: &HashMap<i64, u64>, serializer: S) -> Result<S::Ok, S::Error> {
+    counts.iter().collect::<BTreeMap<_, _>>().serialize(serializer)
 }
 
 const MOST_DIGITS: u32 = 10;
@@ -24,7 +30,7 @@ pub const MOST_COUNTS: usize = 1 << 16;
 
 impl Default for Sketch {
     fn default() -> Sketch {
-        Sketch { digits: MOST_DIGITS, counts: BTreeMap::new() }
+        Sketch { digits: MOST_DIGITS, counts: HashMap::new() }
     }
 }
 
@@ -85,7 +91,10 @@ impl Sketch {
 
     /// The numbers in ascending order, each as the middle of those that share its count, with how often it was met.
     pub fn values(&self) -> impl Iterator<Item = (f64, u64)> {
-        self.counts.iter().map(|(&leading, &count)| {
+        let mut counts: Vec<(i64, u64)> =
+            self.counts.iter().map(|(&leading, &count)| (leading, count)).collect();
+        counts.sort_unstable();
+        counts.into_iter().map(|(leading, count)| {
             let edge = |leading: i64| f64::from_bits((leading as u64) << (52 - self.digits)).min(f64::MAX);
             let (low, high) = (edge(leading.abs()), edge(leading.abs() + 1));
             let middle = low + (high - low) / 2.0;
