@@ -60,9 +60,9 @@ fn main() {
 /// By the count of steps a design, whose rows share the text of its inputs.
 #[divan::bench(args = [1, 10])]
 fn rows(bencher: Bencher, step_count: usize) {
-    let mut outcomes: Vec<_> = (0..ROWS / step_count).map(|i| outcome(i as u64, step_count)).collect();
+    let outcomes: Vec<_> = (0..ROWS / step_count).map(|i| outcome(i as u64, step_count)).collect();
     let table = Table::default();
-    let mut write = || table.rows(&mut outcomes).len();
+    let write = || table.rows(&outcomes).len();
     let bytes = write();
     bencher.counter(ItemsCount::new(ROWS)).counter(BytesCount::new(bytes)).bench_local(write);
 }

@@ -70,6 +70,19 @@ fn base_for(key: &ConfigKey) -> Table {
                 ("count".to_string(), value("3")),
             ]);
         }
+        ("reduce", "quantiles") => {
+            table_of(&mut base, "reduce").insert("statistics".into(), value("'force'"));
+        }
+        ("reduce.best", _) => _ = table_of(&mut base, "reduce.best").insert("by".into(), value("'force'")),
+        ("reduce.pareto", name) => {
+            let other = if name == "largest" { "smallest" } else { "largest" };
+            let of = if name == "largest" { "'force'" } else { "'energy'" };
+            table_of(&mut base, "reduce.pareto").insert(other.into(), value(of));
+        }
+        ("reduce.histogram", _) => {
+            let histogram = "of = 'contact_half_angle / (1 deg) * (1 MPa)'\nfrom = '0.5 MPa'\nto = '9 MPa'";
+            *table_of(&mut base, "reduce.histogram") = toml::from_str(histogram).unwrap();
+        }
         (RANGE, _) => {
             table_of(&mut base, "load")
                 .insert("indentation".into(), value("{ from = '0.01 mm', to = '0.02 mm', count = 3 }"));
@@ -137,12 +150,13 @@ fn every_example_is_read_and_changes_something() {
 }
 
 /// All that a config decides.
-fn cases(study: &Study) -> (String, String, [bool; 2], Vec<String>) {
+fn cases(study: &Study) -> (String, String, String, [bool; 3], Vec<String>) {
     let cases = study.cases().unwrap().take(1000).map(|case| format!("{:?}", case.unwrap()));
     (
         study.title().into(),
         format!("{:?}", study.solve),
-        [study.interpolation, study.fits_laws()],
+        format!("{:?} {:?}", study.select, study.reduce),
+        [study.interpolation, study.fits_laws(), study.writes_table()],
         cases.collect(),
     )
 }
@@ -164,7 +178,7 @@ fn every_default_is_what_leaving_the_key_out_means() {
         assert_eq!(with, without, "{}", key.dotted());
         count += 1;
     }
-    assert_eq!(count, 8);
+    assert_eq!(count, 12);
 }
 
 /// Values at the ends of what the page allows, and just beyond them.
@@ -203,6 +217,34 @@ fn what_is_allowed_is_taken_and_nothing_beyond_it() {
                 &[("0", false), ("1", true), ("1000000000", true), ("1000000001", false), ("1.5", false)]
             }
             "true or false" => &[("true", true), ("false", true), ("1", false), ("'true'", false)],
+            "whole numbers from 1 to 10000" => {
+                &[("0", false), ("1", true), ("10000", true), ("10001", false), ("1.5", false)]
+            }
+            "numbers from 0 to 1, one or a list of up to 50" => {
+                &[("-0.1", false), ("0", true), ("1.0", true), ("1.1", false), ("'0.5'", false)]
+            }
+            "a condition" => &[("'force > 1 N'", true), ("'force'", false), ("1", false)],
+            "a column, or an expression of columns" => &[
+                ("'peak_pressure / 2'", true),
+                ("'peak_pressure > 1 MPa'", false),
+                ("'qqqq'", false),
+                ("1", false),
+            ],
+            "columns or expressions, one or a list of up to 50" => &[
+                ("'force'", true),
+                ("['force', 'energy / force']", true),
+                ("['force < 1 N']", false),
+                ("[]", false),
+            ],
+            "columns or expressions, one or a list of them; two or three in all" => &[
+                ("'force'", true),
+                ("['force', 'energy']", true),
+                ("['force', 'energy', 'thickness']", false),
+                ("'force < 1 N'", false),
+            ],
+            "a number with its unit" => {
+                &[("'2 MPa'", true), ("'2 mm'", false), ("2", false), ("'2'", false), ("'force'", false)]
+            }
             "whole numbers from 0" => &[("-1", false), ("0", true)],
             words if words.starts_with('`') => {
                 let words: Vec<&str> = words.split(", ").map(|word| word.trim_matches('`')).collect();

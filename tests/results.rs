@@ -35,7 +35,7 @@ fn table(study: &Study) -> String {
     let table = Table::default();
     let mut text = table.header();
     sweep::run(study, &SweepOptions::default(), &mut |outcome| {
-        text.extend(table.rows(&mut [outcome]));
+        text.extend(table.rows(&[outcome]));
         Ok(ControlFlow::Continue(()))
     })
     .unwrap();

@@ -72,8 +72,7 @@ fn write_laws(results: &Results, mut ladder: Ladder, file: &mut SinkFile) -> Res
             let answer = Answer { backend: BackendKind::Cpu, steps: Vec::new() };
             DesignOutcome { laws: Some(Box::new(laws)), ..DesignOutcome::new(case, answer) }
         });
-        let mut with_laws: Vec<DesignOutcome> = with_laws.collect();
-        file.append(&LawsTable.rows(&mut with_laws))?;
+        file.append(&LawsTable.rows(&with_laws.collect::<Vec<DesignOutcome>>()))?;
     }
     Ok(count)
 }

@@ -78,6 +78,12 @@ pub fn summary(manifest: &Manifest, dir: &Path, verbose: bool) -> String {
         let [force, linearity] = [counts.greatest_force_error, counts.greatest_linearity_error].map(percent);
         _ = writeln!(text, "force_error: {force} at most; linearity_error: {linearity} at most");
     }
+    if let Some(kept) = counts.kept_rows {
+        _ = writeln!(text, "kept: {kept} of {}", plural(counts.rows, "row", "rows"));
+    }
+    for remark in &manifest.remarks {
+        _ = writeln!(text, "warning: {remark}");
+    }
     text += "written:\n";
     for name in manifest.file_names().chain([MANIFEST]) {
         _ = writeln!(text, "  {}", dir.join(name).display());

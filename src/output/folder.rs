@@ -27,7 +27,10 @@ pub struct Contents {
     files: &'static [&'static str],
 }
 
-pub static RUN: Contents = Contents { command: None, files: &[TABLE, LAWS] };
+pub static RUN: Contents = Contents {
+    command: None,
+    files: &[TABLE, LAWS, "statistics.csv", "best.csv", "pareto.csv", "histogram.csv"],
+};
 pub static TRADEOFF: Contents =
     Contents { command: Some("tradeoff"), files: &["tradeoff.csv", "front.csv", "tradeoff.svg"] };
 pub static CALIBRATION: Contents =

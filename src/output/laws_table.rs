@@ -25,7 +25,7 @@ impl Sink for LawsTable {
         format!("{}\n", names.join(",")).into()
     }
 
-    fn rows(&self, outcomes: &mut [DesignOutcome]) -> Vec<u8> {
+    fn rows(&self, outcomes: &[DesignOutcome]) -> Vec<u8> {
         let mut out = Vec::new();
         outcomes.iter().for_each(|outcome| push_laws(&mut out, outcome));
         out

@@ -7,6 +7,7 @@ use std::time::SystemTime;
 use serde::de::Deserializer;
 use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 
 use crate::engine::backend::gpu::solver::GpuChoice;
@@ -80,6 +81,12 @@ pub struct Manifest {
     /// The most memory the last of them has had at once, where the system tells it.
     pub peak_memory_bytes: Option<u64>,
     pub counts: Counts,
+    /// What a reader of the files must know.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<String>,
+    /// What is known so far of answers to `[reduce]`, as long as there are rows to come.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub answers: Option<Box<RawValue>>,
     /// Wall time of each stage in the order they run, summed over threads.
     pub stage_seconds: serde_json::Map<String, serde_json::Value>,
     host: Host,
@@ -164,6 +171,9 @@ pub struct Counts {
     /// What is in the table.
     pub designs: u64,
     pub rows: u64,
+    /// Of these, what `[select]` keeps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kept_rows: Option<u64>,
     /// Designs with at least one failed row.
     pub failed_designs: u64,
     pub failed_rows: u64,
@@ -244,6 +254,8 @@ impl Counts {
             (Some([least, greatest]), Some(more)) => Some([least.min(more[0]), greatest.max(more[1])]),
             (own, more) => own.or(more),
         };
+        let kept = self.kept_rows.into_iter().chain(other.kept_rows).sum();
+        self.kept_rows = self.kept_rows.or(other.kept_rows).map(|_| kept);
         let on_cpu = self.designs_on_cpu.into_iter().chain(other.designs_on_cpu).sum();
         self.designs_on_cpu = self.designs_on_cpu.or(other.designs_on_cpu).map(|_| on_cpu);
         self.by_status.merge(&other.by_status);
@@ -292,6 +304,8 @@ impl Manifest {
                 rows_asked: study.step_count(),
                 ..Counts::default()
             },
+            remarks: Vec::new(),
+            answers: None,
             stage_seconds: serde_json::Map::new(),
             host: Host::current(),
             started: conditions.started,
@@ -463,6 +477,9 @@ pub struct Origin {
     /// What was made, by name.
     pub files: Vec<(String, Fingerprint)>,
     pub counts: Counts,
+    /// Answers so far.
+    pub answers: Option<Box<RawValue>>,
+    pub remarks: Vec<String>,
     /// Of a part of a sweep: which, and the bytes of each file's header.
     pub part: Option<(Shard, Vec<u64>)>,
     /// As `Manifest::computed_by` says it.
@@ -497,6 +514,9 @@ struct Saved {
     started_utc: String,
     #[serde(default)]
     starts: u64,
+    answers: Option<Box<RawValue>>,
+    #[serde(default)]
+    remarks: Vec<String>,
     #[serde(default)]
     wall_seconds: f64,
     processor_seconds: Option<f64>,
@@ -524,6 +544,8 @@ impl Origin {
             files: saved.files.into_iter().filter_map(named).collect(),
             // Other commands count other things.
             counts: serde_json::from_value(saved.counts).unwrap_or_default(),
+            answers: saved.answers,
+            remarks: saved.remarks,
             started_utc: saved.started_utc,
             starts: saved.starts,
             spent: Spent { wall_seconds: saved.wall_seconds, processor_seconds: saved.processor_seconds },

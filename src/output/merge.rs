@@ -7,8 +7,10 @@ use serde_json::Value;
 use crate::error::Error;
 use crate::output::folder::{Claim, MANIFEST, Permissions, RUN, ResultFolder, Verdict};
 use crate::output::manifest::{self, Counts, FileEntry, Origin, Shard, State};
+use crate::output::reduce::Reductions;
 use crate::output::shard::{ShardFile, Survey, file_name, ranges, survey};
 use crate::output::sink::SinkFile;
+use crate::study::fingerprint::Fingerprint;
 
 /// What became of a merge.
 #[derive(Debug)]
@@ -111,10 +113,34 @@ fn write(claim: &Claim, shards: &[ShardFile]) -> Result<String, Error> {
         }
         merged.files.push(FileEntry::new(name, &file.fingerprint()));
     }
+    if let Some(answers) = answers(shards)? {
+        for (name, bytes) in answers.files() {
+            manifest::write_whole(&claim.partial(name), &bytes)?;
+            merged.files.push(FileEntry::new(name, &Fingerprint::of(&bytes)));
+        }
+        merged.remarks = answers.remarks();
+    }
     let text = merged.text(State::Complete);
     manifest::write_whole(&path, &text)?;
     claim.publish()?;
     Ok(String::from_utf8_lossy(&text).into_owned())
+}
+
+/// The answers of all shards together.
+fn answers(shards: &[ShardFile]) -> Result<Option<Reductions>, Error> {
+    let mut joined: Option<Reductions> = None;
+    for shard in shards {
+        let Some(text) = &shard.origin.answers else { return Ok(None) };
+        let more: Reductions = serde_json::from_str(text.get()).map_err(|_| Error::DamagedShard {
+            path: shard.path.clone(),
+            problem: "its answers cannot be read".into(),
+        })?;
+        match &mut joined {
+            None => joined = Some(more),
+            Some(joined) => joined.merge(&more)?,
+        }
+    }
+    Ok(joined)
 }
 
 /// The manifest of a merged result: that of the first shard, with what all came to.
@@ -124,6 +150,7 @@ struct Merger {
     spent: [f64; 2],
     shards: usize,
     files: Vec<FileEntry>,
+    remarks: Vec<String>,
 }
 
 impl Merger {
@@ -140,18 +167,21 @@ impl Merger {
             }
         }
         let first = serde_json::from_str(&shards[0].manifest).unwrap_or_default();
-        Merger { first, counts, spent, shards: shards.len(), files: Vec::new() }
+        Merger { first, counts, spent, shards: shards.len(), files: Vec::new(), remarks: Vec::new() }
     }
 
     fn text(&self, state: State) -> Vec<u8> {
         let mut manifest = self.first.clone();
         if let Some(manifest) = manifest.as_object_mut() {
-            for key in ["part", "header_bytes", "stage_seconds", "starts"] {
+            for key in ["part", "header_bytes", "stage_seconds", "starts", "answers"] {
                 manifest.shift_remove(key);
             }
             manifest.insert("state".into(), serde_json::json!(&state));
             manifest.insert("shards".into(), self.shards.into());
             manifest.insert("files".into(), serde_json::json!(&self.files));
+            if !self.remarks.is_empty() {
+                manifest.insert("remarks".into(), serde_json::json!(&self.remarks));
+            }
             manifest.insert("counts".into(), serde_json::json!(&self.counts));
             for (key, spent) in SPENT.into_iter().zip(self.spent) {
                 manifest.insert(key.into(), spent.into());

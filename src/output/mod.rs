@@ -1,6 +1,8 @@
 mod number;
 pub mod schema;
 pub mod result_column;
+pub mod row_value;
+pub mod filter;
 pub mod host;
 pub mod manifest;
 pub mod lock;
@@ -9,6 +11,7 @@ pub mod shard;
 pub mod slurm;
 pub mod sink;
 pub mod table;
+pub mod reduce;
 pub mod laws_table;
 pub mod results;
 pub mod chart;

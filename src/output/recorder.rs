@@ -6,26 +6,37 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use serde_json::value::to_raw_value;
+
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
+use crate::output::filter::Filter;
 use crate::output::folder::{Claim, MANIFEST, SAFE, TABLE};
 use crate::output::laws_table::LawsTable;
 use crate::output::manifest::{self, Conditions, Counts, Manifest, Origin, Shard, State};
+use crate::output::reduce::Reductions;
 use crate::output::shard;
 use crate::output::sink::{Sink, SinkFile};
-use crate::output::table::Table;
+use crate::output::table::{Table, settle};
 use crate::study::config::Study;
+use crate::study::expression::Expression;
+use crate::study::fingerprint::Fingerprint;
+use crate::study::reduce::Reduce;
 
 /// What the outcomes of a run go to.
 pub struct Sinks {
     all: Vec<Box<dyn Sink>>,
+    select: Option<Expression>,
+    filter: Option<Filter>,
+    reduce: Option<Reduce>,
 }
 
-/// What some designs add to a run: bytes for each of its files, and counts.
+/// What some designs add to a run: bytes for each of its files, counts and answers.
 pub struct Rows {
     bytes: Vec<Vec<u8>>,
     counts: Counts,
+    answers: Option<Reductions>,
 }
 
 impl Rows {
@@ -37,24 +48,43 @@ impl Rows {
 
 impl Sinks {
     pub fn of(study: &Study) -> Sinks {
-        let mut all: Vec<Box<dyn Sink>> = vec![Box::new(Table::default())];
+        let mut all: Vec<Box<dyn Sink>> = Vec::new();
+        if study.writes_table() {
+            all.push(Box::new(Table::default()));
+        }
         if study.fits_laws() {
             all.push(Box::new(LawsTable));
         }
-        Sinks { all }
+        let (select, reduce) = (study.select.clone(), study.reduce.clone());
+        Sinks { all, filter: Filter::of(study), select, reduce }
     }
 
     /// Designs whose rows are made together.
     pub fn portion(&self) -> u64 {
-        PORTION
+        if self.all.is_empty() { LARGE_PORTION } else { PORTION }
     }
 
     /// Rows of designs that follow each other, made by any thread.
     pub fn rows(&self, mut outcomes: Vec<DesignOutcome>) -> Rows {
-        let bytes = self.all.iter().map(|sink| sink.rows(&mut outcomes)).collect();
-        let mut counts = Counts::default();
-        outcomes.iter().for_each(|outcome| counts.add(outcome));
-        Rows { bytes, counts }
+        settle(&mut outcomes);
+        let (mut counts, mut answers) = (Counts::default(), self.answers());
+        for outcome in &mut outcomes {
+            counts.add(outcome);
+            if let Some(answers) = &mut answers {
+                answers.add(outcome);
+            }
+            if let Some(filter) = &self.filter {
+                filter.retain(outcome);
+                *counts.kept_rows.get_or_insert(0) += outcome.steps.len() as u64;
+            }
+        }
+        let bytes = self.all.iter().map(|sink| sink.rows(&outcomes)).collect();
+        Rows { bytes, counts, answers }
+    }
+
+    /// Answers to what the config asks, before the first row.
+    fn answers(&self) -> Option<Reductions> {
+        self.reduce.as_ref().map(|asked| Reductions::new(asked, self.select.clone()))
     }
 
     /// A shard begins at a multiple of this many designs.
@@ -65,10 +95,14 @@ impl Sinks {
 
 /// Few enough that those who watch the file of a slow run see it grow.
 const PORTION: u64 = 64;
+/// Answers alone are joined less often.
+const LARGE_PORTION: u64 = 1024;
 
 /// Time between two manifests of a run that goes on: what it loses at most when it is killed ...
 const MARK: Duration = Duration::from_millis(250);
-/// ... and when the machine is, which may keep what is written in memory.
+/// ... unless they are so large, for the answers in them, that they would take more than a hundredth of the time; ...
+const SHARE: u32 = 100;
+/// ... and what it loses when the machine goes down, which may keep what is written in memory.
 const SAFE_MARK: Duration = Duration::from_secs(60);
 
 /// Writes the files and the manifest of one run, under their partial names until it is complete. Before the first rows it
@@ -80,11 +114,14 @@ pub struct Recorder {
     shard: Option<(Shard, PathBuf)>,
     sinks: Arc<Sinks>,
     files: Vec<SinkFile>,
+    answers: Option<Reductions>,
     /// Whether the files are this run's.
     begun: bool,
     finished: bool,
     /// When its manifest last told where it stands.
     marked: Option<Instant>,
+    /// Time from one manifest to the next.
+    pause: Duration,
     saved: Instant,
 }
 
@@ -118,16 +155,18 @@ impl Recorder {
             let headers = sinks.all.iter().map(|sink| sink.header().len() as u64).collect();
             manifest = manifest.of_part(shard.clone(), headers);
         }
-        let sinks = Arc::new(sinks);
+        let (answers, sinks) = (sinks.answers(), Arc::new(sinks));
         let mut recorder = Recorder {
             claim,
             manifest,
             shard,
             sinks,
             files,
+            answers,
             begun: false,
             finished: false,
             marked: None,
+            pause: MARK,
             saved: Instant::now(),
         };
         recorder.manifest.stage(&recorder.manifest_path())?;
@@ -148,17 +187,29 @@ impl Recorder {
                 let dir = self.claim.folder().dir().to_path_buf();
                 Error::CannotGoOn { dir, problem }
             })?;
-            let Some(changed) = self.first_changed(origin)? else {
-                self.files.iter_mut().try_for_each(SinkFile::go_on)?;
-                self.manifest = manifest;
-                self.begun = true;
-                self.mark()?;
-                return Ok(problem);
+            let told = match (self.first_changed(origin)?, self.answers_of(origin)) {
+                (None, Ok(answers)) => {
+                    self.files.iter_mut().try_for_each(SinkFile::go_on)?;
+                    (self.manifest, self.answers) = (manifest, answers);
+                    self.begun = true;
+                    self.mark()?;
+                    return Ok(problem);
+                }
+                (Some(changed), _) => format!("{changed} is not what it was when the run before ended"),
+                (None, Err(())) => "the answers so far of the run before cannot be read".into(),
             };
-            let told = format!("{changed} is not what it was when the run before ended");
             problem.get_or_insert(told);
         }
         Ok(problem)
+    }
+
+    /// What an unfinished run has found out.
+    fn answers_of(&self, origin: &Origin) -> Result<Option<Reductions>, ()> {
+        let Some(mut answers) = self.sinks.answers() else { return Ok(None) };
+        let found =
+            origin.answers.as_ref().and_then(|text| serde_json::from_str(text.get()).ok()).ok_or(())?;
+        answers.merge(&found).map_err(|_| ())?;
+        Ok(Some(answers))
     }
 
     /// The first file that does not begin as a manifest says.
@@ -201,10 +252,13 @@ impl Recorder {
             file.append(bytes)?;
         }
         self.manifest.counts.merge(&rows.counts);
+        if let (Some(answers), Some(more)) = (&mut self.answers, &rows.answers) {
+            answers.merge(more)?;
+        }
         if self.saved.elapsed() > SAFE_MARK {
             return self.mark_safely();
         }
-        if self.marked.is_none_or(|marked| marked.elapsed() > MARK) { self.mark() } else { Ok(()) }
+        if self.marked.is_none_or(|marked| marked.elapsed() > self.pause) { self.mark() } else { Ok(()) }
     }
 
     /// Ends a run that went through all designs: table and manifest take the place of what was there before.
@@ -229,6 +283,13 @@ impl Recorder {
             for (file, sink) in self.files.iter_mut().zip(&self.sinks.all) {
                 file.end(&**sink)?;
             }
+            if let Some(answers) = self.answers.take() {
+                for (name, bytes) in answers.files() {
+                    manifest::write_whole(&self.claim.partial(name), &bytes)?;
+                    self.manifest.set_file(name, &Fingerprint::of(&bytes));
+                }
+                self.manifest.remarks = answers.remarks();
+            }
         }
         self.manifest.state = State::Complete;
         self.mark()
@@ -237,7 +298,12 @@ impl Recorder {
     /// Gives what is complete its own name.
     fn publish(&mut self) -> Result<(), Error> {
         let Some((_, to)) = &self.shard else { return self.claim.publish() };
-        let tables: Vec<PathBuf> = self.files.iter().map(|file| self.claim.partial(file.name())).collect();
+        let mut tables: Vec<PathBuf> =
+            self.files.iter().map(|file| self.claim.partial(file.name())).collect();
+        if tables.is_empty() {
+            // Answers alone are in the manifest.
+            tables.push(self.claim.partial(TABLE));
+        }
         shard::pack(&tables, &manifest::text(&self.manifest), to)?;
         self.claim.remove()
     }
@@ -278,10 +344,14 @@ impl Recorder {
 
     /// Saves where the run stands.
     fn mark(&mut self) -> Result<(), Error> {
+        let started = Instant::now();
         for file in &self.files {
             self.manifest.set_file(file.name(), &file.fingerprint());
         }
+        let raw = |answers| to_raw_value(answers).expect("answers are numbers and texts");
+        self.manifest.answers = self.answers.as_ref().map(raw);
         self.manifest.save(&self.manifest_path())?;
+        self.pause = MARK.max(SHARE * started.elapsed());
         self.marked = Some(Instant::now());
         Ok(())
     }

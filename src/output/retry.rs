@@ -15,7 +15,7 @@ use crate::output::host::Program;
 use crate::output::manifest::{self, Counts, FileEntry, State};
 use crate::output::results::Results;
 use crate::output::sink::{Sink, SinkFile};
-use crate::output::table::Table;
+use crate::output::table::{Table, settle};
 use crate::study::columns::{DESIGN, Quantity};
 
 /// A row without an answer.
@@ -71,14 +71,14 @@ pub struct NewRow {
 }
 
 /// The rows of designs that were solved again.
-pub fn new_rows(outcomes: Vec<DesignOutcome>) -> Vec<NewRow> {
+pub fn new_rows(mut outcomes: Vec<DesignOutcome>) -> Vec<NewRow> {
+    settle(&mut outcomes);
     let of_step = |outcome: &DesignOutcome, step: usize| {
         let mut one = outcome.clone();
         (one.steps, one.case.steps) = (vec![outcome.steps[step]], vec![outcome.case.steps[step]]);
-        let mut one = [one];
-        let text = Table::default().rows(&mut one);
         let mut counts = Counts::default();
-        counts.add(&one[0]);
+        counts.add(&one);
+        let text = Table::default().rows(&[one]);
         NewRow { design: outcome.case.index, step, text, counts }
     };
     let rows =

@@ -36,7 +36,7 @@ pub struct LoadColumn {
 }
 
 /// Where the cells of a quantity come from.
-fn kind(quantity: Quantity) -> Kind {
+pub fn kind(quantity: Quantity) -> Kind {
     match quantity {
         Quantity::Indentation => Kind::Load(LoadColumn {
             asked: |load| match load {

@@ -205,11 +205,12 @@ impl ShardFile {
 /// Bytes read at a time.
 const PIECE: usize = 1 << 20;
 
-/// Makes a shard of its tables, which are files of their own until then: the first of them becomes the shard.
+/// Makes a shard of its tables, which are files of their own until then: the first of them becomes the shard, made where it is not
+/// there.
 pub fn pack(tables: &[PathBuf], manifest: &[u8], to: &Path) -> Result<(), Error> {
     let (first, others) = tables.split_first().expect("a shard has a table");
     let unwritable = |source| Error::Io { action: "write", path: first.clone(), source };
-    let mut file = OpenOptions::new().append(true).open(first).map_err(unwritable)?;
+    let mut file = OpenOptions::new().append(true).create(true).open(first).map_err(unwritable)?;
     for table in others {
         let unreadable = |source| Error::Io { action: "read", path: table.clone(), source };
         let mut table = File::open(table).map_err(unreadable)?;

@@ -16,9 +16,8 @@ pub trait Sink: Send + Sync {
     /// What the file begins with.
     fn header(&self) -> Vec<u8>;
 
-    /// The rows of some designs, made by any thread. A response that cannot be written is turned into a failed one, in `outcomes`,
-    /// too.
-    fn rows(&self, outcomes: &mut [DesignOutcome]) -> Vec<u8>;
+    /// The rows of some designs, made by any thread.
+    fn rows(&self, outcomes: &[DesignOutcome]) -> Vec<u8>;
 
     /// What the file ends with, behind its rows.
     fn end(&self, _file: &mut File) -> std::io::Result<Vec<u8>> {

@@ -48,7 +48,7 @@ impl Sink for Table {
         format!("{}\n", names.join(",")).into()
     }
 
-    fn rows(&self, outcomes: &mut [DesignOutcome]) -> Vec<u8> {
+    fn rows(&self, outcomes: &[DesignOutcome]) -> Vec<u8> {
         let (mut out, mut common) = (Vec::new(), Common::default());
         for outcome in outcomes {
             self.push_rows(&mut out, &mut common, outcome);
@@ -58,23 +58,19 @@ impl Sink for Table {
 }
 
 impl Table {
-    /// The rows of a design. A response that is not a number in every part is no response.
-    fn push_rows(&self, out: &mut Vec<u8>, common: &mut Common, outcome: &mut DesignOutcome) {
+    fn push_rows(&self, out: &mut Vec<u8>, common: &mut Common, outcome: &DesignOutcome) {
         assert_eq!(outcome.case.steps.len(), outcome.steps.len(), "an outcome for every step");
         let (inputs, results) = self.columns.split_at(self.input_count);
         common.inputs.clear();
         push_inputs(&mut common.inputs, inputs, &outcome.case);
         // NaN is no load, and equals none.
         common.loads.resize(outcome.steps.len(), (f64::NAN, Vec::new()));
-        for ((load, text), step) in outcome.case.steps.iter().zip(&mut common.loads).zip(&mut outcome.steps) {
+        for ((load, text), step) in outcome.case.steps.iter().zip(&mut common.loads).zip(&outcome.steps) {
             let (Load::Indentation(value) | Load::Force(value)) = *load;
             if value != text.0 {
                 text.0 = value;
                 text.1.clear();
                 push_exact(&mut text.1, value);
-            }
-            if let Some(name) = step.response.and_then(|response| non_finite(results, &response)) {
-                *step = StepOutcome::failed(Failure::NotFinite(name));
             }
             out.extend_from_slice(&common.inputs);
             for column in results {
@@ -108,6 +104,16 @@ fn push_inputs(out: &mut Vec<u8>, inputs: &[TableColumn], case: &DesignCase) {
             _ => out.extend_from_slice(case.index.to_string().as_bytes()),
         }
         out.push(b',');
+    }
+}
+
+/// A response that is not a number in every part is no response.
+pub fn settle(outcomes: &mut [DesignOutcome]) {
+    let columns = table_columns();
+    for step in outcomes.iter_mut().flat_map(|outcome| &mut outcome.steps) {
+        if let Some(name) = step.response.and_then(|response| non_finite(&columns, &response)) {
+            *step = StepOutcome::failed(Failure::NotFinite(name));
+        }
     }
 }
 
@@ -177,8 +183,9 @@ mod tests {
             plate: part(&annulus::SHAPE, [2.0, 0.0, 0.0]),
         };
         let case = DesignCase { index: 7, joint, steps: loads.to_vec() };
-        let outcome = DesignOutcome::new(case, Answer { backend: BackendKind::Cpu, steps });
-        String::from_utf8(Table::default().rows(&mut [outcome])).unwrap()
+        let mut outcomes = [DesignOutcome::new(case, Answer { backend: BackendKind::Cpu, steps })];
+        settle(&mut outcomes);
+        String::from_utf8(Table::default().rows(&outcomes)).unwrap()
     }
 
     const OK: StepOutcome = StepOutcome { response: Some(RESPONSE), status: Status::OK };

@@ -79,6 +79,24 @@ impl Quantity {
         !matches!(self, Quantity::Method | Quantity::Backend | Quantity::Status)
     }
 
+    /// The words of a column of words; a status has one or more of its own.
+    pub fn words(self) -> &'static [&'static str] {
+        match self {
+            Quantity::Method => &["closed-form", "series", "interpolated", "fe"],
+            Quantity::Backend => &["cpu", "gpu"],
+            Quantity::Status => &[
+                "ok",
+                "failed",
+                "clearance beyond the model",
+                "large displacement",
+                "pressure not positive everywhere",
+                "accuracy not met",
+                "plate extent not modelled",
+            ],
+            _ => &[],
+        }
+    }
+
     fn documented(self) -> (&'static str, &'static str, &'static str) {
         match self {
             Quantity::Indentation => (

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use crate::error::Error;
 use crate::study::design::{DesignCase, Limits, Load};
 use crate::study::designs_file::{DesignsFile, Rows};
+use crate::study::expression::Expression;
 use crate::study::fingerprint::Fingerprint;
 use crate::study::recipe::Recipe;
+use crate::study::reduce::{Reduce, read_select};
 use crate::study::sampling::{MAX_DESIGNS, Scheme};
 use crate::study::setting::Setting;
 use crate::study::source::{Section, Source};
@@ -68,6 +70,12 @@ pub struct Study {
     pub interpolation: bool,
     /// Whether laws are to be fitted; `None` leaves it to the size of the sweep.
     laws: Option<bool>,
+    /// The condition of the rows that are wanted; `None` for all rows.
+    pub select: Option<Expression>,
+    /// What is asked of all kept rows together.
+    pub reduce: Option<Reduce>,
+    /// Whether the rows themselves are written; `None` where the config does not say.
+    table: Option<bool>,
     designs: Designs,
 }
 
@@ -99,19 +107,24 @@ impl Study {
         let path = &source.path;
         let document = source.parse()?;
         let root = source.root(&document);
-        root.allow(&["title", "joint", "load", "designs", "sampling", "solve", "output"])?;
+        root.allow(&[
+            "title", "joint", "load", "designs", "sampling", "solve", "select", "reduce", "output",
+        ])?;
         let title = match root.find("title") {
             Some(item) => item.string()?.to_string(),
             None => stem(path),
         };
         let default = Ok((SolveOptions::default(), true));
         let (solve, interpolation) = root.section("solve")?.map_or(default, |table| read_solve(&table))?;
-        let laws = match root.section("output")? {
-            Some(table) => {
-                table.allow(&["laws"])?;
-                table.find("laws").map(|item| item.boolean()).transpose()?
+        let select = root.section("select")?.map(|table| read_select(&table)).transpose()?;
+        let reduce = root.section("reduce")?.map(|table| Reduce::read(&table)).transpose()?;
+        let [laws, table] = match root.section("output")? {
+            Some(output) => {
+                output.allow(&["laws", "table"])?;
+                let said = |key: &str| output.find(key).map(|item| item.boolean()).transpose();
+                [said("laws")?, said("table")?]
             }
-            None => None,
+            None => [None; 2],
         };
         let designs = match root.section("designs")? {
             Some(list) => {
@@ -135,7 +148,7 @@ impl Study {
                 Designs::Sampled { recipe, steps: read_load(&table("load")?)? }
             }
         };
-        Ok(Study { title, solve, interpolation, laws, designs, source })
+        Ok(Study { title, solve, interpolation, laws, select, reduce, table, designs, source })
     }
 
     /// The same joint in a design for sensitivity indices instead of what [sampling] says, under one load step (from 1; the
@@ -217,6 +230,11 @@ impl Study {
     pub fn fits_laws(&self) -> bool {
         let is_small = self.design_count() <= LAWS_UP_TO;
         self.laws.unwrap_or(is_small) && self.solve.method != MethodChoice::ClosedForm
+    }
+
+    /// Whether the rows themselves are written: as asked, or where nothing is asked of all rows together.
+    pub fn writes_table(&self) -> bool {
+        self.table.unwrap_or(self.reduce.is_none())
     }
 
     pub fn design_count(&self) -> u64 {

@@ -1,6 +1,8 @@
 //! Every key of a config, documented: docs/config.md is made from this, and `tests/documentation.rs` holds it to what the reader
 //! takes and refuses.
 
+mod answers;
+
 use crate::mechanics::body::{Shape, ShapeParameter, Side};
 use crate::mechanics::material::Idealization;
 use crate::study::columns::side_name;
@@ -130,12 +132,31 @@ pub fn config_keys() -> Vec<ConfigKey> {
             .default("\"auto\""),
         key("output", "laws", "whether laws are fitted to each design, into laws.csv", "-", "true or false", "false")
             .needed("`true` up to 1,000 designs"),
+        key("output", "table", "whether the rows themselves are written, into table.csv", "-", "true or false", "false")
+            .needed("`true`; `false` beside [reduce]"),
+    ]);
+    keys.extend(answers::answer_keys());
+    keys.extend([
         key(RANGE, "from", "the first value", "as the key", "what the key allows", "\"10 N\""),
         key(RANGE, "to", "the last value", "as the key", "what the key allows, above `from`", "\"10 kN\""),
-        key(RANGE, "count", "values, both ends included", "-", &format!("whole numbers from 2 to {MAX_RANGE}"), "20")
-            .needed("needed; with a sampler there is none, but in [load]"),
-        key(RANGE, "spacing", "even steps of the value, or of its logarithm", "-", &words(&["linear", "log"]), "\"log\"")
-            .default("\"linear\""),
+        key(
+            RANGE,
+            "count",
+            "values, both ends included",
+            "-",
+            &format!("whole numbers from 2 to {MAX_RANGE}"),
+            "20",
+        )
+        .needed("needed; with a sampler there is none, but in [load]"),
+        key(
+            RANGE,
+            "spacing",
+            "even steps of the value, or of its logarithm",
+            "-",
+            &words(&["linear", "log"]),
+            "\"log\"",
+        )
+        .default("\"linear\""),
     ]);
     keys
 }
@@ -239,7 +260,7 @@ pub fn documentation() -> String {
         text += &format!("| `{name}` | {about} | {unit} | {allowed} | {default} | `{example}` |\n");
     }
     text += "\n## Units\n\n| of | written as | in tables |\n|---|---|---|\n";
-    for dimension in [Dimension::Length, Dimension::Stress, Dimension::Force] {
+    for dimension in Dimension::ALL {
         // The micro sign is also the Greek letter, which looks the same.
         let mut units = dimension.unit_names();
         units.retain(|unit| !unit.contains('\u{3bc}'));

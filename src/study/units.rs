@@ -11,9 +11,15 @@ pub enum Dimension {
     Stress,
     /// N inside.
     Force,
+    /// N/mm inside.
+    Stiffness,
+    /// mJ inside.
+    Energy,
+    /// deg inside.
+    Angle,
 }
 
-/// A unit's name, what it measures, and what one of it is in mm, MPa or N.
+/// A unit's name, what it measures, and what one of it is in the unit of the tables.
 type Unit = (&'static str, Dimension, f64);
 
 /// One pound-force is 0.45359237 kg times 9.80665 m/s^2, and one inch is 25.4 mm, all exact by definition.
@@ -21,7 +27,7 @@ const POUND_FORCE: f64 = 4.448_221_615_260_5;
 const PSI: f64 = POUND_FORCE / (25.4 * 25.4);
 
 #[rustfmt::skip]
-const UNITS: [Unit; 22] = [
+const UNITS: [Unit; 38] = [
     ("nm", Dimension::Length, 1e-6),
     ("um", Dimension::Length, 1e-3),
     ("\u{b5}m", Dimension::Length, 1e-3),  // the micro sign
@@ -44,14 +50,54 @@ const UNITS: [Unit; 22] = [
     ("kN", Dimension::Force, 1e3),
     ("MN", Dimension::Force, 1e6),
     ("lbf", Dimension::Force, POUND_FORCE),
+    ("N/m", Dimension::Stiffness, 1e-3),
+    ("N/mm", Dimension::Stiffness, 1.0),
+    ("N/um", Dimension::Stiffness, 1e3),
+    ("N/\u{b5}m", Dimension::Stiffness, 1e3),
+    ("N/\u{3bc}m", Dimension::Stiffness, 1e3),
+    ("kN/m", Dimension::Stiffness, 1.0),
+    ("kN/mm", Dimension::Stiffness, 1e3),
+    ("MN/m", Dimension::Stiffness, 1e3),
+    ("lbf/in", Dimension::Stiffness, POUND_FORCE / 25.4),
+    ("uJ", Dimension::Energy, 1e-3),
+    ("\u{b5}J", Dimension::Energy, 1e-3),
+    ("\u{3bc}J", Dimension::Energy, 1e-3),
+    ("mJ", Dimension::Energy, 1.0),
+    ("J", Dimension::Energy, 1e3),
+    ("deg", Dimension::Angle, 1.0),
+    ("rad", Dimension::Angle, 180.0 / std::f64::consts::PI),
 ];
 
 impl Dimension {
+    pub const ALL: [Dimension; 6] = [
+        Dimension::Length,
+        Dimension::Stress,
+        Dimension::Force,
+        Dimension::Stiffness,
+        Dimension::Energy,
+        Dimension::Angle,
+    ];
+
+    /// Powers of N, mm and deg.
+    pub fn powers(self) -> [i8; 3] {
+        match self {
+            Dimension::Length => [0, 1, 0],
+            Dimension::Stress => [1, -2, 0],
+            Dimension::Force => [1, 0, 0],
+            Dimension::Stiffness => [1, -1, 0],
+            Dimension::Energy => [1, 1, 0],
+            Dimension::Angle => [0, 0, 1],
+        }
+    }
+
     pub fn name(self) -> &'static str {
         match self {
             Dimension::Length => "length",
             Dimension::Stress => "stress",
             Dimension::Force => "force",
+            Dimension::Stiffness => "stiffness",
+            Dimension::Energy => "energy",
+            Dimension::Angle => "angle",
         }
     }
 
@@ -61,6 +107,9 @@ impl Dimension {
             Dimension::Length => "mm",
             Dimension::Stress => "MPa",
             Dimension::Force => "N",
+            Dimension::Stiffness => "N/mm",
+            Dimension::Energy => "mJ",
+            Dimension::Angle => "deg",
         }
     }
 
@@ -68,6 +117,21 @@ impl Dimension {
     pub fn unit_names(self) -> Vec<&'static str> {
         UNITS.iter().filter(|unit| unit.1 == self).map(|unit| unit.0).collect()
     }
+}
+
+/// What a unit measures, and what one of it is in the unit of the tables.
+pub fn find(name: &str) -> Option<(Dimension, f64)> {
+    UNITS.iter().find(|unit| unit.0 == name).map(|unit| (unit.1, unit.2))
+}
+
+/// All units that there are, those with a micro sign once.
+pub fn all_names() -> Vec<&'static str> {
+    UNITS.iter().map(|unit| unit.0).filter(|name| !name.contains('\u{3bc}')).collect()
+}
+
+/// `value` of a unit with this factor, in the unit of the tables.
+pub fn in_table_units(value: f64, factor: f64) -> f64 {
+    if factor == 1.0 { value } else { tidy(value * factor) }
 }
 
 /// The value of a number with its unit in mm, MPa or N; on failure, what is wrong with it.
@@ -83,7 +147,7 @@ pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, String> {
         return Err(format!("the unit is missing; a {wanted} is written like {example}"));
     }
     let value = parse_number(number)?;
-    let Some(&(_, found, factor)) = UNITS.iter().find(|candidate| candidate.0 == unit) else {
+    let Some((found, factor)) = find(unit) else {
         return Err(format!(
             "`{unit}` is not a unit of {wanted}; {}",
             suggest(unit, &dimension.unit_names())
@@ -93,7 +157,7 @@ pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, String> {
         let allowed = dimension.unit_names().join(", ");
         return Err(format!("`{unit}` is a unit of {}, a {wanted} is needed: {allowed}", found.name()));
     }
-    finite(if factor == 1.0 { value } else { tidy(value * factor) })
+    finite(in_table_units(value, factor))
 }
 
 /// The value of "1 %" as a fraction, 0.01; on failure, what is wrong with it.
@@ -112,7 +176,7 @@ pub fn tidy(value: f64) -> f64 {
 /// The number and the trailing letters of a text.
 fn split(text: &str) -> (&str, &str) {
     let text = text.trim();
-    let number = text.trim_end_matches(|c: char| c.is_alphabetic() || c == '%' || c == '\u{b5}');
+    let number = text.trim_end_matches(|c: char| c.is_alphabetic() || "%/\u{b5}".contains(c));
     // `number` is a prefix of `text`, so its length is a character boundary.
     (number.trim_end(), &text[number.len()..])
 }

@@ -20,6 +20,7 @@ fn shipped_configs_load() {
         ("liu2007-plates", 70, 700),
         ("quickstart", 10, 100),
         ("random", 10_000, 100_000),
+        ("requirements", 10_000, 10_000),
         ("thin-liners", 200, 2000),
         ("thin-walls", 32, 96),
     ] {

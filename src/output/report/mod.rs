@@ -6,6 +6,7 @@ pub mod html;
 pub mod scan;
 pub mod laws;
 pub mod chosen;
+pub mod answers;
 mod curves;
 mod asked;
 mod pressure;
@@ -47,6 +48,11 @@ pub fn page(results: &Results, designs: &[u64]) -> Result<String, Error> {
     if designs.len() > MOST_DESIGNS {
         return Err(Error::TooManyDesigns { asked: designs.len(), most: MOST_DESIGNS });
     }
+    let answers = answers::section(results.dir());
+    if !results.table().exists() && !answers.is_empty() {
+        let title = origin::title(results);
+        return Ok(whole(&title, &format!("<header>\n<h1>{}</h1>\n</header>\n{answers}", escaped(&title))));
+    }
     let asked = Asked::from_text(Path::new(&results.origin.inputs.path), &results.origin.inputs.text)?;
     let scan = Scan::read(results, &designs)?;
     let chosen = chosen::choose(&scan, &designs, asked.solve);
@@ -54,6 +60,7 @@ pub fn page(results: &Results, designs: &[u64]) -> Result<String, Error> {
     let report = Report { results, title, asked, scan, chosen, named: !designs.is_empty() };
     let sections = [
         asked::section(&report),
+        answers,
         curves::section(&report),
         pressure::section(&report),
         map::section(&report),
@@ -62,16 +69,20 @@ pub fn page(results: &Results, designs: &[u64]) -> Result<String, Error> {
         failures::section(&report),
         origin::section(&report),
     ];
-    Ok(format!(
+    Ok(whole(&report.title, &sections.concat()))
+}
+
+fn whole(title: &str, sections: &str) -> String {
+    format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <meta name=\"color-scheme\" content=\"light dark\"/>\n<title>{}</title>\n\
          <style>\n{}{}{PAGE_STYLE}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
-        escaped(&report.title),
+        escaped(title),
         page_variables(),
         style_sheet(),
-        sections.concat()
-    ))
+        sections
+    )
 }
 
 const PAGE_STYLE: &str = "\

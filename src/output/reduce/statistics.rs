@@ -1,0 +1,164 @@
+//! statistics.csv: count, extremes, mean, standard deviation and quantiles of a quantity.
+
+use serde::{Deserialize, Serialize};
+
+use super::Reduction;
+use super::exact_sum::{ExactSum, standard_deviation};
+use super::line::Line;
+use super::sketch::Sketch;
+use crate::output::row_value::Row;
+use crate::study::expression::Expression;
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Statistics {
+    of: Expression,
+    quantiles: Vec<f64>,
+    count: u64,
+    /// Rows where it has no value, or none that is finite.
+    without_value: u64,
+    least: Option<Extreme>,
+    greatest: Option<Extreme>,
+    sum: ExactSum,
+    squares: ExactSum,
+    /// Only where quantiles are asked for.
+    sketch: Option<Sketch>,
+}
+
+/// A value and the row that has it, the first one of those that do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Extreme {
+    pub value: f64,
+    pub design: u64,
+    pub step: u64,
+}
+
+impl Extreme {
+    /// The better one of two: `better` says whether the first value is; of equal ones the first row.
+    fn of(one: Option<Extreme>, other: Option<Extreme>, better: fn(f64, f64) -> bool) -> Option<Extreme> {
+        let (Some(a), Some(b)) = (one, other) else { return one.or(other) };
+        let a_first = (a.design, a.step) <= (b.design, b.step);
+        let takes_a = better(a.value, b.value) || a.value == b.value && a_first;
+        Some(if takes_a { a } else { b })
+    }
+}
+
+impl Statistics {
+    pub fn new(of: &Expression, quantiles: &[f64]) -> Statistics {
+        Statistics {
+            of: of.clone(),
+            quantiles: quantiles.to_vec(),
+            count: 0,
+            without_value: 0,
+            least: None,
+            greatest: None,
+            sum: ExactSum::default(),
+            squares: ExactSum::default(),
+            sketch: (!quantiles.is_empty()).then(Sketch::default),
+        }
+    }
+
+    fn extremes(&mut self, least: Option<Extreme>, greatest: Option<Extreme>) {
+        self.least = Extreme::of(self.least, least, |a, b| a < b);
+        self.greatest = Extreme::of(self.greatest, greatest, |a, b| a > b);
+    }
+
+    pub fn mean(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.sum.mean(self.count))
+    }
+
+    /// Of a sample: over the count less 1.
+    pub fn standard_deviation(&self) -> Option<f64> {
+        (self.count > 1).then(|| standard_deviation(&self.sum, &self.squares, self.count))
+    }
+
+    /// The value of rank ceil(share count) in ascending order, to the sketch's error.
+    pub fn quantile(&self, share: f64) -> Option<f64> {
+        let (least, greatest) = (self.least?.value, self.greatest?.value);
+        let rank = ((share * self.count as f64).ceil() as u64).max(1).min(self.count);
+        match rank {
+            1 => Some(least),
+            rank if rank == self.count => Some(greatest),
+            rank => Some(self.sketch.as_ref()?.at_rank(rank)?.max(least).min(greatest)),
+        }
+    }
+}
+
+impl Reduction for Statistics {
+    fn file_name(&self) -> &'static str {
+        "statistics.csv"
+    }
+
+    fn quantities(&self) -> Vec<&Expression> {
+        vec![&self.of]
+    }
+
+    fn add(&mut self, values: &[f64], row: &Row, _text: &mut dyn FnMut() -> String) {
+        // Not -0.
+        let value = values[0] + 0.0;
+        if !value.is_finite() {
+            self.without_value += 1;
+            return;
+        }
+        self.count += 1;
+        let own = Some(Extreme { value, design: row.case.index, step: row.step as u64 });
+        self.extremes(own, own);
+        self.sum.add(value);
+        self.squares.add_square(value);
+        if let Some(sketch) = &mut self.sketch {
+            sketch.add(value);
+        }
+    }
+
+    fn push_header(&self, out: &mut Vec<u8>) {
+        out.extend_from_slice(b"of,unit,statistic,value,relative_error,design,step\n");
+    }
+
+    fn push_rows(&self, out: &mut Vec<u8>) {
+        let unit = self.of.unit().text();
+        for (name, count) in [("count", self.count), ("without_value", self.without_value)] {
+            let mut line = Line::default();
+            line.text(self.of.text()).text("-").text(name).whole(Some(count));
+            line.number(Some(0.0)).whole(None).whole(None);
+            line.end(out);
+        }
+        let mut push = |name: &str, value: Option<f64>, error: f64, from: Option<Extreme>| {
+            let mut line = Line::default();
+            line.text(self.of.text()).text(&unit).text(name).number(value);
+            line.number(value.map(|_| error));
+            line.whole(from.map(|from| from.design)).whole(from.map(|from| from.step));
+            line.end(out);
+        };
+        push("min", self.least.map(|least| least.value), 0.0, self.least);
+        push("max", self.greatest.map(|greatest| greatest.value), 0.0, self.greatest);
+        push("mean", self.mean(), 0.0, None);
+        push("standard_deviation", self.standard_deviation(), 0.0, None);
+        for share in &self.quantiles {
+            let error = self.sketch.as_ref().map_or(0.0, Sketch::relative_error);
+            push(&format!("quantile_{share}"), self.quantile(*share), error, None);
+        }
+    }
+}
+
+impl Statistics {
+    pub fn merge(&mut self, other: &Statistics) {
+        self.count += other.count;
+        self.without_value += other.without_value;
+        self.extremes(other.least, other.greatest);
+        self.sum.merge(&other.sum);
+        self.squares.merge(&other.squares);
+        if let (Some(own), Some(theirs)) = (&mut self.sketch, &other.sketch) {
+            own.merge(theirs);
+        }
+    }
+
+    /// Whether they are of the same question.
+    pub fn is_like(&self, other: &Statistics) -> bool {
+        self.of == other.of && self.quantiles == other.quantiles
+    }
+
+    /// Whether it can be what a run has left.
+    pub fn is_sound(&self) -> bool {
+        self.sketch.is_some() != self.quantiles.is_empty()
+            && self.sketch.as_ref().is_none_or(Sketch::is_sound)
+    }
+}
