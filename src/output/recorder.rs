@@ -8,16 +8,17 @@ use std::time::{Duration, Instant};
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
-use crate::output::folder::{Claim, MANIFEST, TABLE};
+use crate::output::folder::{Claim, MANIFEST, table_name};
 use crate::output::laws_table::LawsTable;
 use crate::output::manifest::{self, Conditions, Counts, Manifest, Origin, State};
 use crate::output::sink::{Sink, SinkFile};
-use crate::output::table::Table;
+use crate::output::table_sink::{portion, table_sink};
 use crate::study::config::Study;
 
 /// What the outcomes of a run go to.
 pub struct Sinks {
     all: Vec<Box<dyn Sink>>,
+    portion: u64,
 }
 
 /// What some designs add to a run: bytes for each of its files, and counts.
@@ -35,16 +36,16 @@ impl Rows {
 
 impl Sinks {
     pub fn of(study: &Study) -> Sinks {
-        let mut all: Vec<Box<dyn Sink>> = vec![Box::new(Table::default())];
+        let mut all: Vec<Box<dyn Sink>> = vec![table_sink(study)];
         if study.fits_laws() {
             all.push(Box::new(LawsTable));
         }
-        Sinks { all }
+        Sinks { all, portion: portion(study) }
     }
 
     /// Designs whose rows are made together.
     pub fn portion(&self) -> u64 {
-        PORTION
+        self.portion
     }
 
     /// Rows of designs that follow each other, made by any thread.
@@ -56,9 +57,6 @@ impl Sinks {
     }
 }
 
-/// Few enough that those who watch the file of a slow run see it grow.
-const PORTION: u64 = 64;
-
 /// Time between two manifests of a run that goes on: what it loses at most when it is killed.
 const MARK: Duration = Duration::from_millis(250);
 
@@ -66,6 +64,8 @@ const MARK: Duration = Duration::from_millis(250);
 /// only proves that it can: a run that ends before leaves nothing behind.
 pub struct Recorder {
     claim: Claim,
+    /// The name of the table's file.
+    table: &'static str,
     manifest: Manifest,
     sinks: Arc<Sinks>,
     files: Vec<SinkFile>,
@@ -82,7 +82,9 @@ impl Recorder {
         let files = sinks.all.iter().map(file).collect();
         let manifest = Manifest::new(study, conditions);
         let (sinks, marked) = (Arc::new(sinks), Instant::now());
-        let mut recorder = Recorder { claim, manifest, sinks, files, begun: false, finished: false, marked };
+        let table = table_name(study.output.format);
+        let mut recorder =
+            Recorder { claim, table, manifest, sinks, files, begun: false, finished: false, marked };
         recorder.manifest.stage(&recorder.manifest_path())?;
         Ok(recorder)
     }
@@ -126,7 +128,7 @@ impl Recorder {
 
     /// Where the rows are until the run is complete.
     pub fn partial_table(&self) -> PathBuf {
-        self.claim.partial(TABLE)
+        self.claim.partial(self.table)
     }
 
     /// Adds the rows of the next designs.

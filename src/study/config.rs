@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
+use crate::study::columns::{Cell, Column};
 use crate::study::design::{DesignCase, Limits, Load};
 use crate::study::designs_file::{DesignsFile, Rows};
 use crate::study::fingerprint::Fingerprint;
+use crate::study::output_options::OutputOptions;
 use crate::study::recipe::Recipe;
 use crate::study::sampling::{MAX_DESIGNS, Scheme};
 use crate::study::setting::Setting;
@@ -66,8 +68,7 @@ pub struct Study {
     pub solve: SolveOptions,
     /// Whether bodies may be interpolated where that is cheaper.
     pub interpolation: bool,
-    /// Whether laws are to be fitted; `None` leaves it to the size of the sweep.
-    laws: Option<bool>,
+    pub output: OutputOptions,
     designs: Designs,
 }
 
@@ -75,6 +76,15 @@ pub struct Study {
 enum Designs {
     Sampled { recipe: Box<Recipe>, steps: Vec<Load> },
     Listed(DesignsFile),
+}
+
+impl Designs {
+    fn constants(&self) -> Vec<(Column, Cell)> {
+        match self {
+            Designs::Sampled { recipe, .. } => recipe.constants(),
+            Designs::Listed(file) => file.constants().to_vec(),
+        }
+    }
 }
 
 impl Study {
@@ -106,13 +116,8 @@ impl Study {
         };
         let default = Ok((SolveOptions::default(), true));
         let (solve, interpolation) = root.section("solve")?.map_or(default, |table| read_solve(&table))?;
-        let laws = match root.section("output")? {
-            Some(table) => {
-                table.allow(&["laws"])?;
-                table.find("laws").map(|item| item.boolean()).transpose()?
-            }
-            None => None,
-        };
+        let output_table = root.section("output")?;
+        let output = output_table.as_ref().map_or(Ok(OutputOptions::default()), OutputOptions::read)?;
         let designs = match root.section("designs")? {
             Some(list) => {
                 for key in ["joint", "load", "sampling"] {
@@ -135,7 +140,10 @@ impl Study {
                 Designs::Sampled { recipe, steps: read_load(&table("load")?)? }
             }
         };
-        Ok(Study { title, solve, interpolation, laws, designs, source })
+        if let Some(table) = &output_table {
+            output.check(table, &designs.constants())?;
+        }
+        Ok(Study { title, solve, interpolation, output, designs, source })
     }
 
     /// The title, or the file's name when there is none.
@@ -177,7 +185,12 @@ impl Study {
     /// Whether laws are fitted: as asked, or for sweeps of up to `LAWS_UP_TO` designs. A closed form has no curve to fit.
     pub fn fits_laws(&self) -> bool {
         let is_small = self.design_count() <= LAWS_UP_TO;
-        self.laws.unwrap_or(is_small) && self.solve.method != MethodChoice::ClosedForm
+        self.output.laws.unwrap_or(is_small) && self.solve.method != MethodChoice::ClosedForm
+    }
+
+    /// The inputs that are the same in all designs, in the order of the table's columns.
+    pub fn constants(&self) -> Vec<(Column, Cell)> {
+        self.designs.constants()
     }
 
     pub fn design_count(&self) -> u64 {

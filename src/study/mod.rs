@@ -5,6 +5,7 @@ pub mod design;
 pub mod columns;
 pub mod setting;
 mod source;
+pub mod output_options;
 mod values;
 mod sampling;
 mod recipe;
