@@ -15,7 +15,9 @@ use crate::engine::outcome::{DesignOutcome, StepOutcome};
 use crate::engine::status::{Failure, Status};
 use crate::output::folder::TABLE_PARQUET;
 use crate::output::parquet_footer::{self, MAGIC};
-use crate::output::schema::{Kind, TableColumn, columns_of, constants_as_json, non_finite, result_columns};
+use crate::output::schema::{
+    Kind, LoadColumn, TableColumn, columns_of, constants_as_json, non_finite, result_columns,
+};
 use crate::output::sink::Sink;
 use crate::study::columns::Cell;
 use crate::study::config::Study;
@@ -33,7 +35,7 @@ pub struct ParquetTable {
     about: Vec<KeyValue>,
 }
 
-/// `cargo run --release --example formats`.
+/// Higher levels take more time and save nothing worth it: the last digits of results are noise to a compressor.
 const LEVEL: i32 = 1;
 
 /// What is in a column.
@@ -65,7 +67,7 @@ impl ParquetTable {
         let documented: serde_json::Map<_, _> = documented.collect();
         let json = |key: &str, map| KeyValue::new(key.into(), serde_json::Value::Object(map).to_string());
         let about = vec![json("columns", documented), json("constants", constants_as_json(study))];
-        let properties = Arc::new(properties(&columns));
+        let properties = Arc::new(properties(&columns, asked_load(study)));
         ParquetTable { columns, checked: result_columns(), schema, descriptor, properties, about }
     }
 
@@ -124,8 +126,16 @@ fn schema(columns: &[TableColumn]) -> Result<Type, ParquetError> {
     Type::group_type_builder("table").with_fields(fields?).build()
 }
 
-/// Dictionaries where values repeat; `cargo run --release --example formats` says what that saves.
-fn properties(columns: &[TableColumn]) -> WriterProperties {
+/// The load of the first design: lists may have both kinds.
+fn asked_load(study: &Study) -> Option<Load> {
+    let first = study.cases().ok()?.next()?.ok()?;
+    first.steps.first().copied()
+}
+
+/// Dictionaries where values repeat: the inputs, the load that is asked, words. Results hardly do; their bytes are sorted by
+/// significance, which makes files of many digits a tenth smaller than plain ones.
+fn properties(columns: &[TableColumn], asked: Option<Load>) -> WriterProperties {
+    let is_asked = |own: LoadColumn| asked.is_some_and(|load| (own.asked)(load).is_some());
     let level = ZstdLevel::try_new(LEVEL).expect("a level of Zstandard");
     let mut builder = WriterProperties::builder()
         .set_created_by(concat!("jointsweep ", env!("CARGO_PKG_VERSION")).into())
@@ -138,7 +148,8 @@ fn properties(columns: &[TableColumn]) -> WriterProperties {
             Kind::Design => builder
                 .set_column_dictionary_enabled(path.clone(), false)
                 .set_column_encoding(path, Encoding::DELTA_BINARY_PACKED),
-            Kind::Result(_) => builder
+            Kind::Load(own) if is_asked(own) => builder,
+            Kind::Load(_) | Kind::Result(_) => builder
                 .set_column_dictionary_enabled(path.clone(), false)
                 .set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT),
             _ => builder,
