@@ -63,8 +63,8 @@ impl OutputOptions {
 
     pub fn read(table: &Section) -> Result<OutputOptions, Error> {
         table.allow(&OutputOptions::KEYS)?;
-        let mut options = OutputOptions::default();
-        options.laws = table.find("laws").map(|item| item.boolean()).transpose()?;
+        let laws = table.find("laws").map(|item| item.boolean()).transpose()?;
+        let mut options = OutputOptions { laws, ..OutputOptions::default() };
         if let Some(item) = table.find("inputs") {
             options.inputs = Inputs::ALL[item.word(&Inputs::ALL.map(Inputs::name))?];
         }
