@@ -133,7 +133,7 @@ fn asked_load(study: &Study) -> Option<Load> {
 }
 
 /// Dictionaries where values repeat: the inputs, the load that is asked, words. Results hardly do; their bytes are sorted by
-/// significance, which makes files of many digits a tenth smaller than plain ones.
+/// significance, which makes files of many digits a twentieth smaller than plain ones.
 fn properties(columns: &[TableColumn], asked: Option<Load>) -> WriterProperties {
     let is_asked = |own: LoadColumn| asked.is_some_and(|load| (own.asked)(load).is_some());
     let level = ZstdLevel::try_new(LEVEL).expect("a level of Zstandard");
