@@ -331,10 +331,8 @@ fn conditions_hold_fail_or_are_unknown() {
 #[test]
 fn words_are_those_of_the_table() {
     let outcomes = outcomes(11, 300);
-    let mut text = Vec::new();
-    let mut table = Table::default();
-    table.push_header(&mut text);
-    outcomes.iter().for_each(|one| table.push_rows(&mut text, &mut one.clone()));
+    let table = Table::default();
+    let text = [table.header(), table.rows(&outcomes)].concat();
     let mut reader = csv::Reader::from_reader(text.as_slice());
     let header = reader.headers().unwrap().clone();
     let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();

@@ -7,7 +7,7 @@ use std::time::{Instant, SystemTime};
 use jointsweep::Error;
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::output::benchmark::{BenchmarkManifest, Measurement, Run};
-use jointsweep::internals::output::folder::{MANIFEST, TABLE};
+use jointsweep::internals::output::folder::MANIFEST;
 use jointsweep::internals::study::config::Study;
 use serde_json::Value;
 
@@ -88,7 +88,7 @@ fn measure(config: &Path, threads: usize, folder: &Path) -> Result<Measurement, 
         rows: count("rows"),
         distinct_bodies: count("distinct_bodies"),
         forecast: f64::NAN,
-        table_bytes: read(TABLE)?.len() as u64,
+        table_bytes: manifest["files"][0]["bytes"].as_u64().unwrap_or(0),
         runs: vec![run],
     })
 }

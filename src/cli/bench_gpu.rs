@@ -303,7 +303,7 @@ impl Bench<'_> {
         recorder.finish(&statistics)?;
         let seconds = started.elapsed().as_secs_f64();
         self.is_measured(&statistics, precision)?;
-        let path: PathBuf = folder.table();
+        let path: PathBuf = folder.table(study);
         let bytes =
             std::fs::metadata(&path).map_err(|source| Error::Io { action: "read", path, source })?.len();
         Ok((seconds, bytes))

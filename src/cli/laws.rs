@@ -10,6 +10,7 @@ use jointsweep::internals::output::lock::FolderLock;
 use jointsweep::internals::output::manifest::{publish, staged, with_file, write_whole};
 use jointsweep::internals::output::results::{Results, TableRow};
 use jointsweep::internals::output::sink::{Sink, SinkFile};
+use jointsweep::internals::study::columns::Quantity;
 use jointsweep::internals::study::config::{MethodChoice, solve_options};
 use jointsweep::internals::study::design::{DesignCase, Load};
 
@@ -54,7 +55,7 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
 fn write_laws(results: &Results, mut ladder: Ladder, file: &mut SinkFile) -> Result<usize, Error> {
     file.open()?;
     file.begin(&LawsTable.header())?;
-    let mut designs = Designs { rows: results.rows()?, next: None };
+    let mut designs = Designs { rows: results.rows(&[Quantity::Indentation, Quantity::Force])?, next: None };
     let mut count = 0;
     loop {
         let mut batch = Vec::new();

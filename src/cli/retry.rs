@@ -8,7 +8,8 @@ use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
 use jointsweep::internals::output::manifest::Origin;
 use jointsweep::internals::output::results::Results;
-use jointsweep::internals::output::retry::{Rewriter, failed_rows, new_rows};
+use jointsweep::internals::output::retry::{Rewriter, failed_rows, new_rows, refusal};
+use jointsweep::internals::output::table::Table;
 use jointsweep::internals::study::config::Study;
 
 use super::run::ending;
@@ -19,6 +20,11 @@ const PORTION: u64 = 64;
 
 pub fn retry(args: &RunArgs, study: &Study, folder: &ResultFolder) -> Result<Ending, Error> {
     let nothing = |problem: &str| Error::NoResult { dir: folder.dir().into(), problem: problem.into() };
+    if let Some(why) = refusal(study) {
+        return Err(nothing(&format!(
+            "failed rows cannot be done again alone: {why}; --again does all of them"
+        )));
+    }
     let claim = folder.claim(&format!("of {}", args.config.display()))?;
     if !matches!(folder.check(study, Permissions::default())?, Verdict::Done(_)) {
         return Err(nothing(
@@ -43,7 +49,8 @@ pub fn retry(args: &RunArgs, study: &Study, folder: &ResultFolder) -> Result<End
     };
     let count = failed.len() as u64;
     let mut rewriter = Rewriter::new(&claim, &results, failed)?;
-    let digest = Digest { designs: PORTION, make: &new_rows };
+    let table = Table::of(study);
+    let digest = Digest { designs: PORTION, make: &|outcomes| new_rows(&table, outcomes) };
     sweep::run_digested(study, &options, &digest, &mut |rows| {
         rewriter.add(&rows)?;
         Ok(ControlFlow::Continue(()))

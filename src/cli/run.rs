@@ -1,6 +1,7 @@
 //! `jointsweep run`: from a config to a folder with a result.
 
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
@@ -26,7 +27,7 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
         return shard::run(args, &study, part, started);
     }
     if args.dry_run {
-        print(&report::estimate(&cost::estimate(&study)?, &folder.table()))?;
+        print(&report::estimate(&cost::estimate(&study)?, &folder.table(&study)))?;
         return Ok(Ending::Complete);
     }
     if args.retry_failed {
@@ -34,7 +35,7 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     }
     let permissions = Permissions { force: args.force, again: args.again };
     if let Verdict::Done(origin) = folder.check(&study, permissions)? {
-        return already_done(args, &folder, &origin);
+        return already_done(args, &folder.table(&study), &origin);
     }
 
     let chosen = backend::choose(&args.backend, &study)?;
@@ -49,7 +50,7 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     }
     // While this one waited another run may have ended.
     let begun = match folder.check(&study, permissions)? {
-        Verdict::Done(origin) => return already_done(args, &folder, &origin),
+        Verdict::Done(origin) => return already_done(args, &folder.table(&study), &origin),
         Verdict::Begun(origin) => Some(origin),
         Verdict::ToDo => None,
     };
@@ -127,9 +128,9 @@ pub fn ending(failed_designs: u64) -> Ending {
 }
 
 /// Ends as the run that was there before.
-fn already_done(args: &RunArgs, folder: &ResultFolder, origin: &Origin) -> Result<Ending, Error> {
+fn already_done(args: &RunArgs, table: &Path, origin: &Origin) -> Result<Ending, Error> {
     if !args.quiet {
-        print(&report::already_done(origin, &folder.table()))?;
+        print(&report::already_done(origin, table))?;
     }
     Ok(ending(origin.counts.failed_designs))
 }

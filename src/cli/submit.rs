@@ -20,7 +20,7 @@ pub fn submit(args: &SubmitArgs) -> Result<Ending, Error> {
     match folder.check(&study, Permissions::default()) {
         Ok(Verdict::ToDo | Verdict::Begun(_)) => {}
         Ok(Verdict::Done(origin)) => {
-            print(&report::already_done(&origin, &folder.table()))?;
+            print(&report::already_done(&origin, &folder.table(&study)))?;
             return Ok(Ending::Complete);
         }
         Err(Error::FolderTaken { dir, occupant }) => return Err(in_the_way(&dir, &occupant)),

@@ -1,6 +1,7 @@
 //! What a sweep will cost, told without solving any of it.
 
 use std::hash::BuildHasher;
+use std::ops::Range;
 
 use foldhash::fast::RandomState;
 use foldhash::{HashMap, HashSet};
@@ -229,12 +230,18 @@ impl DesignCost<'_> {
 
 /// Goes through the designs of a study without solving any.
 pub fn estimate(study: &Study) -> Result<Estimate, Error> {
+    estimate_of(study, 0..study.design_count())
+}
+
+/// Goes through some designs of a study, as if they were run alone.
+pub fn estimate_of(study: &Study, designs: Range<u64>) -> Result<Estimate, Error> {
     let (method, accuracy) = (study.solve.method, study.solve.accuracy);
     let mut needs = Needs::default();
-    let mut estimate =
-        Estimate { designs: study.design_count(), rows: study.step_count(), ..Estimate::default() };
+    let count = designs.end.min(study.design_count()).saturating_sub(designs.start);
+    let rows = count.saturating_mul(study.steps_per_design());
+    let mut estimate = Estimate { designs: count, rows, ..Estimate::default() };
     let interpolation = InterpolationPlan::of_study(study);
-    for case in study.cases()? {
+    for case in study.cases()?.skip(designs.start as usize).take(count as usize) {
         let case = case?;
         let joint = &case.joint;
         if interpolation.as_ref().is_some_and(|plan| plan.covers(joint)) {

@@ -1,6 +1,6 @@
 //! The folder of a result: where it is, when it may be written, and how a new result takes the place of an old one.
 //!
-//! A result that is whole has its own names, `table.csv` and `manifest.json`. What a run writes has `.partial` behind its
+//! A result that is whole has its own names, like `table.csv` and `manifest.json`. What a run writes has `.partial` behind its
 //! name until the run is complete; then its files are renamed, the manifest last. So what stood there before stays until
 //! something whole takes its place, however a run ends.
 
@@ -12,12 +12,26 @@ use crate::output::lock::FolderLock;
 use crate::output::manifest::{Inputs, Origin, State, staged, with_suffix};
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
+use crate::study::output_options::Format;
 
 pub const TABLE: &str = "table.csv";
+pub const TABLE_ZST: &str = "table.csv.zst";
+pub const TABLE_PARQUET: &str = "table.parquet";
+/// A result has one of these.
+pub const TABLES: [&str; 3] = [TABLE, TABLE_ZST, TABLE_PARQUET];
 pub const LAWS: &str = "laws.csv";
 pub const MANIFEST: &str = "manifest.json";
 /// Of a run that goes on: the manifest as it was when all it speaks of was last known to be on the disk.
 pub const SAFE: &str = "manifest.safe.json";
+
+/// The name of a table's file.
+pub fn table_name(format: Format) -> &'static str {
+    match format {
+        Format::Csv => TABLE,
+        Format::CsvZst => TABLE_ZST,
+        Format::Parquet => TABLE_PARQUET,
+    }
+}
 
 /// What a command leaves in a folder besides the manifest.
 #[derive(Debug)]
@@ -29,7 +43,16 @@ pub struct Contents {
 
 pub static RUN: Contents = Contents {
     command: None,
-    files: &[TABLE, LAWS, "statistics.csv", "best.csv", "pareto.csv", "histogram.csv"],
+    files: &[
+        TABLE,
+        TABLE_ZST,
+        TABLE_PARQUET,
+        LAWS,
+        "statistics.csv",
+        "best.csv",
+        "pareto.csv",
+        "histogram.csv",
+    ],
 };
 pub static TRADEOFF: Contents =
     Contents { command: Some("tradeoff"), files: &["tradeoff.csv", "front.csv", "tradeoff.svg"] };
@@ -154,8 +177,9 @@ impl ResultFolder {
         origin.files.iter().find(is_changed).map(|(name, _)| name.clone())
     }
 
-    pub fn table(&self) -> PathBuf {
-        self.dir.join(TABLE)
+    /// The table of a run of this study.
+    pub fn table(&self, study: &Study) -> PathBuf {
+        self.dir.join(table_name(study.output.format))
     }
 
     pub fn dir(&self) -> &Path {

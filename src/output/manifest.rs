@@ -16,6 +16,7 @@ use crate::engine::status::StatusCounts;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
 use crate::output::host::{Host, Program, in_words, peak_memory, processor_seconds, utc};
+use crate::output::schema::constants_as_json;
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 
@@ -55,6 +56,9 @@ pub struct Manifest {
     header_bytes: Vec<u64>,
     config: Config,
     designs_file: Option<String>,
+    /// Inputs that are the same in all rows and that the table does not have.
+    #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
+    constants: serde_json::Map<String, serde_json::Value>,
     /// The config and the list of designs as they were read.
     inputs: Vec<FileEntry>,
     /// What the run has made.
@@ -282,6 +286,7 @@ impl Manifest {
             header_bytes: Vec::new(),
             config: Config::of(study),
             designs_file: study.designs_file().map(|path| path.display().to_string()),
+            constants: constants_as_json(study),
             inputs: FileEntry::inputs(study),
             files: Vec::new(),
             backend: if conditions.gpu.is_some() { "gpu" } else { "cpu" },
@@ -482,6 +487,8 @@ pub struct Origin {
     pub remarks: Vec<String>,
     /// Of a part of a sweep: which, and the bytes of each file's header.
     pub part: Option<(Shard, Vec<u64>)>,
+    /// Inputs that are the same in all rows and that the table does not have, with their cells.
+    pub constants: Vec<(String, String)>,
     /// As `Manifest::computed_by` says it.
     pub computed_by: String,
     started_utc: String,
@@ -509,6 +516,8 @@ struct Saved {
     #[serde(default)]
     files: Vec<FileEntry>,
     #[serde(default)]
+    constants: serde_json::Map<String, serde_json::Value>,
+    #[serde(default)]
     counts: serde_json::Value,
     #[serde(default)]
     started_utc: String,
@@ -529,7 +538,13 @@ impl Origin {
     pub fn of(manifest: &str) -> Option<Origin> {
         let saved: Saved = serde_json::from_str(manifest).ok()?;
         let named = |file: FileEntry| Some((file.path.clone(), file.fingerprint()?));
+        let cell = |value: serde_json::Value| match value {
+            serde_json::Value::String(word) => word,
+            serde_json::Value::Null => String::new(),
+            other => other.to_string(),
+        };
         Some(Origin {
+            constants: saved.constants.into_iter().map(|(name, value)| (name, cell(value))).collect(),
             computed_by: computed_by(saved.adapter.as_ref(), &saved.precision),
             part: saved.part.map(|part| (part, saved.header_bytes)),
             inputs: Inputs {

@@ -5,11 +5,13 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::error::Error;
-use crate::output::folder::{Claim, MANIFEST, Permissions, RUN, ResultFolder, Verdict};
-use crate::output::manifest::{self, Counts, FileEntry, Origin, Shard, State};
+use crate::output::folder::{Claim, MANIFEST, Permissions, RUN, ResultFolder, TABLE_PARQUET, Verdict};
+use crate::output::manifest::{self, Counts, FileEntry, Inputs, Origin, Shard, State};
+use crate::output::parquet_table::ParquetTable;
 use crate::output::reduce::Reductions;
 use crate::output::shard::{ShardFile, Survey, file_name, ranges, survey};
 use crate::output::sink::SinkFile;
+use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 
 /// What became of a merge.
@@ -111,6 +113,9 @@ fn write(claim: &Claim, shards: &[ShardFile]) -> Result<String, Error> {
         for (number, shard) in shards.iter().enumerate() {
             shard.read_table(place, number == 0, &mut |bytes| file.append(bytes))?;
         }
+        if name == TABLE_PARQUET {
+            file.end(&ParquetTable::of(&study(&shards[0])?))?;
+        }
         merged.files.push(FileEntry::new(name, &file.fingerprint()));
     }
     if let Some(answers) = answers(shards)? {
@@ -124,6 +129,12 @@ fn write(claim: &Claim, shards: &[ShardFile]) -> Result<String, Error> {
     manifest::write_whole(&path, &text)?;
     claim.publish()?;
     Ok(String::from_utf8_lossy(&text).into_owned())
+}
+
+/// What the shards are of; the list of designs that it may name must still be there.
+fn study(shard: &ShardFile) -> Result<Study, Error> {
+    let Inputs { path, text, .. } = &shard.origin.inputs;
+    Study::from_text(Path::new(path), text.clone())
 }
 
 /// The answers of all shards together.

@@ -12,13 +12,14 @@ use crate::engine::outcome::DesignOutcome;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
 use crate::output::filter::Filter;
-use crate::output::folder::{Claim, MANIFEST, SAFE, TABLE};
+use crate::output::folder::{Claim, MANIFEST, SAFE, table_name};
 use crate::output::laws_table::LawsTable;
 use crate::output::manifest::{self, Conditions, Counts, Manifest, Origin, Shard, State};
 use crate::output::reduce::Reductions;
 use crate::output::shard;
 use crate::output::sink::{Sink, SinkFile};
-use crate::output::table::{Table, settle};
+use crate::output::table::settle;
+use crate::output::table_sink::{cut, portion, table_sink};
 use crate::study::config::Study;
 use crate::study::expression::Expression;
 use crate::study::fingerprint::Fingerprint;
@@ -30,6 +31,8 @@ pub struct Sinks {
     select: Option<Expression>,
     filter: Option<Filter>,
     reduce: Option<Reduce>,
+    portion: u64,
+    cut: u64,
 }
 
 /// What some designs add to a run: bytes for each of its files, counts and answers.
@@ -50,18 +53,18 @@ impl Sinks {
     pub fn of(study: &Study) -> Sinks {
         let mut all: Vec<Box<dyn Sink>> = Vec::new();
         if study.writes_table() {
-            all.push(Box::new(Table::default()));
+            all.push(table_sink(study));
         }
         if study.fits_laws() {
             all.push(Box::new(LawsTable));
         }
         let (select, reduce) = (study.select.clone(), study.reduce.clone());
-        Sinks { all, filter: Filter::of(study), select, reduce }
+        Sinks { all, filter: Filter::of(study), select, reduce, portion: portion(study), cut: cut(study) }
     }
 
     /// Designs whose rows are made together.
     pub fn portion(&self) -> u64 {
-        if self.all.is_empty() { LARGE_PORTION } else { PORTION }
+        self.portion
     }
 
     /// Rows of designs that follow each other, made by any thread.
@@ -89,14 +92,9 @@ impl Sinks {
 
     /// A shard begins at a multiple of this many designs.
     pub fn cut(&self) -> u64 {
-        1
+        self.cut
     }
 }
-
-/// Few enough that those who watch the file of a slow run see it grow.
-const PORTION: u64 = 64;
-/// Answers alone are joined less often.
-const LARGE_PORTION: u64 = 1024;
 
 /// Time between two manifests of a run that goes on: what it loses at most when it is killed ...
 const MARK: Duration = Duration::from_millis(250);
@@ -109,6 +107,8 @@ const SAFE_MARK: Duration = Duration::from_secs(60);
 /// only proves that it can: a run that ends before leaves nothing behind.
 pub struct Recorder {
     claim: Claim,
+    /// The name of the table's file.
+    table: &'static str,
     manifest: Manifest,
     /// Of a shard: which, and the file that it becomes.
     shard: Option<(Shard, PathBuf)>,
@@ -158,6 +158,7 @@ impl Recorder {
         let (answers, sinks) = (sinks.answers(), Arc::new(sinks));
         let mut recorder = Recorder {
             claim,
+            table: table_name(study.output.format),
             manifest,
             shard,
             sinks,
@@ -242,7 +243,7 @@ impl Recorder {
 
     /// Where the rows are until the run is complete.
     pub fn partial_table(&self) -> PathBuf {
-        self.claim.partial(TABLE)
+        self.claim.partial(self.table)
     }
 
     /// Adds the rows of the next designs.
@@ -302,7 +303,7 @@ impl Recorder {
             self.files.iter().map(|file| self.claim.partial(file.name())).collect();
         if tables.is_empty() {
             // Answers alone are in the manifest.
-            tables.push(self.claim.partial(TABLE));
+            tables.push(self.claim.partial(self.table));
         }
         shard::pack(&tables, &manifest::text(&self.manifest), to)?;
         self.claim.remove()

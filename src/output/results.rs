@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::Error;
-use crate::output::folder::{MANIFEST, TABLE};
+use crate::error::{Error, quoted};
+use crate::output::folder::{MANIFEST, TABLE, TABLE_PARQUET, TABLE_ZST, TABLES};
 use crate::output::manifest::{Origin, State};
-use crate::output::schema::table_columns;
-use crate::study::columns::{FORCE, INDENTATION};
+use crate::output::{parquet_text, zst_table};
+use crate::study::columns::{DESIGN, FORCE, INDENTATION, Quantity, joint_columns};
 use crate::study::design::JointDesign;
-use crate::study::designs_file::Rows;
+use crate::study::designs_file::{OpenText, Rows, open_plain};
+use crate::study::output_options::column_names;
 
 /// The folder of a run that went to its end.
 pub struct Results {
@@ -70,18 +71,47 @@ impl Results {
     }
 
     pub fn table(&self) -> PathBuf {
-        self.dir.join(TABLE)
+        self.dir.join(self.table_name())
     }
 
-    /// The rows in their order, as they are read.
-    pub fn rows(&self) -> Result<TableRows, Error> {
-        let names: Vec<String> = table_columns().into_iter().map(|column| column.name.into()).collect();
-        Ok(TableRows { rows: Rows::open_columns(&self.table(), &names)? })
+    /// The name of the table's file.
+    pub fn table_name(&self) -> &'static str {
+        let is_there = |name: &&str| self.origin.files.iter().any(|(file, _)| file == *name);
+        TABLES.into_iter().find(is_there).unwrap_or(TABLE)
+    }
+
+    /// The rows in their order, as they are read. Refuses a table that has not all that tells of the joints, or not the quantities that
+    /// are needed.
+    pub fn rows(&self, needed: &[Quantity]) -> Result<TableRows, Error> {
+        let open: OpenText = match self.table_name() {
+            TABLE_ZST => zst_table::open_text,
+            TABLE_PARQUET => parquet_text::open_text,
+            _ => open_plain,
+        };
+        let mut rows = Rows::open_columns(&self.table(), open, &column_names())?;
+        for (name, cell) in &self.origin.constants {
+            rows.add_constant(name, cell.clone());
+        }
+        let inputs = joint_columns().into_iter().map(|column| column.name());
+        let quantities = needed.iter().map(|quantity| quantity.name().to_string());
+        let needed = std::iter::once(DESIGN.to_string()).chain(inputs).chain(quantities);
+        let missing: Vec<String> = needed.filter(|name| rows.place(name).is_none()).collect();
+        if missing.is_empty() {
+            return Ok(TableRows { rows });
+        }
+        let missing: Vec<&str> = missing.iter().map(String::as_str).collect();
+        let (them, columns) = if missing.len() == 1 { ("it", "column") } else { ("them", "columns") };
+        let problem = format!(
+            "its {} lacks the {columns} {}: run the config with {them} in `columns` of [output], or without `columns`",
+            self.table_name(),
+            quoted(&missing)
+        );
+        Err(Error::NoResult { dir: self.dir.clone(), problem })
     }
 
     /// All rows of a design, by its number.
-    pub fn design(&self, number: u64) -> Result<Vec<TableRow>, Error> {
-        let mut rows = self.rows()?;
+    pub fn design(&self, number: u64, needed: &[Quantity]) -> Result<Vec<TableRow>, Error> {
+        let mut rows = self.rows(needed)?;
         let (mut found, mut count) = (Vec::new(), 0);
         while let Some(design) = rows.advance()? {
             count = count.max(design + 1);

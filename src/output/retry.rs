@@ -17,6 +17,8 @@ use crate::output::results::Results;
 use crate::output::sink::{Sink, SinkFile};
 use crate::output::table::{Table, settle};
 use crate::study::columns::{DESIGN, Quantity};
+use crate::study::config::Study;
+use crate::study::output_options::{Format, OutputOptions};
 
 /// A row without an answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,6 +29,17 @@ pub struct FailedRow {
     /// Where it stands in the file.
     bytes: Range<u64>,
     status: String,
+}
+
+/// Why the rows of a study cannot be found again in its result, if so.
+pub fn refusal(study: &Study) -> Option<&'static str> {
+    let OutputOptions { format, .. } = study.output;
+    match () {
+        () if study.select.is_some() => Some("[select] has left rows out"),
+        () if study.reduce.is_some() => Some("the answers to [reduce] cannot be taken apart"),
+        () if format != Format::Csv => Some("only rows of table.csv can be replaced"),
+        () => None,
+    }
 }
 
 /// The failed rows of a table, which has all rows of each of its designs.
@@ -71,14 +84,14 @@ pub struct NewRow {
 }
 
 /// The rows of designs that were solved again.
-pub fn new_rows(mut outcomes: Vec<DesignOutcome>) -> Vec<NewRow> {
+pub fn new_rows(table: &Table, mut outcomes: Vec<DesignOutcome>) -> Vec<NewRow> {
     settle(&mut outcomes);
     let of_step = |outcome: &DesignOutcome, step: usize| {
         let mut one = outcome.clone();
         (one.steps, one.case.steps) = (vec![outcome.steps[step]], vec![outcome.case.steps[step]]);
         let mut counts = Counts::default();
         counts.add(&one);
-        let text = Table::default().rows(&[one]);
+        let text = table.rows(&[one]);
         NewRow { design: outcome.case.index, step, text, counts }
     };
     let rows =

@@ -1,9 +1,12 @@
-//! The value that every column of `table.csv` has in a row. Its name, its unit and what it means stand in `study::columns`.
+//! The columns that a table has, and the value that each of them has in a row. Its name, its unit and what it means stand in `study::columns`.
 
 use std::borrow::Cow;
 
+use serde_json::{Map, Value};
+
 use crate::engine::outcome::{BackendKind, Response, StepOutcome};
-use crate::study::columns::{self, Column, Quantity, joint_columns};
+use crate::study::columns::{self, Cell, Column, Quantity, joint_columns};
+use crate::study::config::Study;
 use crate::study::design::Load;
 
 /// A column, documented.
@@ -94,6 +97,51 @@ pub fn law_columns() -> [(&'static str, &'static str, &'static str); 20] {
         ("reference", "-", "what the indentation is relative to: `support`, where the plate is held"),
         ("recommended", "-", "`yes` and why, for one law of each design"),
     ]
+}
+
+/// The columns that the table of a study has.
+pub fn columns_of(study: &Study) -> Vec<TableColumn> {
+    let constants = study.constants();
+    table_columns().into_iter().filter(|column| study.output.has(&column.name, &constants)).collect()
+}
+
+/// The inputs that are the same in all designs of a study and not in its table.
+pub fn constants_of(study: &Study) -> Vec<(Column, Cell)> {
+    let mut constants = study.constants();
+    let all = constants.clone();
+    constants.retain(|(column, _)| !study.output.has(&column.name(), &all));
+    constants
+}
+
+/// Those of `constants_of` as JSON: numbers, words, and null where the joint's shapes do not use the column.
+pub fn constants_as_json(study: &Study) -> Map<String, Value> {
+    let value = |cell| match cell {
+        Cell::Number(number) => number.into(),
+        Cell::Word(word) => word.into(),
+        Cell::Empty => Value::Null,
+    };
+    constants_of(study).into_iter().map(|(column, cell)| (column.name(), value(cell))).collect()
+}
+
+/// The name of the first column that would hold a NaN or an infinity.
+pub fn non_finite(columns: &[TableColumn], response: &Response) -> Option<&'static str> {
+    let value = |column: &TableColumn| match column.kind {
+        Kind::Load(own) => Some((own.found)(response)),
+        Kind::Result(value) => value(response),
+        _ => None,
+    };
+    let culprit = columns.iter().find(|column| value(column).is_some_and(|value| !value.is_finite()))?;
+    // The names of results are constants.
+    match culprit.name {
+        Cow::Borrowed(name) => Some(name),
+        Cow::Owned(_) => None,
+    }
+}
+
+/// The columns that hold what comes of a load step.
+pub fn result_columns() -> Vec<TableColumn> {
+    let is_result = |column: &TableColumn| !matches!(column.kind, Kind::Design | Kind::Input(_));
+    table_columns().into_iter().filter(is_result).collect()
 }
 
 /// All columns, in their order.

@@ -1,16 +1,15 @@
-//! The columns of `table.csv`, their units and their order, and the text of its rows. mm, N, MPa, mJ, degrees.
+//! `table.csv`: the text of its rows. mm, N, MPa, mJ, degrees.
 //!
 //! The inputs are exact: a table's own input columns are a valid designs file. Results have nine significant digits.
 
-use std::borrow::Cow;
-
-use crate::engine::outcome::{DesignOutcome, Response, StepOutcome};
+use crate::engine::outcome::{DesignOutcome, StepOutcome};
 use crate::engine::status::{Failure, Status};
 use crate::output::folder::TABLE;
 use crate::output::number::{push_exact, push_rounded};
-use crate::output::schema::{Kind, TableColumn, table_columns};
+use crate::output::schema::{Kind, TableColumn, columns_of, non_finite, result_columns, table_columns};
 use crate::output::sink::Sink;
 use crate::study::columns::Cell;
+use crate::study::config::Study;
 use crate::study::design::{DesignCase, Load};
 
 /// Writes outcomes as rows.
@@ -22,10 +21,7 @@ pub struct Table {
 
 impl Default for Table {
     fn default() -> Table {
-        let columns = table_columns();
-        let is_input = |column: &&TableColumn| matches!(column.kind, Kind::Design | Kind::Input(_));
-        let input_count = columns.iter().take_while(is_input).count();
-        Table { columns, input_count }
+        Table::with(table_columns())
     }
 }
 
@@ -58,6 +54,17 @@ impl Sink for Table {
 }
 
 impl Table {
+    /// As the study asks for it.
+    pub fn of(study: &Study) -> Table {
+        Table::with(columns_of(study))
+    }
+
+    fn with(columns: Vec<TableColumn>) -> Table {
+        let is_input = |column: &&TableColumn| matches!(column.kind, Kind::Design | Kind::Input(_));
+        let input_count = columns.iter().take_while(is_input).count();
+        Table { columns, input_count }
+    }
+
     fn push_rows(&self, out: &mut Vec<u8>, common: &mut Common, outcome: &DesignOutcome) {
         assert_eq!(outcome.case.steps.len(), outcome.steps.len(), "an outcome for every step");
         let (inputs, results) = self.columns.split_at(self.input_count);
@@ -72,6 +79,7 @@ impl Table {
                 text.1.clear();
                 push_exact(&mut text.1, value);
             }
+            let start = out.len();
             out.extend_from_slice(&common.inputs);
             for column in results {
                 let response = step.response.as_ref();
@@ -87,6 +95,10 @@ impl Table {
                 out.push(b',');
             }
             out.pop();
+            if out.len() == start {
+                // The only column, and its cell is empty: an empty line would be no row.
+                out.extend_from_slice(b"\"\"");
+            }
             out.push(b'\n');
         }
     }
@@ -109,26 +121,11 @@ fn push_inputs(out: &mut Vec<u8>, inputs: &[TableColumn], case: &DesignCase) {
 
 /// A response that is not a number in every part is no response.
 pub fn settle(outcomes: &mut [DesignOutcome]) {
-    let columns = table_columns();
+    let columns = result_columns();
     for step in outcomes.iter_mut().flat_map(|outcome| &mut outcome.steps) {
         if let Some(name) = step.response.and_then(|response| non_finite(&columns, &response)) {
             *step = StepOutcome::failed(Failure::NotFinite(name));
         }
-    }
-}
-
-/// The first column that would hold a NaN or an infinity.
-fn non_finite(results: &[TableColumn], response: &Response) -> Option<&'static str> {
-    let value = |column: &TableColumn| match column.kind {
-        Kind::Load(own) => Some((own.found)(response)),
-        Kind::Result(value) => value(response),
-        _ => None,
-    };
-    let culprit = results.iter().find(|column| value(column).is_some_and(|value| !value.is_finite()))?;
-    // The names of results are constants.
-    match culprit.name {
-        Cow::Borrowed(name) => Some(name),
-        Cow::Owned(_) => None,
     }
 }
 
@@ -153,7 +150,7 @@ mod tests {
     use std::ops::Bound::Included;
 
     use super::*;
-    use crate::engine::outcome::{Answer, BackendKind, Method};
+    use crate::engine::outcome::{Answer, BackendKind, Method, Response};
     use crate::mechanics::body::{annulus, half_disc};
     use crate::mechanics::laws::LawError;
     use crate::mechanics::material::{Idealization, Material};

@@ -189,6 +189,11 @@ impl Column {
         }
     }
 
+    /// Whether there are numbers in the column, not words.
+    pub fn is_number(&self) -> bool {
+        !matches!(self, Column::Idealization | Column::Model(_) | Column::Support(_))
+    }
+
     /// "-" for ratios and words.
     pub fn unit(&self) -> &'static str {
         match self {

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
+use crate::study::columns::{Cell, Column};
 use crate::study::design::{DesignCase, Limits, Load};
 use crate::study::designs_file::{DesignsFile, Rows};
 use crate::study::expression::Expression;
 use crate::study::fingerprint::Fingerprint;
+use crate::study::output_options::OutputOptions;
 use crate::study::recipe::Recipe;
 use crate::study::reduce::{Reduce, read_select};
 use crate::study::sampling::{MAX_DESIGNS, Scheme};
@@ -68,14 +70,11 @@ pub struct Study {
     pub solve: SolveOptions,
     /// Whether bodies may be interpolated where that is cheaper.
     pub interpolation: bool,
-    /// Whether laws are to be fitted; `None` leaves it to the size of the sweep.
-    laws: Option<bool>,
     /// The condition of the rows that are wanted; `None` for all rows.
     pub select: Option<Expression>,
     /// What is asked of all kept rows together.
     pub reduce: Option<Reduce>,
-    /// Whether the rows themselves are written; `None` where the config does not say.
-    table: Option<bool>,
+    pub output: OutputOptions,
     designs: Designs,
 }
 
@@ -83,6 +82,15 @@ pub struct Study {
 enum Designs {
     Sampled { recipe: Box<Recipe>, steps: Vec<Load> },
     Listed(DesignsFile),
+}
+
+impl Designs {
+    fn constants(&self) -> Vec<(Column, Cell)> {
+        match self {
+            Designs::Sampled { recipe, .. } => recipe.constants(),
+            Designs::Listed(file) => file.constants().to_vec(),
+        }
+    }
 }
 
 impl Study {
@@ -118,14 +126,8 @@ impl Study {
         let (solve, interpolation) = root.section("solve")?.map_or(default, |table| read_solve(&table))?;
         let select = root.section("select")?.map(|table| read_select(&table)).transpose()?;
         let reduce = root.section("reduce")?.map(|table| Reduce::read(&table)).transpose()?;
-        let [laws, table] = match root.section("output")? {
-            Some(output) => {
-                output.allow(&["laws", "table"])?;
-                let said = |key: &str| output.find(key).map(|item| item.boolean()).transpose();
-                [said("laws")?, said("table")?]
-            }
-            None => [None; 2],
-        };
+        let output_table = root.section("output")?;
+        let output = output_table.as_ref().map_or(Ok(OutputOptions::default()), OutputOptions::read)?;
         let designs = match root.section("designs")? {
             Some(list) => {
                 for key in ["joint", "load", "sampling"] {
@@ -148,7 +150,10 @@ impl Study {
                 Designs::Sampled { recipe, steps: read_load(&table("load")?)? }
             }
         };
-        Ok(Study { title, solve, interpolation, laws, select, reduce, table, designs, source })
+        if let Some(table) = &output_table {
+            output.check(table, &designs.constants())?;
+        }
+        Ok(Study { title, solve, interpolation, select, reduce, output, designs, source })
     }
 
     /// The same joint in a design for sensitivity indices instead of what [sampling] says, under one load step (from 1; the
@@ -170,7 +175,7 @@ impl Study {
         };
         let recipe = Box::new(recipe.for_sensitivity(samples, seed).map_err(refuse)?);
         self.designs = Designs::Sampled { recipe, steps: vec![load] };
-        self.laws = Some(false);
+        self.output.laws = Some(false);
         Ok(self)
     }
 
@@ -229,12 +234,17 @@ impl Study {
     /// Whether laws are fitted: as asked, or for sweeps of up to `LAWS_UP_TO` designs. A closed form has no curve to fit.
     pub fn fits_laws(&self) -> bool {
         let is_small = self.design_count() <= LAWS_UP_TO;
-        self.laws.unwrap_or(is_small) && self.solve.method != MethodChoice::ClosedForm
+        self.output.laws.unwrap_or(is_small) && self.solve.method != MethodChoice::ClosedForm
+    }
+
+    /// The inputs that are the same in all designs, in the order of the table's columns.
+    pub fn constants(&self) -> Vec<(Column, Cell)> {
+        self.designs.constants()
     }
 
     /// Whether the rows themselves are written: as asked, or where nothing is asked of all rows together.
     pub fn writes_table(&self) -> bool {
-        self.table.unwrap_or(self.reduce.is_none())
+        self.output.table.unwrap_or(self.reduce.is_none())
     }
 
     pub fn design_count(&self) -> u64 {

@@ -9,7 +9,7 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use crate::error::{Error, shortened, suggest};
 use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
 use crate::mechanics::material::{Idealization, Material};
-use crate::study::columns::{Column, FORCE, INDENTATION, joint_columns};
+use crate::study::columns::{Cell, Column, FORCE, INDENTATION, joint_columns};
 use crate::study::design::{DesignCase, JointDesign, Limits, Load, Part};
 use crate::study::fingerprint::{Fingerprint, Fingerprinted};
 use crate::study::line_guard::LineGuard;
@@ -20,6 +20,8 @@ pub struct DesignsFile {
     path: PathBuf,
     row_count: u64,
     fingerprint: Fingerprint,
+    /// Inputs that are the same in all rows.
+    constants: Vec<(Column, Cell)>,
 }
 
 impl DesignsFile {
@@ -27,14 +29,21 @@ impl DesignsFile {
     pub fn open(path: PathBuf) -> Result<DesignsFile, Error> {
         let mut rows = Rows::open(&path, None)?;
         let mut row_count = 0;
+        let mut constants = Vec::new();
         for case in rows.by_ref() {
-            case?;
+            let joint = case?.joint;
+            match row_count {
+                0 => {
+                    constants.extend(joint_columns().into_iter().map(|column| (column, column.cell(&joint))))
+                }
+                _ => constants.retain(|(column, cell)| column.cell(&joint) == *cell),
+            }
             row_count += 1;
         }
         if row_count == 0 {
             return Err(rows.error(Some(1), "", "there is no row below the header".to_string()));
         }
-        Ok(DesignsFile { fingerprint: rows.fingerprint(), path, row_count })
+        Ok(DesignsFile { fingerprint: rows.fingerprint(), path, row_count, constants })
     }
 
     pub fn path(&self) -> &Path {
@@ -43,6 +52,11 @@ impl DesignsFile {
 
     pub fn row_count(&self) -> u64 {
         self.row_count
+    }
+
+    /// The inputs that are the same in all rows, in the order of the table's columns.
+    pub fn constants(&self) -> &[(Column, Cell)] {
+        &self.constants
     }
 
     /// Of the file as it was when it was checked.
@@ -56,36 +70,47 @@ impl DesignsFile {
     }
 }
 
+/// How the text of a file is read.
+pub type OpenText = fn(&Path) -> std::io::Result<Box<dyn Read + Send>>;
+
+/// A file that is text as it stands.
+pub fn open_plain(path: &Path) -> std::io::Result<Box<dyn Read + Send>> {
+    Ok(Box::new(File::open(path)?))
+}
+
 /// The designs of a list, as they are read.
 pub struct Rows {
     path: PathBuf,
+    open: OpenText,
     reader: csv::Reader<Guarded>,
     record: StringRecord,
-    /// Where the header has each column a list may have; `None` when it was left out.
+    /// Where the header has each column a list may have; `None` when it was left out. Constants stand behind the columns.
     places: Vec<(String, Option<usize>)>,
+    /// Cells that are the same in all rows and stand in none.
+    constants: Vec<String>,
     next: u64,
     /// What the file was when it was checked.
     checked: Option<DesignsFile>,
     failed: bool,
 }
 
-type Guarded = LineGuard<Fingerprinted<File>>;
+type Guarded = LineGuard<Fingerprinted<Box<dyn Read + Send>>>;
 
 impl Rows {
     fn open(path: &Path, checked: Option<DesignsFile>) -> Result<Rows, Error> {
         let mut names: Vec<String> = joint_columns().iter().map(Column::name).collect();
         names.extend([INDENTATION.to_string(), FORCE.to_string()]);
-        Ok(Rows { checked, ..Rows::open_columns(path, &names)? })
+        Ok(Rows { checked, ..Rows::open_columns(path, open_plain, &names)? })
     }
 
     /// Of any file whose columns are among these.
-    pub fn open_columns(path: &Path, names: &[String]) -> Result<Rows, Error> {
-        let file = File::open(path).map_err(|source| unreadable(path, source))?;
+    pub fn open_columns(path: &Path, open: OpenText, names: &[String]) -> Result<Rows, Error> {
+        let file = open(path).map_err(|source| unreadable(path, source))?;
         let guarded = LineGuard::new(Fingerprinted::new(file));
         let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(guarded);
         let header = match reader.headers() {
             Ok(header) => header.clone(),
-            Err(error) => return Err(csv_error(path, reader.get_ref(), error)),
+            Err(error) => return Err(csv_error(path, open, reader.get_ref(), error)),
         };
         let refuse = |key: &str, problem: String| Error::Input {
             file: path.to_path_buf(),
@@ -110,19 +135,31 @@ impl Rows {
         let place = |name: &String| (name.clone(), header.iter().position(|found| found == name));
         Ok(Rows {
             path: path.to_path_buf(),
+            open,
             reader,
             record: StringRecord::new(),
             places: names.iter().map(place).collect(),
+            constants: Vec::new(),
             next: 0,
             checked: None,
             failed: false,
         })
     }
 
+    /// Gives every row a cell in a column that the header has left out.
+    pub fn add_constant(&mut self, name: &str, cell: String) {
+        // Every row has as many cells as the header, which was read.
+        let columns = self.reader.headers().map_or(0, StringRecord::len);
+        if let Some((_, place)) = self.places.iter_mut().find(|(own, place)| own == name && place.is_none()) {
+            *place = Some(columns + self.constants.len());
+            self.constants.push(cell);
+        }
+    }
+
     /// Goes on to the next row; `false` at the end.
     pub fn read(&mut self) -> Result<bool, Error> {
         let found = self.reader.read_record(&mut self.record);
-        found.map_err(|error| csv_error(&self.path, self.reader.get_ref(), error))
+        found.map_err(|error| csv_error(&self.path, self.open, self.reader.get_ref(), error))
     }
 
     fn advance(&mut self) -> Result<Option<DesignCase>, Error> {
@@ -216,8 +253,7 @@ impl Rows {
 
     /// The cell of the current row; `None` when it is empty or its column was left out.
     pub fn cell(&self, name: &str) -> Option<&str> {
-        let place = self.places.iter().find(|place| place.0 == name)?.1?;
-        self.record.get(place).filter(|cell| !cell.is_empty())
+        self.cell_at(self.place(name)?)
     }
 
     /// Where a column stands in each row; `None` when the header has left it out.
@@ -227,7 +263,8 @@ impl Rows {
 
     /// What stands at a place of the current row: what `cell` gives, without a search for the name.
     pub fn cell_at(&self, place: usize) -> Option<&str> {
-        self.record.get(place).filter(|cell| !cell.is_empty())
+        let constant = || self.constants.get(place.checked_sub(self.record.len())?).map(String::as_str);
+        self.record.get(place).or_else(constant).filter(|cell| !cell.is_empty())
     }
 
     fn needed(&self, name: &str) -> Result<&str, Error> {
@@ -272,7 +309,11 @@ impl Rows {
 
     /// A complaint about the current row.
     pub fn complain(&self, column: &str, problem: String) -> Error {
-        self.error(self.record.position().and_then(|position| line_of(&self.path, position)), column, problem)
+        self.error(
+            self.record.position().and_then(|position| line_of(&self.path, self.open, position)),
+            column,
+            problem,
+        )
     }
 
     fn error(&self, line: Option<u64>, column: &str, problem: String) -> Error {
@@ -300,9 +341,9 @@ fn unused(value: &str, shape: &Shape) -> String {
 
 /// The line, from 1, of the row at `position`. Counted anew: the reader's own count runs ahead of blank lines and
 /// of the second half of a Windows line end. `None` when the file can no longer be read.
-fn line_of(path: &Path, position: &csv::Position) -> Option<u64> {
+fn line_of(path: &Path, open: OpenText, position: &csv::Position) -> Option<u64> {
     let mut line = 1;
-    for (place, byte) in (0..).zip(BufReader::new(File::open(path).ok()?).bytes()) {
+    for (place, byte) in (0..).zip(BufReader::new(open(path).ok()?).bytes()) {
         let byte = byte.ok()?;
         if place >= position.byte() && byte != b'\r' && byte != b'\n' {
             break;
@@ -316,8 +357,8 @@ fn unreadable(path: &Path, source: std::io::Error) -> Error {
     Error::Io { action: "read", path: path.to_path_buf(), source }
 }
 
-fn csv_error(path: &Path, guard: &Guarded, error: csv::Error) -> Error {
-    let mut line = error.position().and_then(|position| line_of(path, position));
+fn csv_error(path: &Path, open: OpenText, guard: &Guarded, error: csv::Error) -> Error {
+    let mut line = error.position().and_then(|position| line_of(path, open, position));
     let problem = match error.into_kind() {
         csv::ErrorKind::Io(source) if source.kind() == ErrorKind::InvalidData => {
             line = Some(guard.line());

@@ -8,6 +8,7 @@ use crate::mechanics::material::Idealization;
 use crate::study::columns::side_name;
 use crate::study::config::{MAX_STEPS, MethodChoice};
 use crate::study::design::Limits;
+use crate::study::output_options::{Format, Inputs};
 use crate::study::sampling::{MAX_DESIGNS, Scheme};
 use crate::study::units::Dimension;
 use crate::study::values::MAX_RANGE;
@@ -134,6 +135,14 @@ pub fn config_keys() -> Vec<ConfigKey> {
             .needed("`true` up to 1,000 designs"),
         key("output", "table", "whether the rows themselves are written, into table.csv", "-", "true or false", "false")
             .needed("`true`; `false` beside [reduce]"),
+        key("output", "columns", "columns that the table has; they stand in the order of docs/table.md whatever the order here", "-",
+             "a list of columns of docs/table.md", "[\"design\", \"radial_clearance_mm\", \"force_n\"]")
+            .needed("all"),
+        key("output", "inputs", "which inputs the table has: all, or those that are not the same in all designs; the manifest has the \
+             others as `constants`", "-", &words(&Inputs::ALL.map(Inputs::name)), "\"varying\"")
+            .default("\"all\""),
+        key("output", "format", "the file of the table: table.csv, table.csv.zst or table.parquet", "-", &words(&Format::ALL.map(Format::name)), "\"parquet\"")
+            .default("\"csv\""),
     ]);
     keys.extend(answers::answer_keys());
     keys.extend([

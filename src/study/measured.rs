@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::error::Error;
 use crate::study::columns::{FORCE, INDENTATION};
 use crate::study::design::Limits;
-use crate::study::designs_file::Rows;
+use crate::study::designs_file::{Rows, open_plain};
 use crate::study::fingerprint::Fingerprint;
 
 /// The standard deviation of a point's force, N.
@@ -35,7 +35,7 @@ impl Measured {
     /// Reads and checks every row.
     pub fn load(path: &Path) -> Result<Measured, Error> {
         let names = [INDENTATION, FORCE, SIGMA].map(String::from);
-        let mut rows = Rows::open_columns(path, &names)?;
+        let mut rows = Rows::open_columns(path, open_plain, &names)?;
         let mut points: Vec<MeasuredPoint> = Vec::new();
         while rows.read()? {
             let sigma = rows.cell(SIGMA).map(|_| rows.number(SIGMA, Limits::POSITIVE)).transpose()?;

@@ -7,6 +7,7 @@ pub mod expression;
 pub mod setting;
 mod source;
 pub mod reduce;
+pub mod output_options;
 pub mod values;
 pub mod sampling;
 mod recipe;

@@ -5,7 +5,7 @@ use std::ops::Not;
 use crate::error::{Error, quoted};
 use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
 use crate::mechanics::material::{Idealization, Material};
-use crate::study::columns::side_name;
+use crate::study::columns::{Cell, Column, joint_columns, side_name};
 use crate::study::design::{JointDesign, Limits, Part};
 use crate::study::sampling::{Axis, Sampler, Scheme};
 use crate::study::source::{Item, Section};
@@ -19,11 +19,24 @@ struct Quantity {
     axis: Option<usize>,
 }
 
+impl Quantity {
+    /// A list may have one value many times.
+    fn varies(&self) -> bool {
+        self.axis.is_some() && self.values.smallest() != self.values.largest()
+    }
+}
+
 /// The options of something that is no number, and its axis if there is more than one.
 #[derive(Clone, Debug)]
 struct Choice<T> {
     options: Vec<T>,
     axis: Option<usize>,
+}
+
+impl<T: PartialEq> Choice<T> {
+    fn varies(&self) -> bool {
+        self.options.iter().any(|option| *option != self.options[0])
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -152,6 +165,35 @@ impl Recipe {
             thickness: self.value(&self.thickness, design),
             pin: self.part(&self.pin, design),
             plate: self.part(&self.plate, design),
+        }
+    }
+
+    /// The inputs that no list or range varies, in the order of the table's columns.
+    pub fn constants(&self) -> Vec<(Column, Cell)> {
+        let joint = self.joint(0);
+        let constant = joint_columns().into_iter().filter(|column| !self.varies(column));
+        constant.map(|column| (column, column.cell(&joint))).collect()
+    }
+
+    fn varies(&self, column: &Column) -> bool {
+        let part = |side: Side| match side {
+            Side::Pin => &self.pin,
+            Side::Plate => &self.plate,
+        };
+        match *column {
+            Column::HoleRadius => self.hole_radius.varies(),
+            Column::RadialClearance => self.radial_clearance.varies(),
+            Column::Thickness => self.thickness.varies(),
+            Column::Idealization => self.idealization.varies(),
+            Column::Model(_) => false,
+            Column::Parameter(side, name) => {
+                let PartRecipe { shape, parameters, .. } = part(side);
+                let mut own = shape.parameters.iter().zip(parameters);
+                own.any(|(parameter, quantity)| parameter.name == name && quantity.varies())
+            }
+            Column::Support(side) => part(side).support.varies(),
+            Column::YoungsModulus(side) => part(side).youngs_modulus.varies(),
+            Column::PoissonsRatio(side) => part(side).poissons_ratio.varies(),
         }
     }
 

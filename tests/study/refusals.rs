@@ -25,6 +25,15 @@ fn bad_configs_are_refused_by_line_and_key() {
         ("[load]\n", "[load]\nforce = '1 N'\n", ":17: load.force: `indentation` is given, too"),
         ("indentation ", "# ", ":16: load: one of `indentation` and `force` is needed"),
         ("[load]", "[designs]\nfile = 'x.csv'\n[load]", ":2: joint: has no place beside [designs]"),
+        // What the table has.
+        ("[load]", "[output]\ncolumns = ['design', 'force']\n[load]", ":17: output.columns: `'force'`: not a column; did you mean `force_n`?"),
+        ("[load]", "[output]\ncolumns = [\n  'design',\n  'force_n',\n  'design',\n]\n[load]", ":20: output.columns: `'design'`: the column is named twice"),
+        ("[load]", "[output]\ncolumns = 'design'\n[load]", ":17: output.columns: `'design'`: a list of the table's columns is needed here, not a string"),
+        ("[load]", "[output]\ncolumns = []\n[load]", ":17: output.columns: the list is empty"),
+        ("[load]", "[output]\ncolumns = [3]\n[load]", ":17: output.columns: `3`: a string is needed here, not a whole number"),
+        ("[load]", "[output]\ninputs = 'varying'\ncolumns = ['thickness_mm']\n[load]", ":18: output.columns: no column is left"),
+        ("[load]", "[output]\ninputs = 'some'\n[load]", ":17: output.inputs: `'some'`: not known; allowed: `all`, `varying`"),
+        ("[load]", "[output]\nformat = 'csv.zs'\n[load]", ":17: output.format: `'csv.zs'`: not known; did you mean `csv.zst`?"),
         // Words.
         ("plane-stress", "plane-stres", ":3: joint.idealization: `\"plane-stres\"`: not known; did you mean"),
         ("annulus", "rigid-core", ":12: joint.plate.model: `\"rigid-core\"`: not known; allowed: `annulus`, `block`"),

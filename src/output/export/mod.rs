@@ -27,6 +27,7 @@ mod ls_dyna;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, shortened, suggest};
+use crate::output::folder::MANIFEST;
 use crate::output::manifest::{publish, stage_bytes, staged};
 use crate::output::results::Results;
 use crate::study::fingerprint::Fingerprint;
@@ -179,7 +180,7 @@ impl Export {
     /// Writes the files, all or none; over files that are there only by `force`.
     pub fn write(&self, results: &Results, force: bool) -> Result<(), Error> {
         for (path, _) in &self.files {
-            let of_result = ["table.csv", "manifest.json"].map(|name| results.dir().join(name));
+            let of_result = [results.table(), results.dir().join(MANIFEST)];
             let is_same = |own: &PathBuf| match (own.canonicalize(), path.canonicalize()) {
                 (Ok(own), Ok(path)) => own == path,
                 _ => false,

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::engine::body_request::concentric;
 use crate::error::Error;
 use crate::output::results::{Results, TableRow};
-use crate::study::columns::{Cell, Column, joint_columns};
+use crate::study::columns::{Cell, Column, Quantity, joint_columns};
 use crate::study::config::{MethodChoice, SolveOptions, solve_options};
 use crate::study::design::JointDesign;
 
@@ -82,7 +82,7 @@ impl Source {
             return refuse(results.dir().display().to_string(), problem);
         }
         let members = match selection {
-            Selection::Design(number) => vec![member(number, results.design(number)?)],
+            Selection::Design(number) => vec![member(number, results.design(number, &NEEDED)?)],
             Selection::Only => vec![only(results)?],
             Selection::OverRadialClearance => family(results)?,
         };
@@ -105,13 +105,16 @@ impl Source {
     }
 }
 
+/// What an export takes from a table besides the joints.
+const NEEDED: [Quantity; 3] = [Quantity::Indentation, Quantity::Force, Quantity::Status];
+
 fn member(design: u64, rows: Vec<TableRow>) -> Member {
     Member { design, joint: rows[0].joint, rows }
 }
 
 fn only(results: &Results) -> Result<Member, Error> {
-    let rows = results.design(0)?;
-    let mut all = results.rows()?;
+    let rows = results.design(0, &NEEDED)?;
+    let mut all = results.rows(&NEEDED)?;
     let mut last = 0;
     while let Some(design) = all.advance()? {
         last = last.max(design);
@@ -133,7 +136,7 @@ fn family(results: &Results) -> Result<Vec<Member>, Error> {
     let cells =
         |joint: &JointDesign| -> Vec<Cell> { others.iter().map(|column| column.cell(joint)).collect() };
     let (mut members, mut differing): (Vec<Member>, Vec<usize>) = (Vec::new(), Vec::new());
-    let mut rows = results.rows()?;
+    let mut rows = results.rows(&NEEDED)?;
     while let Some(design) = rows.advance()? {
         let row = rows.row()?;
         if let Some(first) = members.first() {

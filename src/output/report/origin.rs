@@ -4,7 +4,7 @@ use super::Report;
 use super::html::{paragraph, section as html_section};
 use crate::error::shortened_to;
 use crate::output::chart::text::escaped;
-use crate::output::folder::{MANIFEST, TABLE};
+use crate::output::folder::MANIFEST;
 use crate::output::results::Results;
 
 /// Longer ones are cut, so that a page stays small: characters.
@@ -40,7 +40,8 @@ pub fn section(report: &Report) -> String {
         text += &format!(" in {} s", crate::output::chart::text::number(seconds, 3));
     }
     text += &format!(
-        ". All rows are in {TABLE} beside this page's {MANIFEST}; units there are mm, N, MPa, mJ and degrees."
+        ". All rows are in {} beside this page's {MANIFEST}; units there are mm, N, MPa, mJ and degrees.",
+        results.table_name(),
     );
     let mut body = results.manifest.clone();
     if body.chars().count() > LONGEST {

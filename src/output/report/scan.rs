@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::error::Error;
 use crate::output::results::{Results, TableRows};
-use crate::study::columns::{Column, FORCE, INDENTATION, joint_columns};
+use crate::study::columns::{Column, FORCE, INDENTATION, Quantity, joint_columns};
 use crate::study::design::JointDesign;
 
 /// The most designs and rows that are kept.
@@ -261,6 +261,9 @@ const ANSWERS: [&str; 5] = [
     "linearity_error",
 ];
 
+/// What a page cannot do without; other columns may be missing.
+const NEEDED: [Quantity; 4] = [Quantity::Indentation, Quantity::Force, Quantity::Method, Quantity::Status];
+
 impl Scan {
     /// Reads the table once. `named` designs are kept whole; the accuracy asked is the limit of `force_error`.
     pub fn read(results: &Results, named: &[u64]) -> Result<Scan, Error> {
@@ -268,7 +271,7 @@ impl Scan {
             std::path::Path::new(&results.origin.inputs.path),
             &results.origin.inputs.text,
         )?;
-        let mut rows = results.rows()?;
+        let mut rows = results.rows(&NEEDED)?;
         let places = Places {
             indentation: rows.place(INDENTATION),
             force: rows.place(FORCE),
