@@ -1,6 +1,5 @@
 //! Ctrl-C, and SIGTERM as batch systems send it: the run ends within a second, whatever a design is doing, and its rows stay.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
@@ -66,9 +65,9 @@ impl Interrupt {
 fn end_now(recorder: &Weak<Mutex<Option<Recorder>>>, quiet: bool) {
     let Some(recorder) = recorder.upgrade() else { return };
     let Some(recorder) = recorder.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
-    let rows: PathBuf = recorder.partial_table();
+    let rows = recorder.partial_table();
     match recorder.interrupt(None) {
-        Ok(manifest) if !quiet => say(&report::interrupted(&manifest, &rows)),
+        Ok(manifest) if !quiet => say(&report::interrupted(&manifest, rows.as_deref())),
         Ok(_) => {}
         Err(error) => say(&format!("error: {error}")),
     }

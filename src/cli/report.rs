@@ -6,7 +6,7 @@ use std::path::Path;
 
 use jointsweep::internals::engine::cost::Estimate;
 use jointsweep::internals::engine::explain::percent;
-use jointsweep::internals::output::folder::MANIFEST;
+use jointsweep::internals::output::folder::{MANIFEST, TABLES};
 use jointsweep::internals::output::manifest::{Counts, Manifest, Origin, Shard};
 
 /// The most causes of failure that are listed; the table has them all.
@@ -91,8 +91,10 @@ pub fn summary(manifest: &Manifest, dir: &Path, verbose: bool) -> String {
     if counts.forces_n.is_some() {
         let dir = dir.display();
         _ = writeln!(text, "next:\n  jointsweep report {dir}    a page to look at");
-        let design = if counts.designs > 1 { " --design 0" } else { "" };
-        _ = writeln!(text, "  jointsweep export {dir}{design} --to python    a table for a simulator");
+        if manifest.file_names().any(|name| TABLES.contains(&name)) {
+            let design = if counts.designs > 1 { " --design 0" } else { "" };
+            _ = writeln!(text, "  jointsweep export {dir}{design} --to python    a table for a simulator");
+        }
     }
     text
 }
@@ -110,13 +112,14 @@ fn newtons(force: f64) -> String {
 }
 
 /// What is said of a run that did not go to its end, and where its rows are.
-pub fn interrupted(manifest: &Manifest, rows: &Path) -> String {
+pub fn interrupted(manifest: &Manifest, rows: Option<&Path>) -> String {
     let Counts { designs, designs_asked, .. } = manifest.counts;
     let done = format!("interrupted: {designs} of {designs_asked} designs are done");
     if designs == 0 {
         return done;
     }
-    format!("{done}, their rows are in {}; the same command goes on from there", rows.display())
+    let rows = rows.map_or(String::new(), |rows| format!(", their rows are in {}", rows.display()));
+    format!("{done}{rows}; the same command goes on from there")
 }
 
 /// What is said of a run that goes on where another has stopped, after so many designs of those asked, and of a damage that was found.

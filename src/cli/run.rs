@@ -105,7 +105,7 @@ pub fn record(
         let rows = recorder.partial_table();
         let manifest = recorder.interrupt(Some(&statistics))?;
         if !args.quiet {
-            say(&report::interrupted(&manifest, &rows));
+            say(&report::interrupted(&manifest, rows.as_deref()));
         }
         return Ok(None);
     }

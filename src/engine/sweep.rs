@@ -108,10 +108,11 @@ const FIRST_BATCH: usize = 64;
 
 /// Runs designs of `study` and hands the outcomes over one by one.
 pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<Statistics, Error> {
-    let (mut received, mut is_broken) = (0, false);
+    let (mut received, mut steps, mut is_broken) = (0, 0, false);
     let mut receive_all = |outcomes: Vec<DesignOutcome>| {
         for outcome in outcomes {
             received += 1;
+            steps += outcome.steps.len() as u64;
             if receive(outcome)?.is_break() {
                 is_broken = true;
                 return Ok(ControlFlow::Break(()));
@@ -121,7 +122,7 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
     };
     let digest = Digest { designs: FIRST_BATCH as u64, make: &|outcomes| outcomes };
     let mut statistics = run_digested(study, options, &digest, &mut receive_all)?;
-    statistics.designs = received;
+    (statistics.designs, statistics.steps) = (received, steps);
     statistics.interrupted = is_broken && received < options.designs.count(study);
     Ok(statistics)
 }

@@ -177,9 +177,9 @@ impl ResultFolder {
         origin.files.iter().find(is_changed).map(|(name, _)| name.clone())
     }
 
-    /// The table of a run of this study.
+    /// The table of a run of this study, or the folder where it writes none.
     pub fn table(&self, study: &Study) -> PathBuf {
-        self.dir.join(table_name(study.output.format))
+        if study.writes_table() { self.dir.join(table_name(study.output.format)) } else { self.dir.clone() }
     }
 
     pub fn dir(&self) -> &Path {

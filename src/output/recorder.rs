@@ -241,9 +241,9 @@ impl Recorder {
         self.claim.partial(MANIFEST)
     }
 
-    /// Where the rows are until the run is complete.
-    pub fn partial_table(&self) -> PathBuf {
-        self.claim.partial(self.table)
+    /// Where the rows are until the run is complete; nothing where none are written.
+    pub fn partial_table(&self) -> Option<PathBuf> {
+        self.files.iter().any(|file| file.name() == self.table).then(|| self.claim.partial(self.table))
     }
 
     /// Adds the rows of the next designs.

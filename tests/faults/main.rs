@@ -5,6 +5,8 @@ mod folders;
 #[cfg(unix)]
 mod interrupts;
 #[cfg(unix)]
+mod kinds;
+#[cfg(unix)]
 mod meetings;
 #[cfg(unix)]
 mod resume;
