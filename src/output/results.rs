@@ -74,6 +74,11 @@ impl Results {
         self.dir.join(self.table_name())
     }
 
+    /// Whether rows were written.
+    pub fn has_table(&self) -> bool {
+        self.origin.files.iter().any(|(file, _)| TABLES.contains(&file.as_str()))
+    }
+
     /// The name of the table's file.
     pub fn table_name(&self) -> &'static str {
         let is_there = |name: &&str| self.origin.files.iter().any(|(file, _)| file == *name);
@@ -83,6 +88,11 @@ impl Results {
     /// The rows in their order, as they are read. Refuses a table that has not all that tells of the joints, or not the quantities that
     /// are needed.
     pub fn rows(&self, needed: &[Quantity]) -> Result<TableRows, Error> {
+        if !self.has_table() {
+            let problem =
+                "it has no rows, only answers: run the config with `table = true` in [output]".into();
+            return Err(Error::NoResult { dir: self.dir.clone(), problem });
+        }
         let open: OpenText = match self.table_name() {
             TABLE_ZST => zst_table::open_text,
             TABLE_PARQUET => parquet_text::open_text,

@@ -462,3 +462,33 @@ fn bad_measurements_and_bad_questions_are_refused_and_nothing_is_written() {
     );
     assert_eq!(work.read(data), work.read("good.csv"));
 }
+
+/// Answers have a page of their own; who needs rows is told that there are none. Sensitivities stand on the page of their result.
+#[test]
+fn answers_without_rows_have_a_page_and_say_what_they_lack() {
+    let work = Workdir::new("answers-page");
+    let config =
+        SMALL.replace("[\"0.1 mm\", \"0.03 mm\"]", "{ from = \"0.03 mm\", to = \"0.1 mm\", count = 40 }");
+    let reduce = "[reduce]\nstatistics = \"force\"\nhistogram = { of = \"peak_pressure\" }\n[select]\nkeep = \"force > 1 N\"\n";
+    work.write("answers.toml", &format!("{config}{reduce}"));
+    let told = work.run(&["run", "answers.toml"]).expect(0).stdout;
+    assert!(told.contains("kept: ") && !told.contains("jointsweep export"), "{told}");
+    work.run(&["sensitivity", "answers.toml", "--samples", "64"]).expect(0);
+    work.run(&["report", "out/answers"]).expect(0);
+    let page = work.read("out/answers/report.html");
+    for part in [
+        "Answers",
+        "How many rows have which peak_pressure",
+        "met the requirement",
+        "Sensitivity",
+        "first order",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    for arguments in
+        [&["export", "out/answers", "--to", "csv", "--design", "0"][..], &["laws", "out/answers", "--force"]]
+    {
+        let told = work.run(arguments).expect(1).stderr;
+        assert!(told.contains("it has no rows, only answers: run the config with `table = true`"), "{told}");
+    }
+}

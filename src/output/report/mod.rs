@@ -4,6 +4,7 @@
 
 pub mod html;
 pub mod scan;
+mod sensitivity;
 pub mod laws;
 pub mod chosen;
 pub mod answers;
@@ -49,9 +50,11 @@ pub fn page(results: &Results, designs: &[u64]) -> Result<String, Error> {
         return Err(Error::TooManyDesigns { asked: designs.len(), most: MOST_DESIGNS });
     }
     let answers = answers::section(results.dir());
-    if !results.table().exists() && !answers.is_empty() {
+    let sensitivity = sensitivity::section(results.dir());
+    if !results.has_table() && !answers.is_empty() {
         let title = origin::title(results);
-        return Ok(whole(&title, &format!("<header>\n<h1>{}</h1>\n</header>\n{answers}", escaped(&title))));
+        let header = format!("<header>\n<h1>{}</h1>\n</header>\n", escaped(&title));
+        return Ok(whole(&title, &[header, answers, sensitivity, origin::section(results)].concat()));
     }
     let asked = Asked::from_text(Path::new(&results.origin.inputs.path), &results.origin.inputs.text)?;
     let scan = Scan::read(results, &designs)?;
@@ -67,7 +70,8 @@ pub fn page(results: &Results, designs: &[u64]) -> Result<String, Error> {
         misfit::section(&report),
         errors::section(&report),
         failures::section(&report),
-        origin::section(&report),
+        sensitivity,
+        origin::section(results),
     ];
     Ok(whole(&report.title, &sections.concat()))
 }

@@ -1,6 +1,5 @@
 //! Where the result comes from: its manifest.
 
-use super::Report;
 use super::html::{paragraph, section as html_section};
 use crate::error::shortened_to;
 use crate::output::chart::text::escaped;
@@ -24,8 +23,7 @@ pub fn title(results: &Results) -> String {
     )
 }
 
-pub fn section(report: &Report) -> String {
-    let results = report.results;
+pub fn section(results: &Results) -> String {
     let manifest = value(results);
     let word = |key: &str| manifest[key].as_str().map(|word| shortened_to(word, LONGEST_TITLE));
     let mut text = format!("Made by jointsweep {}", results.origin.version);
@@ -39,9 +37,18 @@ pub fn section(report: &Report) -> String {
     if let Some(seconds) = manifest["wall_seconds"].as_f64() {
         text += &format!(" in {} s", crate::output::chart::text::number(seconds, 3));
     }
+    let kept = match results.origin.counts.kept_rows {
+        Some(kept) => format!("{kept} of {} rows met the requirement. ", results.origin.counts.rows),
+        None => String::new(),
+    };
+    let files = match results.has_table() {
+        true => {
+            format!("All rows {}are in {}", if kept.is_empty() { "" } else { "kept " }, results.table_name())
+        }
+        false => "The answers are in the files".into(),
+    };
     text += &format!(
-        ". All rows are in {} beside this page's {MANIFEST}; units there are mm, N, MPa, mJ and degrees.",
-        results.table_name(),
+        ". {kept}{files} beside this page's {MANIFEST}; units there are mm, N, MPa, mJ and degrees."
     );
     let mut body = results.manifest.clone();
     if body.chars().count() > LONGEST {
