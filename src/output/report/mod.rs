@@ -3,6 +3,8 @@
 //! The table is read once, row by row; curves of a few designs are computed again from their joints.
 
 pub mod html;
+pub mod tallies;
+pub mod sample;
 pub mod scan;
 pub mod laws;
 pub mod chosen;
