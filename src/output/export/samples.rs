@@ -51,12 +51,9 @@ pub fn refuse<T>(what: impl Into<String>, problem: impl Into<String>) -> Result<
 }
 
 fn solved(joint: &JointDesign, solve: SolveOptions, before: Option<JointCurve>) -> Result<JointCurve, Error> {
-    let curve = match before {
-        Some(curve) => curve.into_other(joint, solve),
-        None => JointCurve::new(joint, solve),
-    };
     let what = || format!("radial_clearance {} mm", joint.radial_clearance);
-    curve.map_err(|failure| Error::Export { what: what(), problem: failure.to_string() })
+    JointCurve::after(before, joint, solve)
+        .map_err(|failure| Error::Export { what: what(), problem: failure.to_string() })
 }
 
 fn answer(curve: &JointCurve, load: Load) -> Result<(Response, Status), Error> {
