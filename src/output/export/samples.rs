@@ -6,7 +6,7 @@ use crate::engine::outcome::{Response, StepOutcome};
 use crate::engine::status::Status;
 use crate::error::Error;
 use crate::output::export::numbers::rounded;
-use crate::output::export::source::{Member, Source};
+use crate::output::export::source::{Member, Source, refuse};
 use crate::study::config::SolveOptions;
 use crate::study::design::{JointDesign, Load};
 
@@ -44,10 +44,6 @@ pub fn reached_force(source: &Source) -> Result<f64, Error> {
         least = least.min(response.force);
     }
     Ok(least)
-}
-
-pub fn refuse<T>(what: impl Into<String>, problem: impl Into<String>) -> Result<T, Error> {
-    Err(Error::Export { what: what.into(), problem: problem.into() })
 }
 
 fn solved(joint: &JointDesign, solve: SolveOptions, before: Option<JointCurve>) -> Result<JointCurve, Error> {

@@ -62,7 +62,7 @@ pub struct Source {
 /// Rows named in a complaint.
 const NAMED_ROWS: usize = 5;
 
-fn refuse<T>(what: impl Into<String>, problem: impl Into<String>) -> Result<T, Error> {
+pub fn refuse<T>(what: impl Into<String>, problem: impl Into<String>) -> Result<T, Error> {
     Err(Error::Export { what: what.into(), problem: problem.into() })
 }
 

@@ -5,8 +5,8 @@ use crate::error::Error;
 use crate::output::export::breakpoints::{PLACES, choose, deviations};
 use crate::output::export::interpolation::{Interpolant, Interpolation, cubic_weights};
 use crate::output::export::numbers::rounded;
-use crate::output::export::samples::{Samples, Solver, reached_force, refuse};
-use crate::output::export::source::Source;
+use crate::output::export::samples::{Samples, Solver, reached_force};
+use crate::output::export::source::{Source, refuse};
 use crate::study::design::JointDesign;
 
 /// Force and stiffness over indentation, for one clearance or several.
