@@ -18,8 +18,6 @@ mod errors;
 mod failures;
 mod origin;
 
-use std::path::Path;
-
 use crate::error::Error;
 use crate::output::chart::style::{page_variables, style_sheet};
 use crate::output::chart::text::escaped;
@@ -55,8 +53,8 @@ pub fn page(results: &Results, designs: &[u64]) -> Result<String, Error> {
         let title = origin::title(results);
         return Ok(whole(&title, &format!("<header>\n<h1>{}</h1>\n</header>\n{answers}", escaped(&title))));
     }
-    let asked = Asked::from_text(Path::new(&results.origin.inputs.path), &results.origin.inputs.text)?;
-    let scan = Scan::read(results, &designs)?;
+    let asked = results.asked()?;
+    let scan = Scan::read(results, asked.solve.accuracy, &designs)?;
     let chosen = chosen::choose(&scan, &designs, asked.solve);
     let title = origin::title(results);
     let report = Report { results, title, asked, scan, chosen, named: !designs.is_empty() };

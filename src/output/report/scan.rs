@@ -59,12 +59,8 @@ const ANSWERS: [&str; 5] = [
 const NEEDED: [Quantity; 4] = [Quantity::Indentation, Quantity::Force, Quantity::Method, Quantity::Status];
 
 impl Scan {
-    /// Reads the table once. `named` designs are kept whole; the accuracy asked is the limit of `force_error`.
-    pub fn read(results: &Results, named: &[u64]) -> Result<Scan, Error> {
-        let asked = crate::study::config::Asked::from_text(
-            std::path::Path::new(&results.origin.inputs.path),
-            &results.origin.inputs.text,
-        )?;
+    /// Reads the table once. `named` designs are kept whole; `accuracy`, as it was asked, is the limit of `force_error`.
+    pub fn read(results: &Results, accuracy: f64, named: &[u64]) -> Result<Scan, Error> {
         let mut rows = results.rows(&NEEDED)?;
         let places = Places {
             indentation: rows.place(INDENTATION),
@@ -85,8 +81,8 @@ impl Scan {
             stiffness: Extremes::default(),
             half_angle: Extremes::default(),
             peak_pressure: Extremes::default(),
-            force_error: Distribution::new(asked.solve.accuracy),
-            linearity_error: Distribution::new(LINEARITY_LIMIT.max(asked.solve.accuracy)),
+            force_error: Distribution::new(accuracy),
+            linearity_error: Distribution::new(LINEARITY_LIMIT.max(accuracy)),
             methods: BTreeMap::new(),
             statuses: BTreeMap::new(),
             sample: Vec::new(),
