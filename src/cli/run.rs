@@ -128,7 +128,7 @@ pub fn ending(failed_designs: u64) -> Ending {
 }
 
 /// Ends as the run that was there before.
-fn already_done(args: &RunArgs, table: &Path, origin: &Origin) -> Result<Ending, Error> {
+pub fn already_done(args: &RunArgs, table: &Path, origin: &Origin) -> Result<Ending, Error> {
     if !args.quiet {
         print(&report::already_done(origin, table))?;
     }
