@@ -4,7 +4,6 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use jointsweep::Error;
-use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::engine::shares::share;
 use jointsweep::internals::output::folder::{Claim, Permissions, ResultFolder, Verdict};
 use jointsweep::internals::output::manifest::{Conditions, Inputs, Origin, Shard};
@@ -60,7 +59,7 @@ pub fn run(args: &RunArgs, study: &Study, part: Part, started: SystemTime) -> Re
         return already_done(args, &shard.file(dir), &origin);
     }
     let chosen = backend::choose(&args.backend, study)?;
-    let gpu = chosen.as_ref().map(|(device, precision)| GpuChoice { device, precision: *precision });
+    let gpu = backend::gpu(&chosen);
     let conditions = Conditions { gpu, threads: threads(args.threads), started };
     let claim = claim(args, &shard.folder(dir))?;
     // While this one waited another may have made it.

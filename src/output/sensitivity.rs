@@ -8,7 +8,7 @@ use crate::engine::status::StatusCounts;
 use crate::error::Error;
 use crate::output::chart::{Axis, Bar, BarChart, BarGroup, BarPanel};
 use crate::output::folder::Claim;
-use crate::output::host::utc;
+use crate::output::host::{seconds_since, utc};
 use crate::output::manifest::FileEntry;
 use crate::output::number::rounded_cell as cell;
 use crate::output::result_column::ResultColumn;
@@ -92,7 +92,7 @@ pub fn save(study: &Study, question: &Question, analysis: &Analysis, claim: &Cla
         statuses: statuses.by_text(),
         threads: question.threads,
         started_utc: utc(question.started),
-        wall_seconds: question.started.elapsed().map_or(0.0, |time| time.as_secs_f64()),
+        wall_seconds: seconds_since(question.started),
     };
     texts::publish(claim, &manifest)
 }

@@ -8,7 +8,7 @@ use crate::engine::backend::gpu::context::AdapterFacts;
 use crate::error::Error;
 use crate::mechanics::grading::REFERENCE_LEVEL;
 use crate::output::folder::Claim;
-use crate::output::host::{Host, utc};
+use crate::output::host::{Host, seconds_since, utc};
 use crate::output::manifest::FileEntry;
 use crate::output::number::push_exact;
 use crate::output::texts::{self, Beginning};
@@ -94,7 +94,7 @@ impl TradeoffManifest {
             ("tradeoff.svg", picture),
         ];
         self.files = texts::write(claim, files)?;
-        self.wall_seconds = self.started.elapsed().map_or(0.0, |time| time.as_secs_f64());
+        self.wall_seconds = seconds_since(self.started);
         texts::publish(claim, &self)
     }
 }
