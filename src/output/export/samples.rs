@@ -40,8 +40,7 @@ pub fn reached_force(source: &Source) -> Result<f64, Error> {
     let mut least = f64::INFINITY;
     for member in &source.members {
         let curve = solved(&member.joint, source.solve, None)?;
-        let (response, _) = answer(&curve, Load::Indentation(source.end))?;
-        least = least.min(response.force);
+        least = least.min(answer(&curve, Load::Indentation(source.end))?.force);
     }
     Ok(least)
 }
@@ -52,10 +51,10 @@ fn solved(joint: &JointDesign, solve: SolveOptions, before: Option<JointCurve>) 
         .map_err(|failure| Error::Export { what: what(), problem: failure.to_string() })
 }
 
-fn answer(curve: &JointCurve, load: Load) -> Result<(Response, Status), Error> {
+fn answer(curve: &JointCurve, load: Load) -> Result<Response, Error> {
     let step = curve.answers(&[load]).pop();
-    match step.and_then(|step| step.response.map(|response| (response, step.status))) {
-        Some(found) => Ok(found),
+    match step.and_then(|step| step.response) {
+        Some(response) => Ok(response),
         None => {
             let status = step.map_or(String::new(), |step| step.status.to_string());
             refuse(load.to_string(), format!("{status}: end the range before it (`up-to`)"))
