@@ -5,9 +5,9 @@
 //! cargo run --release --example unit_costs > unit_costs.csv     # a minute; then over src/engine/unit_costs.csv
 //! ```
 //!
-//! Times are those of the processor, medians of several runs; of whole sweeps and programs the least. A number of the file makes the sums of `engine::unit_costs` come
-//! closest to them, by least squares of the relative errors, rounded up to two digits. How far off the sums still are is
-//! printed beside, as the greatest factor.
+//! Times are those of the processor, medians of several runs; of whole sweeps and programs the least. A number of the file makes
+//! the sums of `engine::unit_costs` come closest to them, by least squares of the relative errors, rounded up to two digits. How
+//! far off the sums still are is printed beside, as the greatest factor.
 
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -16,6 +16,8 @@ use std::process::Command;
 use std::time::Instant;
 
 use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity, concentric, mesh_class, mesh_size};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::law_fit::{law_case, laws_of};
 use jointsweep::internals::engine::plan::JointPlan;
 use jointsweep::internals::engine::refusal::is_bounded;
 use jointsweep::internals::engine::spaces::SpaceKey;
@@ -35,7 +37,7 @@ use jointsweep::internals::mechanics::material::Idealization;
 use jointsweep::internals::mechanics::real::LANES;
 use jointsweep::internals::output::host::{Host, processor_seconds};
 use jointsweep::internals::output::recorder::Sinks;
-use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
 
 /// Runs of which the median is taken, and the least time of each, s.
 const RUNS: usize = 9;
@@ -393,6 +395,17 @@ fn designs(is_interpolated: bool, known: &[(Unit, f64)]) -> Vec<Measured> {
     [2, 20].map(of_rows).into()
 }
 
+/// The fit of all laws to the states of a design whose bodies are solved.
+fn laws() -> Vec<Measured> {
+    let working = (1e-3, 0.1);
+    let solve = SolveOptions { method: MethodChoice::Series, ..SolveOptions::default() };
+    let study = study(1, 2, false);
+    let case = study.cases().expect("designs").next().expect("a design").expect("a design");
+    let case = law_case(&case, working);
+    let answer = Ladder::new(solve).answers(std::slice::from_ref(&case)).remove(0);
+    vec![Measured::new(&[&[(Unit::Laws, 1.0)]], time(|| laws_of(&case, &answer, working)))]
+}
+
 /// Of the smallest sweep, from the start of its program to the end, s.
 fn process_seconds() -> f64 {
     let this = std::env::current_exe().expect("a path of this program");
@@ -428,6 +441,7 @@ fn main() {
     let of_designs: Vec<Measured> =
         [false, true].into_iter().flat_map(|is_interpolated| designs(is_interpolated, &known)).collect();
     known.extend(fit("designs", &[Unit::Design, Unit::Row, Unit::InterpolatedDesign], &of_designs));
+    known.extend(fit("laws", &[Unit::Laws], &laws()));
     println!("name,value,unit");
     for (unit, value) in known {
         println!("{},{value:.1e},s", unit.name());

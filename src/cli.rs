@@ -113,7 +113,8 @@ struct SettingArgs {
 impl SettingArgs {
     /// The config with these values.
     fn load(&self, config: &Path) -> Result<Study, Error> {
-        let settings = self.set.iter().map(|text| Setting::parse(text)).collect::<Result<Vec<_>, _>>()?;
+        let settings =
+            self.set.iter().map(|text| Setting::parse(text, "--set")).collect::<Result<Vec<_>, _>>()?;
         Study::load_with(config, &settings)
     }
 }

@@ -39,6 +39,11 @@ impl Joint {
 
     /// Solves its bodies; from then on any load costs microseconds.
     pub fn curve(&self, options: Options) -> Result<Curve, Error> {
+        self.curve_after(None, options)
+    }
+
+    /// The same after the curve of another joint: bodies that both joints have are not solved again.
+    pub(crate) fn curve_after(&self, before: Option<Curve>, options: Options) -> Result<Curve, Error> {
         if !(options.accuracy > 0.0 && options.accuracy < 1.0) {
             let problem = format!("{}: must be above 0 and below 1", options.accuracy);
             return Err(Error::Joint { quantity: "accuracy".into(), problem });
@@ -47,7 +52,7 @@ impl Joint {
             let problem = "a closed form has no curve of the joint; see `mechanics::laws`".into();
             return Err(Error::Joint { quantity: "method".into(), problem });
         }
-        match JointCurve::new(&self.0, options) {
+        match JointCurve::after(before.map(|curve| curve.0), &self.0, options) {
             Ok(curve) => Ok(Curve(curve)),
             Err(failure) => Err(Error::Joint { quantity: String::new(), problem: failure.to_string() }),
         }

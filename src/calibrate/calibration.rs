@@ -120,7 +120,7 @@ pub fn calibrate(
         }
     };
     let setup = fit.setup(&minimum.unknowns);
-    let curve = setup.curve(options)?;
+    let curve = setup.curve_after(None, options)?;
     let indentations: Vec<f64> = points.iter().map(|point| point.indentation).collect();
     let answers = setup.answers(&curve, &indentations)?;
     let mut statuses = StatusCounts::default();

@@ -38,8 +38,9 @@ impl Setup {
         }
     }
 
-    pub fn curve(&self, options: Options) -> Result<Curve, Error> {
-        Joint::try_from(self.joint)?.curve(options)
+    /// The joint's curve, after that of another setup: bodies that both have are not solved again.
+    pub fn curve_after(&self, before: Option<Curve>, options: Options) -> Result<Curve, Error> {
+        Joint::try_from(self.joint)?.curve_after(before, options)
     }
 
     /// What the joint answers at measured indentations; an error where there is no answer. Before first touch there is nothing.
@@ -124,6 +125,8 @@ pub struct Fit<'a> {
     scale: [f64; 2],
     /// The last setup that was solved: derivatives are asked where residuals were.
     last: Option<Solved>,
+    /// The last curve: the next one needs its bodies.
+    curve: Option<Curve>,
     /// Why the last setup had no answer.
     pub problem: Option<Error>,
 }
@@ -146,6 +149,7 @@ impl<'a> Fit<'a> {
             points,
             scale: [indentation, indentation / force],
             last: None,
+            curve: None,
             problem: None,
         }
     }
@@ -186,8 +190,10 @@ impl<'a> Fit<'a> {
 
     fn solve(&mut self, scaled: &[f64]) -> Result<Vec<f64>, Error> {
         let setup = self.setup(scaled);
-        let curve = setup.curve(self.options)?;
-        let answers = setup.answers(&curve, &self.indentations)?;
+        let curve = setup.curve_after(self.curve.take(), self.options)?;
+        let answers = setup.answers(&curve, &self.indentations);
+        self.curve = Some(curve);
+        let answers = answers?;
         let responses: Vec<_> = answers.iter().map(|step| step.and_then(|step| step.response)).collect();
         let forces =
             responses.iter().map(|response| response.map_or(0.0, |response| response.force)).collect();
@@ -218,6 +224,7 @@ impl Problem for Fit<'_> {
         if self.last.as_ref().is_none_or(|last| last.scaled != scaled) {
             self.solve(scaled).ok()?;
         }
+        let mut before = self.curve.take();
         let Solved { setup, responses, .. } = self.last.as_ref()?;
         let loads: Vec<Load> =
             responses.iter().flatten().map(|response| Load::Indentation(response.indentation)).collect();
@@ -230,7 +237,8 @@ impl Problem for Fit<'_> {
                     let mut sides = [1.0, -1.0].into_iter().map(|sign: f64| {
                         let mut moved = *setup;
                         *moved.slot(*unknown) *= (sign * STEP).exp();
-                        let steps = moved.curve(self.options).ok()?.answers(&loads).ok()?;
+                        let curve = moved.curve_after(before.take(), self.options).ok()?;
+                        let steps = before.insert(curve).answers(&loads).ok()?;
                         steps.into_iter().map(|step| Some(step.response?.force)).collect::<Option<Vec<f64>>>()
                     });
                     let (above, below) = (sides.next()??, sides.next()??);
@@ -254,6 +262,7 @@ impl Problem for Fit<'_> {
             };
             columns.push(self.points.iter().zip(responses).map(slope).collect());
         }
+        self.curve = before;
         Some(columns)
     }
 }

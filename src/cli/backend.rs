@@ -4,6 +4,7 @@ use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::gpu::roofline::preferred_precision;
+use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::study::config::Study;
 
 use super::{Backend, BackendArgs, say};
@@ -36,6 +37,11 @@ pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Pr
             Ok(None)
         }
     }
+}
+
+/// What was chosen, as a sweep takes it.
+pub fn gpu(chosen: &Option<(GpuDevice, Precision)>) -> Option<GpuChoice<'_>> {
+    chosen.as_ref().map(|(device, precision)| GpuChoice { device, precision: *precision })
 }
 
 /// Gives a driver the folder that Mesa's looks for, so that it does not complain of it to the user.

@@ -8,6 +8,7 @@ use jointsweep::Error;
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::output::benchmark::{BenchmarkManifest, Measurement, Run};
 use jointsweep::internals::output::folder::MANIFEST;
+use jointsweep::internals::output::manifest::create_dir;
 use jointsweep::internals::study::config::Study;
 use serde_json::Value;
 
@@ -99,10 +100,8 @@ pub(super) struct Scratch(pub(super) PathBuf);
 impl Scratch {
     pub(super) fn new() -> Result<Scratch, Error> {
         let path = std::env::temp_dir().join(format!("jointsweep-bench-{}", std::process::id()));
-        match std::fs::create_dir_all(&path) {
-            Ok(()) => Ok(Scratch(path)),
-            Err(source) => Err(Error::Io { action: "create", path, source }),
-        }
+        create_dir(&path)?;
+        Ok(Scratch(path))
     }
 }
 

@@ -11,7 +11,7 @@ use jointsweep::internals::output::manifest::{publish, staged, with_file, write_
 use jointsweep::internals::output::results::{Results, TableRow};
 use jointsweep::internals::output::sink::{Sink, SinkFile};
 use jointsweep::internals::study::columns::Quantity;
-use jointsweep::internals::study::config::{MethodChoice, solve_options};
+use jointsweep::internals::study::config::MethodChoice;
 use jointsweep::internals::study::design::{DesignCase, Load};
 
 use super::{Ending, LawsArgs, print, threads};
@@ -25,8 +25,7 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
     if path.exists() && !args.force {
         return Err(Error::FileTaken { path });
     }
-    let origin = &results.origin;
-    let options = solve_options(std::path::Path::new(&origin.inputs.path), &origin.inputs.text)?;
+    let options = results.asked()?.solve;
     let refuse = |problem: &str| Err(Error::NoResult { dir: args.dir.clone(), problem: problem.into() });
     if options.method == MethodChoice::ClosedForm {
         return refuse("a closed form has no curve to fit laws to");

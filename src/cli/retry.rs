@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 
 use jointsweep::Error;
-use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
 use jointsweep::internals::output::manifest::Origin;
@@ -38,7 +37,7 @@ pub fn retry(args: &RunArgs, study: &Study, folder: &ResultFolder) -> Result<End
         return Ok(Ending::Complete);
     }
     let chosen = backend::choose(&args.backend, study)?;
-    let gpu = chosen.as_ref().map(|(device, precision)| GpuChoice { device, precision: *precision });
+    let gpu = backend::gpu(&chosen);
     let mut designs: Vec<u64> = failed.iter().map(|row| row.design).collect();
     designs.dedup();
     let options = SweepOptions {

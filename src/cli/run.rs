@@ -6,7 +6,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
 use jointsweep::Error;
-use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
@@ -39,7 +38,7 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     }
 
     let chosen = backend::choose(&args.backend, &study)?;
-    let gpu = chosen.as_ref().map(|(device, precision)| GpuChoice { device, precision: *precision });
+    let gpu = backend::gpu(&chosen);
     let threads = threads(args.threads);
     let claim = folder.claim(&format!("of {}", args.config.display()))?;
     if !claim.is_locked() {
@@ -128,7 +127,7 @@ pub fn ending(failed_designs: u64) -> Ending {
 }
 
 /// Ends as the run that was there before.
-fn already_done(args: &RunArgs, table: &Path, origin: &Origin) -> Result<Ending, Error> {
+pub fn already_done(args: &RunArgs, table: &Path, origin: &Origin) -> Result<Ending, Error> {
     if !args.quiet {
         print(&report::already_done(origin, table))?;
     }

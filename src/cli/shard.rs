@@ -4,7 +4,6 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use jointsweep::Error;
-use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::engine::shares::share;
 use jointsweep::internals::output::folder::{Claim, Permissions, ResultFolder, Verdict};
 use jointsweep::internals::output::manifest::{Conditions, Inputs, Origin, Shard};
@@ -12,7 +11,7 @@ use jointsweep::internals::output::recorder::{Recorder, Sinks};
 use jointsweep::internals::output::shard::{MOST_SHARDS, ShardFile};
 use jointsweep::internals::study::config::Study;
 
-use super::run::{ending, go_on, record};
+use super::run::{already_done, ending, go_on, record};
 use super::{Ending, RunArgs, backend, print, report, say, threads};
 
 /// Which shard, from 1, and of how many.
@@ -57,15 +56,15 @@ pub fn run(args: &RunArgs, study: &Study, part: Part, started: SystemTime) -> Re
     // A merged result of the same sweep says nothing of this shard; one of another sweep is in the way.
     whole.check(study, permissions)?;
     if let Some(origin) = complete(study, &shard, dir, permissions)? {
-        return already_complete(args, &origin, &shard.file(dir));
+        return already_done(args, &shard.file(dir), &origin);
     }
     let chosen = backend::choose(&args.backend, study)?;
-    let gpu = chosen.as_ref().map(|(device, precision)| GpuChoice { device, precision: *precision });
+    let gpu = backend::gpu(&chosen);
     let conditions = Conditions { gpu, threads: threads(args.threads), started };
     let claim = claim(args, &shard.folder(dir))?;
     // While this one waited another may have made it.
     if let Some(origin) = complete(study, &shard, dir, permissions)? {
-        return already_complete(args, &origin, &shard.file(dir));
+        return already_done(args, &shard.file(dir), &origin);
     }
     let begun = match shard.folder(dir).check(study, permissions)? {
         Verdict::Begun(origin) => Some(origin),
@@ -126,11 +125,4 @@ fn claim(args: &RunArgs, folder: &ResultFolder) -> Result<Claim, Error> {
             claim => return claim,
         }
     }
-}
-
-fn already_complete(args: &RunArgs, origin: &Origin, file: &Path) -> Result<Ending, Error> {
-    if !args.quiet {
-        print(&report::already_done(origin, file))?;
-    }
-    Ok(ending(origin.counts.failed_designs))
 }

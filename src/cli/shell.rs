@@ -1,11 +1,9 @@
 //! `jointsweep completions` and `jointsweep man`: what shells and manuals are told of the command line.
 
-use std::path::Path;
-
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 use jointsweep::Error;
-use jointsweep::internals::output::manifest::write_whole;
+use jointsweep::internals::output::manifest::{create_dir, write_whole};
 
 use super::{Cli, CompletionsArgs, Ending, ManArgs, print};
 
@@ -35,16 +33,12 @@ pub fn man(args: &ManArgs) -> Result<Ending, Error> {
     {
         return Err(Error::FileTaken { path });
     }
-    create(dir)?;
+    create_dir(dir)?;
     for (name, text) in &pages {
         write_whole(&dir.join(name), text)?;
     }
     print(&format!("{} pages in {}\n", pages.len(), dir.display()))?;
     Ok(Ending::Complete)
-}
-
-fn create(dir: &Path) -> Result<(), Error> {
-    std::fs::create_dir_all(dir).map_err(|source| Error::Io { action: "create", path: dir.into(), source })
 }
 
 /// The file name and the text of a command's page.

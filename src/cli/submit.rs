@@ -4,7 +4,7 @@ use std::path::Path;
 
 use jointsweep::Error;
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
-use jointsweep::internals::output::manifest::write_whole;
+use jointsweep::internals::output::manifest::{create_dir, write_whole};
 use jointsweep::internals::output::shard::MOST_SHARDS;
 use jointsweep::internals::output::slurm::{ARRAY, FOLDER, Job, MERGE, does_the_same};
 use jointsweep::internals::study::config::Study;
@@ -46,11 +46,7 @@ pub fn submit(args: &SubmitArgs) -> Result<Ending, Error> {
     check_folder(&dir, &job)?;
 
     let scripts = dir.join(FOLDER);
-    std::fs::create_dir_all(&scripts).map_err(|source| Error::Io {
-        action: "create",
-        path: scripts.clone(),
-        source,
-    })?;
+    create_dir(&scripts)?;
     write_whole(&scripts.join(ARRAY), job.array().as_bytes())?;
     write_whole(&scripts.join(MERGE), job.merge().as_bytes())?;
     let numbers: Vec<u64> = (1..=args.shards).collect();

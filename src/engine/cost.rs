@@ -182,9 +182,6 @@ impl Needs {
     }
 }
 
-/// To fit the laws of a design to its states, s: `cargo bench --bench laws`.
-const LAWS_SECONDS: f64 = 35e-6;
-
 /// Indentations at work as far as loads tell, mm.
 fn working_range_of(case: &DesignCase) -> (f64, f64) {
     let indentations = case.steps.iter().filter_map(|load| match *load {
@@ -266,7 +263,7 @@ pub fn estimate_of(study: &Study, designs: Range<u64>) -> Result<Estimate, Error
             if let Ok(first) = JointPlan::cheapest(&case, method, accuracy) {
                 needs.climb(&case, first, accuracy);
                 let of_design = joint_seconds(&first) + design(case.steps.len() as f64).seconds();
-                needs.seconds += of_design + LAWS_SECONDS;
+                needs.seconds += of_design + Unit::Laws.seconds();
             }
             needs.unknowns = unknowns;
         }

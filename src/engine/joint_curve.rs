@@ -32,12 +32,17 @@ impl JointCurve {
     /// Solves the bodies as finely as an accuracy of the force wants over the whole curve; where none does, as finely as can be,
     /// and every answer says so. `method` is not `closed-form`.
     pub fn new(joint: &JointDesign, options: SolveOptions) -> Result<JointCurve, Failure> {
-        JointCurve::solve(joint, options, BodyLibrary::default(), Spaces::default())
+        JointCurve::after(None, joint, options)
     }
 
-    /// Of another joint, at the same accuracy: bodies that both joints have are not solved again.
-    pub fn into_other(self, joint: &JointDesign, options: SolveOptions) -> Result<JointCurve, Failure> {
-        JointCurve::solve(joint, options, self.library, self.spaces)
+    /// The same after the curve of another joint: bodies that both joints have are not solved again.
+    pub fn after(
+        before: Option<JointCurve>,
+        joint: &JointDesign,
+        options: SolveOptions,
+    ) -> Result<JointCurve, Failure> {
+        let (library, spaces) = before.map_or_else(Default::default, |curve| (curve.library, curve.spaces));
+        JointCurve::solve(joint, options, library, spaces)
     }
 
     fn solve(

@@ -91,15 +91,7 @@ fn unloaded(method: Method) -> StepOutcome {
 /// Johnson's law. It knows nothing of the plate's extent, so it is right to a factor of two at best.
 pub fn closed_form(case: &DesignCase) -> Answer {
     let joint = &case.joint;
-    let pair = laws::Pair::new(
-        joint.hole_radius,
-        joint.radial_clearance,
-        joint.thickness,
-        &joint.pin.material,
-        &joint.plate.material,
-        joint.idealization,
-    );
-    let curve = pair.and_then(|pair| laws::johnson::LAW.curve(&pair));
+    let curve = joint.pair().and_then(|pair| laws::johnson::LAW.curve(&pair));
     let step = |load: &Load| -> Result<StepOutcome, laws::LawError> {
         let curve = curve?;
         let indentation = match *load {

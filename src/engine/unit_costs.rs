@@ -79,6 +79,8 @@ units! {
     Row = "row",
     /// A design whose bodies are interpolated, its curve included.
     InterpolatedDesign = "interpolated design",
+    /// The fit of all laws to the states of a design.
+    Laws = "laws",
 }
 
 impl Unit {

@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::output::host::{Host, Program, utc};
+use crate::output::host::{Host, Program, seconds_since, utc};
 use crate::output::manifest::{self, Config};
 use crate::study::config::Study;
 
@@ -116,13 +116,9 @@ impl BenchmarkManifest {
 
     /// Writes both files into `dir`, the manifest last.
     pub fn save(mut self, dir: &Path, measurements: &[Measurement]) -> Result<(), Error> {
-        std::fs::create_dir_all(dir).map_err(|source| Error::Io {
-            action: "create",
-            path: dir.into(),
-            source,
-        })?;
+        manifest::create_dir(dir)?;
         manifest::write_whole(&dir.join("sweep.csv"), text(measurements).as_bytes())?;
-        self.wall_seconds = self.started.elapsed().map_or(0.0, |time| time.as_secs_f64());
+        self.wall_seconds = seconds_since(self.started);
         let path = dir.join("sweep.manifest.json");
         manifest::stage(&self, &path)?;
         manifest::publish(&path)

@@ -6,25 +6,20 @@ use serde::Serialize;
 
 use crate::calibrate::calibration::{CONFIDENCE, Calibration, Fitted};
 use crate::error::Error;
-use crate::output::folder::{Claim, MANIFEST};
-use crate::output::host::{Program, utc};
-use crate::output::manifest::{self, Config, FileEntry, State};
-use crate::output::number::push_rounded;
+use crate::output::folder::Claim;
+use crate::output::host::utc;
+use crate::output::manifest::FileEntry;
+use crate::output::number::rounded_cell as cell;
 use crate::output::residual_plot;
+use crate::output::texts::{self, Beginning};
 use crate::study::config::Study;
-use crate::study::fingerprint::Fingerprint;
 use crate::study::measured::Measured;
 
 /// What was fitted to what, and how well.
 #[derive(Clone, Debug, Serialize)]
 pub struct CalibrationManifest {
     #[serde(flatten)]
-    program: Program,
-    state: State,
-    command: &'static str,
-    title: String,
-    config: Config,
-    inputs: Vec<FileEntry>,
+    beginning: Beginning,
     measured: FileEntry,
     files: Vec<FileEntry>,
     /// Names, in the order of the correlations.
@@ -45,12 +40,7 @@ pub struct CalibrationManifest {
 impl CalibrationManifest {
     pub fn new(study: &Study, measured: &Measured, started: SystemTime) -> CalibrationManifest {
         CalibrationManifest {
-            program: Program::CURRENT,
-            state: State::Complete,
-            command: "calibrate",
-            title: study.title().to_string(),
-            config: Config::of(study),
-            inputs: FileEntry::inputs(study),
+            beginning: Beginning::of(study, "calibrate"),
             measured: FileEntry::new(&measured.path.display().to_string(), &measured.fingerprint),
             files: Vec::new(),
             fit: Vec::new(),
@@ -75,20 +65,14 @@ impl CalibrationManifest {
         self.reduced_chi_square = calibration.reduced_chi_square;
         self.iterations = calibration.iterations;
         self.warnings.clone_from(&calibration.warnings);
-        let picture = residual_plot::svg(&self.title, calibration)?;
-        for (name, text) in [
+        let picture = residual_plot::svg(&self.beginning.title, calibration)?;
+        let files = [
             ("calibration.csv", values(&calibration.fitted)),
             ("residuals.csv", residuals(calibration)),
             ("residuals.svg", picture),
-        ] {
-            let path = claim.partial(name);
-            self.files.push(FileEntry::new(name, &Fingerprint::of(text.as_bytes())));
-            std::fs::write(&path, text).map_err(|source| Error::Io { action: "write", path, source })?;
-        }
-        let path = claim.partial(MANIFEST);
-        manifest::stage(&self, &path)?;
-        manifest::publish(&path)?;
-        claim.publish()
+        ];
+        self.files = texts::write(claim, files)?;
+        texts::publish(claim, &self)
     }
 }
 
@@ -114,11 +98,4 @@ fn residuals(calibration: &Calibration) -> String {
         text += &format!("{indentation},{force},{sigma},{fitted},{residual}\n");
     }
     text
-}
-
-/// Nine digits.
-fn cell(value: f64) -> String {
-    let mut text = Vec::new();
-    push_rounded(&mut text, value);
-    String::from_utf8(text).unwrap_or_default()
 }

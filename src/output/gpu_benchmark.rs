@@ -10,7 +10,7 @@ use crate::engine::backend::gpu::measure::KernelTime;
 use crate::engine::backend::gpu::roofline::Peaks;
 use crate::engine::backend::gpu::solver::INVOCATIONS;
 use crate::error::Error;
-use crate::output::host::{Host, Program, utc};
+use crate::output::host::{Host, Program, seconds_since, utc};
 use crate::output::manifest::{self, Config, State};
 use crate::study::config::Study;
 
@@ -201,11 +201,7 @@ impl GpuBenchmark {
         study: &Study,
         started: SystemTime,
     ) -> Result<GpuBenchmark, Error> {
-        std::fs::create_dir_all(dir).map_err(|source| Error::Io {
-            action: "create",
-            path: dir.into(),
-            source,
-        })?;
+        manifest::create_dir(dir)?;
         for name in [PRECISIONS, SCALING, KERNELS, PEAKS] {
             let _ = std::fs::remove_file(dir.join(name));
         }
@@ -268,7 +264,7 @@ impl GpuBenchmark {
     }
 
     fn save_manifest(&mut self) -> Result<(), Error> {
-        self.manifest.wall_seconds = self.started.elapsed().map_or(0.0, |time| time.as_secs_f64());
+        self.manifest.wall_seconds = seconds_since(self.started);
         let path = self.dir.join(MANIFEST);
         manifest::stage(&self.manifest, &path)?;
         manifest::publish(&path)

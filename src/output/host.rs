@@ -91,6 +91,11 @@ fn cpu_model(cpuinfo: &str) -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_string())
 }
 
+/// s from a moment until now; 0 where the clock was set back.
+pub fn seconds_since(moment: SystemTime) -> f64 {
+    moment.elapsed().map_or(0.0, |time| time.as_secs_f64())
+}
+
 /// A moment in UTC to the second, after RFC 3339.
 pub fn utc(moment: SystemTime) -> String {
     let seconds = moment.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());

@@ -15,7 +15,7 @@ use crate::engine::outcome::DesignOutcome;
 use crate::engine::status::StatusCounts;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
-use crate::output::host::{Host, Program, in_words, peak_memory, processor_seconds, utc};
+use crate::output::host::{Host, Program, in_words, peak_memory, processor_seconds, seconds_since, utc};
 use crate::output::schema::constants_as_json;
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
@@ -386,7 +386,7 @@ impl Manifest {
     /// Writes the manifest beside `path`, from where `publish` puts it in place: a reader, or a crash, never
     /// meets half a manifest.
     pub fn stage(&mut self, path: &Path) -> Result<(), Error> {
-        let wall = self.started.elapsed().map_or(0.0, |time| time.as_secs_f64());
+        let wall = seconds_since(self.started);
         self.wall_seconds = self.before.wall_seconds + wall;
         self.processor_seconds =
             processor_seconds().map(|own| own + self.before.processor_seconds.unwrap_or(0.0));
@@ -420,6 +420,11 @@ pub fn text(manifest: &impl Serialize) -> Vec<u8> {
 pub fn stage_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let staged = staged(path);
     std::fs::write(&staged, bytes).map_err(|source| Error::Io { action: "write", path: staged, source })
+}
+
+/// A folder with those it is in, where they are not there.
+pub fn create_dir(dir: &Path) -> Result<(), Error> {
+    std::fs::create_dir_all(dir).map_err(|source| Error::Io { action: "create", path: dir.into(), source })
 }
 
 /// A path whose file name ends with something more.

@@ -7,6 +7,7 @@ pub mod host;
 pub mod manifest;
 pub mod lock;
 pub mod folder;
+mod texts;
 pub mod shard;
 pub mod slurm;
 pub mod sink;

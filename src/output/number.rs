@@ -46,6 +46,13 @@ pub fn push_rounded(out: &mut Vec<u8>, value: f64) {
     }
 }
 
+/// `value` rounded to nine significant digits, as text.
+pub fn rounded_cell(value: f64) -> String {
+    let mut text = Vec::new();
+    push_rounded(&mut text, value);
+    String::from_utf8(text).unwrap_or_default()
+}
+
 /// The integer of nine digits and the decimal exponent of its first digit; `None` where only the general
 /// (and slower) route is sure of every digit.
 fn nine_digits(value: f64) -> Option<(u32, i32)> {

@@ -7,6 +7,7 @@ use crate::output::folder::{MANIFEST, TABLE, TABLE_PARQUET, TABLE_ZST, TABLES};
 use crate::output::manifest::{Origin, State};
 use crate::output::{parquet_text, zst_table};
 use crate::study::columns::{DESIGN, FORCE, INDENTATION, Quantity, joint_columns};
+use crate::study::config::Asked;
 use crate::study::design::JointDesign;
 use crate::study::designs_file::{OpenText, Rows, open_plain};
 use crate::study::output_options::column_names;
@@ -42,6 +43,12 @@ impl TableRow {
 }
 
 impl Results {
+    /// What its config asks for.
+    pub fn asked(&self) -> Result<Asked, Error> {
+        let inputs = &self.origin.inputs;
+        Asked::from_text(Path::new(&inputs.path), &inputs.text)
+    }
+
     /// Of a folder that `run` has written, to its end.
     pub fn open(dir: &Path) -> Result<Results, Error> {
         let path = dir.join(MANIFEST);

@@ -7,15 +7,15 @@ use serde::Serialize;
 use crate::engine::status::StatusCounts;
 use crate::error::Error;
 use crate::output::chart::{Axis, Bar, BarChart, BarGroup, BarPanel};
-use crate::output::folder::{Claim, MANIFEST};
-use crate::output::host::{Program, utc};
-use crate::output::manifest::{self, Config, FileEntry, State};
-use crate::output::number::push_rounded;
+use crate::output::folder::Claim;
+use crate::output::host::{seconds_since, utc};
+use crate::output::manifest::FileEntry;
+use crate::output::number::rounded_cell as cell;
 use crate::output::result_column::ResultColumn;
+use crate::output::texts::{self, Beginning};
 use crate::sensitivity::analysis::{Analysis, OutputIndices};
 use crate::sensitivity::indices::{CONFIDENCE, Estimate, FactorIndices, Indices, RESAMPLES};
 use crate::study::config::Study;
-use crate::study::fingerprint::Fingerprint;
 
 /// What was asked, beside the config.
 #[derive(Clone, Copy, Debug)]
@@ -32,12 +32,7 @@ pub struct Question<'a> {
 #[derive(Clone, Debug, Serialize)]
 struct SensitivityManifest {
     #[serde(flatten)]
-    program: Program,
-    state: State,
-    command: &'static str,
-    title: String,
-    config: Config,
-    inputs: Vec<FileEntry>,
+    beginning: Beginning,
     files: Vec<FileEntry>,
     factors: Vec<String>,
     /// From 1.
@@ -69,15 +64,11 @@ struct ColumnSummary {
 
 /// Writes everything into the folder, the manifest last.
 pub fn save(study: &Study, question: &Question, analysis: &Analysis, claim: &Claim) -> Result<(), Error> {
-    let mut files = Vec::new();
-    for (name, text) in [
+    let files = [
         ("sensitivity.csv", rows(study, question, analysis)),
         ("sensitivity.svg", picture(study, question, analysis)),
-    ] {
-        let path = claim.partial(name);
-        files.push(FileEntry::new(name, &Fingerprint::of(text.as_bytes())));
-        std::fs::write(&path, text).map_err(|source| Error::Io { action: "write", path, source })?;
-    }
+    ];
+    let files = texts::write(claim, files)?;
     let statuses: &StatusCounts = &analysis.statuses;
     let columns = question.columns.iter().zip(&analysis.outputs).map(|(column, output)| ColumnSummary {
         column: column.name.to_string(),
@@ -87,12 +78,7 @@ pub fn save(study: &Study, question: &Question, analysis: &Analysis, claim: &Cla
         samples_left_out: output.left_out,
     });
     let manifest = SensitivityManifest {
-        program: Program::CURRENT,
-        state: State::Complete,
-        command: "sensitivity",
-        title: study.title().to_string(),
-        config: Config::of(study),
-        inputs: FileEntry::inputs(study),
+        beginning: Beginning::of(study, "sensitivity"),
         files,
         factors: study.factors().into_iter().map(String::from).collect(),
         step: question.step,
@@ -106,12 +92,9 @@ pub fn save(study: &Study, question: &Question, analysis: &Analysis, claim: &Cla
         statuses: statuses.by_text(),
         threads: question.threads,
         started_utc: utc(question.started),
-        wall_seconds: question.started.elapsed().map_or(0.0, |time| time.as_secs_f64()),
+        wall_seconds: seconds_since(question.started),
     };
-    let path = claim.partial(MANIFEST);
-    manifest::stage(&manifest, &path)?;
-    manifest::publish(&path)?;
-    claim.publish()
+    texts::publish(claim, &manifest)
 }
 
 /// The only load step, in words.
@@ -138,13 +121,6 @@ fn rows(study: &Study, question: &Question, analysis: &Analysis) -> String {
         }
     }
     text
-}
-
-/// Nine digits.
-fn cell(value: f64) -> String {
-    let mut text = Vec::new();
-    push_rounded(&mut text, value);
-    String::from_utf8(text).unwrap_or_default()
 }
 
 /// The places of the factors, the greatest total first.

@@ -7,13 +7,13 @@ use serde::Serialize;
 use crate::engine::backend::gpu::context::AdapterFacts;
 use crate::error::Error;
 use crate::mechanics::grading::REFERENCE_LEVEL;
-use crate::output::folder::{Claim, MANIFEST};
-use crate::output::host::{Host, Program, utc};
-use crate::output::manifest::{self, Config, FileEntry, State};
+use crate::output::folder::Claim;
+use crate::output::host::{Host, seconds_since, utc};
+use crate::output::manifest::FileEntry;
 use crate::output::number::push_exact;
+use crate::output::texts::{self, Beginning};
 use crate::output::tradeoff_plot;
 use crate::study::config::Study;
-use crate::study::fingerprint::Fingerprint;
 use crate::tradeoff::errors::{Errors, Quantiles};
 use crate::tradeoff::families::FAMILIES;
 use crate::tradeoff::measure::{Measured, Tradeoff};
@@ -22,12 +22,7 @@ use crate::tradeoff::measure::{Measured, Tradeoff};
 #[derive(Clone, Debug, Serialize)]
 pub struct TradeoffManifest {
     #[serde(flatten)]
-    program: Program,
-    state: State,
-    command: &'static str,
-    title: String,
-    config: Config,
-    inputs: Vec<FileEntry>,
+    beginning: Beginning,
     files: Vec<FileEntry>,
     /// Measured, evenly spaced over the sweep.
     designs: u64,
@@ -68,12 +63,7 @@ impl TradeoffManifest {
             (family.name.to_string(), serde_json::Value::Object(words.collect()))
         });
         TradeoffManifest {
-            program: Program::CURRENT,
-            state: State::Complete,
-            command: "tradeoff",
-            title: study.title().to_string(),
-            config: Config::of(study),
-            inputs: FileEntry::inputs(study),
+            beginning: Beginning::of(study, "tradeoff"),
             files: Vec::new(),
             designs: 0,
             designs_of_sweep: study.design_count(),
@@ -97,21 +87,15 @@ impl TradeoffManifest {
         self.oracle.insert(format!("fe_level_{REFERENCE_LEVEL}"), tradeoff.by_mesh.into());
         let mut front: Vec<&Measured> = tradeoff.rows.iter().filter(|row| row.on_front).collect();
         front.sort_by(|a, b| a.time_per_design.total_cmp(&b.time_per_design));
-        let picture = tradeoff_plot::svg(&self.title, &tradeoff.rows)?;
-        for (name, text) in [
+        let picture = tradeoff_plot::svg(&self.beginning.title, &tradeoff.rows)?;
+        let files = [
             ("tradeoff.csv", table(tradeoff.rows.iter())),
             ("front.csv", table(front.into_iter())),
             ("tradeoff.svg", picture),
-        ] {
-            let path = claim.partial(name);
-            self.files.push(FileEntry::new(name, &Fingerprint::of(text.as_bytes())));
-            std::fs::write(&path, text).map_err(|source| Error::Io { action: "write", path, source })?;
-        }
-        self.wall_seconds = self.started.elapsed().map_or(0.0, |time| time.as_secs_f64());
-        let path = claim.partial(MANIFEST);
-        manifest::stage(&self, &path)?;
-        manifest::publish(&path)?;
-        claim.publish()
+        ];
+        self.files = texts::write(claim, files)?;
+        self.wall_seconds = seconds_since(self.started);
+        texts::publish(claim, &self)
     }
 }
 

@@ -306,20 +306,11 @@ impl Iterator for Cases<'_> {
     }
 }
 
-/// What the table `[solve]` of a config's text asks for: all that is needed to solve one of its designs again. `path` is what
-/// complaints call the config.
-pub fn solve_options(path: &Path, text: &str) -> Result<SolveOptions, Error> {
-    let source = Source::new(path.to_path_buf(), text.to_string());
-    let document = source.parse()?;
-    let section = source.root(&document).section("solve")?;
-    section.map_or(Ok(SolveOptions::default()), |table| Ok(read_solve(&table)?.0))
-}
-
 fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// What a config says of its whole sweep.
+/// What a config says of its whole sweep: with it any of its designs can be solved again.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
     pub solve: SolveOptions,
@@ -333,7 +324,8 @@ impl Asked {
         let source = Source::new(path.to_path_buf(), text.to_string());
         let document = source.parse()?;
         let root = source.root(&document);
-        let solve = solve_options(path, text)?;
+        let default = Ok((SolveOptions::default(), true));
+        let (solve, _) = root.section("solve")?.map_or(default, |table| read_solve(&table))?;
         let load = root.section("load")?;
         let load =
             load.and_then(|load| ["indentation", "force"].into_iter().find(|key| load.find(key).is_some()));

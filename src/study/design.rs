@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::error::{Error, shortened, suggest};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, SHAPES, Shape, ShapeParameter, Side};
+use crate::mechanics::laws::{LawError, Pair};
 use crate::mechanics::material::{Idealization, Material};
 
 /// The values a quantity may take: from `low`, itself allowed or not, to below `high`.
@@ -159,6 +160,12 @@ impl JointDesign {
             check("poissons_ratio", part.material.poissons_ratio, Limits::POISSONS_RATIO)?;
         }
         Ok(())
+    }
+
+    /// The joint as the closed forms see it.
+    pub fn pair(&self) -> Result<Pair, LawError> {
+        let JointDesign { idealization, hole_radius, radial_clearance, thickness, pin, plate } = *self;
+        Pair::new(hole_radius, radial_clearance, thickness, &pin.material, &plate.material, idealization)
     }
 
     /// The dimensionless body of one half.

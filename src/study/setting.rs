@@ -9,15 +9,15 @@ use crate::error::{Error, shortened};
 pub struct Setting {
     keys: Vec<String>,
     value: Value,
+    /// What complaints say in the place of a file: how it was given.
+    pub place: &'static str,
 }
-
-/// What complaints about settings say in the place of a file: it is how they are given.
-pub const PLACE: &str = "--set";
 
 impl Setting {
     /// From "key=value": the key dotted as in TOML, the value as TOML or, where it is none, the text itself.
-    pub fn parse(text: &str) -> Result<Setting, Error> {
-        let refuse = |problem: &str| Err(complaint(&shortened(text), problem.to_string()));
+    /// `place` is what complaints say in the place of a file.
+    pub fn parse(text: &str, place: &'static str) -> Result<Setting, Error> {
+        let refuse = |problem: &str| Err(complaint(place, &shortened(text), problem.to_string()));
         let Some((key, value)) = text.split_once('=') else {
             return refuse("a key and its value are needed, like solve.accuracy=0.1%");
         };
@@ -35,7 +35,7 @@ impl Setting {
             }
             Err(_) => Value::from(value),
         };
-        Ok(Setting { keys, value })
+        Ok(Setting { keys, value, place })
     }
 
     /// The dotted key, as complaints about a config have it.
@@ -56,7 +56,7 @@ impl Setting {
                 Some(table) => table,
                 None => {
                     let problem = format!("`{}` is a value, not a table", above[..=depth].join("."));
-                    return Err(complaint(&self.key(), problem));
+                    return Err(complaint(self.place, &self.key(), problem));
                 }
             };
         }
@@ -83,8 +83,8 @@ fn new_table(is_inline: bool) -> Item {
     Item::Table(table)
 }
 
-fn complaint(key: &str, problem: String) -> Error {
-    Error::Input { file: PLACE.into(), line: None, key: key.to_string(), problem }
+fn complaint(place: &str, key: &str, problem: String) -> Error {
+    Error::Input { file: place.into(), line: None, key: key.to_string(), problem }
 }
 
 #[cfg(test)]
@@ -94,7 +94,7 @@ mod tests {
     fn set(text: &str, settings: &[&str]) -> String {
         let mut document: DocumentMut = text.parse().unwrap();
         for setting in settings {
-            Setting::parse(setting).unwrap().apply(&mut document).unwrap();
+            Setting::parse(setting, "--set").unwrap().apply(&mut document).unwrap();
         }
         document.to_string()
     }
@@ -146,11 +146,12 @@ mod tests {
             ("a b=5", "the key before `=` is none"),
             ("a=[1, 2", "--set: a=[1, 2: the value is not valid TOML: "),
         ] {
-            let said = Setting::parse(text).unwrap_err().to_string();
+            let said = Setting::parse(text, "--set").unwrap_err().to_string();
             assert!(said.contains(problem), "{text}: {said}");
         }
         let mut document: DocumentMut = "title = \"t\"\n".parse().unwrap();
-        let said = Setting::parse("title.x=1").unwrap().apply(&mut document).unwrap_err().to_string();
+        let said =
+            Setting::parse("title.x=1", "--set").unwrap().apply(&mut document).unwrap_err().to_string();
         assert_eq!(said, "--set: title.x: `title` is a value, not a table");
     }
 }

@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 use toml_edit::DocumentMut;
 
 use crate::error::{Error, shortened, suggest};
-use crate::study::setting::{PLACE, Setting};
+use crate::study::setting::Setting;
 
 /// Bytes of a config at most: lists of a million values fit. Long lists of designs are files of their own.
 const LARGEST: u64 = 16 << 20;
@@ -29,19 +29,27 @@ pub struct Source {
 #[derive(Debug)]
 struct Edit {
     key: String,
+    /// How it was given.
+    place: &'static str,
     first: u64,
     old: u64,
     new: u64,
 }
 
 impl Edit {
-    fn between(key: String, before: &str, after: &str) -> Edit {
+    fn between(setting: &Setting, before: &str, after: &str) -> Edit {
         let (before, after): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());
         let first = before.iter().zip(&after).take_while(|(old, new)| old == new).count();
         let tail = before[first..].iter().rev().zip(after[first..].iter().rev());
         let last = tail.take_while(|(old, new)| old == new).count();
         let lines = |text: &[&str]| (text.len() - first - last) as u64;
-        Edit { key, first: first as u64, old: lines(&before), new: lines(&after) }
+        Edit {
+            key: setting.key(),
+            place: setting.place,
+            first: first as u64,
+            old: lines(&before),
+            new: lines(&after),
+        }
     }
 
     /// The line of the text before in which `line` (from 0) of the text after stood; the nearest one for lines that are new.
@@ -108,7 +116,7 @@ impl Source {
             };
             setting.apply(&mut document)?;
             let text = document.to_string();
-            self.edits.push(Edit::between(setting.key(), &self.text, &text));
+            self.edits.push(Edit::between(setting, &self.text, &text));
             self.text = text;
         }
         Ok(())
@@ -126,8 +134,8 @@ impl Source {
         let is_of = |edit: &Edit| {
             key == edit.key || key.strip_prefix(&edit.key).is_some_and(|rest| rest.starts_with('.'))
         };
-        if self.edits.iter().any(is_of) {
-            return Error::Input { file: PLACE.into(), line: None, key: key.to_string(), problem };
+        if let Some(edit) = self.edits.iter().rev().find(|edit| is_of(edit)) {
+            return Error::Input { file: edit.place.into(), line: None, key: key.to_string(), problem };
         }
         let line = start.filter(|start| *start <= self.text.len()).map(|start| self.line(start));
         Error::Input { file: self.path.clone(), line, key: key.to_string(), problem }

@@ -7,7 +7,7 @@ use std::hash::Hash;
 use crate::engine::expected_contact::half_angle;
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::{Body, BodyKey, Side};
-use crate::mechanics::laws::{HertzContact, Pair};
+use crate::mechanics::laws::HertzContact;
 use crate::study::design::{DesignCase, JointDesign, Load};
 
 /// The distinct bodies of some designs: each is solved once.
@@ -65,19 +65,13 @@ pub fn is_concentric(joint: &JointDesign) -> bool {
     joint.pin.shape.concentric && joint.plate.shape.concentric
 }
 
-/// The closed forms' view of a joint, where it has one.
-pub fn pair(joint: &JointDesign) -> Option<Pair> {
-    let JointDesign { idealization, hole_radius, radial_clearance, thickness, pin, plate } = joint;
-    Pair::new(*hole_radius, *radial_clearance, *thickness, &pin.material, &plate.material, *idealization).ok()
-}
-
 /// About the least contact half angle of all steps, rad: half of what the undeformed circles overlap by, or Hertz's strip
 /// under a force. Never below 0.5 deg, where meshes would have no end, nor above 10 deg.
 pub fn least_contact_angle(cases: &[DesignCase]) -> f64 {
     let angle = |joint: &JointDesign, load: Load| match load {
         Load::Indentation(delta) if delta > 0.0 => Some(0.5 * half_angle(joint, load)),
         Load::Force(force) if force > 0.0 => {
-            let contact = HertzContact::from_force(&pair(joint)?, force / joint.thickness).ok()?;
+            let contact = HertzContact::from_force(&joint.pair().ok()?, force / joint.thickness).ok()?;
             Some(contact.contact_half_width() / joint.hole_radius)
         }
         _ => None,

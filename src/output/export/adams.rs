@@ -8,7 +8,6 @@
 use super::interpolation::Interpolation;
 use super::numbers::plain;
 use super::sheet::{Format, Sheet, listed};
-use super::table::Between;
 
 pub static FORMAT: Format = Format {
     name: "adams",
@@ -16,12 +15,10 @@ pub static FORMAT: Format = Format {
     about: "a SPLINE for Adams Solver (.adm) and View (.cmd), and the FUNCTION that uses it",
     two_dimensional: true,
     rules: &[Interpolation::Akima],
-    between: Between::Linear,
     damping: true,
-    length: 1.0,
-    least_step: 0.0,
     beyond: "straight on (LINEAR_EXTRAPOLATE)",
     write,
+    ..Format::LINEAR
 };
 
 /// Of the SPLINE.

@@ -3,7 +3,6 @@
 use super::interpolation::Interpolation;
 use super::numbers::plain;
 use super::sheet::{Format, Sheet};
-use super::table::Between;
 
 pub static FORMAT: Format = Format {
     name: "csv",
@@ -11,12 +10,9 @@ pub static FORMAT: Format = Format {
     about: "indentation, force and stiffness in columns",
     two_dimensional: true,
     rules: &[Interpolation::Linear, Interpolation::Hermite],
-    between: Between::Linear,
-    damping: false,
-    length: 1.0,
-    least_step: 0.0,
     beyond: "the reader's own; the last slope is in the last row",
     write,
+    ..Format::LINEAR
 };
 
 /// The header is the first line, so that every reader finds it; the head is beside, where no reader trips over it.

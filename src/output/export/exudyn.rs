@@ -2,24 +2,16 @@
 //! (ObjectConnectorCartesianSpringDamper, `springForceUserFunction`: Exudyn's documentation, chapter "Objects
 //! (Connector)"). The plain SpringDamper fails at zero length.
 
-use super::hermite_text::{BEYOND, damping};
-use super::interpolation::Interpolation;
+use super::hermite_text::damping;
 use super::python::module;
 use super::sheet::{Format, Sheet};
-use super::table::Between;
 
 pub static FORMAT: Format = Format {
     name: "exudyn",
     suffix: "_exudyn.py",
     about: "a Python module with a user function for Exudyn's CartesianSpringDamper",
-    two_dimensional: true,
-    rules: &[Interpolation::Hermite],
-    between: Between::Cubic,
-    damping: true,
-    length: 1.0,
-    least_step: 0.0,
-    beyond: BEYOND,
     write,
+    ..Format::HERMITE
 };
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {

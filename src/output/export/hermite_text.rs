@@ -3,9 +3,6 @@
 use super::numbers::plain;
 use super::sheet::{Sheet, listed};
 
-/// What is beyond the last point of such a function.
-pub const BEYOND: &str = "straight on with the last slope";
-
 /// Values of one array between brackets, eight a line.
 pub fn array(values: &[f64], open: &str, close: &str) -> String {
     format!("{open}\n{}\n{close}", listed(values, 6, "    ", ""))

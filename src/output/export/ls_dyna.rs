@@ -2,24 +2,11 @@
 //! LCINT in fields of ten columns, then pairs in fields of twenty. LS-DYNA draws a curve anew at LCINT even steps
 //! (100 unless told).
 
-use super::interpolation::Interpolation;
 use super::numbers::fitted;
 use super::sheet::{Format, Sheet};
-use super::table::Between;
 
-pub static FORMAT: Format = Format {
-    name: "ls-dyna",
-    suffix: ".k",
-    about: "*DEFINE_CURVE for LS-DYNA",
-    two_dimensional: false,
-    rules: &[Interpolation::Linear],
-    between: Between::Linear,
-    damping: false,
-    length: 1.0,
-    least_step: 0.0,
-    beyond: "straight on with the last slope",
-    write,
-};
+pub static FORMAT: Format =
+    Format { name: "ls-dyna", suffix: ".k", about: "*DEFINE_CURVE for LS-DYNA", write, ..Format::LINEAR };
 
 /// Even steps: of a range that is a third gap the first one is 1/6000 of the largest indentation.
 const STEPS: u32 = 10_000;

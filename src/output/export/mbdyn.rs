@@ -2,23 +2,16 @@
 //! x and y, straight lines, beyond the ends the last slope unless `do not extrapolate`; the constitutive law
 //! `scalar function elastic` uses it.
 
-use super::interpolation::Interpolation;
 use super::numbers::plain;
 use super::sheet::{Format, Sheet};
-use super::table::Between;
 
 pub static FORMAT: Format = Format {
     name: "mbdyn",
     suffix: ".mbd",
     about: "a multilinear scalar function for MBDyn",
-    two_dimensional: false,
-    rules: &[Interpolation::Linear],
-    between: Between::Linear,
-    damping: false,
     length: 1e-3,
-    least_step: 0.0,
-    beyond: "straight on with the last slope",
     write,
+    ..Format::LINEAR
 };
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {

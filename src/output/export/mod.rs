@@ -3,6 +3,8 @@
 pub mod numbers;
 pub mod interpolation;
 pub mod source;
+mod samples;
+mod breakpoints;
 pub mod table;
 pub mod impact;
 pub mod sheet;

@@ -5,11 +5,9 @@
 //! and the rows; CombiTable1Ds has indentation and force in its columns, CombiTable2Ds the indentations in its
 //! first column and the clearances in its first row.
 
-use super::hermite_text::BEYOND;
 use super::interpolation::Interpolation;
 use super::numbers::{plain, rounded};
 use super::sheet::{Format, Sheet, listed};
-use super::table::Between;
 
 pub static FORMAT: Format = Format {
     name: "modelica",
@@ -17,12 +15,10 @@ pub static FORMAT: Format = Format {
     about: "a Modelica package with functions of its own, and a text for CombiTable1Ds or CombiTable2Ds",
     two_dimensional: true,
     rules: &[Interpolation::Hermite, Interpolation::Steffen, Interpolation::Linear],
-    between: Between::Linear,
     damping: true,
     length: 1e-3,
-    least_step: 0.0,
-    beyond: BEYOND,
     write,
+    ..Format::LINEAR
 };
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {

@@ -4,20 +4,15 @@
 use super::interpolation::Interpolation;
 use super::numbers::plain;
 use super::sheet::{Format, Sheet};
-use super::table::Between;
 
 pub static FORMAT: Format = Format {
     name: "motionsolve",
     suffix: ".xml",
     about: "a Reference_Spline for MotionSolve",
-    two_dimensional: false,
     rules: &[Interpolation::Akima, Interpolation::Linear],
-    between: Between::Linear,
-    damping: false,
-    length: 1.0,
-    least_step: 0.0,
     beyond: "straight on (linear_extrap)",
     write,
+    ..Format::LINEAR
 };
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {

@@ -5,23 +5,16 @@
 //! force over penetration, TABG one of the clearance over time. TABLED1: straight lines, beyond the ends the last
 //! two points.
 
-use super::interpolation::Interpolation;
 use super::numbers::fitted;
 use super::sheet::{Format, Sheet};
-use super::table::Between;
 
 pub static FORMAT: Format = Format {
     name: "nastran",
     suffix: ".bdf",
     about: "NLRGAP with TABLED1, and PBUSHT, for Nastran and OptiStruct",
-    two_dimensional: false,
-    rules: &[Interpolation::Linear],
-    between: Between::Linear,
-    damping: false,
-    length: 1.0,
-    least_step: 0.0,
     beyond: "straight on through the last two points",
     write,
+    ..Format::LINEAR
 };
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {

@@ -3,23 +3,17 @@
 //! between points that are less than 1e-7 apart (TINY_NUMBER of its source), here 1e-4 mm: it needs a longer first
 //! step.
 
-use super::interpolation::Interpolation;
 use super::numbers::plain;
 use super::sheet::{Format, Sheet};
-use super::table::Between;
 
 pub static FORMAT: Format = Format {
     name: "opensim",
     suffix: "_opensim.xml",
     about: "a PiecewiseLinearFunction for OpenSim",
-    two_dimensional: false,
-    rules: &[Interpolation::Linear],
-    between: Between::Linear,
-    damping: false,
     length: 1e-3,
     least_step: 1e-4,
-    beyond: "straight on with the last slope",
     write,
+    ..Format::LINEAR
 };
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {

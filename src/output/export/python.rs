@@ -1,23 +1,15 @@
 //! `python`: one module without dependencies: `force` and `stiffness`, cubic Hermite between the points.
 
-use super::hermite_text::{BEYOND, array, clearance_nodes, damping, rows};
-use super::interpolation::Interpolation;
+use super::hermite_text::{array, clearance_nodes, damping, rows};
 use super::numbers::plain;
 use super::sheet::{Format, Sheet};
-use super::table::Between;
 
 pub static FORMAT: Format = Format {
     name: "python",
     suffix: ".py",
     about: "one Python module without dependencies: force and stiffness",
-    two_dimensional: true,
-    rules: &[Interpolation::Hermite],
-    between: Between::Cubic,
-    damping: true,
-    length: 1.0,
-    least_step: 0.0,
-    beyond: BEYOND,
     write,
+    ..Format::HERMITE
 };
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {

@@ -5,20 +5,15 @@
 use super::interpolation::Interpolation;
 use super::numbers::plain;
 use super::sheet::{Format, Sheet};
-use super::table::Between;
 
 pub static FORMAT: Format = Format {
     name: "recurdyn",
     suffix: "_recurdyn.csv",
     about: "two columns for a spline of RecurDyn or Ansys Motion",
-    two_dimensional: false,
     rules: &[Interpolation::Akima, Interpolation::Linear],
-    between: Between::Linear,
-    damping: false,
-    length: 1.0,
-    least_step: 0.0,
     beyond: "the spline's own: choose linear",
     write,
+    ..Format::LINEAR
 };
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {

@@ -33,6 +33,32 @@ pub struct Format {
     pub write: fn(&Sheet) -> Vec<(&'static str, String)>,
 }
 
+impl Format {
+    /// For one clearance, in mm, with straight lines between points and beyond the last one: formats say where they differ.
+    pub const LINEAR: Format = Format {
+        name: "",
+        suffix: "",
+        about: "",
+        two_dimensional: false,
+        rules: &[Interpolation::Linear],
+        between: Between::Linear,
+        damping: false,
+        length: 1.0,
+        least_step: 0.0,
+        beyond: "straight on with the last slope",
+        write: |_| Vec::new(),
+    };
+
+    /// For functions of its own: cubics over indentation and clearance, and damping.
+    pub const HERMITE: Format = Format {
+        two_dimensional: true,
+        rules: &[Interpolation::Hermite],
+        between: Between::Cubic,
+        damping: true,
+        ..Format::LINEAR
+    };
+}
+
 /// Everything a file is made of.
 pub struct Sheet {
     /// An identifier.
@@ -69,6 +95,11 @@ impl Sheet {
     /// Pairs of a table for one clearance, with the gap.
     pub fn pairs(&self) -> Vec<(f64, f64)> {
         self.with_gap().into_iter().zip(self.forces_with_gap(0)).collect()
+    }
+
+    /// Pairs of a table for one clearance, a line each: the force, a comma, the indentation.
+    pub fn lines_of_force_first(&self) -> String {
+        self.pairs().into_iter().map(|(x, y)| format!("{}, {}\n", plain(y), plain(x))).collect()
     }
 
     pub fn is_family(&self) -> bool {

@@ -1,23 +1,18 @@
 //! `simscape`: a script with the vectors of a lookup table (PS Lookup Table, 1-D and 2-D Lookup Table, interp1,
 //! interp2), m and N.
 
-use super::interpolation::Interpolation;
 use super::numbers::{plain, rounded};
 use super::sheet::{Format, Sheet};
-use super::table::Between;
 
 pub static FORMAT: Format = Format {
     name: "simscape",
     suffix: ".m",
     about: "a MATLAB script with breakpoints and table for Simscape's and Simulink's lookup tables",
     two_dimensional: true,
-    rules: &[Interpolation::Linear],
-    between: Between::Linear,
-    damping: false,
     length: 1e-3,
-    least_step: 0.0,
     beyond: "the block's own: choose Linear",
     write,
+    ..Format::LINEAR
 };
 
 fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {

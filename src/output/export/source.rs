@@ -1,12 +1,10 @@
 //! Which designs of a result become a table, over which range, and whether their rows allow it.
 
-use std::path::Path;
-
 use crate::engine::body_request::concentric;
 use crate::error::Error;
 use crate::output::results::{Results, TableRow};
 use crate::study::columns::{Cell, Column, Quantity, joint_columns};
-use crate::study::config::{MethodChoice, SolveOptions, solve_options};
+use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::JointDesign;
 
 /// Which designs.
@@ -62,7 +60,7 @@ pub struct Source {
 /// Rows named in a complaint.
 const NAMED_ROWS: usize = 5;
 
-fn refuse<T>(what: impl Into<String>, problem: impl Into<String>) -> Result<T, Error> {
+pub fn refuse<T>(what: impl Into<String>, problem: impl Into<String>) -> Result<T, Error> {
     Err(Error::Export { what: what.into(), problem: problem.into() })
 }
 
@@ -76,7 +74,7 @@ impl Source {
         up_to: Option<f64>,
         allow_warned: bool,
     ) -> Result<Source, Error> {
-        let solve = solve_options(Path::new(&results.origin.inputs.path), &results.origin.inputs.text)?;
+        let solve = results.asked()?.solve;
         if solve.method == MethodChoice::ClosedForm {
             let problem = "it holds closed forms, which know nothing of the plate; export wants `auto`, `series` or `fe`";
             return refuse(results.dir().display().to_string(), problem);

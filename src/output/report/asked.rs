@@ -2,7 +2,7 @@
 
 use super::curves::readable;
 use super::html::facts;
-use super::scan::{Extremes, Input};
+use super::tallies::{Extremes, Input};
 use super::{Report, html};
 use crate::output::chart::text::{escaped, number, percent, plural};
 

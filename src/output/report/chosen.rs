@@ -1,7 +1,9 @@
 //! The designs whose curves are drawn: named ones, or a handful spread over the sweep; their curves made again.
 
 use super::laws::{DrawnLaw, calibrated, published};
-use super::scan::{Row, SampledDesign, Scan, Value};
+use super::sample::{Row, SampledDesign};
+use super::scan::Scan;
+use super::tallies::Value;
 use crate::engine::outcome::Response;
 use crate::joint::{Curve, Joint};
 use crate::output::chart::axis::range;

@@ -2,7 +2,7 @@
 
 use super::chosen::{Chosen, inputs_in_words, is_log};
 use super::html::{self, Cell, charts, figure};
-use super::scan::{Answer, Row};
+use super::sample::{Answer, Row};
 use super::{Report, laws::DrawnLaw};
 use crate::engine::outcome::Response;
 use crate::output::chart::text::number;

@@ -2,7 +2,7 @@
 
 use super::Report;
 use super::html::{charts, figure, paragraph, section as html_section};
-use super::scan::Distribution;
+use super::tallies::Distribution;
 use crate::output::chart::text::{percent, plural};
 use crate::output::chart::{Axis, LineChart, Marking, Series};
 

@@ -3,7 +3,7 @@
 use crate::engine::ladder::Ladder;
 use crate::engine::law_fit::laws_of_all;
 use crate::engine::outcome::DesignLaws;
-use crate::mechanics::laws::{LAWS, Pair};
+use crate::mechanics::laws::LAWS;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::{DesignCase, JointDesign};
 
@@ -53,15 +53,7 @@ pub fn calibrated(
 /// Published laws, as far as they have a curve for these bodies, judged by points of the joint's own curve: indentation
 /// and force.
 pub fn published(joint: &JointDesign, points: &[(f64, f64)]) -> Vec<DrawnLaw> {
-    let pair = Pair::new(
-        joint.hole_radius,
-        joint.radial_clearance,
-        joint.thickness,
-        &joint.pin.material,
-        &joint.plate.material,
-        joint.idealization,
-    );
-    let Ok(pair) = pair else { return Vec::new() };
+    let Ok(pair) = joint.pair() else { return Vec::new() };
     let thickness = joint.thickness;
     let drawn = LAWS.into_iter().filter_map(|law| {
         let curve = law.curve(&pair).ok()?;

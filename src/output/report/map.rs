@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use super::Report;
 use super::curves::readable;
 use super::html::{charts, figure, paragraph, section as html_section};
-use super::scan::{Input, SampledDesign, Value};
+use super::sample::{Row, SampledDesign};
+use super::tallies::{Input, Value};
 use crate::output::chart::text::number;
 use crate::output::chart::{Axis, Cell, MapAxis, MapChart, Spacing};
 
@@ -191,7 +192,7 @@ fn grid(report: &Report, along: &Along) -> Option<Grid> {
         }
         Along::Load { is_force } => {
             let of_row = |design: &SampledDesign| -> Vec<f64> {
-                let load = |row: &super::scan::Row| if is_force { row.force } else { row.indentation };
+                let load = |row: &Row| if is_force { row.force } else { row.indentation };
                 design.rows.iter().map(load).collect()
             };
             let mut loads: Vec<f64> =

@@ -3,6 +3,8 @@
 //! The table is read once, row by row; curves of a few designs are computed again from their joints.
 
 pub mod html;
+pub mod tallies;
+pub mod sample;
 pub mod scan;
 mod sensitivity;
 pub mod laws;
@@ -16,8 +18,6 @@ mod misfit;
 mod errors;
 mod failures;
 mod origin;
-
-use std::path::Path;
 
 use crate::error::Error;
 use crate::output::chart::style::{page_variables, style_sheet};
@@ -56,8 +56,8 @@ pub fn page(results: &Results, designs: &[u64]) -> Result<String, Error> {
         let header = format!("<header>\n<h1>{}</h1>\n</header>\n", escaped(&title));
         return Ok(whole(&title, &[header, answers, sensitivity, origin::section(results)].concat()));
     }
-    let asked = Asked::from_text(Path::new(&results.origin.inputs.path), &results.origin.inputs.text)?;
-    let scan = Scan::read(results, &designs)?;
+    let asked = results.asked()?;
+    let scan = Scan::read(results, asked.solve.accuracy, &designs)?;
     let chosen = chosen::choose(&scan, &designs, asked.solve);
     let title = origin::title(results);
     let report = Report { results, title, asked, scan, chosen, named: !designs.is_empty() };

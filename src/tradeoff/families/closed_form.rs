@@ -6,7 +6,6 @@ use crate::mechanics::laws::{Curve, LAWS, Law};
 use crate::study::design::{DesignCase, Load};
 use crate::tradeoff::answer::State;
 use crate::tradeoff::choice::{Choice, Family, Scope, Solution};
-use crate::tradeoff::joints::pair;
 
 pub static FAMILY: Family = Family { name: "closed-form", about: "closed forms", parameter: "", choices };
 
@@ -21,7 +20,7 @@ fn solve(law: &Law, cases: &[DesignCase]) -> Solution {
     let states = cases
         .iter()
         .map(|case| {
-            let curve = pair(&case.joint).and_then(|pair| law.curve(&pair).ok());
+            let curve = case.joint.pair().and_then(|pair| law.curve(&pair)).ok();
             case.steps.iter().map(|load| state(curve.as_ref()?, *load, case.joint.thickness)).collect()
         })
         .collect();
