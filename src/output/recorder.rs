@@ -16,6 +16,7 @@ use crate::output::folder::{Claim, MANIFEST, SAFE, table_name};
 use crate::output::laws_table::LawsTable;
 use crate::output::manifest::{self, Conditions, Counts, Manifest, Origin, Shard, State};
 use crate::output::reduce::Reductions;
+use crate::output::schema::{TableColumn, result_columns};
 use crate::output::shard;
 use crate::output::sink::{Sink, SinkFile};
 use crate::output::table::settle;
@@ -28,6 +29,8 @@ use crate::study::reduce::Reduce;
 /// What the outcomes of a run go to.
 pub struct Sinks {
     all: Vec<Box<dyn Sink>>,
+    /// The columns of results.
+    results: Vec<TableColumn>,
     select: Option<Expression>,
     filter: Option<Filter>,
     reduce: Option<Reduce>,
@@ -59,7 +62,8 @@ impl Sinks {
             all.push(Box::new(LawsTable));
         }
         let (select, reduce) = (study.select.clone(), study.reduce.clone());
-        Sinks { all, filter: Filter::of(study), select, reduce, portion: portion(study), cut: cut(study) }
+        let (filter, results) = (Filter::of(study), result_columns());
+        Sinks { all, results, filter, select, reduce, portion: portion(study), cut: cut(study) }
     }
 
     /// Designs whose rows are made together.
@@ -69,7 +73,7 @@ impl Sinks {
 
     /// Rows of designs that follow each other, made by any thread.
     pub fn rows(&self, mut outcomes: Vec<DesignOutcome>) -> Rows {
-        settle(&mut outcomes);
+        settle(&self.results, &mut outcomes);
         let (mut counts, mut answers) = (Counts::default(), self.answers());
         for outcome in &mut outcomes {
             counts.add(outcome);

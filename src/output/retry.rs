@@ -14,6 +14,7 @@ use crate::output::folder::{Claim, MANIFEST, TABLE};
 use crate::output::host::Program;
 use crate::output::manifest::{self, Counts, FileEntry, State};
 use crate::output::results::Results;
+use crate::output::schema::result_columns;
 use crate::output::sink::{Sink, SinkFile};
 use crate::output::table::{Table, settle};
 use crate::study::columns::{DESIGN, Quantity};
@@ -85,7 +86,7 @@ pub struct NewRow {
 
 /// The rows of designs that were solved again.
 pub fn new_rows(table: &Table, mut outcomes: Vec<DesignOutcome>) -> Vec<NewRow> {
-    settle(&mut outcomes);
+    settle(&result_columns(), &mut outcomes);
     let of_step = |outcome: &DesignOutcome, step: usize| {
         let mut one = outcome.clone();
         (one.steps, one.case.steps) = (vec![outcome.steps[step]], vec![outcome.case.steps[step]]);

@@ -6,7 +6,7 @@ use crate::engine::outcome::{DesignOutcome, StepOutcome};
 use crate::engine::status::{Failure, Status};
 use crate::output::folder::TABLE;
 use crate::output::number::{push_exact, push_rounded};
-use crate::output::schema::{Kind, TableColumn, columns_of, non_finite, result_columns, table_columns};
+use crate::output::schema::{Kind, TableColumn, columns_of, non_finite, table_columns};
 use crate::output::sink::Sink;
 use crate::study::columns::Cell;
 use crate::study::config::Study;
@@ -119,11 +119,10 @@ fn push_inputs(out: &mut Vec<u8>, inputs: &[TableColumn], case: &DesignCase) {
     }
 }
 
-/// A response that is not a number in every part is no response.
-pub fn settle(outcomes: &mut [DesignOutcome]) {
-    let columns = result_columns();
+/// A response that is not a number in every part is no response; `columns` are those of results.
+pub fn settle(columns: &[TableColumn], outcomes: &mut [DesignOutcome]) {
     for step in outcomes.iter_mut().flat_map(|outcome| &mut outcome.steps) {
-        if let Some(name) = step.response.and_then(|response| non_finite(&columns, &response)) {
+        if let Some(name) = step.response.and_then(|response| non_finite(columns, &response)) {
             *step = StepOutcome::failed(Failure::NotFinite(name));
         }
     }
@@ -154,6 +153,7 @@ mod tests {
     use crate::mechanics::body::{annulus, half_disc};
     use crate::mechanics::laws::LawError;
     use crate::mechanics::material::{Idealization, Material};
+    use crate::output::schema::result_columns;
     use crate::study::design::{JointDesign, Part};
 
     const RESPONSE: Response = Response {
@@ -181,7 +181,7 @@ mod tests {
         };
         let case = DesignCase { index: 7, joint, steps: loads.to_vec() };
         let mut outcomes = [DesignOutcome::new(case, Answer { backend: BackendKind::Cpu, steps })];
-        settle(&mut outcomes);
+        settle(&result_columns(), &mut outcomes);
         String::from_utf8(Table::default().rows(&outcomes)).unwrap()
     }
 
