@@ -36,7 +36,7 @@ use jointsweep::internals::mechanics::contact::outlines::Outlines;
 use jointsweep::internals::mechanics::material::Idealization;
 use jointsweep::internals::mechanics::real::LANES;
 use jointsweep::internals::output::host::{Host, processor_seconds};
-use jointsweep::internals::output::recorder::Sinks;
+use jointsweep::internals::output::sinks::Sinks;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
 
 /// Runs of which the median is taken, and the least time of each, s.

@@ -17,10 +17,11 @@ use jointsweep::internals::output::folder::{
 };
 use jointsweep::internals::output::manifest::Conditions;
 use jointsweep::internals::output::parquet_table::ParquetTable;
-use jointsweep::internals::output::recorder::{Recorder, Rows, Sinks};
+use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::output::report;
 use jointsweep::internals::output::results::{Results, TableRow};
 use jointsweep::internals::output::sink::Sink;
+use jointsweep::internals::output::sinks::{Rows, Sinks};
 use jointsweep::internals::output::table_sink::{portion, table_sink};
 use jointsweep::internals::study::columns::Quantity;
 use jointsweep::internals::study::config::Study;

@@ -6,8 +6,9 @@ use std::path::Path;
 
 use jointsweep::internals::engine::cost::Estimate;
 use jointsweep::internals::engine::explain::percent;
+use jointsweep::internals::output::counts::Counts;
 use jointsweep::internals::output::folder::{MANIFEST, TABLES};
-use jointsweep::internals::output::manifest::{Counts, Manifest, Origin, Shard};
+use jointsweep::internals::output::manifest::{Manifest, Origin, Shard};
 
 /// The most causes of failure that are listed; the table has them all.
 const CAUSES: usize = 10;

@@ -7,8 +7,9 @@ use jointsweep::Error;
 use jointsweep::internals::engine::shares::share;
 use jointsweep::internals::output::folder::{Claim, Permissions, ResultFolder, Verdict};
 use jointsweep::internals::output::manifest::{Conditions, Inputs, Origin, Shard};
-use jointsweep::internals::output::recorder::{Recorder, Sinks};
+use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::output::shard::{MOST_SHARDS, ShardFile};
+use jointsweep::internals::output::sinks::Sinks;
 use jointsweep::internals::study::config::Study;
 
 use super::run::{already_done, ending, go_on, record};

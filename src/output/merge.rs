@@ -5,8 +5,9 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::error::Error;
+use crate::output::counts::Counts;
 use crate::output::folder::{Claim, MANIFEST, Permissions, RUN, ResultFolder, TABLE_PARQUET, Verdict};
-use crate::output::manifest::{self, Counts, FileEntry, Inputs, Origin, Shard, State};
+use crate::output::manifest::{self, FileEntry, Inputs, Origin, Shard, State};
 use crate::output::parquet_table::ParquetTable;
 use crate::output::reduce::Reductions;
 use crate::output::shard::{ShardFile, Survey, file_name, ranges, survey};

@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 
 use crate::engine::outcome::DesignOutcome;
 use crate::error::Error;
+use crate::output::counts::Counts;
 use crate::output::folder::{Claim, MANIFEST, TABLE};
 use crate::output::host::Program;
-use crate::output::manifest::{self, Counts, FileEntry, State};
+use crate::output::manifest::{self, FileEntry, State};
 use crate::output::results::Results;
 use crate::output::schema::result_columns;
 use crate::output::sink::{Sink, SinkFile};

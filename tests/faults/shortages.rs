@@ -83,6 +83,7 @@ fn an_output_that_takes_nothing_is_an_error_of_every_verb() {
         &["calibrate", "one.toml", "--measured", "points.csv", "--fit", "plate_youngs_modulus"],
         &["sensitivity", "sweep.toml", "--samples", "64"],
         &["submit", "sweep.toml", "--shards", "2", "--out", "cluster", "--dry-run"],
+        &["resubmit", "cluster", "--missing", "--dry-run"],
         &["init", "new.toml"],
         &["completions", "bash"],
         &["man"],
@@ -99,7 +100,7 @@ fn an_output_that_takes_nothing_is_an_error_of_every_verb() {
         }
         verbs += 1;
     }
-    assert_eq!(verbs, 25);
+    assert_eq!(verbs, 26);
     for name in ["out/sweep/table.csv", "bench/sweep.csv", "tradeoff/tradeoff.csv"] {
         assert!(work.path(name).exists(), "{name}");
     }
