@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::config;
 use crate::workdir::{Ended, Workdir};
 
-const DESIGNS: usize = 20_000;
+const DESIGNS: usize = 8_000;
 
 const ANSWERS: &str = r#"
 [select]

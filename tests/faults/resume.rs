@@ -8,7 +8,7 @@ use crate::random::Random;
 use crate::workdir::{Ended, Workdir};
 
 /// Some seconds of a machine with two cores, in a table of many megabytes.
-const DESIGNS: usize = 40_000;
+const DESIGNS: usize = 20_000;
 
 /// Kills a run after so long, and says how it ended.
 fn killed_after(work: &Workdir, seconds: f64, arguments: &[&str]) -> Ended {
@@ -73,14 +73,22 @@ fn a_run_killed_at_any_moments_ends_with_the_bytes_of_one_in_a_piece() {
     );
 }
 
+/// Of a run that is to be killed long before its end, also by a quick machine.
+const MANY: usize = 50_000;
+
 /// An unfinished result with some rows in it.
 fn unfinished(work: &Workdir) {
-    work.write("sweep.toml", &config(DESIGNS));
-    let mut seconds = 0.4;
-    while done(work, "result") < 1000 {
-        let ended = killed_after(work, seconds, &["run", "sweep.toml", "--out", "result"]);
+    work.write("sweep.toml", &config(MANY));
+    kill_until(work, |designs| designs >= 1000);
+}
+
+/// Kills runs, each a little later, until so many designs are done.
+fn kill_until(work: &Workdir, is_enough: impl Fn(u64) -> bool) {
+    let mut seconds = 0.3;
+    while !is_enough(done(work, "result")) {
+        let ended = killed_after(work, seconds, &["run", "sweep.toml", "--out", "result", "--threads", "1"]);
         assert_eq!(ended.code, None, "{}", ended.stderr);
-        seconds += 0.2;
+        seconds += 0.1;
     }
 }
 
@@ -131,14 +139,12 @@ fn rows_that_never_reached_the_disk_are_made_again_from_the_last_safe_moment_on(
     work.write("result/manifest.safe.json.partial", &safe);
     let designs = done(&work, "result");
     let bytes = work.json("result/manifest.json.partial")["files"][0]["bytes"].as_u64().unwrap() as usize;
-    while done(&work, "result") == designs {
-        assert_eq!(killed_after(&work, 1.0, &["run", "sweep.toml", "--out", "result"]).code, None);
-    }
+    kill_until(&work, |done| done > designs);
     let rows = std::fs::read(work.path("result/table.csv.partial")).unwrap();
     assert!(rows.len() > bytes);
     std::fs::write(work.path("result/table.csv.partial"), &rows[..bytes + 100]).unwrap();
     let ended = work.run(&["run", "sweep.toml", "--out", "result"]).expect(0);
-    let told = format!("{designs} of {DESIGNS} designs were done before; going on");
+    let told = format!("{designs} of {MANY} designs were done before; going on");
     assert!(ended.stderr.contains(&told) && ended.stderr.contains("is not what it was"), "{}", ended.stderr);
     work.run(&["run", "sweep.toml", "--out", "whole"]).expect(0);
     assert!(work.read("result/table.csv") == work.read("whole/table.csv"));
@@ -179,11 +185,7 @@ fn a_list_that_was_changed_in_between_is_another_sweep() {
     let rows: String = (0..60_000).map(|i| row(0.01 + 1e-6 * f64::from(i))).collect();
     work.write("list.csv", &format!("{header}{rows}"));
     work.write("sweep.toml", "[designs]\nfile = \"list.csv\"\n[solve]\nmethod = \"series\"\n");
-    let mut seconds = 0.6;
-    while done(&work, "result") == 0 {
-        assert_eq!(killed_after(&work, seconds, &["run", "sweep.toml", "--out", "result"]).code, None);
-        seconds += 0.3;
-    }
+    kill_until(&work, |designs| designs > 0);
     work.write("list.csv", &format!("{header}{}", rows.replacen("0.010001", "0.010002", 1)));
     let ended = work.run(&["run", "sweep.toml", "--out", "result"]).expect(1);
     assert!(ended.stderr.contains("for another list of designs"), "{}", ended.stderr);

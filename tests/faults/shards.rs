@@ -149,7 +149,7 @@ fn shards_of_different_sweeps_are_not_mixed() {
 #[test]
 fn a_shard_that_is_started_twice_or_killed_is_made_once() {
     let work = Workdir::new("shards-twice");
-    work.write("sweep.toml", &config(60_000));
+    work.write("sweep.toml", &config(30_000));
     work.run(&["run", "sweep.toml", "--out", "whole"]).expect(0);
     let table = work.read("whole/table.csv");
     let arguments = |number: u64| {
