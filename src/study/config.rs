@@ -156,7 +156,7 @@ impl Study {
         Ok(Study { title, solve, interpolation, select, reduce, output, designs, source })
     }
 
-    /// The same joint in a design for sensitivity indices instead of what [sampling] says, under one load step (from 1; the
+    /// The same joint in a design for sensitivity indices instead of what `[sampling]` says, under one load step (from 1; the
     /// last one where none is named) and without laws.
     pub fn for_sensitivity(mut self, samples: u64, seed: u64, step: Option<u64>) -> Result<Study, Error> {
         let refuse =
@@ -179,7 +179,7 @@ impl Study {
         Ok(self)
     }
 
-    /// What sweeps, by its keys in [joint], as listed; nothing for a list of designs.
+    /// What sweeps, by its keys in `[joint]`, as listed; nothing for a list of designs.
     pub fn factors(&self) -> Vec<&str> {
         match &self.designs {
             Designs::Sampled { recipe, .. } => recipe.factors(),
