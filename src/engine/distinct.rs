@@ -5,8 +5,8 @@ use std::hash::{BuildHasher, Hash};
 use foldhash::HashSet;
 use foldhash::fast::FixedState;
 
-/// Exact up to this many; beyond, an estimate to some 0.2 %.
-const KEPT: usize = 1 << 20;
+/// Exact up to this many; beyond, an estimate to some 0.5 %. What is kept stays in the processor's cache.
+const KEPT: usize = 1 << 16;
 
 /// Keeps hashes; when they become too many, only those that end with so many zeros, which are as many times fewer (Flajolet, "On
 /// adaptive sampling", Computing 43, 1990).
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_million_are_counted_and_more_are_estimated() {
+    fn few_are_counted_and_more_are_estimated() {
         let mut distinct = Distinct::default();
         for number in 0..KEPT as u64 {
             distinct.meet(&number);
@@ -53,6 +53,6 @@ mod tests {
         assert!(distinct.hashes.len() <= KEPT);
         let error = distinct.count() as f64 / 5e6 - 1.0;
         // Four times the standard deviation; seen: 0.06 %.
-        assert!(error.abs() < 0.006, "{error}");
+        assert!(error.abs() < 0.02, "{error}");
     }
 }

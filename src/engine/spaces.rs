@@ -22,7 +22,7 @@ pub struct SpaceKey {
 }
 
 /// Counts of nodes.
-pub const NODE_CHOICES: [usize; 5] = [24, 32, 48, 64, 96];
+pub const NODE_CHOICES: [usize; 6] = [16, 24, 32, 48, 64, 96];
 
 /// Beside beds.
 const NODES_OF_BEDS: usize = 64;
@@ -49,7 +49,7 @@ impl SpaceKey {
     pub fn beside(thinnest: f64, half_ring: bool, accuracy: f64, half_angle: f64) -> SpaceKey {
         // For deep, middling and thin walls terms and nodes.
         let of_depth = match accuracy {
-            _ if accuracy >= 1e-2 => [(6, 24), (6, 32), (10, 48)],
+            _ if accuracy >= 1e-2 => [(6, 16), (6, 24), (10, 48)],
             _ if accuracy >= 1e-4 && half_angle < WIDE => [(6, 24), (6, 32), (16, 48)],
             _ if accuracy >= 1e-4 => [(10, 24), (10, 32), (16, 48)],
             _ => [(10, 48), (16, 48), (24, 64)],

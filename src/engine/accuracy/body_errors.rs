@@ -14,7 +14,7 @@ pub struct JudgedBody<'a> {
     pub body: &'a Body,
     pub source: ErrorSource<'a>,
     /// Its part of the joint's compliance.
-    pub part: JointCompliance<'static>,
+    pub part: JointCompliance<'a>,
 }
 
 /// What tells the error of a body.

@@ -23,9 +23,11 @@ const WIDEST: f64 = 1.8;
 
 /// Bound of the relative error of the force that a fit leaves.
 pub struct FitBound {
-    /// By contact half angle, descending, rad: for walls that are not thin and for those that are. With what the meshes leave, where
-    /// these are not of a `known_level`.
-    bounds: Vec<(f64, [f64; 2])>,
+    /// Contact half angles, descending, rad.
+    angles: Vec<f64>,
+    /// At each of them: for walls that are not thin and for those that are. With what the meshes leave, where these are not of a
+    /// `known_level`.
+    bounds: Vec<[f64; 2]>,
     /// Of the meshes the fit was made on, what is known of each body.
     known_level: Option<usize>,
 }
@@ -53,14 +55,14 @@ impl FitBound {
         }
         let bounds = of_most.into_iter().zip(of_thin).map(|(of_most, of_thin)| [of_most, of_thin]);
         let angles = space.arcs().iter().map(|arc| arc.half_angle);
-        FitBound { bounds: angles.zip(bounds).collect(), known_level }
+        FitBound { angles: angles.collect(), bounds: bounds.collect(), known_level }
     }
 
     /// Of a body.
     pub fn of(&self, body: &Body) -> BodyBound<'_> {
         let known = |level| known_errors(body, level).copied().unwrap_or([f64::INFINITY; _]);
         BodyBound {
-            bounds: &self.bounds,
+            of_fit: self,
             place: usize::from(is_thin(body)),
             of_mesh: self.known_level.map_or([0.0; _], known),
         }
@@ -68,13 +70,14 @@ impl FitBound {
 
     /// At the arcs that contact comes to, of walls that are not thin, without what is known of the meshes.
     pub fn near(&self) -> impl Iterator<Item = f64> {
-        self.bounds.iter().filter(|(half_angle, _)| *half_angle < WIDEST).map(|(_, [of_most, _])| *of_most)
+        let near = self.angles.iter().zip(&self.bounds).filter(|(half_angle, _)| **half_angle < WIDEST);
+        near.map(|(_, [of_most, _])| *of_most)
     }
 }
 
 /// The same of one body.
 pub struct BodyBound<'a> {
-    bounds: &'a [(f64, [f64; 2])],
+    of_fit: &'a FitBound,
     place: usize,
     /// Of the meshes the fit was made on.
     of_mesh: Known,
@@ -84,9 +87,11 @@ impl BodyBound<'_> {
     /// At a contact half angle, rad: of the fit the greater of the bounds around it. What meshes leave of the samples and what the
     /// fit leaves between them have nothing to do with each other.
     pub fn at(&self, half_angle: f64) -> f64 {
-        let below = self.bounds.partition_point(|(angle, _)| *angle > half_angle);
-        let around = &self.bounds[below.saturating_sub(1)..(below + 1).min(self.bounds.len())];
-        let of_fit = around.iter().fold(0.0, |worst: f64, (_, bounds)| worst.max(bounds[self.place]));
+        let FitBound { angles, bounds, .. } = self.of_fit;
+        // Few as they are, to count is quicker than to search.
+        let below = angles.iter().filter(|angle| **angle > half_angle).count();
+        let around = &bounds[below.saturating_sub(1)..(below + 1).min(bounds.len())];
+        let of_fit = around.iter().fold(0.0, |worst: f64, bounds| worst.max(bounds[self.place]));
         let of_mesh = self.of_mesh[column(half_angle)];
         (of_fit * of_fit + of_mesh * of_mesh).sqrt()
     }

@@ -21,8 +21,9 @@ pub struct FittedFamily {
     pub fit: BodyFit,
     side: Side,
     basis: Basis,
-    /// In each space that was prepared the compliances of its members, and what unit tilt adds to those of a pin.
-    in_spaces: HashMap<SpaceKey, [Vec<f64>; 2]>,
+    /// In each space that was prepared, what `even`, `odd` and the amplitude of each member add to a compliance, and behind that what
+    /// they add to that of a pin by unit tilt.
+    in_spaces: HashMap<SpaceKey, Vec<f64>>,
     pub bound: FitBound,
     /// Bodies solved for it, on every mesh.
     pub solved: u64,
@@ -131,47 +132,52 @@ impl Family {
 impl FittedFamily {
     /// Makes what joints in these spaces need.
     pub fn prepare(&mut self, keys: impl Iterator<Item = SpaceKey>, spaces: &mut Spaces) {
+        let infinite = |even, odd| BodyCompliance { even, odd, boundary: Boundary::Bed(0.0) };
+        let member =
+            |numbers| BodyCompliance { boundary: self.basis.boundary(numbers), ..infinite(0.0, 0.0) };
+        let unit: Vec<BodyCompliance> = [infinite(1.0, 0.0), infinite(0.0, 1.0)]
+            .into_iter()
+            .chain(self.fit.members().map(member))
+            .collect();
         for key in keys {
-            let mut images = |tilt: f64| {
-                self.fit.images(|numbers: &[f64]| {
-                    let boundary = self.basis.boundary(numbers);
-                    let member = BodyCompliance { even: 0.0, odd: 0.0, boundary };
-                    spaces.prepare([(key, &member)].into_iter());
-                    spaces.get(key).pressures.joint(&[(&member, 1.0)], tilt).values.into_owned()
-                })
+            spaces.prepare(unit.iter().map(|unit| (key, unit)));
+            let pressures = &spaces.get(key).pressures;
+            let compliances = |tilt: f64| {
+                unit.iter().flat_map(move |unit| pressures.joint(&[(unit, 1.0)], tilt).values.into_owned())
             };
-            let normal = images(0.0);
-            let mut tilted = Vec::new();
+            let mut rows: Vec<f64> = compliances(0.0).collect();
             if self.side == Side::Pin {
-                tilted = images(1.0);
-                tilted.iter_mut().zip(&normal).for_each(|(tilted, normal)| *tilted -= normal);
+                let tilted: Vec<f64> =
+                    compliances(1.0).zip(&rows).map(|(tilted, own)| tilted - own).collect();
+                rows.extend(tilted);
             }
-            self.in_spaces.insert(key, [normal, tilted]);
+            self.in_spaces.insert(key, rows);
         }
     }
 
-    /// The part of a joint's compliance of a body with 1/E; `None` where it is outside of the box, and of spaces that were not prepared.
-    pub fn part(
+    /// The part of a joint's compliance of a body with 1/E, kept in `scratch`; `None` where it is outside of the box, and of spaces that
+    /// were not prepared.
+    pub fn part<'a>(
         &self,
         (body, share): (&Body, f64),
         outlines: &Outlines,
         (key, spaces): (SpaceKey, &Spaces),
-        scratch: &mut FitScratch,
-    ) -> Option<JointCompliance<'static>> {
-        let [normal, tilted] = self.in_spaces.get(&key)?;
+        scratch: &'a mut FitScratch,
+    ) -> Option<JointCompliance<'a>> {
+        let rows = self.in_spaces.get(&key)?;
         let point = &coordinates(body)[..coordinate_count(body.shape)];
         if !self.fit.polynomials.contains(point) {
             return None;
         }
-        self.fit.find(point, scratch);
-        let infinite = BodyCompliance::new(body, Boundary::Bed(0.0));
-        let space = spaces.get(key);
-        let tilt = if self.side == Side::Pin { outlines.tilt() } else { 0.0 };
-        let mut part = space.pressures.joint(&[(&infinite, share)], tilt);
-        scratch.add_images(normal, share, part.values.to_mut());
-        if tilt != 0.0 {
-            scratch.add_images(tilted, share * tilt, part.values.to_mut());
+        let numbers = infinite(body);
+        let (is_pin, shares) = (self.side == Side::Pin, [share, share * outlines.tilt()]);
+        let shares = if is_pin { &shares } else { &shares[..1] };
+        let (values, moved) = self.fit.sum(rows, shares, (&numbers, point), scratch);
+        let part = JointCompliance { even: share * numbers[0], bed: 0.0, values: values.into() };
+        if is_pin {
+            return Some(part);
         }
-        Some(if self.side == Side::Pin { part } else { space.on_hole(part, outlines) })
+        spaces.get(key).to_hole(&part, outlines, moved);
+        Some(JointCompliance { values: (&moved[..]).into(), ..part })
     }
 }

@@ -75,7 +75,7 @@ impl Interpolation {
         let solved: Vec<(Option<Answer>, Duration)> = cases
             .par_iter()
             .with_min_len(16)
-            .map_init(FitScratch::default, |scratch, case| {
+            .map_init(Default::default, |scratch, case| {
                 let started = Instant::now();
                 (this.solve_design(spaces, case, scratch), started.elapsed())
             })
@@ -84,7 +84,12 @@ impl Interpolation {
         solved.into_iter().map(|(outcome, _)| outcome).collect()
     }
 
-    fn solve_design(&self, spaces: &Spaces, case: &DesignCase, scratch: &mut FitScratch) -> Option<Answer> {
+    fn solve_design(
+        &self,
+        spaces: &Spaces,
+        case: &DesignCase,
+        scratch: &mut [FitScratch; 2],
+    ) -> Option<Answer> {
         let InterpolationPlan { accuracy, pairs, .. } = &self.plan;
         let [pin, plate] = pair(&case.joint)?;
         let families = pairs.contains(&(pin.0, plate.0)).then_some(self.fitted.as_ref()?)?;
@@ -94,13 +99,14 @@ impl Interpolation {
         let outlines = JointScale::of(&case.joint).outlines;
         let mut key = SpaceKey::coarsest(&pin.1, &plate.1, *accuracy, expected);
         loop {
-            let mut judged = |side: usize| -> Option<JudgedBody> {
+            let judged = |side: usize, scratch| -> Option<JudgedBody> {
                 let (body, part) = bodies[side];
                 let share = 1.0 / part.material.youngs_modulus;
                 let part = fits[side].part((body, share), &outlines, (key, spaces), scratch)?;
                 Some(JudgedBody { body, source: ErrorSource::Fit(&fits[side].bound), part })
             };
-            let judged = [judged(0)?, judged(1)?];
+            let [of_pin, of_plate] = scratch.each_mut();
+            let judged = [judged(0, of_pin)?, judged(1, of_plate)?];
             let space = spaces.get(key);
             let (backend, method) = (BackendKind::Cpu, Method::Interpolated);
             let solving =

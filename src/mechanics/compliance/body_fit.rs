@@ -100,7 +100,10 @@ pub struct FitScratch {
     work: Vec<f64>,
     products: Vec<f64>,
     amplitudes: Vec<f64>,
-    shared: Vec<f64>,
+    weights: Vec<f64>,
+    sum: Vec<f64>,
+    /// What is made of the sum.
+    moved: Vec<f64>,
 }
 
 impl BodyFit {
@@ -163,34 +166,46 @@ impl BodyFit {
 
     /// What is fitted at a point of the box, as the samples are.
     pub fn at(&self, point: &[f64], scratch: &mut FitScratch) -> Vec<f64> {
-        self.find(point, scratch);
         let mut sum = vec![0.0; self.length];
+        self.find(point, scratch);
         add_weighted(&self.members, &scratch.amplitudes, &mut sum);
         sum
     }
 
     /// The amplitudes of the members at a point of the box, left in `scratch`.
-    pub fn find(&self, point: &[f64], scratch: &mut FitScratch) {
+    fn find(&self, point: &[f64], scratch: &mut FitScratch) {
         let FitScratch { work, products, amplitudes, .. } = scratch;
         self.polynomials.values(point, work, products);
         amplitudes.clear();
         amplitudes.resize(stride(self.member_count()), 0.0);
         add_weighted(&self.coefficients, products, amplitudes);
+        amplitudes.truncate(self.member_count());
     }
 
-    /// The members as something else is linear in them: `[member]`, each as `image` has it.
-    pub fn images(&self, image: impl FnMut(&[f64]) -> Vec<f64>) -> Vec<f64> {
-        self.members.chunks_exact(self.length).flat_map(image).collect()
+    /// The sum of rows, times each of these shares in turn the numbers given and then the amplitudes of the members at a point of the
+    /// box. It is kept in `scratch`.
+    pub fn sum<'a>(
+        &self,
+        rows: &[f64],
+        shares: &[f64],
+        (numbers, point): (&[f64], &[f64]),
+        scratch: &'a mut FitScratch,
+    ) -> (&'a [f64], &'a mut Vec<f64>) {
+        self.find(point, scratch);
+        let FitScratch { amplitudes, weights, sum, moved, .. } = scratch;
+        weights.clear();
+        for share in shares {
+            weights.extend(numbers.iter().chain(&*amplitudes).map(|number| share * number));
+        }
+        sum.clear();
+        sum.resize(rows.len() / weights.len(), 0.0);
+        add_weighted(rows, weights, sum);
+        (sum, moved)
     }
-}
 
-impl FitScratch {
-    /// Adds to a sum the images of the members at the point found, times a share.
-    pub fn add_images(&mut self, images: &[f64], share: f64, sum: &mut [f64]) {
-        let FitScratch { amplitudes, shared, .. } = self;
-        shared.clear();
-        shared.extend(amplitudes.iter().map(|amplitude| share * amplitude));
-        add_weighted(images, shared, sum);
+    /// Its members, each as the samples are.
+    pub fn members(&self) -> impl Iterator<Item = &[f64]> {
+        self.members.chunks_exact(self.length)
     }
 }
 
@@ -205,8 +220,9 @@ struct Weighted<'a> {
     sum: &'a mut [f64],
 }
 
-/// Registers that are summed side by side, so that additions do not wait for each other.
-const ABREAST: usize = 4;
+/// Registers that are summed side by side, so that additions do not wait for each other. A compliance to 6 trial pressures, of which
+/// there are most, is a multiple of it.
+const ABREAST: usize = 7;
 
 impl WithSimd for Weighted<'_> {
     type Output = ();

@@ -107,36 +107,36 @@ impl CurveSpace {
     ) -> JointCompliance<'static> {
         match side {
             Side::Pin => self.pressures.joint(bodies, outlines.tilt()),
-            Side::Plate => self.on_hole(self.pressures.joint(bodies, 0.0), outlines),
+            Side::Plate => {
+                let (plate, mut moved) = (self.pressures.joint(bodies, 0.0), Vec::new());
+                self.to_hole(&plate, outlines, &mut moved);
+                JointCompliance { values: moved.into(), ..plate }
+            }
         }
     }
 
-    /// The compliance of a plate on the hole's arcs that meet the pin's, from that on the arcs of the space.
-    pub fn on_hole(&self, plate: JointCompliance<'static>, outlines: &Outlines) -> JointCompliance<'static> {
+    /// The values of a plate's compliance on the hole's arcs that meet the pin's, from those on the arcs of the space.
+    pub fn to_hole(&self, plate: &JointCompliance, outlines: &Outlines, moved: &mut Vec<f64>) {
         if outlines.ratio() == 1.0 {
-            return plate;
+            moved.clear();
+            moved.extend_from_slice(&plate.values);
+            return;
         }
         let count = self.arcs().len();
-        let mut values = vec![0.0; plate.values.len()];
+        moved.resize(plate.values.len(), 0.0);
         if plate.bed == 0.0 {
-            in_lanes(OnHole {
-                space: self,
-                ratio: outlines.ratio(),
-                values: &plate.values,
-                moved: &mut values,
-            });
+            in_lanes(OnHole { space: self, ratio: outlines.ratio(), values: &plate.values, moved });
         } else {
             for (place, arc) in self.arcs().iter().enumerate() {
                 let matrix = bed_matrix(arc.b / outlines.ratio(), self.pressures.terms);
                 for (entry, value) in matrix.into_iter().enumerate() {
-                    values[entry * count + place] = plate.bed * value;
+                    moved[entry * count + place] = plate.bed * value;
                 }
             }
         }
         // What is left out of entry (0, 0) goes with the pin's b, not the hole's.
         let logarithm = FRAC_PI_2 * plate.even * outlines.ratio().ln();
-        values[..count].iter_mut().for_each(|value| *value += logarithm);
-        JointCompliance { values: values.into(), ..plate }
+        moved[..count].iter_mut().for_each(|value| *value += logarithm);
     }
 
     /// Whether a curve goes on below its narrowest node, to the angle zero.
@@ -398,14 +398,21 @@ impl LaneWork for Transform<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<Functions> {
-        let mut coefficients = Vec::with_capacity(self.rows.len());
-        for rows in self.rows.as_chunks::<ROWS>().0 {
+        let Transform { rows, values } = self;
+        let half = values.len() / 2;
+        let mut coefficients = Vec::with_capacity(rows.len());
+        for rows in rows.as_chunks::<ROWS>().0 {
             let mut sums = [[Lanes::<FUSED>::zero(); ROW / LANES]; ROWS];
-            for (node, values) in self.values.iter().enumerate() {
-                let values = values.as_chunks::<LANES>().0;
-                for (sums, row) in sums.iter_mut().zip(rows) {
-                    for (sum, values) in sums.iter_mut().zip(values) {
-                        *sum = sum.minus_product(Lanes::from_f64(-row[node]), Lanes(*values));
+            for node in 0..half {
+                // Even degrees are the same at the node opposite, odd ones its negative.
+                let [near, far] =
+                    [node, values.len() - 1 - node].map(|node| values[node].as_chunks::<LANES>().0);
+                for lanes in 0..ROW / LANES {
+                    let (near, far) = (Lanes::<FUSED>(near[lanes]), Lanes(far[lanes]));
+                    let of_parity = [near + far, near - far];
+                    for (degree, (sums, row)) in sums.iter_mut().zip(rows).enumerate() {
+                        sums[lanes] =
+                            sums[lanes].minus_product(Lanes::from_f64(-row[node]), of_parity[degree % 2]);
                     }
                 }
             }

@@ -133,7 +133,7 @@ impl ContactCurve<'_> {
         &self,
         loads: impl Iterator<Item = DimensionlessLoad>,
     ) -> Vec<Result<(ContactState, usize), NoState>> {
-        let mut states = Vec::new();
+        let mut states = Vec::with_capacity(loads.size_hint().1.unwrap_or(0));
         in_lanes(Loads { curve: self, loads, states: &mut states });
         states
     }
@@ -151,9 +151,9 @@ impl ContactCurve<'_> {
             |node: &usize| target.is_reached(edges[*node].free.indentation, edges[*node].free.force);
         let above = (self.first..count).rev().find(reached)?;
         let below = above + 1;
-        let last = (below + 1).min(count - 1);
-        let mut points = [(0.0, 0.0); 4];
-        let from = above.saturating_sub(1).max(self.first);
+        // Three nodes on either side, where there are so many.
+        let (from, last) = (above.saturating_sub(2).max(self.first), (below + 2).min(count - 1));
+        let mut points = [(0.0, 0.0); 6];
         for (place, node) in points.iter_mut().zip(from..=last) {
             *place = point(node);
         }
@@ -202,13 +202,14 @@ impl ContactCurve<'_> {
 fn inverse_interpolation(points: &[(f64, f64)]) -> f64 {
     let mut sum = 0.0;
     for (i, (position, value)) in points.iter().enumerate() {
-        let mut product = *position;
+        let (mut others, mut distances) = (*position, 1.0);
         for (j, (_, other)) in points.iter().enumerate() {
             if j != i {
-                product *= other / (other - value);
+                others *= other;
+                distances *= other - value;
             }
         }
-        sum += product;
+        sum += others / distances;
     }
     sum
 }
