@@ -136,6 +136,6 @@ mod tests {
             one.add(7, 1);
             assert!(one != tally);
         }
-        assert!(in_list > 5000 && in_map > 5000, "{in_list} {in_map}");
+        assert!(in_list > 2000 && in_map > 2000, "{in_list} {in_map}");
     }
 }
