@@ -43,7 +43,8 @@ impl Tally {
         }
     }
 
-    /// Makes the list long enough for `number`, unless it would be too long.
+    /// Makes the list long enough for `number`, unless it would be too long: then it will always be, since the list never gets
+    /// shorter, and no number of the map ever belongs into the list.
     fn reach(&mut self, number: i64) -> bool {
         let start = number.div_euclid(BLOCK) * BLOCK;
         let (mut first, mut end) = (start, start + BLOCK);
@@ -59,13 +60,6 @@ impl Tally {
             let place = (self.first - first) as usize;
             near[place..place + self.near.len()].copy_from_slice(&self.near);
         }
-        self.far.retain(|number, count| {
-            let is_far = !(first..end).contains(number);
-            if !is_far {
-                near[(number - first) as usize] = *count;
-            }
-            is_far
-        });
         (self.first, self.near) = (first, near);
         true
     }
