@@ -65,7 +65,7 @@ fn portions(study: &Study, designs: u64) -> Vec<Vec<DesignOutcome>> {
     let mut portions: Vec<Vec<DesignOutcome>> = Vec::new();
     let mut receive = |outcome: DesignOutcome| {
         match portions.last_mut() {
-            Some(portion) if outcome.case.index % designs > 0 => portion.push(outcome),
+            Some(portion) if !outcome.case.index.is_multiple_of(designs) => portion.push(outcome),
             _ => portions.push(vec![outcome]),
         }
         Ok(ControlFlow::Continue(()))
