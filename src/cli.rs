@@ -263,9 +263,9 @@ struct CalibrateArgs {
 struct SensitivityArgs {
     /// The factors and their ranges, a TOML file: what sweeps there, whatever its [sampling] says
     config: PathBuf,
-    /// Columns of results, with commas between, with or without their unit [default: force_n, or indentation_mm where the
-    /// force is prescribed]
-    #[arg(long, value_name = "COLUMN", value_delimiter = ',')]
+    /// Columns of results, with or without their unit, or expressions like "force / thickness", with commas between
+    /// [default: force_n, or indentation_mm where the force is prescribed]
+    #[arg(long, value_name = "COLUMN")]
     of: Vec<String>,
     /// The load step, from 1 [default: the last]
     #[arg(long, value_name = "N")]

@@ -15,6 +15,9 @@ pub mod engine;
 /// One joint and its curve, for programs that use the library.
 #[path = "joint.rs"]
 pub mod joint;
+/// A sweep, for programs that use the library.
+#[path = "sweep.rs"]
+pub mod sweep;
 /// Joints fitted to measured points.
 #[path = "calibrate/mod.rs"]
 pub mod calibrate;

@@ -17,20 +17,23 @@
 //! # Ok::<(), jointsweep::Error>(())
 //! ```
 //!
+//! A whole sweep is a [`Sweep`], from the same configs as on the command line.
+//!
 //! Data runs one way:
 //! `config -> design -> plan -> body -> mesh -> assembly -> solve -> compliance -> contact -> outcome -> table`.
 //! The parts are in [`internals`], of which no promise is made.
 
 pub mod internals;
-use internals::{calibrate, engine, joint, mechanics, output, sensitivity, study, tradeoff};
+use internals::{calibrate, engine, joint, mechanics, output, sensitivity, study, sweep, tradeoff};
 
 /// Errors for people: each variant carries the values that explain it.
 pub mod error;
 
-pub use engine::outcome::{Response, StepOutcome};
+pub use engine::outcome::{DesignOutcome, Response, StepOutcome};
 pub use engine::status::Status;
 pub use error::Error;
 pub use joint::{Curve, Dimensions, Joint, Options, solve};
 pub use mechanics::material::{Idealization, Material};
-pub use study::config::{MethodChoice, Study as Sweep};
-pub use study::design::{Load, Part};
+pub use study::config::MethodChoice;
+pub use study::design::{DesignCase, Load, Part};
+pub use sweep::Sweep;

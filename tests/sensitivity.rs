@@ -310,6 +310,28 @@ fn a_joint_has_the_indices_that_follow_from_its_mechanics() {
         assert_eq!(table.column("first_order_low")[1], "");
     }
     assert_eq!(compared, 8);
+
+    // F/t knows nothing of the thickness, and has the indices that the force has at a given thickness: all is the modulus's.
+    let told = work.run(&[
+        "sensitivity",
+        "joint.toml",
+        "--of=force, force / thickness,max(peak_pressure / (1 MPa), 0)",
+        "--out=expressions",
+    ]);
+    let told = told.expect(0).stdout;
+    assert!(
+        told.contains("force / thickness at indentation 0.03 mm: mean ") && told.contains(" N/mm, "),
+        "{told}"
+    );
+    let table = work.table("expressions/sensitivity.csv");
+    let [per_length, ratio] = ["force / thickness", "max(peak_pressure / (1 MPa), 0)"];
+    assert_eq!(table.column("column"), ["force_n", "force_n", per_length, per_length, ratio, ratio]);
+    let totals: Vec<f64> = table.column("total").iter().map(|cell| cell.parse().unwrap()).collect();
+    assert!(totals[0] > 0.1, "{totals:?}");
+    for expression in totals[2..].chunks(2) {
+        assert!(expression[0].abs() < 1e-9 && (expression[1] - 1.0).abs() < 0.01, "{totals:?}");
+    }
+
     let told = work.run(&[
         "sensitivity",
         "joint.toml",
@@ -407,14 +429,23 @@ fn what_has_no_sensitivity_is_refused() {
     work.write("one.toml", &joint("\"4 mm\"", "\"70 GPa\"", ""));
     work.write("zip.toml", &joint(range, list, "[sampling]\nmethod = \"zip\"\n"));
     let configs = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/designs-example.toml");
-    let cases: [(&[&str], &str); 11] = [
-        (&["good.toml", "--of", "peek_pressure"], "did you mean `peak_pressure_mpa`?"),
+    let cases: [(&[&str], &str); 14] = [
+        (
+            &["good.toml", "--of", "peek_pressure"],
+            "there is no column `peek_pressure`; did you mean `peak_pressure`?",
+        ),
         (
             &["good.toml", "--of", "thickness_mm"],
-            "`thickness_mm`: no column of results; allowed: `indentation_mm`",
+            "`thickness_mm`: there is no result in it, only what the config prescribes",
         ),
         (&["good.toml", "--of", "force,force_n"], "`force_n`: it is named twice"),
         (&["good.toml", "--of", "indentation"], "`indentation_mm`: the config prescribes it"),
+        (
+            &["good.toml", "--of", "indentation * thickness"],
+            "`indentation * thickness`: there is no result in it",
+        ),
+        (&["good.toml", "--of", "force > 2 N"], "this is a condition, where a column"),
+        (&["good.toml", "--of", "force, force + thickness"], "a force (N) and a length (mm) cannot be added"),
         (&["good.toml", "--step", "0"], "good.toml: there is no load step 0: the config has 2"),
         (&["good.toml", "--step", "3"], "good.toml: there is no load step 3: the config has 2"),
         (&["good.toml", "--samples", "63"], "a whole number from 64 on is needed, best a power of two"),

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use std::io::IsTerminal;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
@@ -19,6 +20,12 @@ pub enum Progress {
 }
 
 impl Progress {
+    /// Of the designs `asked`, which may be a shard's, of which those before `left` were done by an earlier run.
+    pub fn of(asked: &Range<u64>, left: &Range<u64>, quiet: bool) -> Progress {
+        let (before, total) = counted(asked, left);
+        Progress::new(before, total, quiet)
+    }
+
     /// Of `total` designs, of which `before` were done by an earlier run.
     pub fn new(before: u64, total: u64, quiet: bool) -> Progress {
         if quiet {
@@ -60,6 +67,11 @@ impl Progress {
     }
 }
 
+/// How many of the designs are done already, and how many there are.
+fn counted(asked: &Range<u64>, left: &Range<u64>) -> (u64, u64) {
+    (left.start - asked.start, asked.end - asked.start)
+}
+
 fn line(before: u64, done: u64, total: u64, elapsed: Duration) -> String {
     if done == before {
         return format!("{done}/{total} designs");
@@ -79,5 +91,12 @@ mod tests {
         assert_eq!(line(0, 12_000, 100_000, elapsed), "12000/100000 designs, 1200/s, 73 s left");
         assert_eq!(line(10_000, 12_000, 100_000, elapsed), "12000/100000 designs, 200/s, 7 min left");
         assert_eq!(line(0, 0, 100, elapsed), "0/100 designs");
+    }
+
+    #[test]
+    fn a_shard_is_counted_by_itself() {
+        assert_eq!(counted(&(28_579..57_159), &(28_579..57_159)), (0, 28_580));
+        assert_eq!(counted(&(28_579..57_159), &(30_000..57_159)), (1421, 28_580));
+        assert_eq!(counted(&(0..100), &(7..100)), (7, 100));
     }
 }

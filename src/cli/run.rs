@@ -73,10 +73,10 @@ pub fn record(
     conditions: &Conditions,
 ) -> Result<Option<Manifest>, Error> {
     let (designs, sinks) = (recorder.designs_left(), recorder.sinks());
+    let mut progress = Progress::of(&recorder.designs_asked(), &designs, args.quiet);
     let recorder = Arc::new(Mutex::new(Some(recorder)));
     let interrupt = Interrupt::watch(&recorder, args.quiet);
 
-    let mut progress = Progress::new(designs.start, designs.end, args.quiet);
     let Conditions { threads, gpu, .. } = *conditions;
     let options = SweepOptions { threads, gpu, notify: Some(&say), designs: Chosen::Range(designs) };
     let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };

@@ -6,8 +6,8 @@ use std::time::SystemTime;
 
 use jointsweep::internals::engine::sweep::SweepOptions;
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, SENSITIVITY, Verdict};
-use jointsweep::internals::output::result_column::ResultColumn;
 use jointsweep::internals::output::sensitivity::{Question, load, order, save};
+use jointsweep::internals::output::sensitivity_column::SensitivityColumn;
 use jointsweep::internals::sensitivity::analysis::{Analysis, Output, OutputIndices, analyse};
 use jointsweep::internals::sensitivity::indices::{Estimate, FactorIndices};
 use jointsweep::internals::study::config::Study;
@@ -51,40 +51,45 @@ pub fn sensitivity(args: &SensitivityArgs) -> Result<Ending, Error> {
 }
 
 /// Those that are named, or what answers the load.
-fn columns(study: &Study, names: &[String]) -> Result<Vec<ResultColumn>, Error> {
+fn columns(study: &Study, names: &[String]) -> Result<Vec<SensitivityColumn>, Error> {
     let load = study.loads()[0];
     if names.is_empty() {
-        return Ok(vec![ResultColumn::answering(load)?]);
+        return Ok(vec![SensitivityColumn::answering(load)?]);
     }
-    let mut columns: Vec<ResultColumn> = Vec::new();
-    for name in names {
-        let column = ResultColumn::named(name.trim())?;
-        let problem = if columns.iter().any(|other| other.name == column.name) {
-            "it is named twice"
-        } else if column.is_asked_by(load) {
-            "the config prescribes it, so it does not change"
-        } else {
-            columns.push(column);
-            continue;
-        };
-        return Err(Error::Asked { problem: format!("`{}`: {problem}", column.name) });
+    let mut columns: Vec<SensitivityColumn> = Vec::new();
+    for text in names.iter().flat_map(|list| entries(list)) {
+        let column = SensitivityColumn::read(text.trim(), load)?;
+        if columns.iter().any(|other| other.name == column.name) {
+            return Err(Error::Asked { problem: format!("`{}`: it is named twice", column.name) });
+        }
+        columns.push(column);
     }
     Ok(columns)
 }
 
+/// What stands between the commas of a list; those in brackets belong to functions.
+fn entries(list: &str) -> Vec<&str> {
+    let mut depth = 0_i64;
+    let is_end = |c: char| {
+        depth += i64::from(c == '(') - i64::from(c == ')');
+        c == ',' && depth <= 0
+    };
+    list.split(is_end).collect()
+}
+
 fn analyse_columns(
     study: &Study,
-    columns: &[ResultColumn],
+    columns: &[SensitivityColumn],
     options: &SweepOptions,
     progress: &mut Progress,
 ) -> Result<Analysis, Error> {
-    let values: Vec<_> = columns.iter().map(|column| |response: &_| column.value(response)).collect();
+    let values: Vec<_> = columns.iter().map(|column| |outcome: &_| column.value(outcome)).collect();
     let outputs: Vec<Output> =
         columns.iter().zip(&values).map(|(column, value)| Output { name: &column.name, value }).collect();
     analyse(study, &outputs, options, &mut || progress.advance(1))
 }
 
-fn summary(study: &Study, columns: &[ResultColumn], analysis: &Analysis, dir: &Path) -> String {
+fn summary(study: &Study, columns: &[SensitivityColumn], analysis: &Analysis, dir: &Path) -> String {
     let factors = study.factors();
     let mut text = String::new();
     for (column, output) in columns.iter().zip(&analysis.outputs) {
@@ -106,7 +111,7 @@ fn summary(study: &Study, columns: &[ResultColumn], analysis: &Analysis, dir: &P
 }
 
 /// One column: the factor with the greatest total first.
-fn table(factors: &[&str], column: &ResultColumn, load: &str, output: &OutputIndices) -> String {
+fn table(factors: &[&str], column: &SensitivityColumn, load: &str, output: &OutputIndices) -> String {
     let OutputIndices { mean, standard_deviation, indices, left_out } = output;
     let unit = if column.unit == "-" { String::new() } else { format!(" {}", column.unit) };
     let mut text = format!(

@@ -9,7 +9,7 @@ use jointsweep::internals::output::folder::{Claim, Permissions, ResultFolder, Ve
 use jointsweep::internals::output::manifest::{Conditions, Inputs, Origin, Shard};
 use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::output::shard::{MOST_SHARDS, ShardFile};
-use jointsweep::internals::output::sinks::Sinks;
+use jointsweep::internals::output::table_sink::cut;
 use jointsweep::internals::study::config::Study;
 
 use super::run::{already_done, ending, go_on, record};
@@ -48,7 +48,7 @@ pub fn run(args: &RunArgs, study: &Study, part: Part, started: SystemTime) -> Re
     }
     let whole = ResultFolder::of_run(args.out.as_deref(), study);
     let dir = whole.dir();
-    let designs = share(study, shard, of, Sinks::of(study).cut())?;
+    let designs = share(study, shard, of, cut(study))?;
     let shard = Shard { shard, of, designs, sweep_designs: count };
     if args.dry_run {
         return print(&report::shard(&shard, &shard.file(dir))).map(|()| Ending::Complete);

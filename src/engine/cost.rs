@@ -196,7 +196,7 @@ fn working_range_of(case: &DesignCase) -> (f64, f64) {
     known.unwrap_or((RANGE.0 * clearance, RANGE.1 * clearance))
 }
 
-/// What a further design of a study takes, s, whatever it shares with others.
+/// What designs of a study take.
 pub struct DesignCost<'a> {
     study: &'a Study,
     interpolation: Option<InterpolationPlan>,
@@ -207,6 +207,7 @@ impl DesignCost<'_> {
         DesignCost { study, interpolation: InterpolationPlan::of_study(study) }
     }
 
+    /// A further design, s, whatever it shares with others.
     pub fn seconds(&self, case: &DesignCase) -> f64 {
         let rows = case.steps.len() as f64;
         if self.interpolation.as_ref().is_some_and(|plan| plan.covers(&case.joint)) {
@@ -223,59 +224,59 @@ impl DesignCost<'_> {
         let in_lanes = |group: &Group| group.bodies * batch(group.size).seconds() / LANES as f64;
         of_rows + needs.seconds + needs.groups.values().map(in_lanes).sum::<f64>()
     }
+
+    /// Goes through some designs without solving any, as if they were run alone.
+    pub fn estimate(&self, designs: Range<u64>) -> Result<Estimate, Error> {
+        let DesignCost { study, interpolation } = self;
+        let (method, accuracy) = (study.solve.method, study.solve.accuracy);
+        let mut needs = Needs::default();
+        let count = designs.end.min(study.design_count()).saturating_sub(designs.start);
+        let rows = count.saturating_mul(study.steps_per_design());
+        let mut estimate = Estimate { designs: count, rows, ..Estimate::default() };
+        for case in study.cases()?.skip(designs.start as usize).take(count as usize) {
+            let case = case?;
+            let joint = &case.joint;
+            if interpolation.as_ref().is_some_and(|plan| plan.covers(joint)) {
+                estimate.interpolated += 1;
+                for part in [&joint.pin, &joint.plate] {
+                    needs.bodies.insert(needs.hasher.hash_one(joint.body(part).key()));
+                }
+                continue;
+            }
+            if method == MethodChoice::ClosedForm {
+                continue;
+            }
+            let Ok(first) = JointPlan::cheapest(&case, method, accuracy) else {
+                estimate.refused += 1;
+                continue;
+            };
+            needs.climb(&case, first, accuracy);
+            if study.fits_laws() {
+                // Their loads go further, where meshes may have to be finer. Unknowns stay those of the table.
+                let case = law_case(&case, working_range_of(&case));
+                let unknowns = needs.unknowns;
+                if let Ok(first) = JointPlan::cheapest(&case, method, accuracy) {
+                    needs.climb(&case, first, accuracy);
+                    let of_design = joint_seconds(&first) + design(case.steps.len() as f64).seconds();
+                    needs.seconds += of_design + Unit::Laws.seconds();
+                }
+                needs.unknowns = unknowns;
+            }
+        }
+        estimate.distinct_bodies = needs.bodies.len() as u64;
+        estimate.unknowns = needs.unknowns;
+        let rows = estimate.rows as f64 / (estimate.designs as f64).max(1.0);
+        let (interpolated, refused) = (estimate.interpolated as f64, estimate.refused as f64);
+        estimate.seconds = Unit::Process.seconds()
+            + needs.total_seconds()
+            + interpolation.as_ref().map_or(0.0, |plan| plan.seconds())
+            + (estimate.designs as f64 - interpolated - refused) * design(rows).seconds()
+            + interpolated * interpolated_design(rows).seconds();
+        Ok(estimate)
+    }
 }
 
 /// Goes through the designs of a study without solving any.
 pub fn estimate(study: &Study) -> Result<Estimate, Error> {
-    estimate_of(study, 0..study.design_count())
-}
-
-/// Goes through some designs of a study, as if they were run alone.
-pub fn estimate_of(study: &Study, designs: Range<u64>) -> Result<Estimate, Error> {
-    let (method, accuracy) = (study.solve.method, study.solve.accuracy);
-    let mut needs = Needs::default();
-    let count = designs.end.min(study.design_count()).saturating_sub(designs.start);
-    let rows = count.saturating_mul(study.steps_per_design());
-    let mut estimate = Estimate { designs: count, rows, ..Estimate::default() };
-    let interpolation = InterpolationPlan::of_study(study);
-    for case in study.cases()?.skip(designs.start as usize).take(count as usize) {
-        let case = case?;
-        let joint = &case.joint;
-        if interpolation.as_ref().is_some_and(|plan| plan.covers(joint)) {
-            estimate.interpolated += 1;
-            for part in [&joint.pin, &joint.plate] {
-                needs.bodies.insert(needs.hasher.hash_one(joint.body(part).key()));
-            }
-            continue;
-        }
-        if method == MethodChoice::ClosedForm {
-            continue;
-        }
-        let Ok(first) = JointPlan::cheapest(&case, method, accuracy) else {
-            estimate.refused += 1;
-            continue;
-        };
-        needs.climb(&case, first, accuracy);
-        if study.fits_laws() {
-            // Their loads go further, where meshes may have to be finer. Unknowns stay those of the table.
-            let case = law_case(&case, working_range_of(&case));
-            let unknowns = needs.unknowns;
-            if let Ok(first) = JointPlan::cheapest(&case, method, accuracy) {
-                needs.climb(&case, first, accuracy);
-                let of_design = joint_seconds(&first) + design(case.steps.len() as f64).seconds();
-                needs.seconds += of_design + Unit::Laws.seconds();
-            }
-            needs.unknowns = unknowns;
-        }
-    }
-    estimate.distinct_bodies = needs.bodies.len() as u64;
-    estimate.unknowns = needs.unknowns;
-    let rows = estimate.rows as f64 / (estimate.designs as f64).max(1.0);
-    let (interpolated, refused) = (estimate.interpolated as f64, estimate.refused as f64);
-    estimate.seconds = Unit::Process.seconds()
-        + needs.total_seconds()
-        + interpolation.map_or(0.0, |plan| plan.seconds())
-        + (estimate.designs as f64 - interpolated - refused) * design(rows).seconds()
-        + interpolated * interpolated_design(rows).seconds();
-    Ok(estimate)
+    DesignCost::of_study(study).estimate(0..study.design_count())
 }

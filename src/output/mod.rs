@@ -1,6 +1,5 @@
 mod number;
 pub mod schema;
-pub mod result_column;
 pub mod row_value;
 pub mod filter;
 pub mod host;
@@ -32,6 +31,7 @@ pub mod benchmark;
 pub mod gpu_benchmark;
 pub mod residual_plot;
 pub mod calibration;
+pub mod sensitivity_column;
 pub mod sensitivity;
 pub mod tradeoff_plot;
 pub mod tradeoff;

@@ -10,7 +10,6 @@ use serde_json::value::to_raw_value;
 
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
-use crate::output::counts::Counts;
 use crate::output::folder::{Claim, MANIFEST, SAFE, table_name};
 use crate::output::manifest::{self, Conditions, Manifest, Origin, Shard, State};
 use crate::output::reduce::Reductions;
@@ -150,9 +149,14 @@ impl Recorder {
 
     /// The numbers of the designs whose rows are not there yet.
     pub fn designs_left(&self) -> Range<u64> {
-        let Counts { designs, designs_asked, .. } = self.manifest.counts;
+        let Range { start, end } = self.designs_asked();
+        start + self.manifest.counts.designs..end
+    }
+
+    /// The numbers of all designs of the run, which is of a shard or of the whole.
+    pub fn designs_asked(&self) -> Range<u64> {
         let first = self.shard.as_ref().map_or(0, |(shard, _)| shard.designs.start);
-        first + designs..first + designs_asked
+        first..first + self.manifest.counts.designs_asked
     }
 
     /// What rows are made with.

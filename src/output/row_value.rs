@@ -6,7 +6,7 @@ use crate::output::schema::{self, Kind, LoadColumn};
 use crate::study::columns::{Cell, Column, Quantity};
 use crate::study::design::DesignCase;
 use crate::study::expression::Expression;
-use crate::study::expression::program::{DEEPEST, NumberColumn, Operation, WordColumn, WordTest};
+use crate::study::expression::program::{DEEPEST, NumberColumn, Operation, WordColumn, WordTest, depth};
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +20,14 @@ pub struct Row<'a> {
 
 /// An expression ready for many rows.
 #[derive(Clone, Debug)]
-pub struct Formula(Vec<Action>);
+pub struct Formula {
+    actions: Vec<Action>,
+    /// Numbers that wait on the stack at once, at most.
+    depth: usize,
+}
+
+/// Most formulas need no more room than this.
+const SHALLOW: usize = 8;
 
 /// Puts a number on the stack, or does something with those that are there.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +38,8 @@ enum Action {
     Input(Column),
     Load(LoadColumn),
     Result(fn(&Response) -> Option<f64>),
+    /// Whether a status is such a one, or (false) another.
+    Status(StatusTest, bool),
     Word(WordTest),
     Unary(Operation),
     Binary(Operation),
@@ -48,49 +57,69 @@ impl Formula {
                 Kind::Result(value) => Action::Result(value),
                 _ => Action::Number(f64::NAN),
             },
+            Operation::WordIs(WordTest { column: WordColumn::Result(Quantity::Status), word, equal }) => {
+                Action::Status(StatusTest::of(word), equal)
+            }
             Operation::WordIs(test) => Action::Word(test),
             operation if operation.takes() == 1 => Action::Unary(operation),
             operation => Action::Binary(operation),
         };
-        Formula(expression.operations().iter().map(action).collect())
+        let operations = expression.operations();
+        Formula { actions: operations.iter().map(action).collect(), depth: depth(operations) }
     }
 
     /// NaN where a value is missing that would decide it. A condition is 1 where it holds and 0 where it does not.
     pub fn value(&self, row: &Row) -> f64 {
-        let mut stack = [0.0_f64; DEEPEST];
-        let mut top = 0;
-        for action in &self.0 {
-            let number = match *action {
-                Action::Unary(operation) => {
-                    stack[top - 1] = unary(operation, stack[top - 1]);
-                    continue;
-                }
-                Action::Binary(operation) => {
-                    top -= 1;
-                    stack[top - 1] = binary(operation, stack[top - 1], stack[top]);
-                    continue;
-                }
-                Action::Number(number) => number,
-                Action::Design => row.case.index as f64,
-                Action::Step => row.step as f64,
-                Action::Input(column) => match column.cell(&row.case.joint) {
-                    Cell::Number(number) => number,
-                    _ => f64::NAN,
-                },
-                Action::Load(own) => match (own.asked)(row.case.steps[row.step]) {
-                    Some(asked) => asked,
-                    None => row.outcome.response.as_ref().map_or(f64::NAN, own.found),
-                },
-                Action::Result(value) => row.outcome.response.as_ref().and_then(value).unwrap_or(f64::NAN),
-                Action::Word(test) => match has_word(row, &test) {
-                    None => f64::NAN,
-                    Some(has) => told(has == test.equal),
-                },
-            };
-            stack[top] = number;
-            top += 1;
+        match &self.actions[..] {
+            [action] => number(action, row),
+            actions if self.depth <= SHALLOW => calculate::<SHALLOW>(actions, row),
+            actions => calculate::<DEEPEST>(actions, row),
         }
-        stack[0]
+    }
+}
+
+/// The value of a formula for which so many numbers wait at once at most.
+fn calculate<const DEPTH: usize>(actions: &[Action], row: &Row) -> f64 {
+    let mut stack = [0.0_f64; DEPTH];
+    let mut top = 0;
+    for action in actions {
+        match *action {
+            Action::Unary(operation) => stack[top - 1] = unary(operation, stack[top - 1]),
+            Action::Binary(operation) => {
+                top -= 1;
+                stack[top - 1] = binary(operation, stack[top - 1], stack[top]);
+            }
+            _ => {
+                stack[top] = number(action, row);
+                top += 1;
+            }
+        }
+    }
+    stack[0]
+}
+
+/// The number that an action puts on the stack.
+fn number(action: &Action, row: &Row) -> f64 {
+    match *action {
+        Action::Number(number) => number,
+        Action::Design => row.case.index as f64,
+        Action::Step => row.step as f64,
+        Action::Input(column) => match column.cell(&row.case.joint) {
+            Cell::Number(number) => number,
+            _ => f64::NAN,
+        },
+        Action::Load(own) => match (own.asked)(row.case.steps[row.step]) {
+            Some(asked) => asked,
+            None => row.outcome.response.as_ref().map_or(f64::NAN, own.found),
+        },
+        Action::Result(value) => row.outcome.response.as_ref().and_then(value).unwrap_or(f64::NAN),
+        Action::Status(test, equal) => told(test.holds(&row.outcome.status) == equal),
+        Action::Word(test) => match has_word(row, &test) {
+            None => f64::NAN,
+            Some(has) => told(has == test.equal),
+        },
+        // These take numbers from the stack.
+        Action::Unary(_) | Action::Binary(_) => f64::NAN,
     }
 }
 
@@ -108,7 +137,6 @@ fn has_word(row: &Row, test: &WordTest) -> Option<bool> {
         WordColumn::Idealization => cell(Column::Idealization),
         WordColumn::Model(side) => cell(Column::Model(side)),
         WordColumn::Support(side) => cell(Column::Support(side)),
-        WordColumn::Result(Quantity::Status) => Some(has_status(&row.outcome.status, test.word)),
         WordColumn::Result(quantity) => match schema::kind(quantity) {
             Kind::Word(word) => Some(word(row.outcome, row.backend)).filter(|word| !word.is_empty()),
             _ => None,
@@ -117,12 +145,36 @@ fn has_word(row: &Row, test: &WordTest) -> Option<bool> {
     }
 }
 
-/// A status is `ok`, `failed` for whatever reason, or has remarks.
-fn has_status(status: &Status, word: &str) -> bool {
-    match word {
-        "ok" => *status == Status::OK,
-        "failed" => status.is_failed(),
-        _ => Remark::ALL.into_iter().any(|remark| remark.text() == word && status.has(remark)),
+/// A word that a status may have.
+#[derive(Clone, Copy, Debug)]
+enum StatusTest {
+    Ok,
+    /// For whatever reason.
+    Failed,
+    Remark(Remark),
+    /// No status has the word.
+    Never,
+}
+
+impl StatusTest {
+    fn of(word: &str) -> StatusTest {
+        match word {
+            "ok" => StatusTest::Ok,
+            "failed" => StatusTest::Failed,
+            _ => {
+                let remark = Remark::ALL.into_iter().find(|remark| remark.text() == word);
+                remark.map_or(StatusTest::Never, StatusTest::Remark)
+            }
+        }
+    }
+
+    fn holds(self, status: &Status) -> bool {
+        match self {
+            StatusTest::Ok => *status == Status::OK,
+            StatusTest::Failed => status.is_failed(),
+            StatusTest::Remark(remark) => status.has(remark),
+            StatusTest::Never => false,
+        }
     }
 }
 

@@ -11,7 +11,8 @@ use crate::output::folder::Claim;
 use crate::output::host::{seconds_since, utc};
 use crate::output::manifest::FileEntry;
 use crate::output::number::rounded_cell as cell;
-use crate::output::result_column::ResultColumn;
+use crate::output::sensitivity_column::SensitivityColumn;
+use crate::output::table::push_text;
 use crate::output::texts::{self, Beginning};
 use crate::sensitivity::analysis::{Analysis, OutputIndices};
 use crate::sensitivity::indices::{CONFIDENCE, Estimate, FactorIndices, Indices, RESAMPLES};
@@ -20,7 +21,7 @@ use crate::study::config::Study;
 /// What was asked, beside the config.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
-    pub columns: &'a [ResultColumn],
+    pub columns: &'a [SensitivityColumn],
     /// From 1.
     pub step: u64,
     pub seed: u64,
@@ -117,10 +118,17 @@ fn rows(study: &Study, question: &Question, analysis: &Analysis) -> String {
                 }
                 None => [String::from(",,"), String::from(",,")],
             };
-            text += &format!("{},{},{factor},{}\n", column.name, question.step, cells.join(","));
+            text += &format!("{},{},{factor},{}\n", csv_cell(&column.name), question.step, cells.join(","));
         }
     }
     text
+}
+
+/// An expression may have commas in it.
+fn csv_cell(text: &str) -> String {
+    let mut cell = Vec::new();
+    push_text(&mut cell, text);
+    String::from_utf8_lossy(&cell).into_owned()
 }
 
 /// The places of the factors, the greatest total first.

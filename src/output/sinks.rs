@@ -2,27 +2,24 @@
 
 use crate::engine::outcome::DesignOutcome;
 use crate::output::counts::Counts;
-use crate::output::filter::Filter;
+use crate::output::filter::{Filter, kept_rows, retain};
 use crate::output::laws_table::LawsTable;
 use crate::output::reduce::Reductions;
 use crate::output::schema::{TableColumn, result_columns};
 use crate::output::sink::Sink;
 use crate::output::table::settle;
-use crate::output::table_sink::{cut, portion, table_sink};
+use crate::output::table_sink::{portion, table_sink};
 use crate::study::config::Study;
-use crate::study::expression::Expression;
-use crate::study::reduce::Reduce;
 
 /// What the outcomes of a run go to.
 pub struct Sinks {
     pub all: Vec<Box<dyn Sink>>,
     /// The columns of results.
     results: Vec<TableColumn>,
-    select: Option<Expression>,
     filter: Option<Filter>,
-    reduce: Option<Reduce>,
+    /// Before the first row.
+    answers: Option<Reductions>,
     portion: u64,
-    cut: u64,
 }
 
 /// What some designs add to a run: bytes for each of its files, counts and answers.
@@ -49,9 +46,8 @@ impl Sinks {
         if study.fits_laws() {
             all.push(Box::new(LawsTable));
         }
-        let (select, reduce) = (study.select.clone(), study.reduce.clone());
-        let (filter, results) = (Filter::of(study), result_columns());
-        Sinks { all, results, filter, select, reduce, portion: portion(study), cut: cut(study) }
+        let (filter, answers) = (Filter::of(study), Reductions::of(study));
+        Sinks { all, results: result_columns(), filter, answers, portion: portion(study) }
     }
 
     /// Designs whose rows are made together.
@@ -63,14 +59,17 @@ impl Sinks {
     pub fn rows(&self, mut outcomes: Vec<DesignOutcome>) -> Rows {
         settle(&self.results, &mut outcomes);
         let (mut counts, mut answers) = (Counts::default(), self.answers());
-        for outcome in &mut outcomes {
-            counts.add(outcome);
+        outcomes.iter().for_each(|outcome| counts.add(outcome));
+        if self.filter.is_some() || answers.is_some() {
+            let kept = kept_rows(self.filter.as_ref(), &outcomes);
             if let Some(answers) = &mut answers {
-                answers.add(outcome);
+                answers.add(&outcomes, &kept);
             }
-            if let Some(filter) = &self.filter {
-                filter.retain(outcome);
-                *counts.kept_rows.get_or_insert(0) += outcome.steps.len() as u64;
+            if self.filter.is_some() {
+                counts.kept_rows = Some(kept.len() as u64);
+                if !self.all.is_empty() {
+                    retain(&mut outcomes, &kept);
+                }
             }
         }
         let bytes = self.all.iter().map(|sink| sink.rows(&outcomes)).collect();
@@ -79,11 +78,6 @@ impl Sinks {
 
     /// Answers to what the config asks, before the first row.
     pub fn answers(&self) -> Option<Reductions> {
-        self.reduce.as_ref().map(|asked| Reductions::new(asked, self.select.clone()))
-    }
-
-    /// A shard begins at a multiple of this many designs.
-    pub fn cut(&self) -> u64 {
-        self.cut
+        self.answers.clone()
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The inputs are exact: a table's own input columns are a valid designs file. Results have nine significant digits.
 
-use crate::engine::outcome::{DesignOutcome, StepOutcome};
+use crate::engine::outcome::{DesignOutcome, Response, StepOutcome};
 use crate::engine::status::{Failure, Status};
 use crate::output::folder::TABLE;
 use crate::output::number::{push_exact, push_rounded};
@@ -122,10 +122,31 @@ fn push_inputs(out: &mut Vec<u8>, inputs: &[TableColumn], case: &DesignCase) {
 /// A response that is not a number in every part is no response; `columns` are those of results.
 pub fn settle(columns: &[TableColumn], outcomes: &mut [DesignOutcome]) {
     for step in outcomes.iter_mut().flat_map(|outcome| &mut outcome.steps) {
-        if let Some(name) = step.response.and_then(|response| non_finite(columns, &response)) {
+        let doubtful = step.response.as_ref().filter(|response| !is_within_bounds(response));
+        if let Some(name) = doubtful.and_then(|response| non_finite(columns, response)) {
             *step = StepOutcome::failed(Failure::NotFinite(name));
         }
     }
+}
+
+/// Whether every number is so far from the largest one that no column of results can hold an infinity.
+fn is_within_bounds(response: &Response) -> bool {
+    // Each field by its name, so that none that is added is forgotten.
+    let Response {
+        indentation,
+        force,
+        tangent_stiffness,
+        contact_half_angle,
+        peak_pressure,
+        energy,
+        force_error,
+        linearity_error,
+        method: _,
+    } = *response;
+    let optional = [contact_half_angle, peak_pressure, energy, linearity_error];
+    let is_small = |value: f64| value.abs() < 1e300;
+    [indentation, force, tangent_stiffness, force_error].into_iter().all(is_small)
+        && optional.into_iter().all(|value| is_small(value.unwrap_or(0.0)))
 }
 
 fn push_result(out: &mut Vec<u8>, value: Option<f64>) {
@@ -149,7 +170,7 @@ mod tests {
     use std::ops::Bound::Included;
 
     use super::*;
-    use crate::engine::outcome::{Answer, BackendKind, Method, Response};
+    use crate::engine::outcome::{Answer, BackendKind, Method};
     use crate::mechanics::body::{annulus, half_disc};
     use crate::mechanics::laws::LawError;
     use crate::mechanics::material::{Idealization, Material};

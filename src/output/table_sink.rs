@@ -1,6 +1,6 @@
 //! The table that a study asks for, and how many of its designs are written together.
 
-use crate::engine::cost;
+use crate::engine::cost::DesignCost;
 use crate::output::parquet_table::ParquetTable;
 use crate::output::sink::Sink;
 use crate::output::table::Table;
@@ -65,13 +65,14 @@ pub fn cut(study: &Study) -> u64 {
 fn seconds_per_design(study: &Study) -> f64 {
     let (designs, places) = FORECAST;
     let count = study.design_count();
+    let cost = DesignCost::of_study(study);
     let places = if study.designs_file().is_some() { 1 } else { places };
     let seconds = (0..places).map(|place| {
         let first = (place * (count / places)).min(count.saturating_sub(designs));
         let range = first..(first + designs).min(count);
         let asked = (range.end - range.start).max(1) as f64;
         // What cannot be read is told where the designs are drawn.
-        cost::estimate_of(study, range).map_or(0.0, |estimate| estimate.seconds / asked)
+        cost.estimate(range).map_or(0.0, |estimate| estimate.seconds / asked)
     });
     seconds.fold(f64::MIN_POSITIVE, f64::max)
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::engine::outcome::{DesignOutcome, Response};
+use crate::engine::outcome::DesignOutcome;
 use crate::engine::status::StatusCounts;
 use crate::engine::sweep::{self, SweepOptions};
 use crate::error::Error;
@@ -10,11 +10,11 @@ use crate::sensitivity::indices::{Indices, Moments, indices, spread};
 use crate::study::config::Study;
 use crate::study::sampling::row_length;
 
-/// A number of a response.
+/// A number of an outcome, at its last load step.
 pub struct Output<'a> {
     /// For complaints.
     pub name: &'a str,
-    pub value: &'a dyn Fn(&Response) -> Option<f64>,
+    pub value: &'a dyn Fn(&DesignOutcome) -> Option<f64>,
 }
 
 /// What came of one output.
@@ -87,9 +87,8 @@ impl<'a> Receiver<'a> {
         if let Some(step) = step {
             self.statuses.add(&step.status);
         }
-        let response = step.and_then(|step| step.response.as_ref());
         for ((output, row), moments) in self.outputs.iter().zip(&mut self.rows).zip(&mut self.moments) {
-            row.push(response.and_then(|response| (output.value)(response)));
+            row.push((output.value)(outcome));
             if row.len() == self.row_length {
                 moments.add_row(row);
                 row.clear();

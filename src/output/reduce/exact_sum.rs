@@ -37,13 +37,17 @@ impl ExactSum {
     /// `value` must be finite.
     pub fn add(&mut self, value: f64) {
         let (negative, mantissa, exponent) = integer(value);
-        self.add_integer(negative, u128::from(mantissa), exponent);
+        self.add_integer(negative, mantissa, exponent);
+        self.count_one();
     }
 
     /// `value` must be finite; its square need not be.
     pub fn add_square(&mut self, value: f64) {
         let (_, mantissa, exponent) = integer(value);
-        self.add_integer(false, u128::from(mantissa) * u128::from(mantissa), 2 * exponent);
+        let square = u128::from(mantissa) * u128::from(mantissa);
+        self.add_integer(false, square as u64, 2 * exponent);
+        self.add_integer(false, (square >> 64) as u64, 2 * exponent + 64);
+        self.count_one();
     }
 
     pub fn merge(&mut self, other: &ExactSum) {
@@ -55,18 +59,19 @@ impl ExactSum {
     }
 
     /// Adds mantissa 2^exponent.
-    fn add_integer(&mut self, negative: bool, mantissa: u128, exponent: i32) {
+    fn add_integer(&mut self, negative: bool, mantissa: u64, exponent: i32) {
         let place = (exponent - LOWEST) as usize;
         let (first, shift) = (place / 32, place % 32);
-        for (half, offset) in [(mantissa as u64, 0), ((mantissa >> 64) as u64, 2)] {
-            let shifted = u128::from(half) << shift;
-            for part in 0..3 {
-                let digit = i64::from((shifted >> (32 * part)) as u32);
-                if digit != 0 {
-                    self.digits[first + offset + part] += if negative { -digit } else { digit };
-                }
-            }
+        let shifted = u128::from(mantissa) << shift;
+        // Without branches: -digit is !digit + 1.
+        let sign = -i64::from(negative);
+        for (part, own) in self.digits[first..first + 3].iter_mut().enumerate() {
+            let digit = i64::from((shifted >> (32 * part)) as u32);
+            *own += (digit ^ sign) - sign;
         }
+    }
+
+    fn count_one(&mut self) {
         self.pending += 1;
         if self.pending == MOST_PENDING {
             self.carry();

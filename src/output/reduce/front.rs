@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::line::Line;
-use super::{Reduction, table_header};
-use crate::output::row_value::Row;
+use super::{Reduction, RowNumbers, table_header};
 use crate::study::expression::Expression;
 use crate::study::reduce::{Objective, Order};
 
@@ -24,7 +23,7 @@ struct Point {
     scores: [f64; 3],
     design: u64,
     step: u64,
-    /// The row of the table.
+    /// The row of the table; empty until it is made.
     row: String,
 }
 
@@ -135,18 +134,23 @@ impl Reduction for Front {
         self.objectives.iter().map(|objective| &objective.of).collect()
     }
 
-    fn add(&mut self, values: &[f64], row: &Row, text: &mut dyn FnMut() -> String) {
-        if self.too_many || !values.iter().all(|value| value.is_finite()) {
-            return;
+    fn add(&mut self, columns: &[&[f64]], rows: &[RowNumbers]) {
+        for (place, &(design, step)) in rows.iter().enumerate() {
+            let mut scores = [0.0; 3];
+            for ((score, column), objective) in scores.iter_mut().zip(columns).zip(&self.objectives) {
+                // Not -0.
+                *score = column[place] * sign(objective.order) + 0.0;
+            }
+            let is_known = scores.iter().all(|score| score.is_finite());
+            if !self.too_many && is_known && self.takes(&scores, (design, step)) {
+                self.insert(Point { scores, design, step, row: String::new() });
+            }
         }
-        let mut scores = [0.0; 3];
-        for ((score, value), objective) in scores.iter_mut().zip(values).zip(&self.objectives) {
-            // Not -0.
-            *score = value * sign(objective.order) + 0.0;
-        }
-        let (design, step) = (row.case.index, row.step as u64);
-        if self.takes(&scores, (design, step)) {
-            self.insert(Point { scores, design, step, row: text() });
+    }
+
+    fn make_lines(&mut self, line: &dyn Fn(RowNumbers) -> String) {
+        for point in self.points.iter_mut().filter(|point| point.row.is_empty()) {
+            point.row = line((point.design, point.step));
         }
     }
 

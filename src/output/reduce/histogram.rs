@@ -2,10 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Reduction;
 use super::line::Line;
 use super::sketch::Sketch;
-use crate::output::row_value::Row;
+use super::{Reduction, RowNumbers};
 use crate::study::expression::Expression;
 use crate::study::reduce::{self as asked, Spacing};
 
@@ -93,6 +92,31 @@ impl Histogram {
         place
     }
 
+    fn count(&mut self, value: f64) {
+        // Not -0.
+        let value = value + 0.0;
+        if !value.is_finite() {
+            self.without_value += 1;
+            return;
+        }
+        match (self.asked.range, &mut self.bins) {
+            (Some((from, _)), _) if value < from => self.below += 1,
+            (Some((_, to)), _) if value > to => self.above += 1,
+            (None, _) if self.asked.spacing == Spacing::Log && value <= 0.0 => self.below += 1,
+            (_, Bins::Late { sketch, range }) => {
+                sketch.add(value);
+                *range = joined(*range, Some((value, value)));
+            }
+            (range, Bins::Known(_)) => {
+                let (from, to) = range.unwrap_or((value, value));
+                let bin = self.bin(value, from, to);
+                if let Bins::Known(counts) = &mut self.bins {
+                    counts[bin] += 1;
+                }
+            }
+        }
+    }
+
     pub fn merge(&mut self, other: &Histogram) {
         self.without_value += other.without_value;
         self.below += other.below;
@@ -119,7 +143,7 @@ impl Histogram {
         self.asked.bins > 0
             && match &self.bins {
                 Bins::Known(counts) => self.asked.range.is_some() && counts.len() == self.asked.bins,
-                Bins::Late { sketch, .. } => self.asked.range.is_none() && sketch.is_sound(),
+                Bins::Late { .. } => self.asked.range.is_none(),
             }
     }
 }
@@ -138,29 +162,8 @@ impl Reduction for Histogram {
         vec![&self.asked.of]
     }
 
-    fn add(&mut self, values: &[f64], _row: &Row, _text: &mut dyn FnMut() -> String) {
-        // Not -0.
-        let value = values[0] + 0.0;
-        if !value.is_finite() {
-            self.without_value += 1;
-            return;
-        }
-        match (self.asked.range, &mut self.bins) {
-            (Some((from, _)), _) if value < from => self.below += 1,
-            (Some((_, to)), _) if value > to => self.above += 1,
-            (None, _) if self.asked.spacing == Spacing::Log && value <= 0.0 => self.below += 1,
-            (_, Bins::Late { sketch, range }) => {
-                sketch.add(value);
-                *range = joined(*range, Some((value, value)));
-            }
-            (range, Bins::Known(_)) => {
-                let (from, to) = range.unwrap_or((value, value));
-                let bin = self.bin(value, from, to);
-                if let Bins::Known(counts) = &mut self.bins {
-                    counts[bin] += 1;
-                }
-            }
-        }
+    fn add(&mut self, columns: &[&[f64]], _rows: &[RowNumbers]) {
+        columns[0].iter().for_each(|value| self.count(*value));
     }
 
     fn push_header(&self, out: &mut Vec<u8>) {

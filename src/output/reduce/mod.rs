@@ -3,17 +3,20 @@
 
 mod line;
 pub mod exact_sum;
+mod tally;
 pub mod sketch;
 mod statistics;
 mod ranking;
 mod front;
 mod histogram;
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::error::Error;
-use crate::output::filter::Filter;
+use crate::output::filter::{RowPlace, row_at};
 use crate::output::row_value::{Formula, Row};
 use crate::output::sink::Sink;
 use crate::output::table::Table;
@@ -28,6 +31,9 @@ use statistics::Statistics;
 
 pub use front::MOST_POINTS;
 
+/// The number of a row's design, and of its load step.
+pub type RowNumbers = (u64, u64);
+
 /// What all rows together come to, and the file that tells it. A new kind of answer is one of these, in a file of its own.
 pub trait Reduction {
     /// Several reductions may share a file.
@@ -36,8 +42,11 @@ pub trait Reduction {
     /// What it wants to know of each row.
     fn quantities(&self) -> Vec<&Expression>;
 
-    /// Adds a row with the values of its quantities, NaN for none. `text` makes the row's line of the table.
-    fn add(&mut self, values: &[f64], row: &Row, text: &mut dyn FnMut() -> String);
+    /// Adds rows with the values of its quantities, each a column of them with NaN for none.
+    fn add(&mut self, columns: &[&[f64]], rows: &[RowNumbers]);
+
+    /// Has the lines of the table made for the rows that were added and stay; `line` makes one.
+    fn make_lines(&mut self, _line: &dyn Fn(RowNumbers) -> String) {}
 
     /// Appends what the file begins with.
     fn push_header(&self, out: &mut Vec<u8>);
@@ -96,48 +105,57 @@ impl Kind {
 }
 
 /// All reductions of a config, over the rows that its `[select]` keeps.
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 #[serde(try_from = "State")]
 pub struct Reductions {
-    select: Option<Expression>,
-    rows: u64,
-    kept: u64,
     reductions: Vec<Kind>,
+    /// The same for all parts of a run.
     #[serde(skip)]
-    work: Work,
+    work: Arc<Work>,
 }
 
 /// What is known so far, as data.
 #[derive(Deserialize)]
 struct State {
-    select: Option<Expression>,
-    rows: u64,
-    kept: u64,
     reductions: Vec<Kind>,
 }
 
 /// What rows are read with.
 struct Work {
-    filter: Option<Filter>,
-    /// Of each reduction.
-    formulas: Vec<Vec<Formula>>,
-    values: Vec<f64>,
+    /// Each once, however many reductions ask for it.
+    formulas: Vec<Formula>,
+    /// The places of each reduction's formulas.
+    places: Vec<Vec<usize>>,
     table: Table,
 }
 
+/// Rows whose values are made together: they stay in the processor's nearest memory.
+const ROWS: usize = 512;
+
 impl Work {
-    fn new(select: Option<&Expression>, reductions: &[Kind]) -> Work {
-        let of = |kind: &Kind| kind.reduction().quantities().into_iter().map(Formula::of).collect();
-        let formulas = reductions.iter().map(of).collect();
-        Work { filter: select.map(Filter::new), formulas, values: Vec::new(), table: Table::default() }
+    fn new(reductions: &[Kind]) -> Work {
+        let mut quantities: Vec<&Expression> = Vec::new();
+        let mut places = Vec::with_capacity(reductions.len());
+        for kind in reductions {
+            let mut own = Vec::new();
+            for quantity in kind.reduction().quantities() {
+                let known = quantities.iter().position(|known| *known == quantity);
+                own.push(known.unwrap_or(quantities.len()));
+                if known.is_none() {
+                    quantities.push(quantity);
+                }
+            }
+            places.push(own);
+        }
+        let formulas = quantities.into_iter().map(Formula::of).collect();
+        Work { formulas, places, table: Table::default() }
     }
 }
 
 impl TryFrom<State> for Reductions {
     type Error = String;
 
-    fn try_from(state: State) -> Result<Reductions, String> {
-        let State { select, rows, kept, reductions } = state;
+    fn try_from(State { reductions }: State) -> Result<Reductions, String> {
         let is_sound = |kind: &Kind| match kind {
             Kind::Statistics(own) => own.is_sound(),
             Kind::Histogram(own) => own.is_sound(),
@@ -147,70 +165,61 @@ impl TryFrom<State> for Reductions {
         if !reductions.iter().all(is_sound) {
             return Err("the answers so far are not what a run has left".to_string());
         }
-        let work = Work::new(select.as_ref(), &reductions);
-        Ok(Reductions { select, rows, kept, reductions, work })
+        Ok(Reductions::with(reductions))
     }
 }
 
 impl Reductions {
     /// `None` where the config asks for none.
     pub fn of(study: &Study) -> Option<Reductions> {
-        study.reduce.as_ref().map(|asked| Reductions::new(asked, study.select.clone()))
-    }
-
-    pub fn new(asked: &Reduce, select: Option<Expression>) -> Reductions {
-        let Reduce { statistics, quantiles, best, pareto, histograms } = asked;
+        let Reduce { statistics, quantiles, best, pareto, histograms } = study.reduce.as_ref()?;
         let statistics = statistics.iter().map(|of| Kind::Statistics(Statistics::new(of, quantiles)));
         let rankings = best.iter().map(|best| Kind::Ranking(Ranking::new(best)));
         let front = (!pareto.is_empty()).then(|| Kind::Front(Front::new(pareto)));
         let histograms =
             (1..).zip(histograms).map(|(number, one)| Kind::Histogram(Histogram::new(number, one)));
-        let reductions: Vec<Kind> = statistics.chain(rankings).chain(front).chain(histograms).collect();
-        let work = Work::new(select.as_ref(), &reductions);
-        Reductions { select, rows: 0, kept: 0, reductions, work }
+        Some(Reductions::with(statistics.chain(rankings).chain(front).chain(histograms).collect()))
     }
 
-    /// Adds the rows of a design, those that are kept.
-    pub fn add(&mut self, outcome: &DesignOutcome) {
-        let DesignOutcome { case, backend, steps, .. } = outcome;
-        let Work { filter, formulas, values, table } = &mut self.work;
-        for (step, outcome) in steps.iter().enumerate().take(case.steps.len()) {
-            let row = Row { case, step, outcome, backend: *backend };
-            self.rows += 1;
-            if filter.as_ref().is_some_and(|filter| !filter.keeps_row(&row)) {
-                continue;
+    fn with(reductions: Vec<Kind>) -> Reductions {
+        let work = Arc::new(Work::new(&reductions));
+        Reductions { reductions, work }
+    }
+
+    /// Adds the kept rows of designs that follow each other.
+    pub fn add(&mut self, outcomes: &[DesignOutcome], kept: &[RowPlace]) {
+        let Work { formulas, places, table } = &*self.work;
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); formulas.len()];
+        let mut numbers = Vec::new();
+        for kept in kept.chunks(ROWS) {
+            for (column, formula) in columns.iter_mut().zip(formulas) {
+                column.clear();
+                column.extend(kept.iter().map(|place| formula.value(&row_at(outcomes, *place))));
             }
-            self.kept += 1;
-            for (kind, formulas) in self.reductions.iter_mut().zip(formulas.iter()) {
-                values.clear();
-                values.extend(formulas.iter().map(|formula| formula.value(&row)));
-                kind.reduction_mut().add(values, &row, &mut || table_line(table, &row));
+            numbers.clear();
+            numbers.extend(kept.iter().map(|(place, step)| (outcomes[*place].case.index, *step as u64)));
+            for (kind, places) in self.reductions.iter_mut().zip(places) {
+                let values: Vec<&[f64]> = places.iter().map(|place| columns[*place].as_slice()).collect();
+                kind.reduction_mut().add(&values, &numbers);
             }
         }
+        let line = |(design, step): RowNumbers| {
+            let place = outcomes.partition_point(|outcome| outcome.case.index < design);
+            table_line(table, &row_at(outcomes, (place, step as usize)))
+        };
+        self.reductions.iter_mut().for_each(|kind| kind.reduction_mut().make_lines(&line));
     }
 
     /// Adds what another part of the same sweep has found. Parts of different questions do not go together.
     pub fn merge(&mut self, other: &Reductions) -> Result<(), Error> {
         let alike = self.reductions.len() == other.reductions.len()
             && self.reductions.iter().zip(&other.reductions).all(|(own, theirs)| own.is_like(theirs));
-        if !alike || self.select != other.select {
-            let problem = "answers to different questions cannot be joined: [select] and [reduce] differ";
+        if !alike {
+            let problem = "answers to different questions cannot be joined: [reduce] differs";
             return Err(Error::Asked { problem: problem.to_string() });
         }
-        self.rows += other.rows;
-        self.kept += other.kept;
         self.reductions.iter_mut().zip(&other.reductions).for_each(|(own, theirs)| own.merge(theirs));
         Ok(())
-    }
-
-    /// Rows that were added, kept or not.
-    pub fn rows(&self) -> u64 {
-        self.rows
-    }
-
-    /// Rows that `[select]` has kept.
-    pub fn kept(&self) -> u64 {
-        self.kept
     }
 
     /// The files that tell the answers, with their names.

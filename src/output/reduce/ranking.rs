@@ -5,8 +5,7 @@ use std::cmp::Ordering;
 use serde::{Deserialize, Serialize};
 
 use super::line::Line;
-use super::{Reduction, table_header};
-use crate::output::row_value::Row;
+use super::{Reduction, RowNumbers, table_header};
 use crate::study::expression::Expression;
 use crate::study::reduce::{Best, Order};
 
@@ -22,7 +21,7 @@ struct Place {
     value: f64,
     design: u64,
     step: u64,
-    /// The row of the table.
+    /// The row of the table; empty until it is made.
     row: String,
 }
 
@@ -79,12 +78,21 @@ impl Reduction for Ranking {
         vec![&self.asked.by]
     }
 
-    fn add(&mut self, values: &[f64], row: &Row, text: &mut dyn FnMut() -> String) {
-        let (value, design, step) = (values[0] + 0.0, row.case.index, row.step as u64);
-        if value.is_finite()
-            && let Some(rank) = self.rank((value, design, step))
-        {
-            self.insert(rank, Place { value, design, step, row: text() });
+    fn add(&mut self, columns: &[&[f64]], rows: &[RowNumbers]) {
+        for (value, (design, step)) in columns[0].iter().zip(rows) {
+            // Not -0.
+            let (value, design, step) = (value + 0.0, *design, *step);
+            if value.is_finite()
+                && let Some(rank) = self.rank((value, design, step))
+            {
+                self.insert(rank, Place { value, design, step, row: String::new() });
+            }
+        }
+    }
+
+    fn make_lines(&mut self, line: &dyn Fn(RowNumbers) -> String) {
+        for place in self.places.iter_mut().filter(|place| place.row.is_empty()) {
+            place.row = line((place.design, place.step));
         }
     }
 

@@ -7,20 +7,25 @@
 
 use std::collections::BTreeMap;
 
-use foldhash::{HashMap, HashMapExt};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
+use super::tally::Tally;
+
+/// Two are equal that have counted the same, in whatever order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "Saved", try_from = "Saved")]
 pub struct Sketch {
     /// Binary digits behind the leading one that tell numbers apart.
     digits: u32,
     /// By the leading bits, negative for negative numbers; 0 for zeros and for what is smaller than 2.2e-308.
-    #[serde(serialize_with = "sorted")]
-    counts: HashMap<i64, u64>,
+    counts: Tally,
 }
 
-fn sorted<S: Serializer>(counts: &HashMap<i64, u64>, serializer: S) -> Result<S::Ok, S::Error> {
-    counts.iter().collect::<BTreeMap<_, _>>().serialize(serializer)
+/// A sketch as data.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    digits: u32,
+    counts: BTreeMap<i64, u64>,
 }
 
 const MOST_DIGITS: u32 = 10;
@@ -30,7 +35,7 @@ pub const MOST_COUNTS: usize = 1 << 16;
 
 impl Default for Sketch {
     fn default() -> Sketch {
-        Sketch { digits: MOST_DIGITS, counts: HashMap::new() }
+        Sketch { digits: MOST_DIGITS, counts: Tally::default() }
     }
 }
 
@@ -41,47 +46,33 @@ impl Sketch {
             tiny if tiny < f64::MIN_POSITIVE => 0,
             size => (size.to_bits() >> (52 - self.digits)) as i64,
         };
-        *self.counts.entry(if value < 0.0 { -leading } else { leading }).or_default() += 1;
+        self.counts.add(if value < 0.0 { -leading } else { leading }, 1);
         self.shrink();
     }
 
     pub fn merge(&mut self, other: &Sketch) {
-        let mut other = other.clone();
         while self.digits > other.digits {
             self.join_neighbours();
         }
-        while other.digits > self.digits {
-            other.join_neighbours();
-        }
-        for (leading, count) in other.counts {
-            *self.counts.entry(leading).or_default() += count;
-        }
+        let more = other.digits - self.digits;
+        other.counts.for_each(|leading, count| self.counts.add(joined(leading, more), count));
         self.shrink();
     }
 
     fn shrink(&mut self) {
-        while self.counts.len() > MOST_COUNTS && self.digits > 0 {
+        while self.counts.entries() > MOST_COUNTS && self.digits > 0 {
             self.join_neighbours();
         }
     }
 
     fn join_neighbours(&mut self) {
         self.digits -= 1;
-        for (leading, count) in std::mem::take(&mut self.counts) {
-            *self.counts.entry(leading.signum() * (leading.abs() >> 1)).or_default() += count;
-        }
-    }
-
-    /// Whether it can be what a run has left.
-    pub fn is_sound(&self) -> bool {
-        // Sign, exponent and digits.
-        let end = 1_i64 << (11 + self.digits.min(MOST_DIGITS));
-        let mut leading = self.counts.keys();
-        self.digits <= MOST_DIGITS && leading.all(|leading| (-end..end).contains(leading))
+        let before = std::mem::take(&mut self.counts);
+        before.for_each(|leading, count| self.counts.add(joined(leading, 1), count));
     }
 
     pub fn count_entries(&self) -> usize {
-        self.counts.len()
+        self.counts.entries()
     }
 
     /// How far a told number is from the one that is meant, at most, relative.
@@ -91,10 +82,7 @@ impl Sketch {
 
     /// The numbers in ascending order, each as the middle of those that share its count, with how often it was met.
     pub fn values(&self) -> impl Iterator<Item = (f64, u64)> {
-        let mut counts: Vec<(i64, u64)> =
-            self.counts.iter().map(|(&leading, &count)| (leading, count)).collect();
-        counts.sort_unstable();
-        counts.into_iter().map(|(leading, count)| {
+        self.counts.sorted().into_iter().map(|(leading, count)| {
             let edge = |leading: i64| f64::from_bits((leading as u64) << (52 - self.digits)).min(f64::MAX);
             let (low, high) = (edge(leading.abs()), edge(leading.abs() + 1));
             let middle = low + (high - low) / 2.0;
@@ -109,5 +97,31 @@ impl Sketch {
             passed += count;
             (passed >= rank).then_some(value)
         })
+    }
+}
+
+/// Leading bits with so many digits less.
+fn joined(leading: i64, less: u32) -> i64 {
+    leading.signum() * (leading.abs() >> less)
+}
+
+impl From<Sketch> for Saved {
+    fn from(sketch: Sketch) -> Saved {
+        Saved { digits: sketch.digits, counts: sketch.counts.sorted().into_iter().collect() }
+    }
+}
+
+impl TryFrom<Saved> for Sketch {
+    type Error = &'static str;
+
+    fn try_from(Saved { digits, counts }: Saved) -> Result<Sketch, &'static str> {
+        // Sign, exponent and digits.
+        let end = 1_i64 << (11 + digits.min(MOST_DIGITS));
+        if digits > MOST_DIGITS || !counts.keys().all(|leading| (-end..end).contains(leading)) {
+            return Err("a count is of no number that there is");
+        }
+        let mut sketch = Sketch { digits, counts: Tally::default() };
+        counts.into_iter().for_each(|(leading, count)| sketch.counts.add(leading, count));
+        Ok(sketch)
     }
 }

@@ -2,11 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Reduction;
 use super::exact_sum::{ExactSum, standard_deviation};
 use super::line::Line;
 use super::sketch::Sketch;
-use crate::output::row_value::Row;
+use super::{Reduction, RowNumbers};
 use crate::study::expression::Expression;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,20 +91,25 @@ impl Reduction for Statistics {
         vec![&self.of]
     }
 
-    fn add(&mut self, values: &[f64], row: &Row, _text: &mut dyn FnMut() -> String) {
-        // Not -0.
-        let value = values[0] + 0.0;
-        if !value.is_finite() {
-            self.without_value += 1;
-            return;
+    fn add(&mut self, columns: &[&[f64]], rows: &[RowNumbers]) {
+        for (value, (design, step)) in columns[0].iter().zip(rows) {
+            // Not -0.
+            let value = value + 0.0;
+            if !value.is_finite() {
+                self.without_value += 1;
+                continue;
+            }
+            self.count += 1;
+            let is_between = |low: Extreme, high: Extreme| value > low.value && value < high.value;
+            if !self.least.zip(self.greatest).is_some_and(|(low, high)| is_between(low, high)) {
+                let own = Some(Extreme { value, design: *design, step: *step });
+                self.extremes(own, own);
+            }
+            self.sum.add(value);
+            self.squares.add_square(value);
         }
-        self.count += 1;
-        let own = Some(Extreme { value, design: row.case.index, step: row.step as u64 });
-        self.extremes(own, own);
-        self.sum.add(value);
-        self.squares.add_square(value);
         if let Some(sketch) = &mut self.sketch {
-            sketch.add(value);
+            columns[0].iter().filter(|value| value.is_finite()).for_each(|value| sketch.add(*value));
         }
     }
 
@@ -159,6 +163,5 @@ impl Statistics {
     /// Whether it can be what a run has left.
     pub fn is_sound(&self) -> bool {
         self.sketch.is_some() != self.quantiles.is_empty()
-            && self.sketch.as_ref().is_none_or(Sketch::is_sound)
     }
 }

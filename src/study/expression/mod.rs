@@ -9,6 +9,7 @@ mod check;
 mod grammar;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -33,12 +34,12 @@ impl Complaint {
 /// Bytes of an expression at most.
 const LONGEST: usize = 10_000;
 
-/// A checked expression. As data it is its text.
+/// A checked expression, cheap to clone. As data it is its text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Expression {
-    text: String,
-    operations: Vec<Operation>,
+    text: Arc<str>,
+    operations: Arc<[Operation]>,
     /// `None` for a condition.
     unit: Option<Unit>,
     constant: Option<f64>,
@@ -116,7 +117,7 @@ impl Expression {
 
 impl From<Expression> for String {
     fn from(expression: Expression) -> String {
-        expression.text
+        expression.text.to_string()
     }
 }
 
@@ -143,7 +144,7 @@ fn read(text: &str) -> Result<Expression, Complaint> {
         let problem = format!("more than {DEEPEST} numbers wait for each other: use fewer brackets");
         return Err(Complaint::new(part.place, problem));
     }
-    Ok(Expression { text: text.trim().to_string(), operations: part.operations, unit, constant })
+    Ok(Expression { text: text.trim().into(), operations: part.operations.into(), unit, constant })
 }
 
 /// Characters that are shown before and behind the place of a mistake.
