@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Instant, SystemTime};
 
+use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::output::benchmark::{BenchmarkManifest, Measurement, Run};
@@ -12,8 +13,25 @@ use jointsweep::internals::output::manifest::create_dir;
 use jointsweep::internals::study::config::Study;
 use serde_json::Value;
 
+use super::arguments::{count, thread_count, threads};
 use super::report::{aligned, duration};
-use super::{BenchArgs, Ending, print, say, threads};
+use super::{Ending, print, say};
+
+#[derive(Args)]
+pub struct BenchArgs {
+    /// The sweeps to run [default: those of configs/liu2007.toml and configs/random.toml that are here]
+    #[arg(value_name = "CONFIG")]
+    configs: Vec<PathBuf>,
+    /// Runs of each that are measured, after one that is not
+    #[arg(long, value_name = "N", default_value = "5", value_parser = count::<usize>)]
+    runs: usize,
+    /// Threads that compute [default: all cores]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
+    /// Folder of the figures
+    #[arg(long, value_name = "DIR", default_value = "out/bench")]
+    out: PathBuf,
+}
 
 /// What is measured when nothing is named.
 const DEFAULT: [&str; 2] = ["configs/liu2007.toml", "configs/random.toml"];

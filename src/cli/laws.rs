@@ -1,5 +1,8 @@
 //! `jointsweep laws`: laws for a result that has none.
 
+use std::path::PathBuf;
+
+use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::law_fit::laws_of_all;
@@ -14,7 +17,20 @@ use jointsweep::internals::study::columns::Quantity;
 use jointsweep::internals::study::config::MethodChoice;
 use jointsweep::internals::study::design::{DesignCase, Load};
 
-use super::{Ending, LawsArgs, print, threads};
+use super::arguments::{thread_count, threads};
+use super::{Ending, print};
+
+#[derive(Args)]
+pub struct LawsArgs {
+    /// Folder of a result
+    dir: PathBuf,
+    /// Threads that compute [default: all cores]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
+    /// Overwrite the laws that are there
+    #[arg(long)]
+    force: bool,
+}
 
 /// Designs that are solved together.
 const BATCH: usize = 4096;

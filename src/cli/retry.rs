@@ -11,8 +11,9 @@ use jointsweep::internals::output::retry::{Rewriter, failed_rows, new_rows, refu
 use jointsweep::internals::output::table::Table;
 use jointsweep::internals::study::config::Study;
 
-use super::run::ending;
-use super::{Ending, RunArgs, backend, print, report, say, threads};
+use super::arguments::threads;
+use super::run::{RunArgs, ending};
+use super::{Ending, backend, print, report, say};
 
 /// Designs whose rows are made together.
 const PORTION: u64 = 64;

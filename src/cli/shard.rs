@@ -12,8 +12,9 @@ use jointsweep::internals::output::shard::{MOST_SHARDS, ShardFile};
 use jointsweep::internals::output::sinks::Sinks;
 use jointsweep::internals::study::config::Study;
 
-use super::run::{already_done, ending, go_on, record};
-use super::{Ending, RunArgs, backend, print, report, say, threads};
+use super::arguments::threads;
+use super::run::{RunArgs, already_done, ending, go_on, record};
+use super::{Ending, backend, print, report, say};
 
 /// Which shard, from 1, and of how many.
 #[derive(Clone, Copy)]

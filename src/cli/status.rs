@@ -2,14 +2,21 @@
 
 use std::collections::HashSet;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::output::folder::MANIFEST;
 use jointsweep::internals::output::shard::{Survey, file_name, ranges};
 
 use super::sbatch::{script, shards, shell_word};
-use super::{Ending, StatusArgs, print};
+use super::{Ending, print};
+
+#[derive(Args)]
+pub struct StatusArgs {
+    /// Folder of the shards
+    dir: PathBuf,
+}
 
 pub fn status(args: &StatusArgs) -> Result<Ending, Error> {
     let survey = shards(&args.dir)?;

@@ -29,6 +29,7 @@ pub mod recorder;
 pub mod merge;
 pub mod retry;
 pub mod benchmark;
+pub mod gpu_figures;
 pub mod gpu_benchmark;
 pub mod residual_plot;
 pub mod calibration;
