@@ -12,7 +12,9 @@ use std::time::SystemTime;
 
 use jointsweep::Error;
 use jointsweep::internals::output::host::{Host, Program, utc};
-use jointsweep::internals::output::manifest::{FileEntry, publish, stage, write_whole};
+use jointsweep::internals::output::manifest::stage;
+use jointsweep::internals::output::manifest_parts::FileEntry;
+use jointsweep::internals::output::whole_file::{publish, write_whole};
 use jointsweep::internals::study::fingerprint::Fingerprint;
 use study_figures::{ACCURACY, Anything, PLATES, figures};
 

@@ -29,6 +29,7 @@ use jointsweep::internals::mechanics::compliance::arc::{FEW_TERMS, TERM_CHOICES}
 use jointsweep::internals::mechanics::grading::LEVEL_COUNT;
 use jointsweep::internals::output::host::{Host, utc};
 use jointsweep::internals::output::manifest;
+use jointsweep::internals::output::whole_file;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::{DesignCase, Part};
 use jointsweep::internals::tradeoff::answer::States;
@@ -416,7 +417,7 @@ fn save(
     std::fs::write(folder.join("choices.csv"), choices)?;
     let path = folder.join("manifest.json");
     manifest::stage(&manifest, &path)?;
-    Ok(manifest::publish(&path)?)
+    Ok(whole_file::publish(&path)?)
 }
 
 /// Of the sources, where git tells it.

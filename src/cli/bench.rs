@@ -9,7 +9,7 @@ use jointsweep::Error;
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::output::benchmark::{BenchmarkManifest, Measurement, Run};
 use jointsweep::internals::output::folder::MANIFEST;
-use jointsweep::internals::output::manifest::create_dir;
+use jointsweep::internals::output::whole_file::create_dir;
 use jointsweep::internals::study::config::Study;
 use serde_json::Value;
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use jointsweep::Error;
-use jointsweep::internals::output::manifest::write_whole;
+use jointsweep::internals::output::whole_file::write_whole;
 
 use super::{Ending, print};
 

@@ -10,9 +10,10 @@ use jointsweep::internals::engine::outcome::{Answer, BackendKind, DesignOutcome}
 use jointsweep::internals::output::folder::{LAWS, MANIFEST};
 use jointsweep::internals::output::laws_table::LawsTable;
 use jointsweep::internals::output::lock::FolderLock;
-use jointsweep::internals::output::manifest::{publish, staged, with_file, write_whole};
+use jointsweep::internals::output::manifest::with_file;
 use jointsweep::internals::output::results::{Results, TableRow};
 use jointsweep::internals::output::sink::{Sink, SinkFile};
+use jointsweep::internals::output::whole_file::{publish, staged, write_whole};
 use jointsweep::internals::study::columns::Quantity;
 use jointsweep::internals::study::config::MethodChoice;
 use jointsweep::internals::study::design::{DesignCase, Load};

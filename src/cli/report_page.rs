@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use jointsweep::Error;
-use jointsweep::internals::output::manifest::write_whole;
 use jointsweep::internals::output::report::page;
 use jointsweep::internals::output::results::Results;
+use jointsweep::internals::output::whole_file::write_whole;
 
 use super::{Ending, print};
 

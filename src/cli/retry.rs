@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use jointsweep::Error;
 use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
-use jointsweep::internals::output::manifest::Origin;
+use jointsweep::internals::output::origin::Origin;
 use jointsweep::internals::output::results::Results;
 use jointsweep::internals::output::retry::{Rewriter, failed_rows, new_rows, refusal};
 use jointsweep::internals::output::table::Table;

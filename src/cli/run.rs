@@ -10,7 +10,8 @@ use jointsweep::Error;
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
-use jointsweep::internals::output::manifest::{Conditions, Manifest, Origin};
+use jointsweep::internals::output::manifest::{Conditions, Manifest};
+use jointsweep::internals::output::origin::Origin;
 use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::study::config::Study;
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Command, CommandFactory};
 use clap_mangen::Man;
 use jointsweep::Error;
-use jointsweep::internals::output::manifest::{create_dir, write_whole};
+use jointsweep::internals::output::whole_file::{create_dir, write_whole};
 
 use super::{Cli, Ending, print};
 

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
-use jointsweep::internals::output::manifest::{create_dir, write_whole};
 use jointsweep::internals::output::shard::MOST_SHARDS;
 use jointsweep::internals::output::slurm::{ARRAY, FOLDER, Job, MERGE, does_the_same};
+use jointsweep::internals::output::whole_file::{create_dir, write_whole};
 use jointsweep::internals::study::config::Study;
 
 use super::arguments::{SettingArgs, count};

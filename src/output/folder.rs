@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::output::lock::FolderLock;
-use crate::output::manifest::{Inputs, Origin, State, staged, with_suffix};
+use crate::output::manifest_parts::State;
+use crate::output::origin::{Inputs, Origin};
+use crate::output::whole_file::{staged, with_suffix};
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 use crate::study::output_options::Format;

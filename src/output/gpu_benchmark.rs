@@ -12,7 +12,9 @@ use crate::engine::backend::gpu::solver::INVOCATIONS;
 use crate::error::Error;
 use crate::output::gpu_figures::{PrecisionRow, ScalingRow, kernels, peaks, precisions, scaling};
 use crate::output::host::{Host, Program, seconds_since, utc};
-use crate::output::manifest::{self, Config, State};
+use crate::output::manifest;
+use crate::output::manifest_parts::{Config, State};
+use crate::output::whole_file;
 use crate::study::config::Study;
 
 pub const MANIFEST: &str = "manifest.json";
@@ -130,7 +132,7 @@ impl GpuBenchmark {
         study: &Study,
         started: SystemTime,
     ) -> Result<GpuBenchmark, Error> {
-        manifest::create_dir(dir)?;
+        whole_file::create_dir(dir)?;
         for name in [PRECISIONS, SCALING, KERNELS, PEAKS] {
             let _ = std::fs::remove_file(dir.join(name));
         }
@@ -196,6 +198,6 @@ impl GpuBenchmark {
         self.manifest.wall_seconds = seconds_since(self.started);
         let path = self.dir.join(MANIFEST);
         manifest::stage(&self.manifest, &path)?;
-        manifest::publish(&path)
+        whole_file::publish(&path)
     }
 }

@@ -7,11 +7,14 @@ use serde_json::Value;
 use crate::error::Error;
 use crate::output::counts::Counts;
 use crate::output::folder::{Claim, MANIFEST, Permissions, RUN, ResultFolder, TABLE_PARQUET, Verdict};
-use crate::output::manifest::{self, FileEntry, Inputs, Origin, Shard, State};
+use crate::output::manifest;
+use crate::output::manifest_parts::{FileEntry, Shard, State};
+use crate::output::origin::{Inputs, Origin};
 use crate::output::parquet_table::ParquetTable;
 use crate::output::reduce::Reductions;
 use crate::output::shard::{ShardFile, Survey, file_name, ranges, survey};
 use crate::output::sink::SinkFile;
+use crate::output::whole_file;
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 
@@ -104,7 +107,7 @@ fn write(claim: &Claim, shards: &[ShardFile]) -> Result<String, Error> {
     let path = claim.partial(MANIFEST);
     let mut merged = Merger::new(shards);
     // First of all, so that no crash leaves a table that nobody vouches for.
-    manifest::write_whole(&path, &merged.text(State::Incomplete))?;
+    whole_file::write_whole(&path, &merged.text(State::Incomplete))?;
     let tables = &shards[0].origin.files;
     claim.remove_others(tables.iter().map(|(name, _)| name.as_str()))?;
     for (place, (name, _)) in tables.iter().enumerate() {
@@ -121,13 +124,13 @@ fn write(claim: &Claim, shards: &[ShardFile]) -> Result<String, Error> {
     }
     if let Some(answers) = answers(shards)? {
         for (name, bytes) in answers.files() {
-            manifest::write_whole(&claim.partial(name), &bytes)?;
+            whole_file::write_whole(&claim.partial(name), &bytes)?;
             merged.files.push(FileEntry::new(name, &Fingerprint::of(&bytes)));
         }
         merged.remarks = answers.remarks();
     }
     let text = merged.text(State::Complete);
-    manifest::write_whole(&path, &text)?;
+    whole_file::write_whole(&path, &text)?;
     claim.publish()?;
     Ok(String::from_utf8_lossy(&text).into_owned())
 }

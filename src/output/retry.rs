@@ -13,11 +13,13 @@ use crate::error::Error;
 use crate::output::counts::Counts;
 use crate::output::folder::{Claim, MANIFEST, TABLE};
 use crate::output::host::Program;
-use crate::output::manifest::{self, FileEntry, State};
+use crate::output::manifest;
+use crate::output::manifest_parts::{FileEntry, State};
 use crate::output::results::Results;
 use crate::output::schema::result_columns;
 use crate::output::sink::{Sink, SinkFile};
 use crate::output::table::{Table, settle};
+use crate::output::whole_file;
 use crate::study::columns::{DESIGN, Quantity};
 use crate::study::config::Study;
 use crate::study::output_options::{Format, OutputOptions};
@@ -177,7 +179,7 @@ fn save(
         manifest.insert("failed_rows_done_again_by".into(), Program::CURRENT.in_words().into());
     }
     let text = manifest::text(&manifest);
-    manifest::write_whole(&claim.partial(MANIFEST), &text)?;
+    whole_file::write_whole(&claim.partial(MANIFEST), &text)?;
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::output::chart::{Axis, Bar, BarChart, BarGroup, BarPanel};
 use crate::output::folder::Claim;
 use crate::output::host::{seconds_since, utc};
-use crate::output::manifest::FileEntry;
+use crate::output::manifest_parts::FileEntry;
 use crate::output::number::rounded_cell as cell;
 use crate::output::result_column::ResultColumn;
 use crate::output::texts::{self, Beginning};

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::output::folder::{RUN, ResultFolder};
-use crate::output::manifest::{Origin, Shard};
+use crate::output::manifest_parts::Shard;
+use crate::output::origin::Origin;
 use crate::study::fingerprint::{Fingerprint, Fingerprinter};
 
 const MAGIC: &[u8; 8] = b"JSWSHRD1";

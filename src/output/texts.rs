@@ -5,7 +5,9 @@ use serde::Serialize;
 use crate::error::Error;
 use crate::output::folder::{Claim, MANIFEST};
 use crate::output::host::Program;
-use crate::output::manifest::{self, Config, FileEntry, State};
+use crate::output::manifest;
+use crate::output::manifest_parts::{Config, FileEntry, State};
+use crate::output::whole_file;
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 
@@ -54,6 +56,6 @@ pub fn write<const COUNT: usize>(
 pub fn publish(claim: &Claim, manifest: &impl Serialize) -> Result<(), Error> {
     let path = claim.partial(MANIFEST);
     manifest::stage(manifest, &path)?;
-    manifest::publish(&path)?;
+    whole_file::publish(&path)?;
     claim.publish()
 }

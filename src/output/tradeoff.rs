@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::mechanics::grading::REFERENCE_LEVEL;
 use crate::output::folder::Claim;
 use crate::output::host::{Host, seconds_since, utc};
-use crate::output::manifest::FileEntry;
+use crate::output::manifest_parts::FileEntry;
 use crate::output::number::push_exact;
 use crate::output::texts::{self, Beginning};
 use crate::output::tradeoff_plot;
