@@ -5,7 +5,8 @@ use std::time::{Duration, SystemTime};
 
 use jointsweep::Error;
 use jointsweep::internals::engine::shares::share;
-use jointsweep::internals::output::folder::{Claim, Permissions, ResultFolder, Verdict};
+use jointsweep::internals::output::claim::Claim;
+use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
 use jointsweep::internals::output::manifest::Conditions;
 use jointsweep::internals::output::manifest_parts::Shard;
 use jointsweep::internals::output::origin::{Inputs, Origin};

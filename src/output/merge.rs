@@ -5,8 +5,9 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::error::Error;
+use crate::output::claim::Claim;
 use crate::output::counts::Counts;
-use crate::output::folder::{Claim, MANIFEST, Permissions, RUN, ResultFolder, TABLE_PARQUET, Verdict};
+use crate::output::folder::{MANIFEST, Permissions, RUN, ResultFolder, TABLE_PARQUET, Verdict};
 use crate::output::manifest;
 use crate::output::manifest_parts::{FileEntry, Shard, State};
 use crate::output::origin::{Inputs, Origin};

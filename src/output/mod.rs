@@ -11,6 +11,7 @@ pub mod origin;
 pub mod manifest;
 pub mod lock;
 pub mod folder;
+pub mod claim;
 mod texts;
 pub mod shard;
 pub mod slurm;

@@ -10,8 +10,9 @@ use serde_json::value::to_raw_value;
 
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
+use crate::output::claim::Claim;
 use crate::output::counts::Counts;
-use crate::output::folder::{Claim, MANIFEST, SAFE, table_name};
+use crate::output::folder::{MANIFEST, SAFE, table_name};
 use crate::output::manifest::{self, Conditions, Manifest};
 use crate::output::manifest_parts::{Shard, State};
 use crate::output::origin::Origin;

@@ -10,8 +10,9 @@ use serde_json::{Value, json};
 
 use crate::engine::outcome::DesignOutcome;
 use crate::error::Error;
+use crate::output::claim::Claim;
 use crate::output::counts::Counts;
-use crate::output::folder::{Claim, MANIFEST, TABLE};
+use crate::output::folder::{MANIFEST, TABLE};
 use crate::output::host::Program;
 use crate::output::manifest;
 use crate::output::manifest_parts::{FileEntry, State};

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::engine::status::StatusCounts;
 use crate::error::Error;
 use crate::output::chart::{Axis, Bar, BarChart, BarGroup, BarPanel};
-use crate::output::folder::Claim;
+use crate::output::claim::Claim;
 use crate::output::host::{seconds_since, utc};
 use crate::output::manifest_parts::FileEntry;
 use crate::output::number::rounded_cell as cell;

@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::output::folder::{Claim, MANIFEST};
+use crate::output::claim::Claim;
+use crate::output::folder::MANIFEST;
 use crate::output::host::Program;
 use crate::output::manifest;
 use crate::output::manifest_parts::{Config, FileEntry, State};

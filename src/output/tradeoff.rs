@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::engine::backend::gpu::context::AdapterFacts;
 use crate::error::Error;
 use crate::mechanics::grading::REFERENCE_LEVEL;
-use crate::output::folder::Claim;
+use crate::output::claim::Claim;
 use crate::output::host::{Host, seconds_since, utc};
 use crate::output::manifest_parts::FileEntry;
 use crate::output::number::push_exact;
