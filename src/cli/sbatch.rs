@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use jointsweep::Error;
-use jointsweep::internals::output::shard::{Survey, survey};
 use jointsweep::internals::output::slurm::{ARRAY, FOLDER, MERGE, arrays, of_script, quoted};
+use jointsweep::internals::output::survey::{Survey, survey};
 
 use super::report::plural;
 use super::{print, say};
@@ -157,7 +157,7 @@ pub fn shards(dir: &Path) -> Result<Survey, Error> {
         (Some(asked), false) => Ok(Survey { of: asked, missing: (1..=asked).collect(), ..Survey::default() }),
         (None, false) => refuse("holds no shards, nor scripts of `jointsweep submit`".into()),
         (asked, true) => {
-            let survey = survey(dir)?;
+            let survey = survey(dir, &mut drop)?;
             match asked.filter(|asked| *asked != survey.of) {
                 Some(asked) => {
                     refuse(format!("holds shards of a sweep in {}, and scripts for {asked}", survey.of))

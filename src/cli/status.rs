@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::output::folder::MANIFEST;
-use jointsweep::internals::output::shard::{Survey, file_name, ranges};
+use jointsweep::internals::output::shard::file_name;
+use jointsweep::internals::output::survey::{Survey, ranges};
 
 use super::sbatch::{script, shards, shell_word};
 use super::{Ending, print};

@@ -14,6 +14,7 @@ pub mod folder;
 pub mod claim;
 mod texts;
 pub mod shard;
+pub mod survey;
 pub mod slurm;
 pub mod sink;
 pub mod table;

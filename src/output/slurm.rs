@@ -3,7 +3,7 @@
 //! What a user gives to `sbatch` stands in their `#SBATCH` lines, so that the scripts can be submitted again, by hand too.
 
 use crate::error::Error;
-use crate::output::shard::ranges;
+use crate::output::survey::ranges;
 
 /// The folder of the scripts and of what their jobs print, below the folder of the shards.
 pub const FOLDER: &str = "slurm";

@@ -2,8 +2,8 @@
 
 use std::process::Command;
 
-use jointsweep::internals::output::shard::ranges;
 use jointsweep::internals::output::slurm::{Array, Job, arrays, quoted};
+use jointsweep::internals::output::survey::ranges;
 
 use crate::Cluster;
 use crate::workdir::Ended;
