@@ -29,7 +29,6 @@ use jointsweep::internals::mechanics::compliance::arc::{FEW_TERMS, TERM_CHOICES}
 use jointsweep::internals::mechanics::grading::LEVEL_COUNT;
 use jointsweep::internals::output::host::{Host, utc};
 use jointsweep::internals::output::manifest;
-use jointsweep::internals::output::whole_file;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::{DesignCase, Part};
 use jointsweep::internals::tradeoff::answer::States;
@@ -415,9 +414,7 @@ fn save(
     std::fs::create_dir_all(folder)?;
     std::fs::write(folder.join("planner.csv"), table)?;
     std::fs::write(folder.join("choices.csv"), choices)?;
-    let path = folder.join("manifest.json");
-    manifest::stage(&manifest, &path)?;
-    Ok(whole_file::publish(&path)?)
+    Ok(manifest::write(&manifest, &folder.join("manifest.json"))?)
 }
 
 /// Of the sources, where git tells it.

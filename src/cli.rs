@@ -28,6 +28,7 @@ mod run;
 mod sbatch;
 mod sensitivity;
 mod shard;
+mod shard_folder;
 mod shell;
 mod status;
 mod submit;
@@ -140,7 +141,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// What makes an option of what an export's error is about.
+/// `--`, where the error of an export begins with the name of an option.
 fn option(error: &Error) -> &'static str {
     const OPTIONS: [&str; 8] = ["to", "out", "name", "error", "restitution", "speed", "up-to", "design"];
     match error {

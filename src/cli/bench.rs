@@ -48,11 +48,11 @@ pub fn bench(args: &BenchArgs) -> Result<Ending, Error> {
     let mut measurements = Vec::new();
     for (config, study) in configs.iter().zip(&studies) {
         let forecast = cost::estimate(study)?.seconds;
+        let mut measurement = measure(config, forecast, threads, &folder.0)?;
         // The first run warms the caches and is not counted.
-        let mut measurement =
-            Measurement { runs: Vec::new(), forecast, ..measure(config, threads, &folder.0)? };
+        measurement.runs.clear();
         for _ in 0..runs {
-            measurement.runs.extend(measure(config, threads, &folder.0)?.runs);
+            measurement.runs.extend(measure(config, forecast, threads, &folder.0)?.runs);
         }
         say(&format!("{}: {runs} runs", config.display()));
         measurements.push(measurement);
@@ -71,8 +71,8 @@ fn configs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     if here.is_empty() { Err(Error::NothingToMeasure { looked_for: DEFAULT.join(", ") }) } else { Ok(here) }
 }
 
-/// One run of `jointsweep run`.
-fn measure(config: &Path, threads: usize, folder: &Path) -> Result<Measurement, Error> {
+/// One run of `jointsweep run`, which was foreseen to take `forecast` seconds.
+fn measure(config: &Path, forecast: f64, threads: usize, folder: &Path) -> Result<Measurement, Error> {
     let failed = |problem: String| Error::MeasuredRun { config: config.into(), problem };
     let program = std::env::current_exe().map_err(|error| failed(error.to_string()))?;
     let mut command = Command::new(program);
@@ -106,7 +106,7 @@ fn measure(config: &Path, threads: usize, folder: &Path) -> Result<Measurement, 
         designs: count("designs"),
         rows: count("rows"),
         distinct_bodies: count("distinct_bodies"),
-        forecast: f64::NAN,
+        forecast,
         table_bytes: manifest["files"][0]["bytes"].as_u64().unwrap_or(0),
         runs: vec![run],
     })

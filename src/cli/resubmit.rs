@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointsweep::Error;
-use jointsweep::internals::output::slurm::{of_script, quoted};
+use jointsweep::internals::output::slurm::{quoted, read_array};
 
-use super::sbatch::{Submission, absolute, script, shards};
-use super::status::is_merged;
+use super::sbatch::Submission;
+use super::shard_folder::{absolute, is_merged, script, shards};
 use super::{Ending, print};
 
 #[derive(Args)]
@@ -52,7 +52,7 @@ fn check_scripts(dir: &Path) -> Result<(), Error> {
             ));
         }
     };
-    let Some((_, own)) = of_script(&text) else {
+    let Some((_, own)) = read_array(&text) else {
         return refuse(format!("{} is no script of `jointsweep submit`", path.display()));
     };
     let is_here = match (Path::new(&own).canonicalize(), dir.canonicalize()) {

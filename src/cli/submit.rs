@@ -12,7 +12,8 @@ use jointsweep::internals::study::config::Study;
 
 use super::arguments::{SettingArgs, count};
 use super::report::plural;
-use super::sbatch::{Submission, absolute, has_shards, script, shards, shell_word};
+use super::sbatch::{Submission, shell_word};
+use super::shard_folder::{absolute, has_shards, script, shards};
 use super::{Ending, print, report};
 
 #[derive(Args)]

@@ -121,9 +121,7 @@ impl BenchmarkManifest {
         whole_file::create_dir(dir)?;
         whole_file::write_whole(&dir.join("sweep.csv"), text(measurements).as_bytes())?;
         self.wall_seconds = seconds_since(self.started);
-        let path = dir.join("sweep.manifest.json");
-        manifest::stage(&self, &path)?;
-        whole_file::publish(&path)
+        manifest::write(&self, &dir.join("sweep.manifest.json"))
     }
 }
 

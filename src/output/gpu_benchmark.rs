@@ -196,8 +196,6 @@ impl GpuBenchmark {
 
     fn save_manifest(&mut self) -> Result<(), Error> {
         self.manifest.wall_seconds = seconds_since(self.started);
-        let path = self.dir.join(MANIFEST);
-        manifest::stage(&self.manifest, &path)?;
-        whole_file::publish(&path)
+        manifest::write(&self.manifest, &self.dir.join(MANIFEST))
     }
 }

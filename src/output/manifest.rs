@@ -14,7 +14,7 @@ use crate::output::host::{Host, Program, peak_memory, processor_seconds, seconds
 use crate::output::manifest_parts::{Adapter, Config, FileEntry, Shard, Spent, State, computed_by};
 use crate::output::origin::Origin;
 use crate::output::schema::constants_as_json;
-use crate::output::whole_file::{publish, stage_bytes};
+use crate::output::whole_file::{publish, stage_bytes, write_whole};
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 
@@ -214,7 +214,7 @@ impl Manifest {
         self.processor_seconds =
             processor_seconds().map(|own| own + self.before.processor_seconds.unwrap_or(0.0));
         self.peak_memory_bytes = peak_memory();
-        stage(self, path)
+        stage_bytes(path, &text(self))
     }
 
     pub fn save(&mut self, path: &Path) -> Result<(), Error> {
@@ -223,9 +223,9 @@ impl Manifest {
     }
 }
 
-/// Writes any manifest beside `path`.
-pub fn stage(manifest: &impl Serialize, path: &Path) -> Result<(), Error> {
-    stage_bytes(path, &text(manifest))
+/// Writes any manifest, so that nobody meets half of it.
+pub fn write(manifest: &impl Serialize, path: &Path) -> Result<(), Error> {
+    write_whole(path, &text(manifest))
 }
 
 /// The text of a manifest.

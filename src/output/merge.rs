@@ -39,7 +39,7 @@ pub fn merge(dir: &Path, permissions: Permissions) -> Result<Merged, Error> {
         if first_problem.is_ok() {
             first_problem = match &mut parts {
                 None => Parts::new(shard).map(|new| parts = Some(new)),
-                Some(parts) => fit(&parts.last, &shard).map_err(refuse).and_then(|()| parts.add(shard)),
+                Some(parts) => follows(&parts.last, &shard).map_err(refuse).and_then(|()| parts.add(shard)),
             };
         }
     })?;
@@ -63,7 +63,7 @@ pub fn merge(dir: &Path, permissions: Permissions) -> Result<Merged, Error> {
     Ok(Merged::Now(Box::new(Origin::of(&text).ok_or_else(unreadable)?)))
 }
 
-/// In words, where something is.
+/// What keeps the shards from being whole, in words, and what to do about it.
 fn what_is_missing(survey: &Survey) -> Option<String> {
     if let Some((shard, problem)) = survey.damaged.first() {
         let name = file_name(*shard, survey.of);
@@ -72,39 +72,47 @@ fn what_is_missing(survey: &Survey) -> Option<String> {
     let of = survey.of;
     match survey.missing[..] {
         [] => None,
-        [one] => Some(format!("shard {one} of {of} is missing")),
-        _ => Some(format!("shards {} of {of} are missing", ranges(&survey.missing))),
+        [one] => Some(format!("shard {one} of {of} is missing: run it with --shard {one}/{of}")),
+        _ => {
+            let missing = ranges(&survey.missing);
+            Some(format!("shards {missing} of {of} are missing: run each of them with --shard I/{of}"))
+        }
     }
 }
 
-/// Whether one shard follows another; else what differs.
-fn fit(one: &ShardFile, next: &ShardFile) -> Result<(), String> {
-    let names = [one, next].map(|shard| file_name(shard.shard.shard, shard.shard.of));
-    let differ = |what: &str, of: [String; 2]| {
-        Err(format!("{} and {} are of different {what}: {} and {}", names[0], names[1], of[0], of[1]))
+/// Whether one shard follows another of the same sweep; else what differs, in words, and what to do about it.
+fn follows(one: &ShardFile, next: &ShardFile) -> Result<(), String> {
+    let [name, next_name] = [one, next].map(|shard| file_name(shard.shard.shard, shard.shard.of));
+    let differ = |what: &str, its: String, next_its: String| {
+        let again = "run one of them again, as the other was";
+        Err(format!("{name} and {next_name} are of different {what}: {its} and {next_its}; {again}"))
     };
-    let both = [one, next].map(|shard| &shard.origin);
-    if both[0].inputs.text != both[1].inputs.text {
-        return differ("configs", both.map(|origin| origin.inputs.path.clone()));
+    let (own, other) = (&one.origin, &next.origin);
+    if own.inputs.text != other.inputs.text {
+        return differ("configs", own.inputs.path.clone(), other.inputs.path.clone());
     }
-    if both[0].inputs != both[1].inputs {
-        return Err(format!("{} and {} are of different lists of designs", names[0], names[1]));
+    if own.inputs != other.inputs {
+        return Err(format!(
+            "{name} and {next_name} are of different lists of designs: run one of them again"
+        ));
     }
-    if both[0].program() != both[1].program() {
-        return differ("programs", both.map(Origin::program));
+    if own.program() != other.program() {
+        return differ("programs", own.program(), other.program());
     }
-    if both[0].computed_by != both[1].computed_by {
-        return differ("devices", both.map(|origin| origin.computed_by.clone()));
+    if own.computed_by != other.computed_by {
+        return differ("devices", own.computed_by.clone(), other.computed_by.clone());
     }
     let tables =
         |origin: &Origin| origin.files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>().join(", ");
-    if tables(both[0]) != tables(both[1]) {
-        return differ("tables", both.map(tables));
+    if tables(own) != tables(other) {
+        return differ("tables", tables(own), tables(other));
     }
-    let [Shard { designs, .. }, Shard { designs: next_designs, .. }] = [&one.shard, &next.shard];
+    let (designs, next_designs) = (&one.shard.designs, &next.shard.designs);
     if designs.end != next_designs.start {
-        let said = [designs, next_designs].map(|designs| format!("{} to {}", designs.start, designs.end));
-        return Err(format!("{} has the designs {}, {} has {}", names[0], said[0], names[1], said[1]));
+        let [said, next_said] = [designs, next_designs].map(|of| format!("{} to {}", of.start, of.end));
+        return Err(format!(
+            "{name} has the designs {said}, {next_name} has {next_said}: run one of them again"
+        ));
     }
     Ok(())
 }

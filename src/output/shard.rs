@@ -79,30 +79,8 @@ pub struct ShardTable {
 impl ShardFile {
     /// Reads what a shard says of itself, and whether it is as long as it says.
     pub fn open(path: &Path) -> Result<ShardFile, Error> {
-        let unreadable = |source| Error::Io { action: "read", path: path.into(), source };
         let damaged = |problem: &str| Error::DamagedShard { path: path.into(), problem: problem.to_string() };
-        let mut file = File::open(path).map_err(unreadable)?;
-        let length = file.metadata().map_err(unreadable)?.len();
-        let mut tail = [0; TAIL as usize];
-        if length < TAIL {
-            return Err(damaged("it is cut"));
-        }
-        file.seek(SeekFrom::Start(length - TAIL)).map_err(unreadable)?;
-        file.read_exact(&mut tail).map_err(unreadable)?;
-        if &tail[24..] != MAGIC {
-            return Err(damaged("its end is missing"));
-        }
-        let manifest_length = u64::from_le_bytes(tail[..8].try_into().expect("eight bytes"));
-        if manifest_length > LONGEST_MANIFEST.min(length - TAIL) {
-            return Err(damaged("its end is not what it was"));
-        }
-        file.seek(SeekFrom::Start(length - TAIL - manifest_length)).map_err(unreadable)?;
-        let mut manifest = vec![0; manifest_length as usize];
-        file.read_exact(&mut manifest).map_err(unreadable)?;
-        if Fingerprint::of(&manifest).bytes_of_hash() != tail[8..24] {
-            return Err(damaged("its manifest is not what it was"));
-        }
-        let manifest = String::from_utf8(manifest).map_err(|_| damaged("its manifest is no text"))?;
+        let (manifest, bytes_before) = read_manifest(path)?;
         let origin = Origin::of(&manifest).ok_or_else(|| damaged("its manifest is of another program"))?;
         let Some((shard, headers)) = origin.part.clone() else {
             return Err(damaged("its manifest is of no shard"));
@@ -115,11 +93,41 @@ impl ShardFile {
             tables.push(ShardTable { start, header: *header, print: *print });
             start = start.saturating_add(print.bytes);
         }
-        if start != length - TAIL - manifest_length || headers.len() != origin.files.len() {
+        if start != bytes_before || headers.len() != origin.files.len() {
             return Err(damaged("it is not as long as it says"));
         }
         Ok(ShardFile { path: path.into(), shard, origin, manifest, tables })
     }
+}
+
+/// The text of a shard's manifest, and how many bytes stand before it.
+fn read_manifest(path: &Path) -> Result<(String, u64), Error> {
+    let unreadable = |source| Error::Io { action: "read", path: path.into(), source };
+    let damaged = |problem: &str| Error::DamagedShard { path: path.into(), problem: problem.to_string() };
+    let mut file = File::open(path).map_err(unreadable)?;
+    let length = file.metadata().map_err(unreadable)?.len();
+    let mut tail = [0; TAIL as usize];
+    if length < TAIL {
+        return Err(damaged("it is cut"));
+    }
+    file.seek(SeekFrom::Start(length - TAIL)).map_err(unreadable)?;
+    file.read_exact(&mut tail).map_err(unreadable)?;
+    if &tail[24..] != MAGIC {
+        return Err(damaged("its end is missing"));
+    }
+    let manifest_length = u64::from_le_bytes(tail[..8].try_into().expect("eight bytes"));
+    if manifest_length > LONGEST_MANIFEST.min(length - TAIL) {
+        return Err(damaged("its end is not what it was"));
+    }
+    let bytes_before = length - TAIL - manifest_length;
+    file.seek(SeekFrom::Start(bytes_before)).map_err(unreadable)?;
+    let mut manifest = vec![0; manifest_length as usize];
+    file.read_exact(&mut manifest).map_err(unreadable)?;
+    if Fingerprint::of(&manifest).bytes_of_hash() != tail[8..24] {
+        return Err(damaged("its manifest is not what it was"));
+    }
+    let manifest = String::from_utf8(manifest).map_err(|_| damaged("its manifest is no text"))?;
+    Ok((manifest, bytes_before))
 }
 
 impl ShardTable {

@@ -38,7 +38,11 @@ pub fn survey(dir: &Path, take: &mut dyn FnMut(ShardFile)) -> Result<Survey, Err
         [] => return refuse("there are no shards: `jointsweep run CONFIG --shard 1/N` makes them".into()),
         [of] if of <= MOST_SHARDS => of,
         [of] => return refuse(format!("shards of {of}: at most {MOST_SHARDS} are allowed")),
-        [one, other, ..] => return refuse(format!("there are shards of {one} and shards of {other}")),
+        [one, other, ..] => {
+            return refuse(format!(
+                "there are shards of {one} and shards of {other}: move those of one count away"
+            ));
+        }
     };
     let mut survey = Survey { of, ..Survey::default() };
     for (shard, _) in &files {
