@@ -12,7 +12,7 @@ use jointsweep::internals::engine::law_fit::add_laws;
 use jointsweep::internals::mechanics::laws::calibrated::CALIBRATED_LAWS;
 use jointsweep::internals::output::chart::axis::{Axis, Spacing};
 use jointsweep::internals::output::chart::line_chart::{LineChart, Marking, Series};
-use jointsweep::internals::output::manifest::write_whole;
+use jointsweep::internals::output::whole_file::write_whole;
 use jointsweep::{MethodChoice, Options};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

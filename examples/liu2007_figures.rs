@@ -12,7 +12,9 @@ use std::time::SystemTime;
 
 use jointsweep::Error;
 use jointsweep::internals::output::host::{Host, Program, utc};
-use jointsweep::internals::output::manifest::{FileEntry, publish, stage, write_whole};
+use jointsweep::internals::output::manifest;
+use jointsweep::internals::output::manifest_parts::FileEntry;
+use jointsweep::internals::output::whole_file::write_whole;
 use jointsweep::internals::study::fingerprint::Fingerprint;
 use study_figures::{ACCURACY, Anything, PLATES, figures};
 
@@ -57,6 +59,5 @@ fn save_manifest(dir: &Path, files: Vec<FileEntry>, started: SystemTime) -> Resu
         wall_seconds: started.elapsed().map_or(0.0, |time| time.as_secs_f64()),
         host: Host::current(),
     };
-    stage(&figures, &path)?;
-    publish(&path)
+    manifest::write(&figures, &path)
 }

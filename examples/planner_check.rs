@@ -414,9 +414,7 @@ fn save(
     std::fs::create_dir_all(folder)?;
     std::fs::write(folder.join("planner.csv"), table)?;
     std::fs::write(folder.join("choices.csv"), choices)?;
-    let path = folder.join("manifest.json");
-    manifest::stage(&manifest, &path)?;
-    Ok(manifest::publish(&path)?)
+    Ok(manifest::write(&manifest, &folder.join("manifest.json"))?)
 }
 
 /// Of the sources, where git tells it.

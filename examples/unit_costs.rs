@@ -247,7 +247,9 @@ fn curves() -> Vec<Measured> {
         let outlines = Outlines::new(0.01);
         let [pin, plate] = bodies.each_ref().map(|body| space.pressures.joint(&[(body, 1.0)], 0.0));
         let seconds = time(|| {
-            let plate = space.on_hole(plate.clone(), &outlines);
+            let mut moved = Vec::new();
+            space.to_hole(&plate, &outlines, &mut moved);
+            let plate = JointCompliance { values: moved.into(), ..plate };
             let curve = ContactCurve::new(&space, &JointCompliance::of_both(&pin, &plate), outlines)?;
             Some(curve.states.work_shares(&space.pressures, &pin))
         });

@@ -1,5 +1,6 @@
 //! Which device a run is computed on.
 
+use clap::{Args, ValueEnum};
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
@@ -7,7 +8,38 @@ use jointsweep::internals::engine::backend::gpu::roofline::preferred_precision;
 use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::study::config::Study;
 
-use super::{Backend, BackendArgs, say};
+use super::say;
+
+#[derive(Args)]
+pub struct BackendArgs {
+    /// What computes
+    #[arg(long, value_enum, default_value_t = Backend::Auto)]
+    backend: Backend,
+    /// The GPU whose name or driver holds this, software too; `jointsweep devices` lists them
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// The numbers a GPU computes in [default: mixed below 0.1 % of accuracy or where f64 is at least a quarter as fast as
+    /// f32, else f32]
+    #[arg(long, value_enum)]
+    precision: Option<PrecisionChoice>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    /// The processor, until it is measured that a GPU is faster for sweeps
+    Auto,
+    Cpu,
+    /// A GPU, and the processor where there is none or it is lost
+    Gpu,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PrecisionChoice {
+    F32,
+    F64,
+    /// Conjugate gradients in f32, refined in f64; all else in f64
+    Mixed,
+}
 
 /// Refuses what contradicts itself.
 pub fn check(args: &BackendArgs) -> Result<(), Error> {
@@ -67,12 +99,12 @@ fn open(
     Ok((device, precision))
 }
 
-impl From<super::Precision> for Precision {
-    fn from(asked: super::Precision) -> Precision {
+impl From<PrecisionChoice> for Precision {
+    fn from(asked: PrecisionChoice) -> Precision {
         match asked {
-            super::Precision::F32 => Precision::F32,
-            super::Precision::F64 => Precision::F64,
-            super::Precision::Mixed => Precision::Mixed,
+            PrecisionChoice::F32 => Precision::F32,
+            PrecisionChoice::F64 => Precision::F64,
+            PrecisionChoice::Mixed => Precision::Mixed,
         }
     }
 }

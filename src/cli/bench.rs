@@ -4,16 +4,34 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Instant, SystemTime};
 
+use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::output::benchmark::{BenchmarkManifest, Measurement, Run};
 use jointsweep::internals::output::folder::MANIFEST;
-use jointsweep::internals::output::manifest::create_dir;
+use jointsweep::internals::output::whole_file::create_dir;
 use jointsweep::internals::study::config::Study;
 use serde_json::Value;
 
+use super::arguments::{count, thread_count, threads};
 use super::report::{aligned, duration};
-use super::{BenchArgs, Ending, print, say, threads};
+use super::{Ending, print, say};
+
+#[derive(Args)]
+pub struct BenchArgs {
+    /// The sweeps to run [default: those of configs/liu2007.toml and configs/random.toml that are here]
+    #[arg(value_name = "CONFIG")]
+    configs: Vec<PathBuf>,
+    /// Runs of each that are measured, after one that is not
+    #[arg(long, value_name = "N", default_value = "5", value_parser = count::<usize>)]
+    runs: usize,
+    /// Threads that compute [default: all cores]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
+    /// Folder of the figures
+    #[arg(long, value_name = "DIR", default_value = "out/bench")]
+    out: PathBuf,
+}
 
 /// What is measured when nothing is named.
 const DEFAULT: [&str; 2] = ["configs/liu2007.toml", "configs/random.toml"];
@@ -30,11 +48,11 @@ pub fn bench(args: &BenchArgs) -> Result<Ending, Error> {
     let mut measurements = Vec::new();
     for (config, study) in configs.iter().zip(&studies) {
         let forecast = cost::estimate(study)?.seconds;
+        let mut measurement = measure(config, forecast, threads, &folder.0)?;
         // The first run warms the caches and is not counted.
-        let mut measurement =
-            Measurement { runs: Vec::new(), forecast, ..measure(config, threads, &folder.0)? };
+        measurement.runs.clear();
         for _ in 0..runs {
-            measurement.runs.extend(measure(config, threads, &folder.0)?.runs);
+            measurement.runs.extend(measure(config, forecast, threads, &folder.0)?.runs);
         }
         say(&format!("{}: {runs} runs", config.display()));
         measurements.push(measurement);
@@ -53,8 +71,8 @@ fn configs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     if here.is_empty() { Err(Error::NothingToMeasure { looked_for: DEFAULT.join(", ") }) } else { Ok(here) }
 }
 
-/// One run of `jointsweep run`.
-fn measure(config: &Path, threads: usize, folder: &Path) -> Result<Measurement, Error> {
+/// One run of `jointsweep run`, which was foreseen to take `forecast` seconds.
+fn measure(config: &Path, forecast: f64, threads: usize, folder: &Path) -> Result<Measurement, Error> {
     let failed = |problem: String| Error::MeasuredRun { config: config.into(), problem };
     let program = std::env::current_exe().map_err(|error| failed(error.to_string()))?;
     let mut command = Command::new(program);
@@ -88,7 +106,7 @@ fn measure(config: &Path, threads: usize, folder: &Path) -> Result<Measurement, 
         designs: count("designs"),
         rows: count("rows"),
         distinct_bodies: count("distinct_bodies"),
-        forecast: f64::NAN,
+        forecast,
         table_bytes: manifest["files"][0]["bytes"].as_u64().unwrap_or(0),
         runs: vec![run],
     })

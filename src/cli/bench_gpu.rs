@@ -5,29 +5,51 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
+use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::agreement::worst_difference;
 use jointsweep::internals::engine::backend::gpu::context::{
     AdapterChoice, AdapterKind, Adapters, GpuDevice, GpuError,
 };
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
-use jointsweep::internals::engine::backend::gpu::measure::{KernelTime, SWEEP_ACCURACY, body_kernels};
+use jointsweep::internals::engine::backend::gpu::measure::{SWEEP_ACCURACY, body_kernels};
 use jointsweep::internals::engine::backend::gpu::roofline::{Peaks, peaks, preferred_precision};
 use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::engine::outcome::DesignOutcome;
 use jointsweep::internals::engine::sweep::{self, Digest, Statistics, SweepOptions};
 use jointsweep::internals::output::folder::ResultFolder;
-use jointsweep::internals::output::gpu_benchmark::{
-    Asked, GpuBenchmark, GpuSweep, PrecisionRow, ScalingRow, Shares,
-};
+use jointsweep::internals::output::gpu_benchmark::{Asked, GpuBenchmark};
+use jointsweep::internals::output::gpu_figures::{GpuSweep, PrecisionRow, ScalingRow};
 use jointsweep::internals::output::manifest::Conditions;
 use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::design::DesignCase;
 
+use super::arguments::{count, thread_count, threads};
+use super::backend::PrecisionChoice;
 use super::bench::Scratch;
-use super::report::{aligned, duration};
-use super::{BenchGpuArgs, Ending, backend, print, say, threads};
+use super::gpu_summary::{summary, told};
+use super::report::duration;
+use super::{Ending, backend, print, say};
+
+#[derive(Args)]
+pub struct BenchGpuArgs {
+    /// The GPU whose name or driver holds this, software too [default: the best GPU]
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Only these numbers [default: f32, and mixed and f64 where the GPU has them]
+    #[arg(long, value_enum)]
+    precision: Option<PrecisionChoice>,
+    /// Designs of the largest sweep
+    #[arg(long, value_name = "N", default_value = "1000000", value_parser = count::<u64>)]
+    most: u64,
+    /// Folder of the figures [default: results/<adapter's name>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Threads of the processor [default: all cores]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
+}
 
 /// Designs that are all different, solved on meshes at 1 %.
 const SWEEP: &str = include_str!("../../configs/random.toml");
@@ -373,81 +395,6 @@ fn sizes(most: u64) -> Vec<u64> {
 fn folder_name(adapter: &str) -> String {
     let words = adapter.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join("-").to_lowercase()
-}
-
-fn told(sweep: &GpuSweep) -> String {
-    format!(
-        "{} designs in {}, {:.0} designs/s",
-        sweep.designs,
-        duration(sweep.seconds),
-        sweep.designs_per_second()
-    )
-}
-
-/// What a person wants to see.
-fn summary(
-    gpu: &GpuDevice,
-    precisions: &[PrecisionRow],
-    scaling: &[ScalingRow],
-    kernels: &[KernelTime],
-    peaks: &[Peaks],
-) -> String {
-    let mut text = format!("{}, {}\n\n", gpu.facts.name, gpu.facts.driver);
-    let mut lines =
-        vec![["precision", "designs", "wall", "designs/s", "solves/s", "worst difference"].map(String::from)];
-    lines.extend(precisions.iter().map(|PrecisionRow { precision, sweep, worst_difference, .. }| {
-        [
-            precision.to_string(),
-            sweep.designs.to_string(),
-            duration(sweep.seconds),
-            format!("{:.0}", sweep.designs_per_second()),
-            format!("{:.0}", sweep.solves as f64 / sweep.seconds),
-            format!("{worst_difference:.1e}"),
-        ]
-    }));
-    text += &aligned(&lines);
-
-    text += &format!("\nin {}\n", scaling.first().map_or("", |row| row.precision));
-    let mut lines =
-        vec![["designs", "wall", "designs/s", "with table", "processor", "GPU/CPU"].map(String::from)];
-    lines.extend(scaling.iter().map(|ScalingRow { sweep, with_table, cpu_seconds, .. }| {
-        [
-            sweep.designs.to_string(),
-            duration(sweep.seconds),
-            format!("{:.0}", sweep.designs_per_second()),
-            with_table.map_or(String::new(), |(seconds, _)| duration(seconds)),
-            cpu_seconds.map_or(String::new(), duration),
-            cpu_seconds.map_or(String::new(), |seconds| format!("{:.3}", seconds / sweep.seconds)),
-        ]
-    }));
-    text += &aligned(&lines);
-
-    text.push('\n');
-    let header = ["kernel", "precision", "level", "items", "time", "GFLOP/s", "of peak", "GB/s", "of peak"]
-        .map(String::from);
-    let mut lines = vec![header];
-    lines.extend(kernels.iter().map(|time| {
-        let shares = Shares::of(time, peaks);
-        let giga = |count: u64| match count {
-            0 => String::new(),
-            count => format!("{:.1}", 1e-9 * count as f64 / time.seconds),
-        };
-        let percent =
-            |share: Option<f64>| share.map_or(String::new(), |share| format!("{:.1} %", 100.0 * share));
-        [
-            time.kernel.to_string(),
-            time.precision.name().to_string(),
-            time.level.to_string(),
-            time.items.to_string(),
-            duration(time.seconds),
-            giga(time.work.operations),
-            percent(shares.and_then(|shares| shares.arithmetic).map(|(_, share)| share)),
-            giga(time.work.bytes),
-            percent(shares.map(|shares| shares.memory.1)),
-        ]
-    }));
-    text += &aligned(&lines);
-    text
 }
 
 #[cfg(test)]

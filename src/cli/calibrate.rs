@@ -1,9 +1,10 @@
 //! `jointsweep calibrate`: what is not known of a joint, from measured forces.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use clap::Args;
 use jointsweep::internals::calibrate::calibration::{Calibration, Fitted, calibrate as fit};
 use jointsweep::internals::calibrate::unknown::Unknown;
 use jointsweep::internals::output::calibration::CalibrationManifest;
@@ -12,8 +13,33 @@ use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::measured::Measured;
 use jointsweep::{Error, Joint};
 
+use super::arguments::SettingArgs;
 use super::report::aligned;
-use super::{CalibrateArgs, Ending, SettingArgs, print, say};
+use super::{Ending, print, say};
+
+#[derive(Args)]
+pub struct CalibrateArgs {
+    /// The joint as far as it is known, a TOML file of one design; what is fitted starts from its values
+    config: PathBuf,
+    /// The measured points, a CSV file with the columns indentation_mm, force_n and, if known, sigma_n
+    #[arg(long, value_name = "FILE")]
+    measured: PathBuf,
+    /// What to fit, with commas between: plate_youngs_modulus, pin_youngs_modulus, radial_clearance, support_compliance,
+    /// zero_offset
+    #[arg(long, value_name = "NAME", value_delimiter = ',', required = true)]
+    fit: Vec<String>,
+    /// Folder of the result [default: out/<config's name>/calibration]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    settings: SettingArgs,
+    /// Overwrite a result that is there
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
 
 pub fn calibrate(args: &CalibrateArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();

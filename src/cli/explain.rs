@@ -1,7 +1,10 @@
 //! `jointsweep explain`: what the planner has chosen for a sweep, or for one design of it, and why.
 
+use std::path::PathBuf;
+
 use std::fmt::Write as _;
 
+use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::explain::{Explainer, Explanation, percent};
 use jointsweep::internals::engine::ladder::Ladder;
@@ -9,8 +12,20 @@ use jointsweep::internals::engine::status::Status;
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::design::DesignCase;
 
+use super::arguments::SettingArgs;
 use super::report::{aligned, duration};
-use super::{Ending, ExplainArgs, print};
+use super::{Ending, print};
+
+#[derive(Args)]
+pub struct ExplainArgs {
+    /// The sweep, a TOML file
+    config: PathBuf,
+    #[command(flatten)]
+    settings: SettingArgs,
+    /// Only this design, by its number in the table [default: all, by what is chosen for them]
+    #[arg(long, value_name = "N")]
+    design: Option<u64>,
+}
 
 pub fn explain(args: &ExplainArgs) -> Result<Ending, Error> {
     let study = args.settings.load(&args.config)?;

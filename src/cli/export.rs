@@ -1,5 +1,8 @@
 //! `jointsweep export`: from a result to a table for another simulator.
 
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
 use jointsweep::Error;
 use jointsweep::internals::engine::explain::percent;
 use jointsweep::internals::output::export::impact::ImpactRequest;
@@ -8,7 +11,66 @@ use jointsweep::internals::output::export::{Export, FORMATS, Request, export, fo
 use jointsweep::internals::output::results::Results;
 use jointsweep::internals::study::units::{Dimension, parse_percentage, parse_quantity};
 
-use super::{Ending, ExportArgs, OverQuantity, ReferenceChoice, print, say};
+use super::{Ending, print, say};
+
+#[derive(Args)]
+pub struct ExportArgs {
+    /// Folder of a finished run
+    dir: PathBuf,
+    /// The format; they are listed below
+    #[arg(long, value_name = "FORMAT")]
+    to: String,
+    /// The design, by its number in the table [default: the only one]
+    #[arg(long, value_name = "N", conflicts_with = "over")]
+    design: Option<u64>,
+    /// A table of all designs, over this quantity and the indentation; they differ in nothing else
+    #[arg(long, value_enum, value_name = "QUANTITY")]
+    over: Option<OverQuantity>,
+    /// What the indentation is measured from
+    #[arg(long, value_enum, value_name = "REFERENCE", default_value_t = ReferenceChoice::Support)]
+    reference: ReferenceChoice,
+    /// The file [default: DIR/NAME with the format's ending]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// How far the simulator's own interpolation may be off, relative to the force
+    #[arg(long, value_name = "ERROR", default_value = "0.1 %")]
+    error: String,
+    /// Name of the functions, tables and files
+    #[arg(long, value_name = "NAME", default_value = "joint")]
+    name: String,
+    /// With damping: speed after an impact over the speed before
+    #[arg(long, value_name = "E", requires = "speed", allow_negative_numbers = true)]
+    restitution: Option<f64>,
+    /// Speed before the impact, like "100 mm/s"
+    #[arg(long, value_name = "V", requires = "restitution", allow_hyphen_values = true)]
+    speed: Option<String>,
+    /// End of the table, like "0.1 mm" [default: the largest indentation of the designs]
+    #[arg(long, value_name = "INDENTATION")]
+    up_to: Option<String>,
+    /// Take rows that are answered with a remark
+    #[arg(long)]
+    allow_warned: bool,
+    /// Overwrite files
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors and warnings
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum OverQuantity {
+    RadialClearance,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ReferenceChoice {
+    /// The pin's rigid part against the plate's support, as in the table
+    Support,
+    /// The mean motion of the pin's ring against the hole's: for bodies that are flexible themselves
+    RingMean,
+}
 
 pub fn run(args: &ExportArgs) -> Result<Ending, Error> {
     let format = format(&args.to)?;

@@ -1,9 +1,22 @@
 //! `jointsweep init`: a config to start from.
 
-use jointsweep::Error;
-use jointsweep::internals::output::manifest::write_whole;
+use std::path::PathBuf;
 
-use super::{Ending, InitArgs, print};
+use clap::Args;
+use jointsweep::Error;
+use jointsweep::internals::output::whole_file::write_whole;
+
+use super::{Ending, print};
+
+#[derive(Args)]
+pub struct InitArgs {
+    /// The config to write
+    #[arg(default_value = "joint.toml")]
+    file: PathBuf,
+    /// Overwrite a file that is there
+    #[arg(long)]
+    force: bool,
+}
 
 const CONFIG: &str = include_str!("init.toml");
 

@@ -1,5 +1,8 @@
 //! `jointsweep laws`: laws for a result that has none.
 
+use std::path::PathBuf;
+
+use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::law_fit::laws_of_all;
@@ -7,14 +10,28 @@ use jointsweep::internals::engine::outcome::{Answer, BackendKind, DesignOutcome}
 use jointsweep::internals::output::folder::{LAWS, MANIFEST};
 use jointsweep::internals::output::laws_table::LawsTable;
 use jointsweep::internals::output::lock::FolderLock;
-use jointsweep::internals::output::manifest::{publish, staged, with_file, write_whole};
-use jointsweep::internals::output::results::{Results, TableRow};
+use jointsweep::internals::output::manifest::with_file;
+use jointsweep::internals::output::results::{Results, TableRow, TableRows};
 use jointsweep::internals::output::sink::{Sink, SinkFile};
+use jointsweep::internals::output::whole_file::{publish, staged, write_whole};
 use jointsweep::internals::study::columns::Quantity;
 use jointsweep::internals::study::config::MethodChoice;
 use jointsweep::internals::study::design::{DesignCase, Load};
 
-use super::{Ending, LawsArgs, print, threads};
+use super::arguments::{thread_count, threads};
+use super::{Ending, print};
+
+#[derive(Args)]
+pub struct LawsArgs {
+    /// Folder of a result
+    dir: PathBuf,
+    /// Threads that compute [default: all cores]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
+    /// Overwrite the laws that are there
+    #[arg(long)]
+    force: bool,
+}
 
 /// Designs that are solved together.
 const BATCH: usize = 4096;
@@ -31,9 +48,9 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
         return refuse("a closed form has no curve to fit laws to");
     }
     let _lock = FolderLock::take(&args.dir, "of its laws")?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads(args.threads)).build();
-    let pool =
-        pool.map_err(|error| Error::Threads { threads: threads(args.threads), problem: error.to_string() })?;
+    let threads = threads(args.threads);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| Error::Threads { threads, problem: error.to_string() })?;
     let mut file = SinkFile::new(LAWS, staged(&path));
     let written = pool.install(|| write_laws(&results, Ladder::new(options), &mut file));
     if written.is_err() {
@@ -77,16 +94,18 @@ fn write_laws(results: &Results, mut ladder: Ladder, file: &mut SinkFile) -> Res
     Ok(count)
 }
 
-/// The designs of a table, each with the least and the greatest indentation that was answered.
+/// A design with the least and the greatest indentation that was answered, mm; `None` where none was.
+type AnsweredDesign = (DesignCase, Option<(f64, f64)>);
+
+/// The designs of a table.
 struct Designs {
-    rows: jointsweep::internals::output::results::TableRows,
+    rows: TableRows,
     /// The first row of the next design, where it was read.
     next: Option<TableRow>,
 }
 
 impl Designs {
-    #[allow(clippy::type_complexity)]
-    fn next(&mut self) -> Result<Option<(DesignCase, Option<(f64, f64)>)>, Error> {
+    fn next(&mut self) -> Result<Option<AnsweredDesign>, Error> {
         let first = match self.next.take() {
             Some(row) => row,
             None if self.rows.advance()?.is_some() => self.rows.row()?,

@@ -8,7 +8,9 @@ use jointsweep::internals::engine::cost::Estimate;
 use jointsweep::internals::engine::explain::percent;
 use jointsweep::internals::output::counts::Counts;
 use jointsweep::internals::output::folder::{MANIFEST, TABLES};
-use jointsweep::internals::output::manifest::{Manifest, Origin, Shard};
+use jointsweep::internals::output::manifest::Manifest;
+use jointsweep::internals::output::manifest_parts::Shard;
+use jointsweep::internals::output::origin::Origin;
 
 /// The most causes of failure that are listed; the table has them all.
 const CAUSES: usize = 10;

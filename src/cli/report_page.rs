@@ -2,12 +2,32 @@
 
 use std::path::PathBuf;
 
+use clap::Args;
 use jointsweep::Error;
-use jointsweep::internals::output::manifest::write_whole;
 use jointsweep::internals::output::report::page;
 use jointsweep::internals::output::results::Results;
+use jointsweep::internals::output::whole_file::write_whole;
 
-use super::{Ending, ReportArgs, print};
+use super::{Ending, print};
+
+#[derive(Args)]
+pub struct ReportArgs {
+    /// Folder of a finished run
+    #[arg(value_name = "DIR")]
+    dir: PathBuf,
+    /// Draw the curves of these designs, by their numbers in the table [default: a handful spread over the sweep]
+    #[arg(long, value_name = "N", num_args = 1..)]
+    design: Vec<u64>,
+    /// The page [default: DIR/report.html]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Overwrite a page that is there already
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
 
 pub fn report_page(args: &ReportArgs) -> Result<Ending, Error> {
     let results = Results::open(&args.dir)?;

@@ -1,13 +1,29 @@
 //! `jointsweep resubmit`: the missing shards of a sweep once more, and the merge.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use jointsweep::Error;
-use jointsweep::internals::output::slurm::{of_script, quoted};
+use jointsweep::internals::output::slurm::{quoted, read_array};
 
-use super::sbatch::{Submission, absolute, script, shards};
-use super::status::is_merged;
-use super::{Ending, ResubmitArgs, print};
+use super::sbatch::Submission;
+use super::shard_folder::{absolute, is_merged, script, shards};
+use super::{Ending, print};
+
+#[derive(Args)]
+pub struct ResubmitArgs {
+    /// Folder of the shards, with the scripts of `jointsweep submit`
+    dir: PathBuf,
+    /// Submit the shards that are not complete
+    #[arg(long, required = true)]
+    missing: bool,
+    /// Only say how they would be submitted
+    #[arg(long, visible_alias = "no-submit")]
+    dry_run: bool,
+    /// For sbatch, in the place of what was given to `submit`; options that are not named here stay
+    #[arg(last = true, value_name = "SBATCH ARGUMENTS")]
+    sbatch: Vec<String>,
+}
 
 pub fn resubmit(args: &ResubmitArgs) -> Result<Ending, Error> {
     let survey = shards(&args.dir)?;
@@ -36,7 +52,7 @@ fn check_scripts(dir: &Path) -> Result<(), Error> {
             ));
         }
     };
-    let Some((_, own)) = of_script(&text) else {
+    let Some((_, own)) = read_array(&text) else {
         return refuse(format!("{} is no script of `jointsweep submit`", path.display()));
     };
     let is_here = match (Path::new(&own).canonicalize(), dir.canonicalize()) {

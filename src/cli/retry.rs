@@ -5,14 +5,15 @@ use std::ops::ControlFlow;
 use jointsweep::Error;
 use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
-use jointsweep::internals::output::manifest::Origin;
+use jointsweep::internals::output::origin::Origin;
 use jointsweep::internals::output::results::Results;
 use jointsweep::internals::output::retry::{Rewriter, failed_rows, new_rows, refusal};
 use jointsweep::internals::output::table::Table;
 use jointsweep::internals::study::config::Study;
 
-use super::run::ending;
-use super::{Ending, RunArgs, backend, print, report, say, threads};
+use super::arguments::threads;
+use super::run::{RunArgs, ending};
+use super::{Ending, backend, print, report, say};
 
 /// Designs whose rows are made together.
 const PORTION: u64 = 64;

@@ -1,21 +1,62 @@
 //! `jointsweep run`: from a config to a folder with a result.
 
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
+use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
-use jointsweep::internals::output::manifest::{Conditions, Manifest, Origin};
+use jointsweep::internals::output::manifest::{Conditions, Manifest};
+use jointsweep::internals::output::origin::Origin;
 use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::study::config::Study;
 
+use super::arguments::{SettingArgs, thread_count, threads};
+use super::backend::BackendArgs;
 use super::interrupt::Interrupt;
 use super::progress::Progress;
-use super::{Ending, RunArgs, backend, print, report, retry, say, shard, threads};
+use super::{Ending, backend, print, report, retry, say, shard};
+
+#[derive(Args)]
+pub struct RunArgs {
+    /// The sweep, a TOML file
+    pub config: PathBuf,
+    #[command(flatten)]
+    pub settings: SettingArgs,
+    /// Folder of the result [default: out/<config's name>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub backend: BackendArgs,
+    /// Threads that compute [default: all cores]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    pub threads: Option<usize>,
+    /// Overwrite the result of another config
+    #[arg(long)]
+    pub force: bool,
+    /// Begin anew where the config was run before; a complete result stays until the new one is
+    #[arg(long)]
+    pub again: bool,
+    /// Solve only one of N parts of the sweep, of about the same cost, into one file of the folder; `merge` puts them together
+    #[arg(long, value_name = "I/N", value_parser = shard::part)]
+    pub shard: Option<shard::Part>,
+    /// Do the failed rows of a finished result again, and nothing else
+    #[arg(long, conflicts_with_all = ["shard", "again", "force", "dry_run"])]
+    pub retry_failed: bool,
+    /// Only say what the sweep has to do and what it will cost
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Say the time of each stage, too
+    #[arg(long, conflicts_with = "quiet")]
+    pub verbose: bool,
+}
 
 pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();

@@ -1,12 +1,11 @@
 //! Slurm's own programs, which are started from here only, and what they are asked.
 
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use jointsweep::Error;
-use jointsweep::internals::output::shard::{Survey, survey};
-use jointsweep::internals::output::slurm::{ARRAY, FOLDER, MERGE, arrays, of_script, quoted};
+use jointsweep::internals::output::slurm::{ARRAY, FOLDER, MERGE, arrays, quoted};
 
 use super::report::plural;
 use super::{print, say};
@@ -144,48 +143,4 @@ fn largest_task() -> Result<u64, Error> {
         0 | 1 => Err(Error::Slurm { problem: "this cluster takes no job arrays (MaxArraySize)".into() }),
         size => Ok(size - 1),
     }
-}
-
-/// The shards of a folder, of which none may be there yet where it holds the scripts of `submit`.
-pub fn shards(dir: &Path) -> Result<Survey, Error> {
-    let refuse = |problem: String| Err(Error::NoResult { dir: dir.into(), problem });
-    let asked = match std::fs::read_to_string(script(dir)) {
-        Ok(text) => of_script(&text).map(|(shards, _)| shards),
-        Err(_) => None,
-    };
-    match (asked, has_shards(dir)?) {
-        (Some(asked), false) => Ok(Survey { of: asked, missing: (1..=asked).collect(), ..Survey::default() }),
-        (None, false) => refuse("holds no shards, nor scripts of `jointsweep submit`".into()),
-        (asked, true) => {
-            let survey = survey(dir)?;
-            match asked.filter(|asked| *asked != survey.of) {
-                Some(asked) => {
-                    refuse(format!("holds shards of a sweep in {}, and scripts for {asked}", survey.of))
-                }
-                None => Ok(survey),
-            }
-        }
-    }
-}
-
-/// Where an array's script is.
-pub fn script(dir: &Path) -> PathBuf {
-    dir.join(FOLDER).join(ARRAY)
-}
-
-/// Whether anything there is called as shards are.
-pub fn has_shards(dir: &Path) -> Result<bool, Error> {
-    let entries = match std::fs::read_dir(dir) {
-        Ok(entries) => entries,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
-        Err(source) => return Err(Error::Io { action: "read", path: dir.into(), source }),
-    };
-    let is_shard = |name: &str| name.starts_with("shard-") && name.contains("-of-");
-    Ok(entries.flatten().any(|entry| entry.file_name().to_str().is_some_and(is_shard)))
-}
-
-/// From the root on, for jobs that begin somewhere else; in characters that a script can hold.
-pub fn absolute(path: &Path) -> Result<PathBuf, Error> {
-    let absolute = std::path::absolute(path);
-    absolute.map_err(|source| Error::Io { action: "find", path: path.into(), source })
 }

@@ -1,9 +1,10 @@
 //! `jointsweep sensitivity`: which swept quantities the scatter of a result comes from.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use clap::Args;
 use jointsweep::internals::engine::sweep::SweepOptions;
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, SENSITIVITY, Verdict};
 use jointsweep::internals::output::sensitivity::{Question, load, order, save};
@@ -13,9 +14,51 @@ use jointsweep::internals::sensitivity::indices::{Estimate, FactorIndices};
 use jointsweep::internals::study::config::Study;
 use jointsweep::{Error, Status};
 
+use super::arguments::{SettingArgs, thread_count, threads};
 use super::progress::Progress;
 use super::report::aligned;
-use super::{Ending, SensitivityArgs, print, say, threads};
+use super::{Ending, print, say};
+
+#[derive(Args)]
+pub struct SensitivityArgs {
+    /// The factors and their ranges, a TOML file: what sweeps there, whatever its [sampling] says
+    config: PathBuf,
+    /// Columns of results, with or without their unit, or expressions like "force / thickness", with commas between
+    /// [default: force_n, or indentation_mm where the force is prescribed]
+    #[arg(long, value_name = "COLUMN")]
+    of: Vec<String>,
+    /// The load step, from 1 [default: the last]
+    #[arg(long, value_name = "N")]
+    step: Option<u64>,
+    /// Samples; each is as many designs as there are factors, and two. Best a power of two
+    #[arg(long, value_name = "N", default_value = "1024", value_parser = sample_count)]
+    samples: u64,
+    /// Other samples
+    #[arg(long, value_name = "N", default_value = "0")]
+    seed: u64,
+    /// Folder of the result [default: out/<config's name>/sensitivity]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    settings: SettingArgs,
+    /// Threads that compute [default: all cores]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
+    /// Overwrite a result that is there
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Fewer say nothing: intervals come from groups of samples, and there are half a hundred of those then.
+const FEWEST_SAMPLES: u64 = 64;
+
+fn sample_count(text: &str) -> Result<u64, String> {
+    let number = text.parse().ok().filter(|number| *number >= FEWEST_SAMPLES);
+    number.ok_or(format!("a whole number from {FEWEST_SAMPLES} on is needed, best a power of two"))
+}
 
 pub fn sensitivity(args: &SensitivityArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();

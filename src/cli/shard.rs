@@ -5,15 +5,19 @@ use std::time::{Duration, SystemTime};
 
 use jointsweep::Error;
 use jointsweep::internals::engine::shares::share;
-use jointsweep::internals::output::folder::{Claim, Permissions, ResultFolder, Verdict};
-use jointsweep::internals::output::manifest::{Conditions, Inputs, Origin, Shard};
+use jointsweep::internals::output::claim::Claim;
+use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
+use jointsweep::internals::output::manifest::Conditions;
+use jointsweep::internals::output::manifest_parts::Shard;
+use jointsweep::internals::output::origin::{Inputs, Origin};
 use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::output::shard::{MOST_SHARDS, ShardFile};
 use jointsweep::internals::output::table_sink::cut;
 use jointsweep::internals::study::config::Study;
 
-use super::run::{already_done, ending, go_on, record};
-use super::{Ending, RunArgs, backend, print, report, say, threads};
+use super::arguments::threads;
+use super::run::{RunArgs, already_done, ending, go_on, record};
+use super::{Ending, backend, print, report, say};
 
 /// Which shard, from 1, and of how many.
 #[derive(Clone, Copy)]

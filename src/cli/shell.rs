@@ -1,11 +1,30 @@
 //! `jointsweep completions` and `jointsweep man`: what shells and manuals are told of the command line.
 
-use clap::{Command, CommandFactory};
+use std::path::PathBuf;
+
+use clap::{Args, Command, CommandFactory};
 use clap_mangen::Man;
 use jointsweep::Error;
-use jointsweep::internals::output::manifest::{create_dir, write_whole};
+use jointsweep::internals::output::whole_file::{create_dir, write_whole};
 
-use super::{Cli, CompletionsArgs, Ending, ManArgs, print};
+use super::{Cli, Ending, print};
+
+#[derive(Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    shell: clap_complete::Shell,
+}
+
+#[derive(Args)]
+pub struct ManArgs {
+    /// Write the pages of all commands into this folder instead
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Overwrite pages that are there
+    #[arg(long, requires = "out")]
+    force: bool,
+}
 
 pub fn completions(args: &CompletionsArgs) -> Result<Ending, Error> {
     let mut script = Vec::new();

@@ -2,24 +2,27 @@
 
 use std::collections::HashSet;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use jointsweep::Error;
-use jointsweep::internals::output::folder::MANIFEST;
-use jointsweep::internals::output::shard::{Survey, file_name, ranges};
+use jointsweep::internals::output::shard::file_name;
+use jointsweep::internals::output::survey::{Survey, ranges};
 
-use super::sbatch::{script, shards, shell_word};
-use super::{Ending, StatusArgs, print};
+use super::sbatch::shell_word;
+use super::shard_folder::{is_merged, script, shards};
+use super::{Ending, print};
+
+#[derive(Args)]
+pub struct StatusArgs {
+    /// Folder of the shards
+    dir: PathBuf,
+}
 
 pub fn status(args: &StatusArgs) -> Result<Ending, Error> {
     let survey = shards(&args.dir)?;
     print(&told(&survey, &args.dir))?;
     Ok(if survey.missing.is_empty() { Ending::Complete } else { Ending::ShardsMissing })
-}
-
-/// Whether a folder has a merged result.
-pub fn is_merged(dir: &Path) -> bool {
-    dir.join(MANIFEST).is_file()
 }
 
 fn told(survey: &Survey, dir: &Path) -> String {

@@ -1,17 +1,40 @@
 //! `jointsweep submit`: a sweep on a Slurm cluster, one task of a job array for each shard.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
-use jointsweep::internals::output::manifest::{create_dir, write_whole};
 use jointsweep::internals::output::shard::MOST_SHARDS;
 use jointsweep::internals::output::slurm::{ARRAY, FOLDER, Job, MERGE, does_the_same};
+use jointsweep::internals::output::whole_file::{create_dir, write_whole};
 use jointsweep::internals::study::config::Study;
 
+use super::arguments::{SettingArgs, count};
 use super::report::plural;
-use super::sbatch::{Submission, absolute, has_shards, script, shards, shell_word};
-use super::{Ending, SubmitArgs, print, report};
+use super::sbatch::{Submission, shell_word};
+use super::shard_folder::{absolute, has_shards, script, shards};
+use super::{Ending, print, report};
+
+#[derive(Args)]
+pub struct SubmitArgs {
+    /// The sweep, a TOML file
+    config: PathBuf,
+    #[command(flatten)]
+    settings: SettingArgs,
+    /// Shards that the sweep is divided into: tasks of the array
+    #[arg(long, value_name = "N", value_parser = count::<u64>)]
+    shards: u64,
+    /// Folder of the shards and of the result, seen by all machines of the cluster [default: out/<config's name>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Only write the scripts, and say how they would be submitted
+    #[arg(long, visible_alias = "no-submit")]
+    dry_run: bool,
+    /// For sbatch, like --time=1:00:00 --mem=4G --partition=NAME; array and merge both have them
+    #[arg(last = true, value_name = "SBATCH ARGUMENTS")]
+    sbatch: Vec<String>,
+}
 
 pub fn submit(args: &SubmitArgs) -> Result<Ending, Error> {
     let study = args.settings.load(&args.config)?;

@@ -1,8 +1,9 @@
 //! `jointsweep tradeoff`: designs of a config through every choice there is.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice};
 use jointsweep::internals::engine::refusal::Refusal;
@@ -15,8 +16,33 @@ use jointsweep::internals::tradeoff::families::choices;
 use jointsweep::internals::tradeoff::joints::least_contact_angle;
 use jointsweep::internals::tradeoff::measure::{Measured, measure};
 
+use super::arguments::count;
 use super::report::{aligned, duration};
-use super::{Ending, TradeoffArgs, backend, print, say};
+use super::{Ending, backend, print, say};
+
+#[derive(Args)]
+pub struct TradeoffArgs {
+    /// The sweep whose designs are taken, a TOML file
+    config: PathBuf,
+    /// Designs, evenly spaced over the sweep
+    #[arg(long, value_name = "N", default_value = "100", value_parser = count::<u64>)]
+    designs: u64,
+    /// Folder of the result [default: out/<config's name>/tradeoff]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Measure the GPU whose name or driver holds this too, software or not [default: the best GPU, if there is one]
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Runs of each choice; fewer of those that take seconds
+    #[arg(long, value_name = "N", default_value = "5", value_parser = count::<usize>)]
+    runs: usize,
+    /// Overwrite the result of another config
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
 
 pub fn tradeoff(args: &TradeoffArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();

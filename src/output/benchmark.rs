@@ -7,7 +7,9 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::output::host::{Host, Program, seconds_since, utc};
-use crate::output::manifest::{self, Config};
+use crate::output::manifest;
+use crate::output::manifest_parts::Config;
+use crate::output::whole_file;
 use crate::study::config::Study;
 
 /// One run in a process of its own.
@@ -116,12 +118,10 @@ impl BenchmarkManifest {
 
     /// Writes both files into `dir`, the manifest last.
     pub fn save(mut self, dir: &Path, measurements: &[Measurement]) -> Result<(), Error> {
-        manifest::create_dir(dir)?;
-        manifest::write_whole(&dir.join("sweep.csv"), text(measurements).as_bytes())?;
+        whole_file::create_dir(dir)?;
+        whole_file::write_whole(&dir.join("sweep.csv"), text(measurements).as_bytes())?;
         self.wall_seconds = seconds_since(self.started);
-        let path = dir.join("sweep.manifest.json");
-        manifest::stage(&self, &path)?;
-        manifest::publish(&path)
+        manifest::write(&self, &dir.join("sweep.manifest.json"))
     }
 }
 

@@ -6,9 +6,9 @@ use serde::Serialize;
 
 use crate::calibrate::calibration::{CONFIDENCE, Calibration, Fitted};
 use crate::error::Error;
-use crate::output::folder::Claim;
+use crate::output::claim::Claim;
 use crate::output::host::utc;
-use crate::output::manifest::FileEntry;
+use crate::output::manifest_parts::FileEntry;
 use crate::output::number::rounded_cell as cell;
 use crate::output::residual_plot;
 use crate::output::texts::{self, Beginning};

@@ -1,15 +1,14 @@
-//! The folder of a result: where it is, when it may be written, and how a new result takes the place of an old one.
+//! The folder of a result: where it is, what is in it, and whether it may be written.
 //!
 //! A result that is whole has its own names, like `table.csv` and `manifest.json`. What a run writes has `.partial` behind its
-//! name until the run is complete; then its files are renamed, the manifest last. So what stood there before stays until
-//! something whole takes its place, however a run ends.
+//! name until the run is complete.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::output::lock::FolderLock;
-use crate::output::manifest::{Inputs, Origin, State, staged, with_suffix};
+use crate::output::origin::{Inputs, Origin};
+use crate::output::whole_file::with_suffix;
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 use crate::study::output_options::Format;
@@ -186,81 +185,18 @@ impl ResultFolder {
         &self.dir
     }
 
+    /// The names of what is written here besides the manifest.
+    pub fn file_names(&self) -> &'static [&'static str] {
+        self.contents.files
+    }
+
     /// What is written here besides the manifest.
-    fn files(&self) -> impl Iterator<Item = PathBuf> {
-        self.contents.files.iter().map(|file| self.dir.join(file))
+    pub fn files(&self) -> impl Iterator<Item = PathBuf> {
+        self.file_names().iter().map(|file| self.dir.join(file))
     }
 
     pub fn manifest(&self) -> PathBuf {
         self.dir.join(MANIFEST)
-    }
-
-    /// Creates the folder and takes its lock; `what` is to be said of the holder to others.
-    pub fn claim(&self, what: &str) -> Result<Claim, Error> {
-        let created = self.create()?;
-        match FolderLock::take(&self.dir, what) {
-            Ok(lock) => {
-                self.settle()?;
-                Ok(Claim { folder: self.clone(), created, lock: Some(lock), is_to_go: false })
-            }
-            Err(error) => {
-                remove_empty(&created);
-                Err(error)
-            }
-        }
-    }
-
-    /// Creates the folder, and returns the folders that were not there before, outermost first.
-    fn create(&self) -> Result<Vec<PathBuf>, Error> {
-        let missing = |dir: &&Path| !dir.as_os_str().is_empty() && !dir.exists();
-        let mut created: Vec<PathBuf> =
-            self.dir.ancestors().take_while(missing).map(Path::to_path_buf).collect();
-        created.reverse();
-        if let Err(source) = std::fs::create_dir_all(&self.dir) {
-            remove_empty(&created);
-            return Err(Error::Io { action: "create", path: self.dir.clone(), source });
-        }
-        Ok(created)
-    }
-
-    /// Gives the files of a complete result their own names, the manifest last. Files of the result before that the new one does
-    /// not have are gone then.
-    fn publish(&self) -> Result<(), Error> {
-        let mut left = Vec::new();
-        for path in self.files() {
-            if partial(&path).exists() {
-                rename(&partial(&path), &path)?;
-            } else if path.exists() {
-                left.push(path);
-            }
-        }
-        rename(&partial(&self.manifest()), &self.manifest())?;
-        left.push(partial(&self.dir.join(SAFE)));
-        left.iter().try_for_each(|path| remove_file(path))
-    }
-
-    /// Ends what a process that was killed between its renames has left undone.
-    fn settle(&self) -> Result<(), Error> {
-        let Ok(text) = std::fs::read_to_string(partial(&self.manifest())) else { return Ok(()) };
-        let Some(origin) = Origin::of(&text).filter(|origin| origin.state == Some(State::Complete)) else {
-            return Ok(());
-        };
-        let place = |(name, print): &(String, Fingerprint)| {
-            let path = self.dir.join(name);
-            [partial(&path), path].into_iter().find(|path| is_still(path, print))
-        };
-        let places: Option<Vec<PathBuf>> = origin.files.iter().map(place).collect();
-        let Some(places) = places else { return Ok(()) };
-        for ((name, _), found) in origin.files.iter().zip(places) {
-            let path = self.dir.join(name);
-            if found != path {
-                rename(&found, &path)?;
-            }
-        }
-        rename(&partial(&self.manifest()), &self.manifest())?;
-        let is_new = |path: &PathBuf| origin.files.iter().any(|(name, _)| self.dir.join(name) == *path);
-        let mut others = self.files().filter(|path| !is_new(path)).chain([partial(&self.dir.join(SAFE))]);
-        others.try_for_each(|path| remove_file(&path))
     }
 }
 
@@ -273,96 +209,15 @@ enum Occupant {
     Other(String),
 }
 
-/// A folder that is this process's own to write to, until it is dropped.
-#[derive(Debug)]
-pub struct Claim {
-    folder: ResultFolder,
-    /// Folders made for it, outermost first; they go again where nothing is put into them.
-    created: Vec<PathBuf>,
-    lock: Option<FolderLock>,
-    /// Whether the folder goes, too.
-    is_to_go: bool,
-}
-
-impl Claim {
-    pub fn folder(&self) -> &ResultFolder {
-        &self.folder
-    }
-
-    /// Where a file is written until it is whole.
-    pub fn partial(&self, name: &str) -> PathBuf {
-        partial(&self.folder.dir.join(name))
-    }
-
-    /// Removes what an unfinished run before has left of files that this one does not write.
-    pub fn remove_others<'a>(&self, own: impl Iterator<Item = &'a str>) -> Result<(), Error> {
-        let own: Vec<&str> = own.collect();
-        let mut others = self.folder.contents.files.iter().filter(|name| !own.contains(*name)).chain([&SAFE]);
-        others.try_for_each(|name| remove_file(&self.partial(name)))
-    }
-
-    /// Gives the files of a complete result their own names.
-    pub fn publish(&self) -> Result<(), Error> {
-        self.folder.publish()
-    }
-
-    /// Removes the folder with what an unfinished run has left in it.
-    pub fn remove(&mut self) -> Result<(), Error> {
-        self.folder.files().try_for_each(|path| remove_file(&partial(&path)))?;
-        remove_file(&partial(&self.folder.manifest()))?;
-        remove_file(&staged(&partial(&self.folder.manifest())))?;
-        remove_file(&self.partial(SAFE))?;
-        // The lock goes with this claim; only then the folder is empty.
-        self.is_to_go = true;
-        Ok(())
-    }
-
-    /// Whether other processes can see that the folder is taken.
-    pub fn is_locked(&self) -> bool {
-        self.lock.as_ref().is_some_and(FolderLock::is_effective)
-    }
-}
-
-impl Drop for Claim {
-    fn drop(&mut self) {
-        self.lock = None;
-        if self.is_to_go {
-            remove_empty(std::slice::from_ref(&self.folder.dir));
-        }
-        remove_empty(&self.created);
-    }
-}
-
 /// The name of a file that is not whole yet.
-fn partial(path: &Path) -> PathBuf {
+pub fn partial(path: &Path) -> PathBuf {
     with_suffix(path, ".partial")
 }
 
 /// Whether a file is what it was; its length alone tells of most that are not.
-fn is_still(path: &Path, print: &Fingerprint) -> bool {
+pub fn is_still(path: &Path, print: &Fingerprint) -> bool {
     let is_as_long = path.metadata().is_ok_and(|file| file.len() == print.bytes);
     is_as_long && Fingerprint::of_file(path).is_ok_and(|now| now == *print)
-}
-
-fn rename(from: &Path, to: &Path) -> Result<(), Error> {
-    std::fs::rename(from, to).map_err(|source| Error::Io { action: "write", path: to.into(), source })
-}
-
-/// Removes a file that may not be there.
-fn remove_file(path: &Path) -> Result<(), Error> {
-    match std::fs::remove_file(path) {
-        Err(source) if source.kind() != ErrorKind::NotFound => {
-            Err(Error::Io { action: "remove", path: path.into(), source })
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Takes back folders, innermost first, as far as nobody has put anything there.
-fn remove_empty(created: &[PathBuf]) {
-    for dir in created.iter().rev() {
-        let _ = std::fs::remove_dir(dir);
-    }
 }
 
 /// True when both are there and are one file.

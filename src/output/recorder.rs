@@ -10,12 +10,16 @@ use serde_json::value::to_raw_value;
 
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
-use crate::output::folder::{Claim, MANIFEST, SAFE, table_name};
-use crate::output::manifest::{self, Conditions, Manifest, Origin, Shard, State};
+use crate::output::claim::Claim;
+use crate::output::folder::{MANIFEST, SAFE, table_name};
+use crate::output::manifest::{self, Conditions, Manifest};
+use crate::output::manifest_parts::{Shard, State};
+use crate::output::origin::Origin;
 use crate::output::reduce::Reductions;
 use crate::output::shard;
 use crate::output::sink::SinkFile;
 use crate::output::sinks::{Rows, Sinks};
+use crate::output::whole_file;
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 
@@ -214,7 +218,7 @@ impl Recorder {
             }
             if let Some(answers) = self.answers.take() {
                 for (name, bytes) in answers.files() {
-                    manifest::write_whole(&self.claim.partial(name), &bytes)?;
+                    whole_file::write_whole(&self.claim.partial(name), &bytes)?;
                     self.manifest.set_file(name, &Fingerprint::of(&bytes));
                 }
                 self.manifest.remarks = answers.remarks();
@@ -262,7 +266,7 @@ impl Recorder {
             return Ok(());
         }
         self.files.iter_mut().try_for_each(SinkFile::open)?;
-        manifest::publish(&self.manifest_path())?;
+        whole_file::publish(&self.manifest_path())?;
         self.begun = true;
         self.claim.remove_others(self.files.iter().map(SinkFile::name))?;
         for (file, sink) in self.files.iter_mut().zip(&self.sinks.all) {
@@ -303,7 +307,7 @@ impl Drop for Recorder {
             return;
         }
         if !self.begun {
-            let _ = std::fs::remove_file(manifest::staged(&self.manifest_path()));
+            let _ = std::fs::remove_file(whole_file::staged(&self.manifest_path()));
             return;
         }
         if std::thread::panicking() && self.manifest.error.is_none() {

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, quoted};
 use crate::output::folder::{MANIFEST, TABLE, TABLE_PARQUET, TABLE_ZST, TABLES};
-use crate::output::manifest::{Origin, State};
+use crate::output::manifest_parts::State;
+use crate::output::origin::Origin;
 use crate::output::{parquet_text, zst_table};
 use crate::study::columns::{DESIGN, FORCE, INDENTATION, Quantity, joint_columns};
 use crate::study::config::Asked;

@@ -1,7 +1,7 @@
 //! Failed rows of a finished table: which they are, and the table with others in their places.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Seek, SeekFrom};
+use std::io::{Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -10,16 +10,20 @@ use serde_json::{Value, json};
 
 use crate::engine::outcome::DesignOutcome;
 use crate::error::Error;
+use crate::output::claim::Claim;
 use crate::output::counts::Counts;
-use crate::output::folder::{Claim, MANIFEST, TABLE};
+use crate::output::folder::{MANIFEST, TABLE};
 use crate::output::host::Program;
-use crate::output::manifest::{self, FileEntry, State};
+use crate::output::manifest;
+use crate::output::manifest_parts::{FileEntry, State};
 use crate::output::results::Results;
 use crate::output::schema::result_columns;
 use crate::output::sink::{Sink, SinkFile};
 use crate::output::table::{Table, settle};
+use crate::output::whole_file;
 use crate::study::columns::{DESIGN, Quantity};
 use crate::study::config::Study;
+use crate::study::fingerprint::read_pieces;
 use crate::study::output_options::{Format, OutputOptions};
 
 /// A row without an answer.
@@ -177,38 +181,32 @@ fn save(
         manifest.insert("failed_rows_done_again_by".into(), Program::CURRENT.in_words().into());
     }
     let text = manifest::text(&manifest);
-    manifest::write_whole(&claim.partial(MANIFEST), &text)?;
+    whole_file::write_whole(&claim.partial(MANIFEST), &text)?;
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
 /// A table that is read from its beginning to its end.
 struct OldTable {
     path: PathBuf,
-    file: BufReader<File>,
+    file: File,
+    /// Where the file stands, bytes.
     at: u64,
 }
 
 impl OldTable {
     fn open(path: PathBuf) -> Result<OldTable, Error> {
-        let file = File::open(&path);
-        let file = file.map_err(|source| Error::Io { action: "read", path: path.clone(), source })?;
-        Ok(OldTable { path, file: BufReader::with_capacity(1 << 20, file), at: 0 })
+        match File::open(&path) {
+            Ok(file) => Ok(OldTable { path, file, at: 0 }),
+            Err(source) => Err(Error::Io { action: "read", path, source }),
+        }
     }
 
     /// Copies what stands before a place, or all that is left.
     fn copy_to(&mut self, end: u64, to: &mut SinkFile) -> Result<(), Error> {
-        while self.at < end {
-            let read = self.file.fill_buf();
-            let bytes =
-                read.map_err(|source| Error::Io { action: "read", path: self.path.clone(), source })?;
-            if bytes.is_empty() {
-                break;
-            }
-            let count = (end - self.at).min(bytes.len() as u64) as usize;
-            to.append(&bytes[..count])?;
-            self.file.consume(count);
-            self.at += count as u64;
-        }
+        let OldTable { path, file, at } = self;
+        let unreadable = |source| Error::Io { action: "read", path: path.clone(), source };
+        let copied = read_pieces(file, end.saturating_sub(*at), unreadable, |bytes| to.append(bytes))?;
+        *at += copied.fingerprint().bytes;
         Ok(())
     }
 

@@ -1,12 +1,12 @@
 //! A file of a result that rows are added to as designs are solved: what it is, and how it is kept whole.
 
 use std::fs::{File, OpenOptions};
-use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
+use std::io::{Seek, SeekFrom, Write};
 use std::path::PathBuf;
 
 use crate::engine::outcome::DesignOutcome;
 use crate::error::Error;
-use crate::study::fingerprint::{Fingerprint, Fingerprinter};
+use crate::study::fingerprint::{Fingerprint, Fingerprinter, read_pieces};
 
 /// What outcomes add to a file. A new kind of file is one of these.
 pub trait Sink: Send + Sync {
@@ -35,9 +35,6 @@ pub struct SinkFile {
     printer: Fingerprinter,
 }
 
-/// Bytes read at a time.
-const PIECE: usize = 1 << 20;
-
 impl SinkFile {
     pub fn new(name: &str, path: PathBuf) -> SinkFile {
         SinkFile { name: name.into(), path, file: None, printer: Fingerprinter::default() }
@@ -62,21 +59,8 @@ impl SinkFile {
     pub fn is_still(&mut self, print: &Fingerprint) -> Result<bool, Error> {
         let unreadable = |source| Error::Io { action: "read", path: self.path.clone(), source };
         let Some(file) = &mut self.file else { return Ok(false) };
-        self.printer = Fingerprinter::default();
         file.seek(SeekFrom::Start(0)).map_err(unreadable)?;
-        let (mut piece, mut left) = (vec![0; PIECE], print.bytes);
-        while left > 0 {
-            let wanted = left.min(PIECE as u64) as usize;
-            match file.read(&mut piece[..wanted]) {
-                Ok(0) => return Ok(false),
-                Ok(count) => {
-                    self.printer.update(&piece[..count]);
-                    left -= count as u64;
-                }
-                Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(source) => return Err(unreadable(source)),
-            }
-        }
+        self.printer = read_pieces(file, print.bytes, unreadable, |_| Ok(()))?;
         Ok(self.printer.fingerprint() == *print)
     }
 

@@ -3,7 +3,8 @@
 //! What a user gives to `sbatch` stands in their `#SBATCH` lines, so that the scripts can be submitted again, by hand too.
 
 use crate::error::Error;
-use crate::output::shard::ranges;
+use crate::output::shard::MOST_SHARDS;
+use crate::output::survey::ranges;
 
 /// The folder of the scripts and of what their jobs print, below the folder of the shards.
 pub const FOLDER: &str = "slurm";
@@ -108,7 +109,7 @@ impl Job<'_> {
 
 const DIRECTIVE: &str = "#SBATCH";
 
-/// Slurm takes a task for failed whose exit code is not 0.
+/// Slurm counts a task as failed unless its exit code is 0.
 const ENDING: &str = "code=$?\n\
     # 2: all is computed, but some designs failed; their rows say why.\n\
     if [ \"$code\" -eq 2 ]; then exit 0; fi\n\
@@ -137,11 +138,12 @@ pub fn does_the_same(one: &str, other: &str) -> bool {
     one == other
 }
 
-/// How many shards an array's script is for, and in which folder.
-pub fn of_script(text: &str) -> Option<(u64, String)> {
+/// How many shards an array's script is for, and in which folder; `None` where it is no such script.
+pub fn read_array(text: &str) -> Option<(u64, String)> {
     let value = |name: &str| text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='));
     let dir = value("dir")?.strip_prefix('\'')?.strip_suffix('\'')?.replace(r"'\''", "'");
-    Some((value("shards")?.parse().ok()?, dir))
+    let shards = value("shards")?.parse().ok()?;
+    (1..=MOST_SHARDS).contains(&shards).then_some((shards, dir))
 }
 
 /// Tasks that are submitted together: their shards are `offset` plus these numbers, `3-5,9`.

@@ -3,9 +3,11 @@
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::output::folder::{Claim, MANIFEST};
+use crate::output::claim::Claim;
+use crate::output::folder::MANIFEST;
 use crate::output::host::Program;
-use crate::output::manifest::{self, Config, FileEntry, State};
+use crate::output::manifest;
+use crate::output::manifest_parts::{Config, FileEntry, State};
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
 
@@ -52,8 +54,6 @@ pub fn write<const COUNT: usize>(
 
 /// Writes the manifest, the last of all files, and gives them their own names.
 pub fn publish(claim: &Claim, manifest: &impl Serialize) -> Result<(), Error> {
-    let path = claim.partial(MANIFEST);
-    manifest::stage(manifest, &path)?;
-    manifest::publish(&path)?;
+    manifest::write(manifest, &claim.partial(MANIFEST))?;
     claim.publish()
 }

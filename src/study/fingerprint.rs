@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 
 use xxhash_rust::xxh3::Xxh3;
@@ -23,9 +23,8 @@ impl Fingerprint {
 
     /// Of a file as it is now.
     pub fn of_file(path: &Path) -> std::io::Result<Fingerprint> {
-        let mut reader = Fingerprinted::new(BufReader::with_capacity(1 << 20, File::open(path)?));
-        std::io::copy(&mut reader, &mut std::io::sink())?;
-        Ok(reader.fingerprint())
+        let printer = read_pieces(File::open(path)?, u64::MAX, |error| error, |_| Ok(()))?;
+        Ok(printer.fingerprint())
     }
 
     /// The hash in 32 hexadecimal digits.
@@ -68,6 +67,32 @@ impl Fingerprinter {
     }
 }
 
+/// Reads up to `most` bytes, hands them over piece by piece, and returns what has made their fingerprint.
+pub fn read_pieces<E>(
+    reader: impl Read,
+    most: u64,
+    unreadable: impl Fn(std::io::Error) -> E,
+    mut take: impl FnMut(&[u8]) -> Result<(), E>,
+) -> Result<Fingerprinter, E> {
+    let mut reader = BufReader::with_capacity(PIECE, reader.take(most));
+    let mut printer = Fingerprinter::default();
+    loop {
+        let piece = match reader.fill_buf() {
+            Ok([]) => return Ok(printer),
+            Ok(piece) => piece,
+            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+            Err(error) => return Err(unreadable(error)),
+        };
+        printer.update(piece);
+        take(piece)?;
+        let count = piece.len();
+        reader.consume(count);
+    }
+}
+
+/// Bytes read at a time.
+const PIECE: usize = 1 << 20;
+
 /// A reader that knows the fingerprint of what has been read.
 #[derive(Debug)]
 pub struct Fingerprinted<R> {
@@ -109,5 +134,39 @@ mod tests {
         assert_eq!(reader.fingerprint(), whole);
         assert_eq!(Fingerprint::parse(10, &whole.hash()), Some(whole));
         assert_ne!(Fingerprint::of(b"jointsweeq"), whole);
+    }
+    /// Gives a byte at a time, and is interrupted before each.
+    struct Slow<'a>(&'a [u8], bool);
+
+    impl Read for Slow<'_> {
+        fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+            self.1 = !self.1;
+            if self.1 {
+                return Err(ErrorKind::Interrupted.into());
+            }
+            let least = buffer.len().min(1);
+            self.0.read(&mut buffer[..least])
+        }
+    }
+
+    #[test]
+    fn pieces_are_all_that_is_asked_and_no_more() {
+        for (most, expected) in [(0, &b""[..]), (5, b"joint"), (10, b"jointsweep"), (u64::MAX, b"jointsweep")]
+        {
+            let mut taken = Vec::new();
+            let take = |piece: &[u8]| {
+                taken.extend_from_slice(piece);
+                Ok(())
+            };
+            let printer = read_pieces(Slow(b"jointsweep", false), most, |error| error, take).unwrap();
+            assert_eq!(printer.fingerprint(), Fingerprint::of(expected));
+            assert_eq!(taken, expected);
+        }
+    }
+
+    #[test]
+    fn a_piece_that_is_not_taken_ends_the_reading() {
+        let ended = read_pieces(&b"jointsweep"[..], 10, |_| "unreadable", |_| Err("not taken"));
+        assert_eq!(ended.unwrap_err(), "not taken");
     }
 }

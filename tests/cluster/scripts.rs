@@ -2,8 +2,8 @@
 
 use std::process::Command;
 
-use jointsweep::internals::output::shard::ranges;
-use jointsweep::internals::output::slurm::{Array, Job, arrays, quoted};
+use jointsweep::internals::output::slurm::{Array, Job, arrays, quoted, read_array};
+use jointsweep::internals::output::survey::ranges;
 
 use crate::Cluster;
 use crate::workdir::Ended;
@@ -150,4 +150,21 @@ fn ranges_and_arrays_have_every_number_once() {
     let many = arrays(&odd, 4_000_000);
     assert!(many.iter().all(|array| array.tasks.len() < 100_000), "{}", many.len());
     assert_eq!(many.iter().map(|array| array.count).sum::<usize>(), 50_000);
+}
+
+/// As many numbers as a script says would have to be listed.
+#[test]
+fn a_script_for_more_shards_than_are_allowed_is_none() {
+    let [array, _] = Cluster::new("script-counts").scripts(0);
+    for (shards, expected) in [
+        ("2000", Some(2000)),
+        ("100000", Some(100_000)),
+        ("100001", None),
+        ("18446744073709551615", None),
+        ("0", None),
+        ("-1", None),
+    ] {
+        let changed = array.replace("shards=2000", &format!("shards={shards}"));
+        assert_eq!(read_array(&changed).map(|(shards, _)| shards), expected, "{shards}");
+    }
 }

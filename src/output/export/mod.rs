@@ -30,8 +30,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, shortened, suggest};
 use crate::output::folder::MANIFEST;
-use crate::output::manifest::{publish, stage_bytes, staged};
 use crate::output::results::Results;
+use crate::output::whole_file::{publish, stage_bytes, staged};
 use crate::study::fingerprint::Fingerprint;
 use impact::{Impact, ImpactRequest};
 use sheet::{Format, Sheet, head};

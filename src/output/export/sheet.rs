@@ -6,7 +6,7 @@ use crate::output::export::numbers::{plain, rounded};
 use crate::output::export::source::{Reference, Source};
 use crate::output::export::table::{Between, Quality, Table};
 use crate::output::host::Program;
-use crate::output::manifest::Origin;
+use crate::output::origin::Origin;
 use crate::study::columns::{Cell, Column, joint_columns};
 
 /// A form for another program: one file of `output/export`, listed in `FORMATS`.

@@ -1,0 +1,84 @@
+//! What `jointsweep bench-gpu` says of its figures.
+
+use jointsweep::internals::engine::backend::gpu::context::GpuDevice;
+use jointsweep::internals::engine::backend::gpu::measure::KernelTime;
+use jointsweep::internals::engine::backend::gpu::roofline::Peaks;
+use jointsweep::internals::output::gpu_figures::{GpuSweep, PrecisionRow, ScalingRow, Shares};
+
+use super::report::{aligned, duration};
+
+/// One sweep.
+pub fn told(sweep: &GpuSweep) -> String {
+    format!(
+        "{} designs in {}, {:.0} designs/s",
+        sweep.designs,
+        duration(sweep.seconds),
+        sweep.designs_per_second()
+    )
+}
+
+/// All figures.
+pub fn summary(
+    gpu: &GpuDevice,
+    precisions: &[PrecisionRow],
+    scaling: &[ScalingRow],
+    kernels: &[KernelTime],
+    peaks: &[Peaks],
+) -> String {
+    let mut text = format!("{}, {}\n\n", gpu.facts.name, gpu.facts.driver);
+    let mut lines =
+        vec![["precision", "designs", "wall", "designs/s", "solves/s", "worst difference"].map(String::from)];
+    lines.extend(precisions.iter().map(|PrecisionRow { precision, sweep, worst_difference, .. }| {
+        [
+            precision.to_string(),
+            sweep.designs.to_string(),
+            duration(sweep.seconds),
+            format!("{:.0}", sweep.designs_per_second()),
+            format!("{:.0}", sweep.solves as f64 / sweep.seconds),
+            format!("{worst_difference:.1e}"),
+        ]
+    }));
+    text += &aligned(&lines);
+
+    text += &format!("\nin {}\n", scaling.first().map_or("", |row| row.precision));
+    let mut lines =
+        vec![["designs", "wall", "designs/s", "with table", "processor", "GPU/CPU"].map(String::from)];
+    lines.extend(scaling.iter().map(|ScalingRow { sweep, with_table, cpu_seconds, .. }| {
+        [
+            sweep.designs.to_string(),
+            duration(sweep.seconds),
+            format!("{:.0}", sweep.designs_per_second()),
+            with_table.map_or(String::new(), |(seconds, _)| duration(seconds)),
+            cpu_seconds.map_or(String::new(), duration),
+            cpu_seconds.map_or(String::new(), |seconds| format!("{:.3}", seconds / sweep.seconds)),
+        ]
+    }));
+    text += &aligned(&lines);
+
+    text.push('\n');
+    let header = ["kernel", "precision", "level", "items", "time", "GFLOP/s", "of peak", "GB/s", "of peak"]
+        .map(String::from);
+    let mut lines = vec![header];
+    lines.extend(kernels.iter().map(|time| {
+        let shares = Shares::of(time, peaks);
+        let giga = |count: u64| match count {
+            0 => String::new(),
+            count => format!("{:.1}", 1e-9 * count as f64 / time.seconds),
+        };
+        let percent =
+            |share: Option<f64>| share.map_or(String::new(), |share| format!("{:.1} %", 100.0 * share));
+        [
+            time.kernel.to_string(),
+            time.precision.name().to_string(),
+            time.level.to_string(),
+            time.items.to_string(),
+            duration(time.seconds),
+            giga(time.work.operations),
+            percent(shares.and_then(|shares| shares.arithmetic).map(|(_, share)| share)),
+            giga(time.work.bytes),
+            percent(shares.map(|shares| shares.memory.1)),
+        ]
+    }));
+    text += &aligned(&lines);
+    text
+}
