@@ -1,7 +1,7 @@
 //! What a newcomer meets: init, --set, the summary of a run, completions, the manual, the version, and calibrate.
 
 use crate::SMALL;
-use crate::workdir::Workdir;
+use crate::common::workdir::Workdir;
 
 fn small(name: &str) -> Workdir {
     let work = Workdir::new(name);

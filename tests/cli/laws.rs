@@ -1,7 +1,7 @@
 //! `laws.csv`: made by `run`, left out where asked, made later by `laws`, and never left behind by a result that is gone.
 
 use super::SMALL;
-use super::workdir::Workdir;
+use crate::common::workdir::Workdir;
 
 fn without_laws() -> String {
     format!("{SMALL}[output]\nlaws = false\n")

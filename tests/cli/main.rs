@@ -1,16 +1,21 @@
 //! The program as a user runs it: folder rules, exit codes, and what is on disk however a run ends.
 
+#[path = "../common"]
+mod common {
+    pub mod greatest;
+    pub mod workdir;
+}
+mod bench;
+mod bench_gpu;
+#[cfg(unix)]
+mod cluster;
 mod commands;
 mod gpu;
 mod laws;
-#[path = "../common/greatest.rs"]
-mod greatest;
-#[path = "../common/workdir.rs"]
-mod workdir;
 
 use std::time::{Duration, Instant};
 
-use workdir::{Ended, Workdir};
+use crate::common::workdir::{Ended, Workdir};
 
 /// Two designs of three steps.
 const SMALL: &str = r#"

@@ -1,25 +1,20 @@
 //! What is lost when runs meet, are killed, or run out of something: nothing that was finished, and of the rest whole rows.
+#![cfg(unix)]
 
-#[cfg(unix)]
+#[path = "../common"]
+mod common {
+    #[allow(dead_code, reason = "nothing is drawn over decades here")]
+    pub mod random;
+    #[allow(dead_code, reason = "tables are compared as bytes here")]
+    pub mod workdir;
+}
 mod folders;
-#[cfg(unix)]
 mod interrupts;
-#[cfg(unix)]
 mod kinds;
-#[cfg(unix)]
 mod meetings;
-#[cfg(unix)]
 mod resume;
-#[cfg(unix)]
 mod shards;
-#[cfg(unix)]
 mod shortages;
-#[path = "../common/random.rs"]
-#[allow(dead_code, reason = "shared with tests that draw designs")]
-mod random;
-#[path = "../common/workdir.rs"]
-#[allow(dead_code, reason = "shared with the tests of the command line")]
-mod workdir;
 
 /// Designs of ten steps by `series`: about half a second of a quick machine for `count` = 20,000.
 fn config(count: usize) -> String {
@@ -48,7 +43,6 @@ method = "series"
 }
 
 /// Blocks with ligaments so thin that one takes some tenths of a second at 0.1 %, no two of them alike.
-#[cfg(unix)]
 fn slow_config() -> String {
     config(64)
         .replace(

@@ -4,7 +4,7 @@
 use std::fs::File;
 use std::process::Command;
 
-use crate::workdir::{Ended, Workdir};
+use crate::common::workdir::{Ended, Workdir};
 use crate::{config, slow_config};
 
 /// The program in a shell that limits it first.

@@ -3,12 +3,13 @@
 //! Any Vulkan adapter will do, software too. Without a driver these tests are ignored; with JOINTSWEEP_REQUIRE_GPU
 //! set, a missing adapter or a missing f64 is a failure.
 
-#[path = "../common/mod.rs"]
-mod common;
-#[path = "../common/draws.rs"]
-mod draws;
-#[path = "../common/random.rs"]
-mod random;
+#[path = "../common"]
+mod common {
+    pub mod random;
+    pub mod draws;
+    pub mod greatest;
+    pub mod rings;
+}
 mod limits;
 mod stages;
 mod sweeps;
@@ -17,8 +18,8 @@ mod works;
 use std::collections::HashSet;
 use std::sync::OnceLock;
 
-use common::greatest::{difference, greatest};
-use common::rings::{MeshedBody, body};
+use crate::common::greatest::{difference, greatest};
+use crate::common::rings::{MeshedBody, body};
 use jointsweep::internals::engine::backend::gpu::batch::{BodyCounts, MOST_BYTES, MOST_TRIPS, batches};
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Precision};

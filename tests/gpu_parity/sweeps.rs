@@ -7,8 +7,8 @@ use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::{DesignCase, Load, Part};
 
 use super::*;
-use crate::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
-use crate::random::Random;
+use crate::common::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
+use crate::common::random::Random;
 
 fn on_device(
     gpu: &GpuDevice,
