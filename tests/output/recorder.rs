@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, SystemTime};
 
+use crate::common::ring_joint::ring_joint;
 use crate::common::workdir::Workdir;
 use jointsweep::Error;
 use jointsweep::internals::engine::outcome::DesignOutcome;
@@ -13,29 +14,12 @@ use jointsweep::internals::output::manifest::Conditions;
 use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::study::config::Study;
 
-const CONFIG: &str = r#"
-[joint]
-idealization = "plane-stress"
-hole_radius = "10 mm"
-radial_clearance = ["0.1 mm", "0.05 mm", "0.03 mm"]
-thickness = "5 mm"
-[joint.pin]
-model = "rigid-core"
-youngs_modulus = "210 GPa"
-poissons_ratio = 0.3
-[joint.plate]
-model = "annulus"
-outer_radius_ratio = 3.0
-youngs_modulus = "70 GPa"
-poissons_ratio = 0.33
-[load]
-indentation = ["0.001 mm", "0.002 mm"]
-[solve]
-method = "series"
-"#;
+fn config() -> String {
+    ring_joint("[\"0.1 mm\", \"0.05 mm\", \"0.03 mm\"]", "[\"0.001 mm\", \"0.002 mm\"]")
+}
 
 fn recorder(work: &Workdir, folder: &str) -> (Study, Recorder) {
-    work.write("study.toml", CONFIG);
+    work.write("study.toml", &config());
     let study = Study::load(&work.path("study.toml")).unwrap();
     let claim = ResultFolder::of_run(Some(&work.path(folder)), &study).claim("of a test").unwrap();
     let conditions = Conditions { gpu: None, threads: 1, started: SystemTime::now() };
@@ -136,7 +120,7 @@ fn a_result_that_was_being_renamed_is_taken_for_complete() {
 #[test]
 fn one_run_at_a_time_has_a_folder() {
     let work = Workdir::new("claims");
-    work.write("study.toml", CONFIG);
+    work.write("study.toml", &config());
     let study = Study::load(&work.path("study.toml")).unwrap();
     let folder = ResultFolder::of_run(Some(&work.path("result")), &study);
     let first = folder.claim("of the first").unwrap();
@@ -153,7 +137,7 @@ fn one_run_at_a_time_has_a_folder() {
 #[test]
 fn claims_exclude_each_other() {
     let work = Workdir::new("exclusion");
-    work.write("study.toml", CONFIG);
+    work.write("study.toml", &config());
     let study = Study::load(&work.path("study.toml")).unwrap();
     let folder = ResultFolder::of_run(Some(&work.path("result")), &study);
     let (holders, times) = (AtomicUsize::new(0), AtomicUsize::new(0));

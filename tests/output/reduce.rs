@@ -16,19 +16,9 @@ use jointsweep::internals::output::table::Table;
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::expression::Expression;
 
+use crate::JOINT;
 use crate::common::outcomes::outcomes;
 use crate::common::random::Random;
-
-const JOINT: &str = r#"[joint]
-idealization = "plane-strain"
-hole_radius = "12 mm"
-radial_clearance = "0.03 mm"
-thickness = "7 mm"
-pin = { model = "rigid-core", youngs_modulus = "200 GPa", poissons_ratio = 0.25 }
-plate = { model = "annulus", outer_radius_ratio = 2, youngs_modulus = "90 GPa", poissons_ratio = 0.2 }
-[load]
-indentation = "0.01 mm"
-"#;
 
 /// What a config with this behind asks for.
 fn reductions(asked: &str) -> Reductions {

@@ -11,6 +11,7 @@ use jointsweep::internals::output::table::Table;
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::expression::Expression;
 
+use crate::JOINT;
 use crate::common::outcomes::outcomes;
 
 fn rows(outcomes: &[DesignOutcome]) -> impl Iterator<Item = Row<'_>> {
@@ -368,17 +369,6 @@ fn design_and_step_are_numbers() {
         assert_eq!(formula.value(&row), 10.0 * row.case.index as f64 + row.step as f64);
     }
 }
-
-const JOINT: &str = r#"[joint]
-idealization = "plane-strain"
-hole_radius = "12 mm"
-radial_clearance = "0.03 mm"
-thickness = "7 mm"
-pin = { model = "rigid-core", youngs_modulus = "200 GPa", poissons_ratio = 0.25 }
-plate = { model = "annulus", outer_radius_ratio = 2, youngs_modulus = "90 GPa", poissons_ratio = 0.2 }
-[load]
-indentation = "0.01 mm"
-"#;
 
 fn study(more: &str) -> Result<Study, String> {
     Study::from_text(Path::new("c.toml"), format!("{JOINT}{more}")).map_err(|error| error.to_string())

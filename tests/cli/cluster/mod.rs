@@ -8,30 +8,14 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
 use std::process::Command;
 
+use crate::common::ring_joint::ring_joint;
 use crate::common::workdir::{Ended, Workdir};
 use jointsweep::internals::output::shard::{file_name, pack};
 
 /// Twenty designs.
-const CONFIG: &str = r#"
-[joint]
-idealization = "plane-stress"
-hole_radius = "10 mm"
-radial_clearance = { from = "0.01 mm", to = "0.1 mm", count = 20 }
-thickness = "5 mm"
-[joint.pin]
-model = "rigid-core"
-youngs_modulus = "210 GPa"
-poissons_ratio = 0.3
-[joint.plate]
-model = "annulus"
-outer_radius_ratio = 3.0
-youngs_modulus = "70 GPa"
-poissons_ratio = 0.33
-[load]
-indentation = "0.001 mm"
-[solve]
-method = "series"
-"#;
+fn config() -> String {
+    ring_joint("{ from = \"0.01 mm\", to = \"0.1 mm\", count = 20 }", "\"0.001 mm\"")
+}
 
 /// A folder with a config and programs that stand for Slurm's.
 struct Cluster {
@@ -41,7 +25,7 @@ struct Cluster {
 impl Cluster {
     fn new(name: &str) -> Cluster {
         let work = Workdir::new(name);
-        work.write("big.toml", CONFIG);
+        work.write("big.toml", &config());
         let cluster = Cluster { work };
         // Each call has a line of words in brackets; the number of a job is that of the call, from 101 on.
         cluster.fake(

@@ -112,7 +112,7 @@ fn what_sbatch_is_given_stands_in_lines_that_it_reads() {
 #[test]
 fn the_scripts_of_submit_name_the_program_the_config_and_the_folder_from_the_root_on() {
     let cluster = Cluster::new("absolute");
-    cluster.work.write(&format!("{ODD}/big.toml"), super::CONFIG);
+    cluster.work.write(&format!("{ODD}/big.toml"), &super::config());
     let config = format!("{ODD}/big.toml");
     let arguments =
         ["submit", &config, "--shards", "20", "--out", "./o u'", "--set", "title=it's", "--dry-run"];

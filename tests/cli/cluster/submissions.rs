@@ -45,7 +45,7 @@ fn more_shards_than_an_array_may_have_are_several_arrays() {
 fn a_cluster_that_cannot_be_asked_is_taken_for_one_with_slurms_defaults() {
     let cluster = Cluster::new("defaults");
     cluster.without("scontrol");
-    let config = super::CONFIG.replace("count = 20", "count = 2000");
+    let config = super::config().replace("count = 20", "count = 2000");
     cluster.work.write("many.toml", &config);
     cluster.run(&["submit", "many.toml", "--shards", "1001", "--out", "o"]).expect(0);
     let calls = cluster.calls();
@@ -59,7 +59,7 @@ fn a_cluster_that_cannot_be_asked_is_taken_for_one_with_slurms_defaults() {
 #[test]
 fn nothing_is_submitted_of_what_cannot_be_run() {
     let cluster = Cluster::new("refused");
-    cluster.work.write("bad.toml", &super::CONFIG.replace("0.33", "0.7"));
+    cluster.work.write("bad.toml", &super::config().replace("0.33", "0.7"));
     let refused = |arguments: &[&str], words: &str| {
         let said = cluster.run(arguments).expect(1).stderr;
         assert!(said.contains(words), "{arguments:?}: {said}");
@@ -134,7 +134,7 @@ fn another_submission_in_the_same_folder_is_refused() {
     submit("big.toml", "3", &["--", "--time=5"]).expect(0);
     assert!(cluster.work.read("o/slurm/array.sh").contains("--time=5"));
     let before = cluster.calls().len();
-    cluster.work.write("other.toml", super::CONFIG);
+    cluster.work.write("other.toml", &super::config());
     for (config, shards, more) in
         [("big.toml", "4", &[][..]), ("other.toml", "3", &[]), ("big.toml", "3", &["--set", "title=x"])]
     {
