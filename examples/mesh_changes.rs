@@ -39,7 +39,7 @@ const RAISED: f64 = 1.25;
 const GOOD: f64 = 1e-5;
 
 /// Where both meshes may be wrong alike random bodies do not show the worst: neither number is below these, which held for the
-/// designs of `tests/extremes.rs`. By level, coarsest first.
+/// designs of `tests/engine/extremes.rs`. By level, coarsest first.
 const LEAST_OF_WARY: [[f64; 2]; LEVEL_COUNT] =
     [[12.0, 1.2e-2], [12.0, 1.2e-2], [6.0, 1.9e-3], [6.0, 1.2e-3], [4.0, 4.6e-4], [4.0, 2.3e-4]];
 const LEAST_OF_FILMS: [[f64; 2]; LEVEL_COUNT] =

@@ -29,7 +29,7 @@ RUNS, ENOUGH_SECONDS = 5, 40.0
 TEN_STEPS = [0.02 * step for step in range(1, 11)]  # mm
 STUDY = [5, 4, 3, 2, 1, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1]  # mm, as in configs/liu2007.toml
 
-# Converged forces, N, by outer ratio, clearance and indentation in mm: those of tests/references.rs, to 1e-4.
+# Converged forces, N, by outer ratio, clearance and indentation in mm: those of tests/engine/references.rs, to 1e-4.
 KNOWN = {
     (3.0, 0.2, 0.02): 1418.31,
     (3.0, 0.2, 0.1): 11266.1,
@@ -297,7 +297,7 @@ def main():
         "threads": 1,
         "runs": f"{RUNS} each, fewer where they take more than {ENOUGH_SECONDS:g} s together",
         "references": {
-            "source": "tests/references.rs; else GetFEM on a finer mesh",
+            "source": "tests/engine/references.rs; else GetFEM on a finer mesh",
             "finer_mesh": REFERENCE_MESH,
             "worst_deviation_of_the_second_from_the_first": float(f"{deviation:.2e}"),
         },

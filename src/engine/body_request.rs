@@ -32,7 +32,7 @@ impl BodyRequest {
     }
 }
 
-/// The elements of every mesh: the error of a compliance is of fourth order with Q8, of second with Q4 (tests/lame.rs).
+/// The elements of every mesh: the error of a compliance is of fourth order with Q8, of second with Q4 (tests/mechanics/lame.rs).
 pub const ELEMENT: ElementKind = ElementKind::Quad8;
 
 /// The class of a body's mesh at a level.

@@ -28,7 +28,7 @@ pub struct JointPlan {
 const NODES_OF_NOISE: usize = 48;
 
 /// The mesh level to begin with for an accuracy (relative, of the force): the coarsest whose typical error, measured
-/// in `tests/oracle.rs`, is below it. Where a design's own estimate says otherwise, it moves up the ladder.
+/// in `tests/engine/oracle.rs`, is below it. Where a design's own estimate says otherwise, it moves up the ladder.
 pub fn first_level(accuracy: f64) -> usize {
     const REACHED: [f64; LEVEL_COUNT - 1] = [3e-3, 6e-4, 2e-4, 8e-5, 0.0];
     1 + REACHED.iter().position(|reached| accuracy > *reached).unwrap_or(LEVEL_COUNT - 2)

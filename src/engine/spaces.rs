@@ -39,7 +39,7 @@ impl SpaceKey {
     /// The coarsest for an accuracy of the force and contacts up to a half angle, rad, beside a thinnest wall (|ln r|).
     ///
     /// The layer between contact and far boundary must be resolved, too. What few trial pressures leave of contacts up to a
-    /// half angle is measured in `tests/series.rs`, what few nodes leave in `tests/curves.rs`.
+    /// half angle is measured in `tests/mechanics/series.rs`, what few nodes leave in `tests/mechanics/curves.rs`.
     pub fn coarsest(pin: &Body, plate: &Body, accuracy: f64, half_angle: f64) -> SpaceKey {
         let thinnest = pin.depth_range().0.min(plate.depth_range().0);
         SpaceKey::beside(thinnest, pin.shape.end_angle < std::f64::consts::PI, accuracy, half_angle)

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! A factor that does nothing has both indices exactly 0, which Jansen's and Janon's estimators of the first order do not
-//! give; `tests/sensitivity.rs` compares their errors.
+//! give; `tests/analysis/sensitivity.rs` compares their errors.
 
 pub use crate::sensitivity::moments::Moments;
 use crate::sensitivity::moments::Sums;

@@ -1,4 +1,4 @@
-//! Every key of a config, documented: docs/config.md is made from this, and `tests/documentation.rs` holds it to what the reader
+//! Every key of a config, documented: docs/config.md is made from this, and `tests/repository/documentation.rs` holds it to what the reader
 //! takes and refuses.
 
 mod answers;

@@ -1,11 +1,11 @@
 //! What a newcomer meets: init, --set, the summary of a run, completions, the manual, the version, and calibrate.
 
 use crate::SMALL;
-use crate::workdir::Workdir;
+use crate::common::workdir::Workdir;
 
 fn small(name: &str) -> Workdir {
     let work = Workdir::new(name);
-    work.write("small.toml", SMALL);
+    work.write("small.toml", &SMALL);
     work
 }
 
@@ -48,7 +48,7 @@ fn a_value_that_is_set_is_a_value_of_the_config() {
     let manifest = work.json("out/small/manifest.json");
     assert_eq!(manifest["config"]["text"], text);
     assert_eq!(manifest["inputs"][0]["bytes"], text.len());
-    assert_eq!(work.read("small.toml"), SMALL);
+    assert_eq!(work.read("small.toml"), *SMALL);
 
     // A file that says the same is the same config.
     work.write("soft.toml", &text);
@@ -176,7 +176,7 @@ fn half_pins(text: &str) -> String {
 fn rows_that_are_not_ok_are_counted_by_their_status() {
     let work = Workdir::new("summary-remarks");
     // At 4 mm displacement is large; at 20 mm contact of the looser pin is wider than it can be.
-    let text = half_pins(SMALL).replace("\"0.002 mm\", \"0.005 mm\"", "\"4 mm\", \"20 mm\"");
+    let text = half_pins(&SMALL).replace("\"0.002 mm\", \"0.005 mm\"", "\"4 mm\", \"20 mm\"");
     let text = text.replace("\"0.1 mm\"", "\"3 mm\"");
     work.write("deep.toml", &text);
     let ended = work.run(&["run", "deep.toml"]);
@@ -377,7 +377,7 @@ fn bad_measurements_and_bad_questions_are_refused_and_nothing_is_written() {
     let work = Workdir::new("calibrate-bad");
     work.write("one.toml", &one());
     work.write("half.toml", &half_pins(&one()).replace("\"0.03 mm\"", "\"3 mm\""));
-    work.write("two.toml", SMALL);
+    work.write("two.toml", &SMALL);
     work.write("closed.toml", &one().replace("\"series\"", "\"closed-form\""));
     let header = "indentation_mm,force_n\n";
     let files = [

@@ -2,8 +2,8 @@
 //!
 //! Without a Vulkan driver these tests are ignored.
 
-use crate::greatest::greatest;
-use crate::workdir::{Rows, Workdir};
+use crate::common::greatest::greatest;
+use crate::common::workdir::{Rows, Workdir};
 
 /// A drawn sweep of cored pins in blocks, in steel and softer.
 fn config(varied: &Varied) -> String {

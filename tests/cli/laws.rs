@@ -1,17 +1,17 @@
 //! `laws.csv`: made by `run`, left out where asked, made later by `laws`, and never left behind by a result that is gone.
 
 use super::SMALL;
-use super::workdir::Workdir;
+use crate::common::workdir::Workdir;
 
 fn without_laws() -> String {
-    format!("{SMALL}[output]\nlaws = false\n")
+    format!("{}[output]\nlaws = false\n", *SMALL)
 }
 
 /// By a run and afterwards the same, to the byte; and the manifest vouches for them.
 #[test]
 fn laws_made_later_are_those_of_the_run() {
     let work = Workdir::new("laws_later");
-    work.write("small.toml", SMALL);
+    work.write("small.toml", &SMALL);
     work.write("none.toml", &without_laws());
     work.run(&["run", "small.toml"]).expect(0);
     work.run(&["run", "none.toml"]).expect(0);
@@ -54,7 +54,7 @@ fn laws_made_later_are_those_of_the_run() {
 #[test]
 fn laws_of_an_older_result_do_not_stay() {
     let work = Workdir::new("laws_older");
-    work.write("small.toml", SMALL);
+    work.write("small.toml", &SMALL);
     work.run(&["run", "small.toml", "--out", "result"]).expect(0);
     assert!(work.files().contains(&"result/laws.csv".to_string()));
     work.write("none.toml", &without_laws());
@@ -72,7 +72,7 @@ fn folders_without_a_finished_result_have_no_laws() {
     assert!(!work.files().contains(&"out/closed/laws.csv".to_string()));
     let refused = work.run(&["laws", "out/closed"]).expect(1);
     assert!(refused.stderr.contains("a closed form has no curve to fit laws to"), "{}", refused.stderr);
-    work.write("wrong.toml", &format!("{SMALL}[output]\nlaws = \"yes\"\n"));
+    work.write("wrong.toml", &format!("{}[output]\nlaws = \"yes\"\n", *SMALL));
     let refused = work.run(&["run", "wrong.toml"]).expect(1);
     assert!(refused.stderr.contains("output.laws"), "{}", refused.stderr);
     assert!(!work.files().iter().any(|file| file.contains("laws.csv")));

@@ -1,40 +1,30 @@
 //! The program as a user runs it: folder rules, exit codes, and what is on disk however a run ends.
 
+#[path = "../common"]
+mod common {
+    pub mod ring_joint;
+    pub mod greatest;
+    pub mod workdir;
+}
+mod bench;
+mod bench_gpu;
+#[cfg(unix)]
+mod cluster;
 mod commands;
 mod gpu;
 mod laws;
-#[path = "../common/greatest.rs"]
-mod greatest;
-#[path = "../common/workdir.rs"]
-mod workdir;
 
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use workdir::{Ended, Workdir};
+use crate::common::ring_joint::ring_joint;
+use crate::common::workdir::{Ended, Workdir};
 
 /// Two designs of three steps.
-const SMALL: &str = r#"
-title = "Two joints"
-[joint]
-idealization = "plane-stress"
-hole_radius = "10 mm"
-radial_clearance = ["0.1 mm", "0.03 mm"]
-thickness = "5 mm"
-[joint.pin]
-model = "rigid-core"
-core_radius_ratio = 0.2
-youngs_modulus = "210 GPa"
-poissons_ratio = 0.3
-[joint.plate]
-model = "annulus"
-outer_radius_ratio = 3.0
-youngs_modulus = "70 GPa"
-poissons_ratio = 0.33
-[load]
-indentation = ["0.001 mm", "0.002 mm", "0.005 mm"]
-[solve]
-method = "series"
-"#;
+static SMALL: LazyLock<String> = LazyLock::new(|| {
+    let joint = ring_joint("[\"0.1 mm\", \"0.03 mm\"]", "[\"0.001 mm\", \"0.002 mm\", \"0.005 mm\"]");
+    format!("\ntitle = \"Two joints\"{joint}")
+});
 
 /// The same with another thickness: another config.
 fn other() -> String {
@@ -74,7 +64,7 @@ const COLUMNS: [&str; 28] = [
 
 fn small(name: &str) -> Workdir {
     let work = Workdir::new(name);
-    work.write("small.toml", SMALL);
+    work.write("small.toml", &SMALL);
     work
 }
 
@@ -106,7 +96,7 @@ fn the_manifest_tells_what_was_run_and_what_came_of_it() {
     assert_eq!(manifest["state"], "complete");
     assert_eq!(manifest["title"], "Two joints");
     assert_eq!(manifest["config"]["path"], "./small.toml");
-    assert_eq!(manifest["config"]["text"], SMALL);
+    assert_eq!(manifest["config"]["text"], *SMALL);
     assert_eq!(manifest["backend"], "cpu");
     assert_eq!(manifest["threads"], 1);
     let counts = &manifest["counts"];

@@ -5,7 +5,7 @@ use jointsweep::internals::mechanics::body::{Shape, annulus, block, cored_disc, 
 use jointsweep::internals::mechanics::material::{Idealization, Material};
 use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 
-use crate::random::Random;
+use super::random::Random;
 
 fn part(random: &mut Random, shape: &'static Shape, parameters: [f64; 3], support: usize) -> Part {
     let material =

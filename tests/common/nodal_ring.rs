@@ -3,7 +3,7 @@
 //!
 //! Lengths over the hole's radius; whole joint, per unit thickness.
 
-use crate::stepped_ring::Ring;
+use super::stepped_ring::Ring;
 
 /// Force and contact half angle (rad) under an offset of the centres, e = dR + delta.
 #[derive(Clone, Copy, Debug)]

@@ -6,8 +6,8 @@ use jointsweep::internals::engine::outcome::{
 use jointsweep::internals::engine::status::{Failure, Remark, Remarks, Status};
 use jointsweep::internals::study::design::Load;
 
-use crate::draws::{concentric, disc_in_block, draw};
-use crate::random::Random;
+use super::draws::{concentric, disc_in_block, draw};
+use super::random::Random;
 
 pub fn outcomes(seed: u64, count: u64) -> Vec<DesignOutcome> {
     let mut random = Random::new(seed);

@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
-use crate::stepped_ring::Ring;
+use super::stepped_ring::Ring;
 
 /// A state of contact at a contact half angle of the hole.
 #[derive(Clone, Copy, Debug)]

@@ -2,15 +2,18 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 pub struct Workdir {
     dir: PathBuf,
 }
 
 impl Workdir {
-    /// `name` must be the test's own.
+    /// A folder of its own for each call: tests of one process run side by side.
     pub fn new(name: &str) -> Workdir {
-        let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{}", std::process::id()));
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let (process, number) = (std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+        let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{process}-{number}"));
         std::fs::create_dir_all(&dir).unwrap();
         Workdir { dir }
     }

@@ -3,8 +3,8 @@
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
+use crate::common::workdir::{Ended, Workdir};
 use crate::config;
-use crate::workdir::{Ended, Workdir};
 
 /// A script in the folder of the test, with the program as `$P`.
 fn script(work: &Workdir, shell: &[&str], text: &str) -> Ended {

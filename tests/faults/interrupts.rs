@@ -3,8 +3,8 @@
 use std::process::Command;
 use std::time::{Duration, Instant};
 
+use crate::common::workdir::{Ended, Workdir};
 use crate::slow_config;
-use crate::workdir::{Ended, Workdir};
 
 /// The time from the signal to the end of the process, when it is sent so long after the start; and what the run said.
 fn interrupted_after(work: &Workdir, delay: Duration, signal: &str) -> (Duration, Ended) {

@@ -3,8 +3,8 @@
 use std::process::Command;
 use std::time::Duration;
 
+use crate::common::workdir::{Ended, Workdir};
 use crate::config;
-use crate::workdir::{Ended, Workdir};
 
 const DESIGNS: usize = 8_000;
 

@@ -1,54 +1,31 @@
 //! What is lost when runs meet, are killed, or run out of something: nothing that was finished, and of the rest whole rows.
+#![cfg(unix)]
 
-#[cfg(unix)]
+#[path = "../common"]
+mod common {
+    pub mod ring_joint;
+    #[allow(dead_code, reason = "nothing is drawn over decades here")]
+    pub mod random;
+    #[allow(dead_code, reason = "tables are compared as bytes here")]
+    pub mod workdir;
+}
 mod folders;
-#[cfg(unix)]
 mod interrupts;
-#[cfg(unix)]
 mod kinds;
-#[cfg(unix)]
 mod meetings;
-#[cfg(unix)]
 mod resume;
-#[cfg(unix)]
 mod shards;
-#[cfg(unix)]
 mod shortages;
-#[path = "../common/random.rs"]
-#[allow(dead_code, reason = "shared with tests that draw designs")]
-mod random;
-#[path = "../common/workdir.rs"]
-#[allow(dead_code, reason = "shared with the tests of the command line")]
-mod workdir;
+
+use common::ring_joint::ring_joint;
 
 /// Designs of ten steps by `series`: about half a second of a quick machine for `count` = 20,000.
 fn config(count: usize) -> String {
-    format!(
-        r#"
-[joint]
-idealization = "plane-stress"
-hole_radius = "10 mm"
-radial_clearance = {{ from = "0.01 mm", to = "0.1 mm", count = {count} }}
-thickness = "5 mm"
-[joint.pin]
-model = "rigid-core"
-youngs_modulus = "210 GPa"
-poissons_ratio = 0.3
-[joint.plate]
-model = "annulus"
-outer_radius_ratio = 3.0
-youngs_modulus = "70 GPa"
-poissons_ratio = 0.33
-[load]
-indentation = {{ from = "0.001 mm", to = "0.01 mm", count = 10, spacing = "log" }}
-[solve]
-method = "series"
-"#
-    )
+    let clearances = format!("{{ from = \"0.01 mm\", to = \"0.1 mm\", count = {count} }}");
+    ring_joint(&clearances, "{ from = \"0.001 mm\", to = \"0.01 mm\", count = 10, spacing = \"log\" }")
 }
 
 /// Blocks with ligaments so thin that one takes some tenths of a second at 0.1 %, no two of them alike.
-#[cfg(unix)]
 fn slow_config() -> String {
     config(64)
         .replace(

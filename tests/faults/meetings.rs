@@ -3,9 +3,9 @@
 use std::process::{Child, Command};
 use std::time::Duration;
 
+use crate::common::random::Random;
+use crate::common::workdir::{Ended, Workdir};
 use crate::config;
-use crate::random::Random;
-use crate::workdir::{Ended, Workdir};
 
 /// Of each kind of ending.
 const TIMES: u64 = 10;

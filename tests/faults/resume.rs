@@ -3,9 +3,9 @@
 use std::process::Command;
 use std::time::{Duration, SystemTime};
 
+use crate::common::random::Random;
+use crate::common::workdir::{Ended, Workdir};
 use crate::config;
-use crate::random::Random;
-use crate::workdir::{Ended, Workdir};
 
 /// Some seconds of a machine with two cores, in a table of many megabytes.
 const DESIGNS: usize = 20_000;

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::fs::File;
 use std::process::Command;
 
-use crate::workdir::{Ended, Workdir};
+use crate::common::workdir::{Ended, Workdir};
 use crate::{config, slow_config};
 
 /// The program in a shell that limits it first.

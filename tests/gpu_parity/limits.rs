@@ -69,14 +69,18 @@ fn vectors_on_the_chip_are_those_in_storage_to_the_bit() {
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn checks_at_run_time_change_nothing() {
-    for (name, bodies) in families() {
-        for (precision, _) in precisions() {
-            let checked = Kernels::checked(device(), precision, INVOCATIONS).unwrap();
-            let settings = RefineSettings { iteration_limit: 1000, ..precision.settings() };
+    for (precision, _) in precisions() {
+        let checked = Kernels::checked(device(), precision, INVOCATIONS).unwrap();
+        // Soon done, in mixed precision by more rounds than one.
+        let goal = if precision == Precision::Mixed { 1e-3 } else { plain(0.03, 0).goal };
+        let settings =
+            RefineSettings { tolerance: 0.03, goal, iteration_limit: 1000, ..precision.settings() };
+        // Of the two blocks, which differ by their support alone, the one that takes fewer steps.
+        for (name, bodies) in families().iter().filter(|(name, _)| *name != "block on its base") {
             let solve = |kernels: &Kernels| {
                 let batch = SystemBatch::new(kernels, &bodies.layout.systems, bodies.count()).unwrap();
                 batch.assemble_and_condense(&bodies.layout, &bodies.numbers(), &settings, 40).unwrap();
-                let works = works_of_eight(kernels, &batch, &bodies);
+                let works = works_of_eight(kernels, &batch, bodies);
                 (batch.read_compliance().unwrap(), batch.read_reports().unwrap().states, works)
             };
             let expected = solve(kernels(precision));
@@ -248,12 +252,13 @@ fn the_iteration_limit_is_kept() {
 fn a_body_without_a_mesh_is_refused_and_spoils_no_other() {
     // Depth of the boundary; distances of sides, and angle of a corner.
     refuse_spoilt_ones(&plates(), &[(1, f64::NAN), (1, f64::INFINITY), (1, -2.0), (1, 0.0)]);
-    let Some(("block held around", blocks)) = families().pop() else { unreachable!("the last of them") };
-    refuse_spoilt_ones(&blocks, &[(4, f64::INFINITY), (1, -1.0), (2, 3.0)]);
+    let Some(("block held around", blocks)) = families().last() else { unreachable!("the last of them") };
+    refuse_spoilt_ones(blocks, &[(4, f64::INFINITY), (1, -1.0), (2, 3.0)]);
 }
 
 fn refuse_spoilt_ones(bodies: &Bodies, spoilt: &[(usize, f64)]) {
-    let settings = plain(1e-4, 400);
+    // Others need not come to their end to be the same.
+    let settings = plain(1e-4, 60);
     for (precision, _) in precisions() {
         let solve = |numbers: &[f64]| {
             let batch = bodies.batch(precision);
@@ -323,8 +328,10 @@ fn sums_over_subgroups_will_do() {
     let mut differ = 0;
     for (precision, _) in precisions() {
         let settings = RefineSettings { iteration_limit: 1000, ..precision.settings() };
-        // Fewer than a subgroup has, and many subgroups.
-        for invocations in [4, 64, 256] {
+        // Fewer than a subgroup has, and many subgroups. Mixed precision has the sums of the others: one size will do.
+        let sizes: &[u32] =
+            if precision == Precision::Mixed { &[INVOCATIONS] } else { &[4, INVOCATIONS, 256] };
+        for &invocations in sizes {
             let solve = |kernels: &Kernels| {
                 let batch = SystemBatch::new(kernels, &bodies.layout.systems, bodies.count()).unwrap();
                 let steps = MOST_TRIPS / bodies.counts().trips(u64::from(invocations));
@@ -336,7 +343,7 @@ fn sums_over_subgroups_will_do() {
             let by_tree = Kernels::with_tree(device(), precision, invocations).unwrap();
             let ((found, states), (expected, expected_states)) = (solve(&by_subgroups), solve(&by_tree));
             // A device without subgroups takes trees.
-            if invocations == 64 {
+            if invocations == INVOCATIONS {
                 let others = Kernels::new(&without, precision, invocations).unwrap();
                 assert!(solve(&others) == (expected.clone(), expected_states.clone()), "{precision:?}");
             }

@@ -3,12 +3,13 @@
 //! Any Vulkan adapter will do, software too. Without a driver these tests are ignored; with JOINTSWEEP_REQUIRE_GPU
 //! set, a missing adapter or a missing f64 is a failure.
 
-#[path = "../common/mod.rs"]
-mod common;
-#[path = "../common/draws.rs"]
-mod draws;
-#[path = "../common/random.rs"]
-mod random;
+#[path = "../common"]
+mod common {
+    pub mod random;
+    pub mod draws;
+    pub mod greatest;
+    pub mod rings;
+}
 mod limits;
 mod stages;
 mod sweeps;
@@ -17,8 +18,8 @@ mod works;
 use std::collections::HashSet;
 use std::sync::OnceLock;
 
-use common::greatest::{difference, greatest};
-use common::rings::{MeshedBody, body};
+use crate::common::greatest::{difference, greatest};
+use crate::common::rings::{MeshedBody, body};
 use jointsweep::internals::engine::backend::gpu::batch::{BodyCounts, MOST_BYTES, MOST_TRIPS, batches};
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Precision};
@@ -121,8 +122,39 @@ impl Bodies {
 }
 
 /// Of every shape, support and boundary, Poisson's ratios from ordinary to nearly incompressible.
-fn families() -> Vec<(&'static str, Bodies)> {
-    families_at(1, &[0.3, 0.1, 0.45])
+fn families() -> &'static [(&'static str, Bodies)] {
+    static FAMILIES: OnceLock<Vec<(&'static str, Bodies)>> = OnceLock::new();
+    FAMILIES.get_or_init(|| families_at(1, &[0.3, 0.1, 0.45]))
+}
+
+const FAMILY_COUNT: usize = 5;
+
+/// What has gone through all stages, as in a sweep.
+struct Condensed<'a> {
+    batch: SystemBatch<'a>,
+    compliance: Vec<f64>,
+    columns: Vec<f64>,
+    reports: SystemReports,
+}
+
+impl<'a> Condensed<'a> {
+    fn new(bodies: &'a Bodies, precision: Precision, settings: &RefineSettings) -> Condensed<'a> {
+        let batch = bodies.batch(precision);
+        let steps = MOST_TRIPS / bodies.counts().trips(u64::from(INVOCATIONS));
+        batch.assemble_and_condense(&bodies.layout, &bodies.numbers(), settings, steps as u32).unwrap();
+        let (compliance, columns) = (batch.read_compliance().unwrap(), batch.read_columns().unwrap());
+        let reports = batch.read_reports().unwrap();
+        Condensed { batch, compliance, columns, reports }
+    }
+}
+
+/// Each family in each precision, solved once for all tests: software takes seconds for one.
+fn condensed_family(family: usize, precision: Precision) -> &'static Condensed<'static> {
+    static CONDENSED: [[OnceLock<Condensed<'static>>; 3]; FAMILY_COUNT] =
+        [const { [const { OnceLock::new() }; 3] }; FAMILY_COUNT];
+    let bodies = &families()[family].1;
+    CONDENSED[family][precision as usize]
+        .get_or_init(|| Condensed::new(bodies, precision, &precision.settings()))
 }
 
 /// With at most three Poisson's ratios.

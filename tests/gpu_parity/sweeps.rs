@@ -7,8 +7,8 @@ use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::{DesignCase, Load, Part};
 
 use super::*;
-use crate::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
-use crate::random::Random;
+use crate::common::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
+use crate::common::random::Random;
 
 fn on_device(
     gpu: &GpuDevice,
@@ -61,12 +61,16 @@ fn allowed(precision: Precision) -> f64 {
 fn a_thousand_random_designs() {
     let drawn = draw(21, 60, concentric);
     let mut random = Random::new(22);
-    let mut pick = |all: &[DesignCase]| all[(random.unit() * all.len() as f64) as usize].joint;
+    // Each in the plane state that it was drawn in.
+    let mut pick = |of: Idealization| {
+        let of: Vec<&DesignCase> = drawn.iter().filter(|case| case.joint.idealization == of).collect();
+        of[(random.unit() * of.len() as f64) as usize].joint
+    };
     let cases: Vec<DesignCase> = draw(23, 1000, concentric)
         .into_iter()
         .map(|mut case| {
             let joint = &mut case.joint;
-            let (pin, plate) = (pick(&drawn).pin, pick(&drawn).plate);
+            let (pin, plate) = (pick(joint.idealization).pin, pick(joint.idealization).plate);
             joint.pin = Part { material: with_ratio(joint.pin, pin), ..pin };
             joint.plate = Part { material: with_ratio(joint.plate, plate), ..plate };
             case

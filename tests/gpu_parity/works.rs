@@ -23,50 +23,38 @@ fn loads(bodies: &Bodies, precision: Precision, modes: &RingModes) -> ModeLoads 
     ModeLoads::new(kernels(precision), modes, pushes(bodies), &bodies.meshed[0].topology).unwrap()
 }
 
-/// A batch that was condensed as a sweep does it.
-fn condensed(bodies: &Bodies, precision: Precision) -> SystemBatch<'_> {
-    let batch = bodies.batch(precision);
-    let steps = MOST_TRIPS / bodies.counts().trips(u64::from(INVOCATIONS));
-    let settings = precision.settings();
-    batch.assemble_and_condense(&bodies.layout, &bodies.numbers(), &settings, steps as u32).unwrap();
-    batch
-}
-
 /// Works of the twin from the compliances that the device has found.
-fn twins(bodies: &Bodies, batch: &SystemBatch, modes: &RingModes) -> Vec<Vec<f64>> {
-    let compliance = batch.read_compliance().unwrap();
+fn twins(bodies: &Bodies, compliance: &[f64], modes: &RingModes) -> Vec<Vec<f64>> {
     let of = |index: usize| {
         let size = bodies.layout.systems.ring_count();
-        let ring = RingCompliance { size, values: of_body(&compliance, bodies, index).to_vec() };
+        let ring = RingCompliance { size, values: of_body(compliance, bodies, index).to_vec() };
         let works = |push: &Push| modes.works_on_ring(*push, &ring, &bodies.meshed[index].topology);
         pushes(bodies).iter().flat_map(works).collect()
     };
     (0..bodies.count()).map(of).collect()
 }
 
-/// The kernel alone, in every count of modes. Columns need not be good for it.
+/// The kernel alone, in every count of modes.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn works_are_those_of_the_twin() {
     let mut compared = 0;
-    for (name, bodies) in families() {
-        let own = RingModes::of(&class(&bodies));
+    for (family, (name, bodies)) in families().iter().enumerate() {
+        let own = RingModes::of(&class(bodies));
         let of_whole_ring = [8, 12, 16, 24, 32, MOST_MODES].map(|count| RingModes::whole(6, count));
-        let others = if class(&bodies).ends_held { &[][..] } else { &of_whole_ring };
+        let others = if class(bodies).ends_held { &[][..] } else { &of_whole_ring };
         let ring = bodies.layout.systems.ring_count();
         for (precision, rounding) in precisions() {
-            let batch = bodies.batch(precision);
-            let steps = MOST_TRIPS / bodies.counts().trips(u64::from(INVOCATIONS));
-            let settings = plain(0.03, 10_000);
-            batch.assemble_and_condense(&bodies.layout, &bodies.numbers(), &settings, steps as u32).unwrap();
+            let Condensed { batch, compliance, .. } = condensed_family(family, precision);
+            let goal = precision.settings().goal;
             for modes in std::iter::once(&own).chain(others) {
-                let found = batch.works(&loads(&bodies, precision, modes)).unwrap();
-                let expected = twins(&bodies, &batch, modes);
+                let found = batch.works(&loads(bodies, precision, modes)).unwrap();
+                let expected = twins(bodies, compliance, modes);
                 assert_eq!(found.len(), bodies.count());
                 let errors = found.iter().zip(&expected).map(|(found, expected)| {
                     let BodyWorks { works, residual } = found.as_ref().expect("a sound body");
-                    assert!(*residual > 0.0 && *residual <= settings.goal, "{residual:e}");
-                    assert_eq!(works.len(), pushes(&bodies).len() * packed_count(modes.count));
+                    assert!(*residual > 0.0 && *residual <= goal, "{residual:e}");
+                    assert_eq!(works.len(), pushes(bodies).len() * packed_count(modes.count));
                     compared += 1;
                     difference(works, expected)
                 });
@@ -76,7 +64,7 @@ fn works_are_those_of_the_twin() {
                 assert!(worst < 9.0, "{name} {precision:?} {modes:?}: {worst:e} roundings");
             }
             // Control: what is compared differs from body to body by far more.
-            if let [one, other, ..] = &twins(&bodies, &batch, &own)[..] {
+            if let [one, other, ..] = &twins(bodies, compliance, &own)[..] {
                 assert!(difference(one, other) > 1e-3, "{name}");
             }
         }
@@ -155,13 +143,27 @@ fn works_of_a_long_ring_are_those_of_the_twin() {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn works_are_what_the_processor_finds() {
     let mut compared = 0;
-    for (name, bodies) in families().into_iter().chain(blocks()) {
-        let modes = RingModes::of(&class(&bodies));
+    for (number, (name, bodies)) in families().iter().chain(&blocks()).enumerate() {
+        let modes = RingModes::of(&class(bodies));
         let plan = CondensationPlan::new(&bodies.bodies[0], bodies.grading.clone(), modes);
         let expected = plan.condense(&bodies.bodies);
         for (precision, _) in precisions() {
-            let found = condensed(&bodies, precision).works(&loads(&bodies, precision, &modes)).unwrap();
-            assert_eq!((found.len(), expected.len()), (bodies.count(), bodies.count()));
+            // Which side of a block is thin matters to the bounds of f32 alone.
+            let (first, of_its_own);
+            let bodies = if number < FAMILY_COUNT || precision == Precision::F32 {
+                bodies
+            } else {
+                first = Bodies::new(bodies.bodies[..1].to_vec(), bodies.level);
+                &first
+            };
+            let batch = if number < FAMILY_COUNT {
+                &condensed_family(number, precision).batch
+            } else {
+                of_its_own = Condensed::new(bodies, precision, &precision.settings());
+                &of_its_own.batch
+            };
+            let found = batch.works(&loads(bodies, precision, &modes)).unwrap();
+            assert_eq!((found.len(), expected.len()), (bodies.count(), 3));
             for (index, (found, expected)) in found.iter().zip(&expected).enumerate() {
                 let worst = difference(&found.as_ref().expect("a sound body").works, expected);
                 println!("{name} {precision:?} body {index}, {} modes: {worst:.1e}", modes.count);
@@ -172,7 +174,7 @@ fn works_are_what_the_processor_finds() {
         // Control: what is compared differs from body to body by more.
         assert!(difference(&expected[0], &expected[1]) > 1e-3, "{name}");
     }
-    assert_eq!(compared, 8 * 3 * precisions().len());
+    assert_eq!(compared, 8 * 3 + (5 * 3 + 3) * (precisions().len() - 1));
 }
 
 /// Seen: in f32 4.7e-4 of a block on its base, whose stiffness is far larger than what its ring feels of it, 2.8e-5 of a thin-walled
@@ -243,7 +245,9 @@ fn a_body_that_was_not_solved_has_no_works() {
 /// Bodies of several topologies, as a sweep asks for them.
 fn groups() -> Vec<Group> {
     let groups: Vec<Group> = families()
-        .into_iter()
+        .iter()
+        // Blocks take software the most steps, and are cut like others.
+        .filter(|(name, _)| !name.starts_with("block"))
         .map(|(_, bodies)| {
             let fidelity = Fidelity::Mesh { level: bodies.level };
             let requests: Vec<BodyRequest> =
@@ -252,7 +256,7 @@ fn groups() -> Vec<Group> {
             (TopologyKey::of(&requests[0]), requests)
         })
         .collect();
-    assert_eq!(groups.len(), 5);
+    assert_eq!(groups.len(), 3);
     groups
 }
 
@@ -276,7 +280,7 @@ fn how_bodies_are_cut_into_batches_changes_no_bit() {
             layout.systems.ring_count() as u64
         };
         let columns: u64 = groups.iter().flat_map(|(_, group)| group).map(ring).sum();
-        assert_eq!((report.bodies, report.solves), (15, columns));
+        assert_eq!((report.bodies, report.solves), (9, columns));
         assert!(report.worst_residual > 0.0 && report.worst_residual <= precision.settings().goal);
         for ((key, requests), works) in groups.iter().zip(&together) {
             let bodies: Vec<Body> = requests.iter().map(|request| request.body).collect();
@@ -284,7 +288,7 @@ fn how_bodies_are_cut_into_batches_changes_no_bit() {
             let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), modes);
             for (found, expected) in works.iter().zip(plan.condense(&bodies)) {
                 let worst = difference(found.as_ref().expect("a sound body"), &expected);
-                assert!(worst < works_tolerance("block on its base", precision), "{worst:e}");
+                assert!(worst < works_tolerance("annulus", precision), "{worst:e}");
             }
             assert_eq!(works.len(), 3);
         }
@@ -309,6 +313,6 @@ fn how_bodies_are_cut_into_batches_changes_no_bit() {
         let left = condense(&small, &groups).0;
         let refused = left.iter().filter(|works| **works == vec![None; 3]).count();
         let kept = left.iter().zip(&together).filter(|(left, together)| left == together).count();
-        assert!(refused > 0 && kept > 0 && refused + kept == 5, "{precision:?}: {refused} {kept}");
+        assert!(refused > 0 && kept > 0 && refused + kept == 3, "{precision:?}: {refused} {kept}");
     }
 }

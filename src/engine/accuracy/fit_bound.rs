@@ -8,7 +8,7 @@ use crate::mechanics::contact::edge::EdgeStates;
 use crate::mechanics::contact::outlines::Outlines;
 
 /// Share of the bodies held out whose error is below the bound: each counts by its share in a joint, so more of the joints are
-/// (`tests/interpolation.rs`).
+/// (`tests/engine/interpolation.rs`).
 const BOUNDED: f64 = 0.97;
 
 /// The fit's own error is raised by this: bodies held out are not the worst.

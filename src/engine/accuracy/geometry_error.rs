@@ -8,7 +8,7 @@ use crate::mechanics::contact::outlines::Outlines;
 use crate::study::design::JointDesign;
 
 /// Of the clearance ratio squared: with a rigid pin, and more by the pin's share of the work; less in narrow contacts, below 30 deg.
-/// Above all that was seen in `tests/geometry.rs`, at 2 to 8 % of clearance.
+/// Above all that was seen in `tests/mechanics/geometry.rs`, at 2 to 8 % of clearance.
 const OF_PLATE: f64 = 0.05;
 const MORE_OF_PIN: f64 = 0.2;
 const OF_SINE: f64 = 2.0;

@@ -91,6 +91,6 @@ pub fn bed_error(body: &Body, half_angle: f64) -> f64 {
     }
     let flow = flow(body.poissons_ratio, body.idealization).abs();
     // Of a parabola of pressure the term of g is 2.5 g (t/a)^2 of the energy and 1.5 of it in the force; wider contacts
-    // have up to 2. The rest is what the ends of the contact do, 0.035 (t/a)^2 (tests/thin_walls.rs).
+    // have up to 2. The rest is what the ends of the contact do, 0.035 (t/a)^2 (tests/engine/thin_walls.rs).
     (2.0 * flow + 0.05) * (wall / half_angle).powi(2)
 }

@@ -476,6 +476,6 @@ const FOUR: usize = 4;
 const ROUGH: f64 = 2.0;
 
 /// How much faster or slower than this the coefficients of a function fall, four by four, is not told by eight of them
-/// (`tests/curves.rs` holds what follows).
+/// (`tests/mechanics/curves.rs` holds what follows).
 const LEAST_RATIO: f64 = 0.5;
 const GREATEST_RATIO: f64 = 0.9;

@@ -1,6 +1,6 @@
 //! What travels between host and device: the structs that both sides share, and the numbers of topologies and bodies.
 //!
-//! Shared structs hold only `f32` and `u32`, so that no padding can differ; `tests/shaders.rs` compares their offsets.
+//! Shared structs hold only `f32` and `u32`, so that no padding can differ; `tests/engine/shaders.rs` compares their offsets.
 //! Numbers in the precision of the kernels travel as plain arrays.
 
 use bytemuck::{Pod, Zeroable};

@@ -114,7 +114,7 @@ impl Misfit {
 }
 
 /// Between the states that are looked at a misfit may be this much greater: states are a tenth of a decade apart, the waves of a
-/// misfit half a decade and more (`tests/calibrated_laws.rs`).
+/// misfit half a decade and more (`tests/mechanics/calibrated_laws.rs`).
 const BETWEEN: f64 = 1.05;
 
 /// Half or twice the force is no law.

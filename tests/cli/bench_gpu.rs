@@ -1,0 +1,133 @@
+//! `jointsweep bench-gpu` as a user runs it, and that it refuses a GPU that is wrong.
+
+use crate::common::workdir::{Rows, Workdir};
+use jointsweep::internals::engine::agreement::{Disagreement, worst_difference};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::DesignOutcome;
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::design::DesignCase;
+
+const FILES: [&str; 5] = ["kernels.csv", "manifest.json", "peaks.csv", "precisions.csv", "scaling.csv"];
+
+/// The numbers of a column; all of them positive, and none empty.
+#[track_caller]
+fn positive(table: &Rows, name: &str) -> Vec<f64> {
+    let numbers: Vec<f64> = table.column(name).iter().map(|cell| cell.parse().expect(name)).collect();
+    assert!(!numbers.is_empty() && numbers.iter().all(|n| n.is_finite() && *n > 0.0), "{name}: {numbers:?}");
+    numbers
+}
+
+/// On any adapter, be it software: every name holds the empty one. One precision, for the sake of time.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn every_file_is_there_and_its_figures_are_sane() {
+    let work = Workdir::new("bench-gpu");
+    let arguments = ["bench-gpu", "--adapter", "", "--precision", "f32", "--most", "100", "--out", "figures"];
+    let told = work.run(&arguments).expect(0);
+    assert_eq!(work.files(), FILES.map(|name| format!("figures/{name}")));
+
+    let manifest = work.json("figures/manifest.json");
+    assert_eq!((&manifest["state"], &manifest["asked"]["most"]), (&"complete".into(), &100.into()));
+    assert_eq!(manifest["asked"]["precisions"], serde_json::json!(["f32"]));
+    let adapter = manifest["adapter"]["name"].as_str().unwrap();
+    assert!(told.stdout.contains(adapter) && told.stdout.contains("works"), "{}", told.stdout);
+    let is_software = manifest["adapter"]["kind"] == "software";
+    assert_eq!(manifest["asked"]["remark"].is_string(), is_software);
+    assert!(manifest["adapter"]["limits"]["workgroup_bytes"].as_u64().unwrap() >= 16 << 10);
+
+    let peaks = work.table("figures/peaks.csv");
+    assert_eq!(peaks.column("numbers")[0], "f32");
+    positive(&peaks, "multiply_add_gflop_per_s");
+    positive(&peaks, "copy_gb_per_s");
+
+    let precisions = work.table("figures/precisions.csv");
+    assert_eq!(precisions.column("precision"), ["f32"]);
+    for name in
+        ["wall_s", "designs_per_s", "solves", "solves_per_s", "worst_residual", "condensation_on_the_gpu_s"]
+    {
+        positive(&precisions, name);
+    }
+    let difference = positive(&precisions, "worst_difference")[0];
+    assert!(difference < 1e-4, "{difference:e}");
+
+    let scaling = work.table("figures/scaling.csv");
+    assert_eq!(scaling.column("designs"), ["100"]);
+    let of = |name: &str| positive(&scaling, name)[0];
+    assert!((of("designs_per_s") * of("wall_s") - 100.0).abs() < 0.1);
+    assert!((of("gpu_over_cpu") * of("wall_s") / of("cpu_wall_s") - 1.0).abs() < 1e-3);
+    assert!(of("with_table_s") > 0.0 && of("table_bytes") > 100.0 * 10.0 * 100.0);
+    // Two bodies a design on two meshes each, and at least three columns a ring.
+    assert!(of("solves") >= 100.0 * 2.0 * 2.0 * 3.0);
+
+    let kernels = work.table("figures/kernels.csv");
+    let expected = ["assemble", "pcg", "refine", "condense", "works"];
+    assert_eq!(kernels.column("kernel"), expected);
+    for name in ["seconds", "operations", "bytes", "gflop_per_s", "gb_per_s", "arithmetic_floor_s"] {
+        positive(&kernels, name);
+    }
+    // Software has its peaks from a processor that others use meanwhile.
+    let most = if is_software { 10.0 } else { 1.0 };
+    for name in ["arithmetic_share", "memory_share"] {
+        let shares = positive(&kernels, name);
+        assert!(shares.iter().all(|share| *share <= most), "{name}: {shares:?}");
+    }
+    let iterations = kernels.column("iterations");
+    // A system takes tens of steps, and only `pcg` counts them.
+    assert!(iterations[1].parse::<f64>().unwrap() > 100.0, "{iterations:?}");
+    assert_eq!(iterations.iter().filter(|cell| cell.is_empty()).count(), expected.len() - 1);
+}
+
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn an_adapter_that_is_not_there_leaves_nothing() {
+    let work = Workdir::new("bench-gpu-nothing");
+    let refused = work.run(&["bench-gpu", "--adapter", "no such thing"]).expect(1);
+    assert!(refused.stderr.contains("no adapter is called `no such thing`"), "{}", refused.stderr);
+    assert!(work.files().is_empty());
+}
+
+/// The first designs of the sweep that is measured.
+fn outcomes() -> Vec<DesignOutcome> {
+    let study =
+        Study::load(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/configs/random.toml")));
+    let study = study.unwrap();
+    let cases: Vec<DesignCase> = study.cases().unwrap().take(3).map(Result::unwrap).collect();
+    Ladder::new(study.solve).solve(&cases)
+}
+
+/// Negative control of the check: what a wrong GPU could answer.
+#[test]
+fn wrong_answers_are_refused() {
+    let expected = outcomes();
+    assert_eq!(worst_difference(&expected, &expected, 0.0), Ok(0.0));
+    let with_force = |change: &dyn Fn(f64) -> f64| {
+        let mut found = expected.clone();
+        let response = found[1].steps[2].response.as_mut().unwrap();
+        response.force = change(response.force);
+        worst_difference(&found, &expected, 1e-4)
+    };
+    let worst = with_force(&|force| force * (1.0 - 0.9e-4)).unwrap();
+    assert!((worst - 0.9e-4).abs() < 1e-9, "{worst:e}");
+    for wrong in
+        [with_force(&|force| 1.1e-4 * force + force), with_force(&|_| f64::NAN), with_force(&|_| 0.0)]
+    {
+        assert!(matches!(wrong, Err(Disagreement::Force { design: 1, step: 2, .. })), "{wrong:?}");
+    }
+
+    let mut without_answer = expected.clone();
+    without_answer[2].steps[0].response = None;
+    let refused = worst_difference(&without_answer, &expected, 1e-4);
+    assert!(matches!(refused, Err(Disagreement::Answer { design: 2, step: 0, .. })), "{refused:?}");
+    assert!(matches!(worst_difference(&expected, &without_answer, 1e-4), Err(Disagreement::Answer { .. })));
+    let refused = worst_difference(&expected[..2], &expected, 1e-4);
+    assert_eq!(refused, Err(Disagreement::Count { found: 2, expected: 3 }));
+}
+
+/// A GPU that answers nothing has no force that could be off.
+#[test]
+fn no_forces_are_no_agreement() {
+    let mut silent = outcomes();
+    silent.iter_mut().flat_map(|outcome| &mut outcome.steps).for_each(|step| step.response = None);
+    assert_eq!(worst_difference(&silent, &silent, 1e-4), Err(Disagreement::Nothing));
+    assert_eq!(worst_difference(&[], &[], 1e-4), Err(Disagreement::Nothing));
+}

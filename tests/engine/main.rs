@@ -1,0 +1,26 @@
+//! How it is computed: meshes, bounds of errors, interpolation and the plan that chooses among them.
+
+#[path = "../common"]
+mod common {
+    pub mod random;
+    pub mod draws;
+    pub mod greatest;
+    pub mod stepped_ring;
+    pub mod nodal_ring;
+    pub mod plain_mesh;
+    pub mod study_joint;
+}
+mod batches;
+mod shaders;
+mod known_errors;
+mod explain;
+mod planner;
+mod oracle;
+mod references;
+mod outcomes;
+mod interpolation;
+mod thin_walls;
+mod extremes;
+mod properties;
+mod joint;
+mod liu2007;

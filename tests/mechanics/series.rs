@@ -1,0 +1,201 @@
+//! `series` against itself: more trial pressures and other nodes change nothing to eight digits.
+
+use crate::common::greatest::greatest;
+use crate::common::random::Random;
+use crate::common::stepped_ring::Ring;
+use jointsweep::internals::mechanics::body::Side;
+use jointsweep::internals::mechanics::compliance::arc::packed_count;
+use jointsweep::internals::mechanics::compliance::pressure_space::JointCompliance;
+use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
+use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
+use jointsweep::internals::mechanics::contact::load::DimensionlessLoad;
+use jointsweep::internals::mechanics::contact::outlines::Outlines;
+use jointsweep::internals::mechanics::contact::state::ContactState;
+use jointsweep::internals::mechanics::material::Idealization;
+
+/// A pin and a plate with the plate's modulus over the pin's, and delta/dR.
+struct Joint {
+    pin: ConcentricBody,
+    plate: ConcentricBody,
+    modulus: f64,
+    indentation: f64,
+}
+
+/// dR/R2.
+const RADIAL_CLEARANCE: f64 = 0.02;
+
+fn draw(random: &mut Random) -> Joint {
+    let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
+    let core = random.linear(0.03, 0.8);
+    let ratio = random.log(1.2, 50.0);
+    let mut body = |fixed_radius_ratio: f64| {
+        let poissons_ratio = random.linear(0.0, 0.49);
+        ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization }
+    };
+    let (pin, plate) = (body(core), body(ratio));
+    Joint { pin, plate, modulus: random.log(0.01, 100.0), indentation: random.log(0.01, 100.0) }
+}
+
+fn state(space: &mut CurveSpace, joint: &Joint) -> ContactState {
+    let (pin, plate) = (joint.pin.compliance(), joint.plate.compliance());
+    space.pressures.prepare(&pin);
+    space.pressures.prepare(&plate);
+    let outlines = Outlines::new(RADIAL_CLEARANCE);
+    let joined = JointCompliance::of_both(
+        &space.part(Side::Pin, &[(&pin, 1.0)], &outlines),
+        &space.part(Side::Plate, &[(&plate, 1.0 / joint.modulus)], &outlines),
+    );
+    let curve = ContactCurve::new(space, &joined, outlines).unwrap();
+    let load = DimensionlessLoad::Indentation(RADIAL_CLEARANCE * joint.indentation);
+    curve.states(std::iter::once(load))[0].unwrap().0
+}
+
+/// With so many trial pressures at so many nodes that more of them leave nothing.
+fn space(terms: usize) -> CurveSpace {
+    CurveSpace::new(Variable::Root, terms, 64, 2.4)
+}
+
+/// The largest relative differences of force, stiffness and peak pressure, and of the half angle.
+fn largest_differences(one: &mut CurveSpace, other: &mut CurveSpace) -> [f64; 4] {
+    let mut random = Random::new(9);
+    let mut all = [const { Vec::new() }; 4];
+    for _ in 0..60 {
+        let joint = draw(&mut random);
+        let (a, b) = (state(one, &joint), state(other, &joint));
+        let differences = [
+            a.force / b.force - 1.0,
+            a.tangent_stiffness / b.tangent_stiffness - 1.0,
+            a.peak_pressure / b.peak_pressure - 1.0,
+            a.half_angle / b.half_angle - 1.0,
+        ];
+        all.iter_mut().zip(differences).for_each(|(all, difference)| all.push(difference));
+    }
+    all.map(greatest)
+}
+
+#[test]
+fn more_trial_pressures_change_nothing() {
+    let [mut few, mut some, mut many] = [10, 16, 24].map(space);
+    let differences = largest_differences(&mut few, &mut many);
+    println!("10 against 24 trial pressures: {differences:?}");
+    // The force is second order in what is left out; the rest is first order. Seen: 8e-13 and 3.2e-6.
+    assert!(differences[0] < 1e-12 && differences[1..].iter().all(|difference| *difference < 4e-6));
+    let differences = largest_differences(&mut some, &mut many);
+    println!("16 against 24 trial pressures: {differences:?}");
+    // Seen: 7e-15 and 4.1e-7.
+    assert!(differences[0] < 1e-13 && differences[1..].iter().all(|difference| *difference < 5.5e-7));
+}
+
+#[test]
+fn other_nodes_change_nothing() {
+    let differences = largest_differences(&mut space(16), &mut CurveSpace::new(Variable::Root, 16, 48, 2.1));
+    println!("other nodes: {differences:?}");
+    // Curves of 64 and of 48 nodes. Seen: 2.9e-9 and 2.5e-8.
+    assert!(differences[0] < 4e-9 && differences[1..].iter().all(|difference| *difference < 3.3e-8));
+}
+
+/// What the fewest trial pressures leave of bodies that are not thin (|ln r| > 0.15): of contacts up to 80 deg nothing that
+/// 0.1 % would miss, of the widest a ten-thousandth of the force.
+#[test]
+fn six_trial_pressures_are_enough_but_for_wide_contacts() {
+    let [mut few, mut many] = [6, 24].map(space);
+    let mut random = Random::new(4);
+    let mut all = [const { [const { Vec::new() }; 4] }; 2];
+    for _ in 0..300 {
+        let mut joint = draw(&mut random);
+        joint.pin.fixed_radius_ratio = (-random.log(0.15, 3.0)).exp();
+        joint.plate.fixed_radius_ratio = random.log(0.15, 3.0).exp();
+        let (found, expected) = (state(&mut few, &joint), state(&mut many, &joint));
+        let errors = [
+            found.force / expected.force - 1.0,
+            found.tangent_stiffness / expected.tangent_stiffness - 1.0,
+            found.peak_pressure / expected.peak_pressure - 1.0,
+            (found.half_angle - expected.half_angle).to_degrees(),
+        ];
+        let is_wide = expected.half_angle > 80.0_f64.to_radians();
+        all[usize::from(is_wide)].iter_mut().zip(errors).for_each(|(all, error)| all.push(error));
+    }
+    let counts = all.each_ref().map(|of_width| of_width[0].len());
+    let worst = all.map(|of_width| of_width.map(greatest));
+    println!("{counts:?}, force, stiffness, peak pressure, half angle in deg: {worst:?}");
+    assert!(counts.iter().all(|count| *count > 50), "{counts:?}");
+    // Seen: 1.7e-7, 8.1e-5, 1.9e-4, 0.040 and 1.2e-4, 2.7e-4, 6.6e-3, 2.3.
+    for (worst, limits) in worst.iter().zip([[2.2e-7, 1e-4, 2.5e-4, 0.052], [1.5e-4, 3.5e-4, 8.6e-3, 3.0]]) {
+        assert!(worst.iter().zip(limits).all(|(worst, limit)| *worst < limit), "{worst:?}");
+    }
+}
+
+/// Each mode against a wall that is stepped through from the held circle to the ring.
+#[test]
+fn modes_are_those_of_a_wall_stepped_through() {
+    let mut errors = Vec::new();
+    for fixed_radius_ratio in [0.02, 0.5, 0.95, 1.03, 3.0, 40.0] {
+        for idealization in Idealization::ALL {
+            for poissons_ratio in [-0.5, 0.0, 0.3, 0.49] {
+                let body = ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization };
+                let ring = Ring { fixed_radius_ratio, youngs_modulus: 1.0, poissons_ratio, idealization };
+                let [found, along] = body.boundary_modes();
+                for n in 0..12.min(found.len()) {
+                    let far = match n {
+                        0 => found[0],
+                        1 => body.amplitude(),
+                        _ => body.far_mode(n),
+                    };
+                    errors.push((found[n] + far) / ring.mode(n) - 1.0);
+                    if n > 0 && fixed_radius_ratio < 1.0 {
+                        // A pressure is a negative stress; over the normal displacement, since this one may vanish.
+                        let far = if n == 1 { 0.0 } else { body.far_mode_along(n) };
+                        errors.push((along[n] + far + ring.compliance(n)[1][0]) / ring.mode(n));
+                    }
+                }
+            }
+        }
+    }
+    let (count, worst) = (errors.len(), greatest(errors));
+    println!("{count} modes: {worst:.1e}");
+    // Seen: 2.7e-13. A far circle has fewer than twelve modes.
+    assert!(count == 792 && worst < 4e-13, "{count}: {worst:e}");
+}
+
+/// Far circles do not overflow, and change the compliance no more.
+#[test]
+fn far_circles_are_no_circles() {
+    let of = |fixed_radius_ratio| {
+        let idealization = Idealization::PlaneStrain;
+        let body = ConcentricBody { fixed_radius_ratio, poissons_ratio: 0.3, idealization };
+        let [modes, _] = body.boundary_modes();
+        modes
+    };
+    for [near, far] in [[1e8, 1e300], [1e-8, 1e-300]] {
+        let [near, far] = [of(near), of(far)];
+        assert!(far.iter().all(|mode| mode.is_finite()));
+        assert!((far[0] / near[0] - 1.0).abs() < 1e-12, "{near:?} {far:?}");
+        // The translation grows with the logarithm alone.
+        assert!(far[1] > near[1] && far[1] < 45.0 * near[1], "{near:?} {far:?}");
+    }
+}
+
+/// A compliance that is not one, at any of the nodes, makes no curve.
+#[test]
+fn a_broken_compliance_has_no_curve() {
+    let mut space = CurveSpace::new(Variable::Root, 10, 16, 2.4);
+    let joint = draw(&mut Random::new(1));
+    let [pin, plate] = [joint.pin, joint.plate].map(|body| body.compliance());
+    space.pressures.prepare(&pin);
+    space.pressures.prepare(&plate);
+    let sound = space.pressures.joint(&[(&pin, 1.0), (&plate, 1.0)], 0.0);
+    assert!(ContactCurve::new(&space, &sound, Outlines::ALIKE).is_some());
+    let entries = packed_count(10);
+    for node in [0, 15] {
+        for entry in [2, entries - 1] {
+            for value in [f64::NAN, -1e3] {
+                let mut broken = sound.clone();
+                broken.values.to_mut()[entry * 16 + node] = value;
+                assert!(
+                    ContactCurve::new(&space, &broken, Outlines::ALIKE).is_none(),
+                    "{value}, entry {entry} at node {node}"
+                );
+            }
+        }
+    }
+}
