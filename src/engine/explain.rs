@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use crate::engine::accuracy::Estimate;
-use crate::engine::accuracy::geometry_error::outline_error;
+use crate::engine::accuracy::geometry_error::OutlineError;
 use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::body_request::{BodyRequest, Fidelity, mesh_size};
 use crate::engine::expected_contact::ExpectedContact;
@@ -179,7 +179,7 @@ impl<'a> Explainer<'a> {
         };
         // What is left of the outlines is told beside what is asked where finer meshes cannot make room for it.
         let of_outlines =
-            outline_error(&case.joint, &JointScale::of(&case.joint).outlines, expected.half_angle);
+            OutlineError::of(&case.joint, &JointScale::of(&case.joint).outlines).at(expected.half_angle);
         let is_beside = plan.estimate == Estimate::Exact || of_outlines > 0.5 * accuracy;
         let error = if is_beside { error + of_outlines } else { error };
         let requests: Vec<BodyRequest> = plan.requests().collect();

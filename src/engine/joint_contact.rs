@@ -1,7 +1,7 @@
 //! The contact of designs with one joint, its bodies being solved: their states, how good they are, and what they want.
 
 use crate::engine::accuracy::body_errors::{BodyErrors, ErrorSource, JudgedBody};
-use crate::engine::accuracy::geometry_error::{WIDEST_CLEARANCE, outline_error};
+use crate::engine::accuracy::geometry_error::{OutlineError, WIDEST_CLEARANCE};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, ForceError, Want};
 use crate::engine::bodies::BodyLibrary;
@@ -122,11 +122,12 @@ pub fn solve_joint<'a>(
     let of_curve = curve.error(solving.method == Method::Series);
     let answer = |case: &DesignCase| {
         let scale = JointScale::of(&case.joint);
+        let of_outlines = OutlineError::of(&case.joint, &outlines);
         let states = curve.states(scale.loads_in_contact(&case.steps));
         let states = states.into_iter().map(|state| {
             let (state, node) = state?;
-            let of_outlines = outline_error(&case.joint, &outlines, state.half_angle);
-            Ok((state, ForceError::new(&state, of_curve, errors.at(state.half_angle, node), of_outlines)))
+            let of_bodies = errors.at(state.half_angle, node);
+            Ok((state, ForceError::new(&state, of_curve, of_bodies, of_outlines.at(state.half_angle))))
         });
         solving.respond(case, states)
     };
