@@ -22,7 +22,7 @@ use jointsweep::internals::mechanics::material::{Idealization, Material};
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 
-const DRAWS: usize = 2000;
+const DRAWS: usize = 1000;
 
 fn draws() -> usize {
     let asked = std::env::var("JOINTSWEEP_DRAWS").ok();
