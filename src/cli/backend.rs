@@ -4,8 +4,8 @@ use clap::{Args, ValueEnum};
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
-use jointsweep::internals::engine::backend::gpu::roofline::preferred_precision;
 use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
+use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
 use jointsweep::internals::study::config::Study;
 
 use super::say;

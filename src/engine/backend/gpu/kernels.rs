@@ -333,7 +333,7 @@ impl<'a> Kernels<'a> {
 }
 
 impl Stage {
-    pub(super) fn new(
+    pub(crate) fn new(
         gpu: &GpuDevice,
         file: &KernelFile,
         variant: &Variant,
