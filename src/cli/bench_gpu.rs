@@ -124,7 +124,7 @@ pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
         None if gpu.facts.features.f64 => vec![Precision::F32, Precision::Mixed, Precision::F64],
         None => vec![Precision::F32],
     };
-    precisions.iter().try_for_each(|precision| precision.check(&gpu)).map_err(into_error)?;
+    precisions.iter().try_for_each(|precision| precision.check(&gpu.facts)).map_err(into_error)?;
     let best = if precisions.len() == 1 {
         precisions[0]
     } else {

@@ -2,5 +2,6 @@
 //! `tradeoff` do.
 
 pub mod benchmark;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod tradeoff;

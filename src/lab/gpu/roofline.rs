@@ -31,7 +31,7 @@ const SAMPLES: usize = 7;
 
 /// Both peaks in numbers of one precision, which is not `Mixed`.
 pub fn peaks(gpu: &GpuDevice, precision: Precision) -> Result<Peaks, GpuError> {
-    precision.check(gpu)?;
+    precision.check(&gpu.facts)?;
     let invocations = INVOCATIONS.min(gpu.facts.limits.invocations_per_workgroup);
     let stage = Stage::new(gpu, &ROOFLINE, &Variant::plain(precision, invocations), false)?;
     let bytes_of_group = u64::from(invocations) * COPIED * 4 * precision.real_bytes();

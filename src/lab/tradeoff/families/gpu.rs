@@ -22,7 +22,7 @@ fn choices<'a>(family: &Family, scope: &Scope<'a>) -> Vec<Choice<'a>> {
     let Some(device) = scope.gpu else { return Vec::new() };
     let precisions = [Precision::F32, Precision::Mixed, Precision::F64];
     let mut choices = Vec::new();
-    for precision in precisions.into_iter().filter(|precision| precision.check(device).is_ok()) {
+    for precision in precisions.into_iter().filter(|precision| precision.check(&device.facts).is_ok()) {
         for accuracy in ACCURACIES {
             let name = format!("{}, {} %", precision.name(), 100.0 * accuracy);
             choices.push(family.choice(name, Some(accuracy), move |cases| {
