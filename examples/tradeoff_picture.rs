@@ -6,11 +6,11 @@
 
 use std::path::PathBuf;
 
-use jointsweep::internals::output::tradeoff_plot;
+use jointsweep::internals::lab::tradeoff::errors::{Errors, Quantiles};
+use jointsweep::internals::lab::tradeoff::families::FAMILIES;
+use jointsweep::internals::lab::tradeoff::measure::Measured;
+use jointsweep::internals::lab::tradeoff::plot;
 use jointsweep::internals::study::fingerprint::Fingerprint;
-use jointsweep::internals::tradeoff::errors::{Errors, Quantiles};
-use jointsweep::internals::tradeoff::families::FAMILIES;
-use jointsweep::internals::tradeoff::measure::Measured;
 use serde_json::{Value, json};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let path = dir.join("manifest.json");
     let mut manifest: Value = serde_json::from_str(&std::fs::read_to_string(&path)?)?;
-    let picture = tradeoff_plot::svg(manifest["title"].as_str().unwrap_or_default(), &rows)?;
+    let picture = plot::svg(manifest["title"].as_str().unwrap_or_default(), &rows)?;
     let print = Fingerprint::of(picture.as_bytes());
     for file in manifest["files"].as_array_mut().into_iter().flatten() {
         if file["path"] == "tradeoff.svg" {

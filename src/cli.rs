@@ -9,11 +9,14 @@ use jointsweep::Error;
 mod arguments;
 mod backend;
 mod bench;
+#[cfg_attr(feature = "gpu", path = "cli/bench_gpu.rs")]
+#[cfg_attr(not(feature = "gpu"), path = "cli/no_bench_gpu.rs")]
 mod bench_gpu;
 mod calibrate;
 mod devices;
 mod explain;
 mod export;
+#[cfg(feature = "gpu")]
 mod gpu_summary;
 mod init;
 mod interrupt;

@@ -24,9 +24,9 @@ pub mod calibrate;
 /// Which inputs the scatter of a result comes from.
 #[path = "sensitivity/mod.rs"]
 pub mod sensitivity;
-/// What each choice costs and what it is worth: designs run through all of them, timed and compared.
-#[path = "tradeoff/mod.rs"]
-pub mod tradeoff;
-/// What is handed over: the only wing that writes files.
+/// What is handed over: the wing that writes files.
 #[path = "output/mod.rs"]
 pub mod output;
+/// What is measured about the program itself: benchmarks, and what each choice costs and is worth.
+#[path = "lab/mod.rs"]
+pub mod lab;

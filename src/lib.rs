@@ -24,7 +24,7 @@
 //! The parts are in [`internals`], of which no promise is made.
 
 pub mod internals;
-use internals::{calibrate, engine, joint, mechanics, output, sensitivity, study, sweep, tradeoff};
+use internals::{calibrate, engine, joint, lab, mechanics, output, sensitivity, study, sweep};
 
 /// Errors for people: each variant carries the values that explain it.
 pub mod error;

@@ -4,8 +4,8 @@ use clap::{Args, ValueEnum};
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
-use jointsweep::internals::engine::backend::gpu::roofline::preferred_precision;
 use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
+use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
 use jointsweep::internals::study::config::Study;
 
 use super::say;
@@ -53,7 +53,7 @@ pub fn check(args: &BackendArgs) -> Result<(), Error> {
 }
 
 /// The device and the numbers it computes in; `None` for the processor. A device that was asked for and cannot be had
-/// is told in a line; one whose name no adapter has is an error.
+/// is told in a line; one whose name no adapter has is an error, and so is any in a program without GPUs.
 pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Precision)>, Error> {
     let choice = match (args.backend, &args.adapter) {
         (_, Some(name)) => AdapterChoice::Named(name),
@@ -63,7 +63,9 @@ pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Pr
     };
     match open(choice, args, study.solve.accuracy) {
         Ok(opened) => Ok(Some(opened)),
-        Err(error @ GpuError::NoSuchAdapter { .. }) => Err(Error::Adapter { problem: error.to_string() }),
+        Err(error @ (GpuError::NoSuchAdapter { .. } | GpuError::NotBuilt)) => {
+            Err(Error::Adapter { problem: error.to_string() })
+        }
         Err(error) => {
             say(&format!("warning: {error}; the processor computes instead"));
             Ok(None)
@@ -95,7 +97,7 @@ fn open(
         Some(asked) => asked.into(),
         None => preferred_precision(&device, accuracy)?,
     };
-    precision.check(&device)?;
+    precision.check(&device.facts)?;
     Ok((device, precision))
 }
 

@@ -7,7 +7,7 @@ use std::time::{Instant, SystemTime};
 use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::cost;
-use jointsweep::internals::output::benchmark::{BenchmarkManifest, Measurement, Run};
+use jointsweep::internals::lab::benchmark::{BenchmarkManifest, Measurement, Run};
 use jointsweep::internals::output::folder::MANIFEST;
 use jointsweep::internals::output::whole_file::create_dir;
 use jointsweep::internals::study::config::Study;

@@ -12,14 +12,15 @@ use jointsweep::internals::engine::backend::gpu::context::{
     AdapterChoice, AdapterKind, Adapters, GpuDevice, GpuError,
 };
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
-use jointsweep::internals::engine::backend::gpu::measure::{SWEEP_ACCURACY, body_kernels};
-use jointsweep::internals::engine::backend::gpu::roofline::{Peaks, peaks, preferred_precision};
 use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
+use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
 use jointsweep::internals::engine::outcome::DesignOutcome;
 use jointsweep::internals::engine::sweep::{self, Digest, Statistics, SweepOptions};
+use jointsweep::internals::lab::gpu::benchmark::{Asked, GpuBenchmark};
+use jointsweep::internals::lab::gpu::figures::{GpuSweep, PrecisionRow, ScalingRow};
+use jointsweep::internals::lab::gpu::measure::{SWEEP_ACCURACY, body_kernels};
+use jointsweep::internals::lab::gpu::roofline::{Peaks, peaks};
 use jointsweep::internals::output::folder::ResultFolder;
-use jointsweep::internals::output::gpu_benchmark::{Asked, GpuBenchmark};
-use jointsweep::internals::output::gpu_figures::{GpuSweep, PrecisionRow, ScalingRow};
 use jointsweep::internals::output::manifest::Conditions;
 use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::study::config::Study;
@@ -123,7 +124,7 @@ pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
         None if gpu.facts.features.f64 => vec![Precision::F32, Precision::Mixed, Precision::F64],
         None => vec![Precision::F32],
     };
-    precisions.iter().try_for_each(|precision| precision.check(&gpu)).map_err(into_error)?;
+    precisions.iter().try_for_each(|precision| precision.check(&gpu.facts)).map_err(into_error)?;
     let best = if precisions.len() == 1 {
         precisions[0]
     } else {

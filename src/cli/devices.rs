@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use jointsweep::Error;
-use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, AdapterFacts, Adapters, choose};
+use jointsweep::internals::engine::backend::gpu::context::{
+    AdapterChoice, AdapterFacts, Adapters, GpuError, choose,
+};
 
 use super::{Ending, backend, print};
 
@@ -47,6 +49,7 @@ fn listing(adapters: &[AdapterFacts]) -> String {
     }
     let gpu = match choose(adapters, AdapterChoice::Best) {
         Ok(index) => adapters[index].name.clone(),
+        Err(error @ GpuError::NotBuilt) => format!("refused: {error}"),
         Err(error) => format!("the processor: {error}"),
     };
     let _ = writeln!(text, "--backend auto   the processor");

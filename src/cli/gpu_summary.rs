@@ -1,9 +1,9 @@
 //! What `jointsweep bench-gpu` says of its figures.
 
 use jointsweep::internals::engine::backend::gpu::context::GpuDevice;
-use jointsweep::internals::engine::backend::gpu::measure::KernelTime;
-use jointsweep::internals::engine::backend::gpu::roofline::Peaks;
-use jointsweep::internals::output::gpu_figures::{GpuSweep, PrecisionRow, ScalingRow, Shares};
+use jointsweep::internals::lab::gpu::figures::{GpuSweep, PrecisionRow, ScalingRow, Shares};
+use jointsweep::internals::lab::gpu::measure::KernelTime;
+use jointsweep::internals::lab::gpu::roofline::Peaks;
 
 use super::report::{aligned, duration};
 

@@ -7,14 +7,14 @@ use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice};
 use jointsweep::internals::engine::refusal::Refusal;
+use jointsweep::internals::lab::tradeoff::choice::Scope;
+use jointsweep::internals::lab::tradeoff::families::choices;
+use jointsweep::internals::lab::tradeoff::joints::least_contact_angle;
+use jointsweep::internals::lab::tradeoff::manifest::{TradeoffConditions, TradeoffManifest};
+use jointsweep::internals::lab::tradeoff::measure::{Measured, measure};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, TRADEOFF};
-use jointsweep::internals::output::tradeoff::{TradeoffConditions, TradeoffManifest};
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::design::DesignCase;
-use jointsweep::internals::tradeoff::choice::Scope;
-use jointsweep::internals::tradeoff::families::choices;
-use jointsweep::internals::tradeoff::joints::least_contact_angle;
-use jointsweep::internals::tradeoff::measure::{Measured, measure};
 
 use super::arguments::count;
 use super::report::{aligned, duration};
@@ -151,7 +151,7 @@ fn front(rows: &[Measured]) -> String {
     let mut lines =
         vec![["family", "choice", "time/design", "shared", "force, 95 %", "worst"].map(String::from)];
     for row in on_front {
-        let error = |of: fn(&jointsweep::internals::tradeoff::errors::Quantiles) -> f64| {
+        let error = |of: fn(&jointsweep::internals::lab::tradeoff::errors::Quantiles) -> f64| {
             row.errors.force.as_ref().map_or(String::new(), |force| format!("{:.1e}", of(force)))
         };
         lines.push([

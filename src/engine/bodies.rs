@@ -8,7 +8,7 @@ use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::engine::backend::Device;
-use crate::engine::backend::gpu::context::GpuError;
+use crate::engine::backend::adapter::GpuError;
 use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
 use crate::engine::near_fields::NearFieldLibrary;
 use crate::engine::outcome::BackendKind;

@@ -2,13 +2,13 @@
 
 use crate::common::draws::{concentric, draw, half_disc_in_annulus};
 use crate::common::workdir::Workdir;
+use jointsweep::internals::lab::tradeoff::answer::States;
+use jointsweep::internals::lab::tradeoff::choice::{Choice, Scope};
+use jointsweep::internals::lab::tradeoff::errors::{Errors, Quantiles};
+use jointsweep::internals::lab::tradeoff::families::{FAMILIES, choices, named};
+use jointsweep::internals::lab::tradeoff::joints::least_contact_angle;
+use jointsweep::internals::lab::tradeoff::oracle::Oracle;
 use jointsweep::internals::study::design::{DesignCase, Load};
-use jointsweep::internals::tradeoff::answer::States;
-use jointsweep::internals::tradeoff::choice::{Choice, Scope};
-use jointsweep::internals::tradeoff::errors::{Errors, Quantiles};
-use jointsweep::internals::tradeoff::families::{FAMILIES, choices, named};
-use jointsweep::internals::tradeoff::joints::least_contact_angle;
-use jointsweep::internals::tradeoff::oracle::Oracle;
 
 /// Designs of both kinds of pin whose contact is neither tiny nor as wide as a half ring.
 fn cases() -> Vec<DesignCase> {

@@ -20,6 +20,8 @@ use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method,
 use jointsweep::internals::engine::plan::{JointPlan, first_level};
 use jointsweep::internals::engine::status::{Remark, Status, StatusCounts};
 use jointsweep::internals::engine::sweep::{self, Statistics, SweepOptions};
+use jointsweep::internals::lab::tradeoff::families::series;
+use jointsweep::internals::lab::tradeoff::joints::Terms;
 use jointsweep::internals::mechanics::body::{Body, Shape, annulus, block, cored_disc, half_disc};
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
 use jointsweep::internals::mechanics::compliance::ring_modes::RingModes;
@@ -29,8 +31,6 @@ use jointsweep::internals::mechanics::material::{Idealization, Material};
 use jointsweep::internals::mechanics::mesh::RingTopology;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
-use jointsweep::internals::tradeoff::families::series;
-use jointsweep::internals::tradeoff::joints::Terms;
 use std::cell::RefCell;
 
 const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };

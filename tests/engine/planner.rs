@@ -11,15 +11,15 @@ use jointsweep::internals::engine::expected_contact::ExpectedContact;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{DesignOutcome, Method, Response};
 use jointsweep::internals::engine::plan::{JointPlan, first_level};
+use jointsweep::internals::lab::tradeoff::answer::State;
+use jointsweep::internals::lab::tradeoff::errors::force_error;
+use jointsweep::internals::lab::tradeoff::families::series;
+use jointsweep::internals::lab::tradeoff::joints::{Terms, is_concentric};
+use jointsweep::internals::lab::tradeoff::oracle::Oracle;
 use jointsweep::internals::mechanics::body::Body;
 use jointsweep::internals::mechanics::grading::LEVEL_COUNT;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::{DesignCase, Load};
-use jointsweep::internals::tradeoff::answer::State;
-use jointsweep::internals::tradeoff::errors::force_error;
-use jointsweep::internals::tradeoff::families::series;
-use jointsweep::internals::tradeoff::joints::{Terms, is_concentric};
-use jointsweep::internals::tradeoff::oracle::Oracle;
 
 const ACCURACIES: [f64; 3] = [0.1, 1e-2, 1e-3];
 

@@ -10,7 +10,7 @@ use jointsweep::internals::engine::backend::gpu::kernels::{
 use jointsweep::internals::engine::backend::gpu::layout::{
     AssembleParameters, SLICE, SystemOutcome, SystemParameters, SystemState,
 };
-use jointsweep::internals::engine::backend::gpu::roofline::RooflineParameters;
+use jointsweep::internals::engine::backend::gpu::speed::RooflineParameters;
 use jointsweep::internals::engine::backend::gpu::works::WorksParameters;
 use jointsweep::internals::mechanics::body::{Body, SHAPES, Side};
 use jointsweep::internals::mechanics::compliance::arc::packed_count;

@@ -12,6 +12,12 @@ use jointsweep::internals::engine::body_request::{BodyRequest, ELEMENT, Fidelity
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::plan::JointPlan;
 use jointsweep::internals::engine::spaces::SpaceKey;
+use jointsweep::internals::lab::tradeoff::answer::State;
+use jointsweep::internals::lab::tradeoff::choice::Scope;
+use jointsweep::internals::lab::tradeoff::errors::{Errors, force_error};
+use jointsweep::internals::lab::tradeoff::families::{named, planner};
+use jointsweep::internals::lab::tradeoff::joints::{Terms, least_contact_angle};
+use jointsweep::internals::lab::tradeoff::oracle::Oracle;
 use jointsweep::internals::mechanics::body::BodyKey;
 use jointsweep::internals::mechanics::compliance::arc::packed_count;
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
@@ -20,12 +26,6 @@ use jointsweep::internals::mechanics::element::ElementKind;
 use jointsweep::internals::mechanics::grading::GradingClass;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::internals::study::design::{DesignCase, Part};
-use jointsweep::internals::tradeoff::answer::State;
-use jointsweep::internals::tradeoff::choice::Scope;
-use jointsweep::internals::tradeoff::errors::{Errors, force_error};
-use jointsweep::internals::tradeoff::families::{named, planner};
-use jointsweep::internals::tradeoff::joints::{Terms, least_contact_angle};
-use jointsweep::internals::tradeoff::oracle::Oracle;
 
 /// Folder of the record, config, and how far apart the designs are that were taken of it.
 const RECORDS: [(&str, &str, usize); 2] =

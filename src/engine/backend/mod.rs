@@ -1,10 +1,17 @@
 //! What condenses bodies on meshes in place of the processor: a GPU, or what a test has for one.
 
+pub mod adapter;
+pub mod precision;
+#[cfg(feature = "gpu")]
 pub mod gpu;
+#[cfg(not(feature = "gpu"))]
+pub mod without_gpu;
 
 use std::time::Duration;
 
-use gpu::context::GpuError;
+use adapter::GpuError;
+#[cfg(not(feature = "gpu"))]
+pub use without_gpu as gpu;
 
 use crate::engine::body_request::Group;
 

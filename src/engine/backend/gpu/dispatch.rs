@@ -12,19 +12,19 @@ use super::kernels::Stage;
 const LONGEST_WAIT: Duration = Duration::from_secs(120);
 
 /// One dispatch: what runs, on what, in how many workgroups along two dimensions.
-pub(super) type Pass<'a> = (&'a wgpu::ComputePipeline, &'a wgpu::BindGroup, [u32; 2]);
+pub(crate) type Pass<'a> = (&'a wgpu::ComputePipeline, &'a wgpu::BindGroup, [u32; 2]);
 
 /// A dispatch that is kept, to be submitted as often as one likes.
 #[derive(Clone)]
-pub(super) struct Dispatch {
-    pub(super) pipeline: wgpu::ComputePipeline,
-    pub(super) group: wgpu::BindGroup,
-    pub(super) workgroups: [u32; 2],
+pub(crate) struct Dispatch {
+    pub(crate) pipeline: wgpu::ComputePipeline,
+    pub(crate) group: wgpu::BindGroup,
+    pub(crate) workgroups: [u32; 2],
 }
 
 impl Dispatch {
     /// Of the entry point of a stage with this index.
-    pub(super) fn new(
+    pub(crate) fn new(
         stage: &Stage,
         entry: usize,
         group: &wgpu::BindGroup,
@@ -33,18 +33,18 @@ impl Dispatch {
         Dispatch { pipeline: stage.pipelines[entry].clone(), group: group.clone(), workgroups }
     }
 
-    pub(super) fn pass(&self) -> Pass<'_> {
+    pub(crate) fn pass(&self) -> Pass<'_> {
         (&self.pipeline, &self.group, self.workgroups)
     }
 }
 
 impl GpuDevice {
-    pub(super) fn uniform<T: Pod>(&self, parameters: &T) -> wgpu::Buffer {
+    pub(crate) fn uniform<T: Pod>(&self, parameters: &T) -> wgpu::Buffer {
         self.uploaded("parameters", bytemuck::bytes_of(parameters), BufferUsages::UNIFORM)
     }
 
     /// A buffer that kernels only read.
-    pub(super) fn filled<T: Pod>(&self, label: &str, contents: &[T]) -> wgpu::Buffer {
+    pub(crate) fn filled<T: Pod>(&self, label: &str, contents: &[T]) -> wgpu::Buffer {
         self.uploaded(label, bytemuck::cast_slice(contents), BufferUsages::STORAGE)
     }
 
@@ -62,7 +62,7 @@ impl GpuDevice {
     }
 
     /// A buffer that kernels write, of zeros.
-    pub(super) fn empty(&self, label: &str, size: u64) -> wgpu::Buffer {
+    pub(crate) fn empty(&self, label: &str, size: u64) -> wgpu::Buffer {
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
@@ -73,7 +73,7 @@ impl GpuDevice {
     }
 
     /// Buffers in the order of the stage's bindings.
-    pub(super) fn bind(&self, stage: &Stage, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
+    pub(crate) fn bind(&self, stage: &Stage, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
         let resources = buffers.iter().map(|buffer| buffer.as_entire_binding());
         let entries: Vec<_> = (0..)
             .zip(resources)
@@ -87,7 +87,7 @@ impl GpuDevice {
     }
 
     /// Dispatches in order, in one submission.
-    pub(super) fn submit<'a>(&self, passes: impl IntoIterator<Item = Pass<'a>>) {
+    pub(crate) fn submit<'a>(&self, passes: impl IntoIterator<Item = Pass<'a>>) {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for (pipeline, group, [x, y]) in passes {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -99,14 +99,14 @@ impl GpuDevice {
     }
 
     /// Waits for all work submitted so far.
-    pub(super) fn wait(&self) -> Result<(), GpuError> {
+    pub(crate) fn wait(&self) -> Result<(), GpuError> {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LONGEST_WAIT) };
         self.device.poll(wait).map_err(|error| self.lost(&error.to_string()))?;
         Ok(())
     }
 
     /// Waits for all work submitted so far and copies a buffer back.
-    pub(super) fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
+    pub(crate) fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
         let (sender, receiver) = std::sync::mpsc::channel();
         let staging = self.checked("reading back", || {
             let staging = self.device.create_buffer(&wgpu::BufferDescriptor {

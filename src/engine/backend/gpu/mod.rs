@@ -8,7 +8,5 @@ pub mod kernels;
 pub mod dispatch;
 pub mod stages;
 pub mod works;
-pub mod work;
 pub mod solver;
-pub mod roofline;
-pub mod measure;
+pub mod speed;

@@ -53,18 +53,18 @@ pub struct GpuReport {
 }
 
 /// What the bodies of a topology share on the device.
-pub(super) struct Topology {
-    pub(super) layout: MeshLayout,
-    pub(super) counts: BodyCounts,
-    pub(super) loads: ModeLoads,
-    pub(super) facts: KernelFacts,
+pub(crate) struct Topology {
+    pub(crate) layout: MeshLayout,
+    pub(crate) counts: BodyCounts,
+    pub(crate) loads: ModeLoads,
+    pub(crate) facts: KernelFacts,
 }
 
 /// Invocations of a workgroup: the twin's count of partial sums, two subgroups of the common size.
 pub const INVOCATIONS: u32 = 64;
 
 /// Time of an iteration of one body before any was measured, s: short for a processor and long for a large GPU.
-pub(super) const FIRST_GUESS: f64 = 1e-5;
+pub(crate) const FIRST_GUESS: f64 = 1e-5;
 
 /// Designs of a batch: enough for thousands of bodies of a topology, few enough to stay small here.
 const BATCH: usize = 16_384;
@@ -132,7 +132,7 @@ impl Device for GpuCondenser<'_> {
 
 impl Topology {
     /// Of bodies like `body`.
-    pub(super) fn new(kernels: &Kernels, key: &TopologyKey, body: &Body) -> Result<Topology, GpuError> {
+    pub(crate) fn new(kernels: &Kernels, key: &TopologyKey, body: &Body) -> Result<Topology, GpuError> {
         let grading = key.grading(body);
         let layout = MeshLayout::new(body, &grading).map_err(|error| GpuError::Failed {
             adapter: kernels.gpu.facts.name.clone(),

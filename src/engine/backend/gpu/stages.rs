@@ -11,7 +11,7 @@ use crate::mechanics::solve::refine::RefineSettings;
 /// Systems of a batch on the device: matrices of one sparsity, their iterates, and the compliances of their rings.
 pub struct SystemBatch<'a> {
     kernels: &'a Kernels<'a>,
-    pub(super) layout: &'a SystemLayout,
+    pub(crate) layout: &'a SystemLayout,
     body_count: usize,
     on_chip: OnChip,
     slice_starts: wgpu::Buffer,
@@ -22,9 +22,9 @@ pub struct SystemBatch<'a> {
     narrowed: wgpu::Buffer,
     iterates: wgpu::Buffer,
     solutions: wgpu::Buffer,
-    pub(super) norms: wgpu::Buffer,
-    pub(super) states: wgpu::Buffer,
-    pub(super) compliance: wgpu::Buffer,
+    pub(crate) norms: wgpu::Buffer,
+    pub(crate) states: wgpu::Buffer,
+    pub(crate) compliance: wgpu::Buffer,
 }
 
 /// What is known of each system when it has ended, `[body][system]`, with systems beyond the ring's unknowns.
@@ -74,11 +74,11 @@ impl<'a> SystemBatch<'a> {
         })
     }
 
-    pub(super) fn kernels(&self) -> &'a Kernels<'a> {
+    pub(crate) fn kernels(&self) -> &'a Kernels<'a> {
         self.kernels
     }
 
-    pub(super) fn body_count(&self) -> usize {
+    pub(crate) fn body_count(&self) -> usize {
         self.body_count
     }
 
@@ -119,7 +119,7 @@ impl<'a> SystemBatch<'a> {
         })
     }
 
-    pub(super) fn assembly(&self, mesh: &MeshLayout, body_numbers: &[f64]) -> (Dispatch, Geometry) {
+    pub(crate) fn assembly(&self, mesh: &MeshLayout, body_numbers: &[f64]) -> (Dispatch, Geometry) {
         let Kernels { gpu, precision, assemble, .. } = self.kernels;
         let reals = |label, numbers: &[f64]| gpu.filled(label, &precision.encode(numbers));
         let (grid, size) = (mesh.grid_count(), mesh.geometry_count());
@@ -160,7 +160,7 @@ impl<'a> SystemBatch<'a> {
         })
     }
 
-    pub(super) fn rounds(&self, pcg: &Stage, settings: &RefineSettings, step_count: u32) -> Rounds {
+    pub(crate) fn rounds(&self, pcg: &Stage, settings: &RefineSettings, step_count: u32) -> Rounds {
         let Kernels { gpu, narrow, refine, .. } = self.kernels;
         let groups = self.block_groups();
         let parameters = gpu.uniform(&self.layout.parameters(settings, step_count));
@@ -186,7 +186,7 @@ impl<'a> SystemBatch<'a> {
         gpu.checked("condense", || gpu.submit([self.condensation().pass()]))
     }
 
-    pub(super) fn condensation(&self) -> Dispatch {
+    pub(crate) fn condensation(&self) -> Dispatch {
         let Kernels { gpu, condense, .. } = self.kernels;
         let parameters = gpu.uniform(&self.layout.parameters(&NOTHING_TO_SOLVE, 0));
         let group = gpu.bind(condense, &[&parameters, &self.solutions, &self.compliance]);
@@ -262,13 +262,13 @@ impl<'a> SystemBatch<'a> {
 }
 
 /// The kernels of conjugate gradients and of the rounds around them.
-pub(super) struct Rounds {
+pub(crate) struct Rounds {
     /// Where the iteration needs matrices of its own.
-    pub(super) narrow: Option<Dispatch>,
-    pub(super) start: Dispatch,
-    pub(super) solve: Dispatch,
-    pub(super) refine: Dispatch,
-    pub(super) settle: Dispatch,
+    pub(crate) narrow: Option<Dispatch>,
+    pub(crate) start: Dispatch,
+    pub(crate) solve: Dispatch,
+    pub(crate) refine: Dispatch,
+    pub(crate) settle: Dispatch,
 }
 
 /// For kernels that are told sizes only.

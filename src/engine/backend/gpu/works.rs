@@ -36,8 +36,8 @@ pub struct BodyWorks {
 }
 
 /// The works of a batch before they are computed.
-pub(super) struct WorksBuffer {
-    pub(super) dispatch: Dispatch,
+pub(crate) struct WorksBuffer {
+    pub(crate) dispatch: Dispatch,
     buffer: wgpu::Buffer,
     body_size: usize,
 }
@@ -98,7 +98,7 @@ impl SystemBatch<'_> {
         Ok(numbers.chunks_exact(body_size).map(of_body).collect())
     }
 
-    pub(super) fn works_buffer(&self, loads: &ModeLoads) -> Result<WorksBuffer, GpuError> {
+    pub(crate) fn works_buffer(&self, loads: &ModeLoads) -> Result<WorksBuffer, GpuError> {
         let Kernels { gpu, precision, works, .. } = self.kernels();
         let parameters = WorksParameters {
             ring_count: self.layout.ring_count() as u32,

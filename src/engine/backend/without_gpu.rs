@@ -1,0 +1,101 @@
+//! What stands in for `gpu` in a program that is built without GPUs: the same names, and no device to be had.
+
+/// No adapters, and why.
+pub mod context {
+    use std::convert::Infallible;
+
+    pub use crate::engine::backend::adapter::{
+        AdapterChoice, AdapterFacts, AdapterKind, DeviceFeatures, DeviceLimits, GpuError,
+    };
+
+    pub struct Adapters {
+        pub facts: Vec<AdapterFacts>,
+    }
+
+    impl Adapters {
+        /// None.
+        pub fn enumerate() -> Adapters {
+            Adapters { facts: Vec::new() }
+        }
+
+        /// Always an error.
+        pub fn open(&self, _: AdapterChoice) -> Result<GpuDevice, GpuError> {
+            Err(GpuError::NotBuilt)
+        }
+    }
+
+    /// Always an error.
+    pub fn choose(_: &[AdapterFacts], _: AdapterChoice) -> Result<usize, GpuError> {
+        Err(GpuError::NotBuilt)
+    }
+
+    /// There is none.
+    #[derive(Clone)]
+    pub struct GpuDevice {
+        pub facts: AdapterFacts,
+        pub(super) none: Infallible,
+    }
+}
+
+pub mod kernels {
+    pub use crate::engine::backend::precision::Precision;
+}
+
+pub mod speed {
+    use super::context::{GpuDevice, GpuError};
+    use super::kernels::Precision;
+
+    /// Of no device.
+    pub fn preferred_precision(gpu: &GpuDevice, _: f64) -> Result<Precision, GpuError> {
+        match gpu.none {}
+    }
+}
+
+pub mod solver {
+    use std::convert::Infallible;
+    use std::time::Duration;
+
+    use super::context::{GpuDevice, GpuError};
+    use super::kernels::Precision;
+    use crate::engine::backend::Device;
+    use crate::engine::body_request::Group;
+
+    #[derive(Clone, Copy)]
+    pub struct GpuChoice<'a> {
+        pub device: &'a GpuDevice,
+        pub precision: Precision,
+    }
+
+    impl GpuChoice<'_> {
+        pub fn batch_size(&self) -> usize {
+            match self.device.none {}
+        }
+    }
+
+    /// There is none.
+    pub struct GpuCondenser(Infallible);
+
+    impl GpuCondenser {
+        pub fn new(choice: GpuChoice) -> Result<GpuCondenser, GpuError> {
+            match choice.device.none {}
+        }
+    }
+
+    impl Device for GpuCondenser {
+        fn condense(&mut self, _: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
+            match self.0 {}
+        }
+
+        fn stages(&self) -> Vec<(&'static str, Duration)> {
+            match self.0 {}
+        }
+
+        fn worst_residual(&self) -> f64 {
+            match self.0 {}
+        }
+
+        fn solves(&self) -> u64 {
+            match self.0 {}
+        }
+    }
+}

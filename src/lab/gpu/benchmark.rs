@@ -1,0 +1,201 @@
+//! What a GPU was measured to do: `precisions.csv`, `scaling.csv`, `kernels.csv` and `peaks.csv`, with `manifest.json`.
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use serde::Serialize;
+
+use crate::engine::backend::gpu::context::{AdapterFacts, DeviceFeatures, DeviceLimits};
+use crate::engine::backend::gpu::solver::INVOCATIONS;
+use crate::error::Error;
+use crate::lab::gpu::figures::{PrecisionRow, ScalingRow, kernels, peaks, precisions, scaling};
+use crate::lab::gpu::measure::KernelTime;
+use crate::lab::gpu::roofline::Peaks;
+use crate::output::host::{Host, Program, seconds_since, utc};
+use crate::output::manifest;
+use crate::output::manifest_parts::{Config, State};
+use crate::output::whole_file;
+use crate::study::config::Study;
+
+pub const MANIFEST: &str = "manifest.json";
+pub const PRECISIONS: &str = "precisions.csv";
+pub const SCALING: &str = "scaling.csv";
+pub const KERNELS: &str = "kernels.csv";
+pub const PEAKS: &str = "peaks.csv";
+
+#[derive(Clone, Debug, Serialize)]
+struct Adapter {
+    name: String,
+    kind: String,
+    driver: String,
+    limits: Limits,
+    features: Features,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Limits {
+    binding_bytes: u64,
+    buffer_bytes: u64,
+    workgroups_per_dimension: u32,
+    workgroup_bytes: u32,
+    invocations_per_workgroup: u32,
+    storage_buffers: u32,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Features {
+    f64: bool,
+    subgroups: bool,
+    timestamps: bool,
+}
+
+impl Adapter {
+    fn of(facts: &AdapterFacts) -> Adapter {
+        let DeviceLimits {
+            binding_bytes,
+            buffer_bytes,
+            workgroups_per_dimension,
+            workgroup_bytes,
+            invocations_per_workgroup,
+            storage_buffers,
+        } = facts.limits;
+        let DeviceFeatures { f64, subgroups, timestamps } = facts.features;
+        Adapter {
+            name: facts.name.clone(),
+            kind: facts.kind.to_string(),
+            driver: facts.driver.clone(),
+            limits: Limits {
+                binding_bytes,
+                buffer_bytes,
+                workgroups_per_dimension,
+                workgroup_bytes,
+                invocations_per_workgroup,
+                storage_buffers,
+            },
+            features: Features { f64, subgroups, timestamps },
+        }
+    }
+}
+
+/// What was asked, as far as the adapter does not say it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Asked {
+    /// Designs of the largest sweep.
+    pub most: u64,
+    pub precisions: Vec<&'static str>,
+    /// Precision of `scaling.csv`.
+    pub scaling_precision: &'static str,
+    /// Designs of each check, and those whose bodies the kernels get.
+    pub checked_designs: u64,
+    pub kernel_designs: u64,
+    /// Runs of each sweep of `precisions.csv`; the median counts.
+    pub runs: usize,
+    /// The largest sweep that the processor is timed with.
+    pub most_on_cpu: u64,
+    pub threads: usize,
+    /// What is smaller than usual, and why.
+    pub remark: Option<&'static str>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Manifest {
+    #[serde(flatten)]
+    program: Program,
+    state: State,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+    adapter: Adapter,
+    /// Invocations of a workgroup.
+    workgroup_size: u32,
+    asked: Asked,
+    config: Config,
+    /// What was left out, and why.
+    remarks: Vec<String>,
+    started_utc: String,
+    wall_seconds: f64,
+    host: Host,
+}
+
+/// The folder of a benchmark. Each file is written when its figures are complete; the manifest says whether all are there.
+pub struct GpuBenchmark {
+    dir: PathBuf,
+    manifest: Manifest,
+    started: SystemTime,
+}
+
+impl GpuBenchmark {
+    /// Empties `dir` of the figures of an earlier benchmark.
+    pub fn create(
+        dir: &Path,
+        facts: &AdapterFacts,
+        asked: Asked,
+        study: &Study,
+        started: SystemTime,
+    ) -> Result<GpuBenchmark, Error> {
+        whole_file::create_dir(dir)?;
+        for name in [PRECISIONS, SCALING, KERNELS, PEAKS] {
+            let _ = std::fs::remove_file(dir.join(name));
+        }
+        let manifest = Manifest {
+            program: Program::CURRENT,
+            state: State::Incomplete,
+            error: None,
+            adapter: Adapter::of(facts),
+            workgroup_size: INVOCATIONS,
+            asked,
+            config: Config::of(study),
+            remarks: Vec::new(),
+            started_utc: utc(started),
+            wall_seconds: 0.0,
+            host: Host::current(),
+        };
+        let mut benchmark = GpuBenchmark { dir: dir.into(), manifest, started };
+        benchmark.save_manifest()?;
+        Ok(benchmark)
+    }
+
+    pub fn remark(&mut self, remark: String) {
+        self.manifest.remarks.push(remark);
+    }
+
+    pub fn save_precisions(&mut self, rows: &[PrecisionRow]) -> Result<(), Error> {
+        self.save(PRECISIONS, &precisions(rows))
+    }
+
+    pub fn save_scaling(&mut self, rows: &[ScalingRow]) -> Result<(), Error> {
+        self.save(SCALING, &scaling(rows))
+    }
+
+    pub fn save_kernels(&mut self, times: &[KernelTime], peaks: &[Peaks]) -> Result<(), Error> {
+        self.save(KERNELS, &kernels(times, peaks))
+    }
+
+    pub fn save_peaks(&mut self, rows: &[Peaks]) -> Result<(), Error> {
+        self.save(PEAKS, &peaks(rows))
+    }
+
+    /// All figures are there.
+    pub fn finish(mut self) -> Result<(), Error> {
+        self.manifest.state = State::Complete;
+        self.save_manifest()
+    }
+
+    /// An error ended the benchmark; the files that are there are whole.
+    pub fn fail(mut self, error: &Error) {
+        self.manifest.state = State::Failed;
+        self.manifest.error = Some(error.to_string());
+        // There is a first error to tell.
+        let _ = self.save_manifest();
+    }
+
+    fn save(&mut self, name: &str, text: &str) -> Result<(), Error> {
+        let path = self.dir.join(name);
+        std::fs::write(&path, text).map_err(|source| Error::Io { action: "write", path, source })?;
+        self.save_manifest()
+    }
+
+    fn save_manifest(&mut self) -> Result<(), Error> {
+        self.manifest.wall_seconds = seconds_since(self.started);
+        manifest::write(&self.manifest, &self.dir.join(MANIFEST))
+    }
+}

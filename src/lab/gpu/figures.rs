@@ -1,0 +1,266 @@
+//! The rows of a GPU's benchmark, and the tables they are written as.
+
+use crate::lab::gpu::measure::KernelTime;
+use crate::lab::gpu::roofline::Peaks;
+
+/// A whole sweep on the GPU.
+#[derive(Clone, Debug)]
+pub struct GpuSweep {
+    pub designs: u64,
+    /// Wall time, from the plans to the last outcome, s.
+    pub seconds: f64,
+    /// Columns that conjugate gradients solved for.
+    pub solves: u64,
+    /// Designs that the processor solved all the same.
+    pub designs_on_cpu: u64,
+    /// The greatest |b - K x|/|b| that an outcome rests on.
+    pub worst_residual: f64,
+    /// Wall time of each stage, s, in the order they run.
+    pub stages: Vec<(String, f64)>,
+}
+
+/// A precision, checked against the processor and timed.
+#[derive(Clone, Debug)]
+pub struct PrecisionRow {
+    pub precision: &'static str,
+    /// The sweep of the median time.
+    pub sweep: GpuSweep,
+    /// Designs of the check, and the worst relative difference of their forces from the processor's.
+    pub checked: u64,
+    pub worst_difference: f64,
+}
+
+/// A size of sweep.
+#[derive(Clone, Debug)]
+pub struct ScalingRow {
+    pub precision: &'static str,
+    pub sweep: GpuSweep,
+    /// With the table written as well, s, and its bytes; `None` where there was no room for it.
+    pub with_table: Option<(f64, u64)>,
+    /// On the processor of the same machine, without a table, s.
+    pub cpu_seconds: Option<f64>,
+}
+
+impl GpuSweep {
+    pub fn designs_per_second(&self) -> f64 {
+        self.designs as f64 / self.seconds
+    }
+}
+
+/// A kernel's time against the peaks of its device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shares {
+    /// Time that the operations alone would take at the arithmetic peak, s, and the share of it in the time measured;
+    /// `None` for a kernel without operations. Of `pcg` this is the floor on the chip.
+    pub arithmetic: Option<(f64, f64)>,
+    /// The same for the bytes at the peak of the memory.
+    pub memory: (f64, f64),
+}
+
+impl Shares {
+    /// `None` where the peak of the kernel's numbers was not measured.
+    pub fn of(time: &KernelTime, peaks: &[Peaks]) -> Option<Shares> {
+        let own = peaks.iter().find(|peaks| peaks.precision.wide_bytes() == time.number_bytes)?;
+        // One memory, whatever the numbers.
+        let bytes = peaks.iter().map(|peaks| peaks.bytes).fold(0.0, f64::max);
+        let share = |work: u64, peak: f64| {
+            let floor = work as f64 / peak;
+            (floor, floor / time.seconds)
+        };
+        let operations = time.work.operations;
+        Some(Shares {
+            arithmetic: (operations > 0).then(|| share(operations, own.operations)),
+            memory: share(time.work.bytes, bytes),
+        })
+    }
+}
+
+/// Six digits, as many as a time is good for.
+fn number(value: f64) -> String {
+    format!("{value:.5e}")
+}
+
+fn optional(value: Option<f64>) -> String {
+    value.map_or(String::new(), number)
+}
+
+fn line(cells: &[String]) -> String {
+    cells.join(",") + "\n"
+}
+
+/// Names of the stages of the first sweep as columns.
+fn stage_columns(sweep: Option<&GpuSweep>) -> Vec<String> {
+    sweep.map_or(Vec::new(), |sweep| sweep.stages.iter().map(|(name, _)| name.clone()).collect())
+}
+
+fn stage_header(stages: &[String]) -> String {
+    stages.iter().map(|stage| format!(",{}_s", stage.to_lowercase().replace(' ', "_"))).collect()
+}
+
+fn stage_cells(stages: &[String], sweep: &GpuSweep) -> Vec<String> {
+    let time = |stage: &String| sweep.stages.iter().find(|(name, _)| name == stage).map(|(_, time)| *time);
+    stages.iter().map(|stage| optional(time(stage))).collect()
+}
+
+/// `precisions.csv`.
+pub fn precisions(rows: &[PrecisionRow]) -> String {
+    let stages = stage_columns(rows.first().map(|row| &row.sweep));
+    let mut text = "precision,designs,wall_s,designs_per_s,solves,solves_per_s,designs_on_cpu,worst_residual,\
+                    checked_designs,worst_difference"
+        .to_string()
+        + &stage_header(&stages) + "\n";
+    for PrecisionRow { precision, sweep, checked, worst_difference } in rows {
+        let own = [
+            precision.to_string(),
+            sweep.designs.to_string(),
+            number(sweep.seconds),
+            number(sweep.designs_per_second()),
+            sweep.solves.to_string(),
+            number(sweep.solves as f64 / sweep.seconds),
+            sweep.designs_on_cpu.to_string(),
+            number(sweep.worst_residual),
+            checked.to_string(),
+            number(*worst_difference),
+        ];
+        text += &line(&[&own[..], &stage_cells(&stages, sweep)].concat());
+    }
+    text
+}
+
+/// `scaling.csv`.
+pub fn scaling(rows: &[ScalingRow]) -> String {
+    let stages = stage_columns(rows.first().map(|row| &row.sweep));
+    let mut text =
+        "designs,precision,wall_s,designs_per_s,solves,designs_on_cpu,with_table_s,table_bytes,cpu_wall_s,\
+                    cpu_designs_per_s,gpu_over_cpu"
+            .to_string()
+            + &stage_header(&stages)
+            + "\n";
+    for ScalingRow { precision, sweep, with_table, cpu_seconds } in rows {
+        let own = [
+            sweep.designs.to_string(),
+            precision.to_string(),
+            number(sweep.seconds),
+            number(sweep.designs_per_second()),
+            sweep.solves.to_string(),
+            sweep.designs_on_cpu.to_string(),
+            optional(with_table.map(|(seconds, _)| seconds)),
+            with_table.map_or(String::new(), |(_, bytes)| bytes.to_string()),
+            optional(*cpu_seconds),
+            optional(cpu_seconds.map(|seconds| sweep.designs as f64 / seconds)),
+            optional(cpu_seconds.map(|seconds| seconds / sweep.seconds)),
+        ];
+        text += &line(&[&own[..], &stage_cells(&stages, sweep)].concat());
+    }
+    text
+}
+
+/// `kernels.csv`.
+pub fn kernels(times: &[KernelTime], peaks: &[Peaks]) -> String {
+    let mut text = "kernel,precision,number_bytes,level,unknowns,items,seconds,iterations,operations,bytes,\
+                    gflop_per_s,gb_per_s,arithmetic_floor_s,arithmetic_share,memory_floor_s,memory_share\n"
+        .to_string();
+    for time in times {
+        let shares = Shares::of(time, peaks);
+        let arithmetic = shares.and_then(|shares| shares.arithmetic);
+        let memory = shares.map(|shares| shares.memory);
+        let giga = |count: u64| number(1e-9 * count as f64 / time.seconds);
+        text += &line(&[
+            time.kernel.to_string(),
+            time.precision.name().to_string(),
+            time.number_bytes.to_string(),
+            time.level.to_string(),
+            time.unknowns.to_string(),
+            time.items.to_string(),
+            number(time.seconds),
+            time.iterations.map_or(String::new(), |iterations| iterations.to_string()),
+            time.work.operations.to_string(),
+            time.work.bytes.to_string(),
+            if time.work.operations > 0 { giga(time.work.operations) } else { String::new() },
+            giga(time.work.bytes),
+            optional(arithmetic.map(|(floor, _)| floor)),
+            optional(arithmetic.map(|(_, share)| share)),
+            optional(memory.map(|(floor, _)| floor)),
+            optional(memory.map(|(_, share)| share)),
+        ]);
+    }
+    text
+}
+
+/// `peaks.csv`.
+pub fn peaks(rows: &[Peaks]) -> String {
+    let mut text = "numbers,multiply_add_gflop_per_s,copy_gb_per_s,copy_buffer_bytes\n".to_string();
+    for Peaks { precision, operations, bytes, buffer_bytes } in rows {
+        text += &line(&[
+            precision.name().to_string(),
+            number(1e-9 * operations),
+            number(1e-9 * bytes),
+            buffer_bytes.to_string(),
+        ]);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::backend::gpu::kernels::Precision;
+    use crate::lab::gpu::work::Work;
+
+    fn time(operations: u64, bytes: u64) -> KernelTime {
+        KernelTime {
+            kernel: "pcg",
+            precision: Precision::Mixed,
+            number_bytes: 4,
+            level: 1,
+            unknowns: 100,
+            items: 7,
+            seconds: 2.0,
+            work: Work { operations, bytes },
+            iterations: Some(3),
+        }
+    }
+
+    const PEAKS_OF_BOTH: [Peaks; 2] = [
+        Peaks { precision: Precision::F32, operations: 1e12, bytes: 1e11, buffer_bytes: 64 },
+        Peaks { precision: Precision::F64, operations: 1e11, bytes: 2e11, buffer_bytes: 64 },
+    ];
+
+    /// 1e12 operations of f32 take a second, 2e11 bytes one too: the memory's peak is the better of both copies.
+    #[test]
+    fn shares_are_of_the_peaks_of_the_own_numbers() {
+        let shares = Shares::of(&time(1_000_000_000_000, 100_000_000_000), &PEAKS_OF_BOTH).unwrap();
+        assert_eq!(shares, Shares { arithmetic: Some((1.0, 0.5)), memory: (0.5, 0.25) });
+        let wide = KernelTime { number_bytes: 8, ..time(100_000_000_000, 0) };
+        assert_eq!(Shares::of(&wide, &PEAKS_OF_BOTH).unwrap().arithmetic, Some((1.0, 0.5)));
+        assert_eq!(Shares::of(&wide, &PEAKS_OF_BOTH[..1]), None);
+        assert_eq!(Shares::of(&time(0, 8), &PEAKS_OF_BOTH).unwrap().arithmetic, None);
+    }
+
+    #[test]
+    fn figures_that_are_not_there_are_empty_cells() {
+        let text = kernels(&[time(0, 200_000_000_000)], &PEAKS_OF_BOTH);
+        let row = text.lines().nth(1).unwrap();
+        assert_eq!(row, "pcg,mixed,4,1,100,7,2.00000e0,3,0,200000000000,,1.00000e2,,,1.00000e0,5.00000e-1");
+    }
+
+    #[test]
+    fn rates_are_those_of_the_sweep() {
+        let sweep = GpuSweep {
+            designs: 100,
+            seconds: 4.0,
+            solves: 800,
+            designs_on_cpu: 1,
+            worst_residual: 1e-4,
+            stages: vec![("condensation on the GPU".into(), 0.5)],
+        };
+        let row = ScalingRow { precision: "f32", sweep, with_table: Some((5.0, 99)), cpu_seconds: Some(8.0) };
+        let empty = ScalingRow { cpu_seconds: None, ..row.clone() };
+        let text = scaling(&[row, empty]);
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].ends_with("gpu_over_cpu,condensation_on_the_gpu_s"), "{}", lines[0]);
+        let start = "100,f32,4.00000e0,2.50000e1,800,1,5.00000e0,99,";
+        assert_eq!(lines[1], format!("{start}8.00000e0,1.25000e1,2.00000e0,5.00000e-1"));
+        assert_eq!(lines[2], format!("{start},,,5.00000e-1"));
+    }
+}

@@ -1,0 +1,216 @@
+//! What each kernel takes, on batches as large as the planner makes them: times, with the work that was done in them.
+
+use std::collections::{BTreeMap, HashMap};
+use std::time::Duration;
+
+use crate::engine::backend::gpu::batch::{Batch, KernelFacts, adapted, batches};
+use crate::engine::backend::gpu::context::{AdapterKind, GpuError};
+use crate::engine::backend::gpu::dispatch::{Dispatch, Pass};
+use crate::engine::backend::gpu::kernels::{Kernels, Precision, Stage};
+use crate::engine::backend::gpu::layout::SystemState;
+use crate::engine::backend::gpu::solver::{GpuChoice, INVOCATIONS, Topology};
+use crate::engine::backend::gpu::speed::run;
+use crate::engine::backend::gpu::stages::{Rounds, SystemBatch};
+use crate::engine::body_request::{BodyRequest, TopologyKey, mesh_size};
+use crate::engine::plan::JointPlan;
+use crate::lab::gpu::roofline::seconds;
+use crate::lab::gpu::work::{Sizes, Work};
+use crate::mechanics::body::Body;
+use crate::study::config::MethodChoice;
+use crate::study::design::DesignCase;
+
+/// One kernel on one batch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KernelTime {
+    pub kernel: &'static str,
+    pub precision: Precision,
+    /// Bytes of the numbers it computes in: which arithmetic peak is its own.
+    pub number_bytes: u64,
+    /// Of the meshes.
+    pub level: usize,
+    pub unknowns: u64,
+    /// Bodies of the batch.
+    pub items: u64,
+    /// Wall time from submission to end, median, s.
+    pub seconds: f64,
+    pub work: Work,
+    /// Steps of all systems in `pcg`.
+    pub iterations: Option<u64>,
+}
+
+/// How much is measured, and how often.
+struct Effort {
+    /// Bodies of a batch at most.
+    bodies: usize,
+    samples: usize,
+}
+
+impl Effort {
+    fn on(kind: AdapterKind) -> Effort {
+        match kind {
+            // Enough to see that all of it runs.
+            AdapterKind::Software => Effort { bodies: 16, samples: 1 },
+            _ => Effort { bodies: 1 << 16, samples: 3 },
+        }
+    }
+}
+
+/// Of the sweep that is measured.
+pub const SWEEP_ACCURACY: f64 = 0.01;
+
+/// How often a batch is cut anew by the time of the one before, at most.
+const CUTS: usize = 4;
+
+/// The kernels of bodies, on the topology that most bodies of `cases` have at a mesh level, those repeated until the
+/// batch is full.
+pub fn body_kernels(
+    choice: GpuChoice,
+    cases: &[DesignCase],
+    level: usize,
+) -> Result<Vec<KernelTime>, GpuError> {
+    let GpuChoice { device: gpu, precision } = choice;
+    let requests: Vec<BodyRequest> = cases
+        .iter()
+        .filter_map(|case| JointPlan::new(case, MethodChoice::Fe, SWEEP_ACCURACY, level).ok())
+        .flat_map(|plan| [plan.pin, plan.plate])
+        .collect();
+    let mut groups: BTreeMap<u64, (TopologyKey, Vec<Body>)> = BTreeMap::new();
+    let mut known: HashMap<TopologyKey, u64> = HashMap::new();
+    for request in requests {
+        let key = TopologyKey::of(&request);
+        let number = known.len() as u64;
+        let number = *known.entry(key.clone()).or_insert(number);
+        groups.entry(number).or_insert((key, Vec::new())).1.push(request.body);
+    }
+    // Of equally many bodies those with larger meshes, so that every run measures the same.
+    let size = |bodies: &[Body]| (bodies.len(), mesh_size(&bodies[0], level).unknowns);
+    let Some((key, bodies)) = groups.into_values().max_by_key(|(_, bodies)| size(bodies)) else {
+        return Ok(Vec::new());
+    };
+    let kernels = Kernels::new(gpu, precision, INVOCATIONS)?;
+    let topology = Topology::new(&kernels, &key, &bodies[0])?;
+    let times = of_bodies(&kernels, topology, &bodies)?;
+    Ok(times.into_iter().map(|time| KernelTime { level, ..time }).collect())
+}
+
+/// As many bodies as the planner gives. The guess that a sweep begins with may be off by orders: the batch is cut by the
+/// time of a dispatch until that changes little.
+fn planned_batch(
+    kernels: &Kernels,
+    topology: &Topology,
+    numbers: &[Vec<f64>],
+    pcg: &Stage,
+) -> Result<Batch, GpuError> {
+    let gpu = kernels.gpu;
+    let plenty = vec![topology.counts; Effort::on(gpu.facts.kind).bodies];
+    let plan = |facts: &KernelFacts| match batches(&plenty, facts, &gpu.facts.limits) {
+        Ok(planned) => Ok(planned[0].clone()),
+        Err(error) => {
+            let (adapter, problem) = (gpu.facts.name.clone(), error.to_string());
+            Err(GpuError::Failed { adapter, what: "planning", problem })
+        }
+    };
+    let mut facts = topology.facts;
+    let mut batch = plan(&facts)?;
+    for _ in 0..CUTS {
+        let count = batch.bodies.len();
+        let systems = SystemBatch::new(kernels, &topology.layout.systems, count)?;
+        systems.assemble(&topology.layout, &repeated(numbers, count))?;
+        let Rounds { narrow, start, solve, .. } =
+            gpu.checked("timing", || systems.rounds(pcg, &kernels.precision.settings(), batch.iterations))?;
+        let before: Vec<Pass> = narrow.iter().chain([&start]).map(Dispatch::pass).collect();
+        run(gpu, &before, 1)?;
+        let taken = run(gpu, &[solve.pass()], 1)?;
+        facts = adapted(&facts, &batch, Duration::from_secs_f64(taken));
+        batch = plan(&facts)?;
+        if batch.bodies.len().abs_diff(count) <= count / 10 {
+            break;
+        }
+    }
+    Ok(batch)
+}
+
+/// The numbers of so many bodies.
+fn repeated(numbers: &[Vec<f64>], count: usize) -> Vec<f64> {
+    numbers.iter().cycle().take(count).flatten().copied().collect()
+}
+
+/// The kernels from a body's numbers to its works.
+fn of_bodies(kernels: &Kernels, topology: Topology, bodies: &[Body]) -> Result<Vec<KernelTime>, GpuError> {
+    let Kernels { gpu, precision, .. } = *kernels;
+    let effort = Effort::on(gpu.facts.kind);
+    let Topology { layout, loads, .. } = &topology;
+    let numbers: Vec<Vec<f64>> = bodies.iter().map(|body| layout.body_numbers(body)).collect();
+    let settings = precision.settings();
+    let pcg = kernels.pcg(SystemBatch::new(kernels, &layout.systems, 1)?.on_chip())?;
+    let batch = planned_batch(kernels, &topology, &numbers, &pcg)?;
+    let count = batch.bodies.len();
+    let systems = SystemBatch::new(kernels, &layout.systems, count)?;
+    let numbers = repeated(&numbers, count);
+    let (assembly, _geometry) = gpu.checked("timing", || systems.assembly(layout, &numbers))?;
+    let Rounds { narrow, start, solve, refine, settle } =
+        gpu.checked("timing", || systems.rounds(&pcg, &settings, batch.iterations))?;
+    let sizes = Sizes::of(layout);
+    let items = count as u64;
+    let of_wide = |kernel, seconds, work| KernelTime {
+        kernel,
+        precision,
+        number_bytes: precision.wide_bytes(),
+        level: 0,
+        unknowns: sizes.unknowns,
+        items,
+        seconds,
+        work,
+        iterations: None,
+    };
+    let time = |pass: Pass| seconds(gpu, &[pass], effort.samples);
+    let mut times = vec![of_wide("assemble", time(assembly.pass())?, sizes.assemble(items, precision))];
+    if let Some(narrow) = &narrow {
+        times.push(of_wide("narrow", time(narrow.pass())?, sizes.narrow(items, precision)));
+    }
+
+    // With d = 0 nothing is gained, and every repetition does all of its work.
+    run(gpu, &[start.pass()], 1)?;
+    let refined = of_wide("refine", time(refine.pass())?, sizes.refine(items, precision));
+
+    // The first round, in which nearly all steps are taken: first how many dispatches it needs, then all at once.
+    run(gpu, &[start.pass()], 1)?;
+    let steps = |states: &[SystemState]| states.iter().map(|state| u64::from(state.iterations)).sum::<u64>();
+    let mut states = systems.read_reports()?.states;
+    let (mut dispatches, mut taken) = (0, 0.0);
+    loop {
+        let of_dispatch = run(gpu, &[solve.pass()], 1)?;
+        let now = systems.read_reports()?.states;
+        if steps(&now) == steps(&states) {
+            break;
+        }
+        (states, dispatches, taken) = (now, dispatches + 1, taken + of_dispatch);
+    }
+    let mut samples = vec![taken];
+    if effort.samples > 1 {
+        samples.clear();
+        for _ in 0..effort.samples {
+            run(gpu, &[start.pass()], 1)?;
+            samples.push(run(gpu, &[solve.pass()], dispatches)?);
+        }
+        samples.sort_by(f64::total_cmp);
+    }
+    times.push(KernelTime {
+        number_bytes: precision.real_bytes(),
+        iterations: Some(steps(&states)),
+        ..of_wide("pcg", samples[samples.len() / 2], sizes.iterate(&states, batch.iterations, precision))
+    });
+    times.push(refined);
+
+    run(gpu, &[settle.pass()], 1)?;
+    let condensation = gpu.checked("timing", || systems.condensation())?;
+    times.push(of_wide("condense", time(condensation.pass())?, sizes.condense(items, precision)));
+
+    let works = systems.works_buffer(loads)?;
+    times.push(of_wide(
+        "works",
+        time(works.dispatch.pass())?,
+        sizes.works([loads.count(), loads.pushes()].map(|count| count as u64), items, precision),
+    ));
+    Ok(times)
+}

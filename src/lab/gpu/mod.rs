@@ -1,0 +1,7 @@
+//! A GPU measured: what it can do at most, what each kernel takes and has to do, and the files of these figures.
+
+pub mod roofline;
+pub mod work;
+pub mod measure;
+pub mod figures;
+pub mod benchmark;

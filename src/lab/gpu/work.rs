@@ -1,0 +1,265 @@
+//! What the kernels have to do: operations and bytes, counted from sizes and iterations before or after any device is
+//! touched. What they are held against is measured in `roofline`.
+//!
+//! Operations are additions, multiplications, divisions and square roots of the algorithm; a multiply-add is two. Free
+//! are comparisons, changes of sign, addresses, rounding to another precision, and what a device does beyond: systems
+//! that have stopped, padding, sums over the invocations.
+//!
+//! Bytes are the compulsory traffic of a dispatch: each number that it reads or writes moves once, as with caches
+//! without end, and what bodies share moves once for all of them.
+
+use crate::engine::backend::gpu::batch::COLUMNS_ABREAST;
+use crate::engine::backend::gpu::kernels::{Precision, WORKS_HEADER};
+use crate::engine::backend::gpu::layout::{MeshLayout, SLICE, SystemState};
+use crate::mechanics::compliance::arc::packed_count;
+
+/// Operations and bytes of one dispatch, or of several.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    pub operations: u64,
+    pub bytes: u64,
+}
+
+/// The sizes of one topology that its kernels' work follows from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sizes {
+    pub unknowns: u64,
+    /// Nonzeros of the stiffness, and its places on the device, zeros of short rows included.
+    pub matrix_values: u64,
+    pub places: u64,
+    pub ring_columns: u64,
+    pub elements: u64,
+    /// Element entries that the values of a matrix are summed from.
+    pub sources: u64,
+    /// Of the grid of half elements: points along the ring, and layers of elements.
+    pub grid_columns: u64,
+    pub layers: u64,
+    /// Straight sides of the far boundary; where there are any, lines half-way between others are bowed.
+    pub sides: u64,
+    /// Numbers that make a body.
+    pub body_numbers: u64,
+}
+
+const POINTS: u64 = 4;
+const NODES: u64 = 8;
+
+/// `exp_minus_one` of an argument that need not be halved, and the elementary functions that rest on it.
+const EXPONENTIAL: u64 = 40;
+const LOGARITHM: u64 = EXPONENTIAL + 12;
+const TANGENT: u64 = 108;
+
+/// Steps of the search of a line's growth where layers grow by one to two, about; each adds up the layers, and so does what
+/// follows the search.
+const SEARCH_STEPS: u64 = 7;
+
+impl Sizes {
+    pub fn of(layout: &MeshLayout) -> Sizes {
+        let (systems, parameters) = (&layout.systems, &layout.parameters);
+        Sizes {
+            unknowns: systems.unknown_count() as u64,
+            matrix_values: systems.columns.len() as u64,
+            places: systems.sliced.columns.len() as u64,
+            ring_columns: systems.ring_count() as u64,
+            elements: u64::from(parameters.element_count),
+            sources: layout.sources.len() as u64,
+            grid_columns: u64::from(parameters.column_count),
+            layers: u64::from(parameters.row_count / 2),
+            sides: u64::from(parameters.side_count),
+            body_numbers: layout.body_number_count() as u64,
+        }
+    }
+
+    fn blocks(&self) -> u64 {
+        self.ring_columns.div_ceil(COLUMNS_ABREAST)
+    }
+
+    fn systems(&self) -> u64 {
+        self.blocks() * COLUMNS_ABREAST
+    }
+
+    fn grid(&self) -> u64 {
+        (2 * self.layers + 1) * self.grid_columns
+    }
+
+    /// Starts of slices, columns and places of diagonals.
+    fn pattern_bytes(&self) -> u64 {
+        4 * (self.unknowns.div_ceil(SLICE as u64) + 1 + self.places + self.unknowns)
+    }
+
+    /// Three norms and a state of each system.
+    fn system_bytes(&self, precision: Precision) -> u64 {
+        self.systems() * (3 * precision.wide_bytes() + size_of::<SystemState>() as u64)
+    }
+
+    /// `assemble`: of each line its span, growth and layers, of each point of an element the gradients, of each source a sum
+    /// over the points.
+    pub fn assemble(&self, bodies: u64, precision: Precision) -> Work {
+        let wide = precision.wide_bytes();
+        // Thickness and its sum, twice; the step's share of the far boundary; the reach of two grid points.
+        let layer = 6 + (14 + EXPONENTIAL) + 10;
+        // The shares that two lines are drawn to, angle, length along the side, depth, the span's two parts, and how far
+        // aside it ends; or the ring's point, scaled.
+        let span = if self.sides > 0 { 22 + 6 + (TANGENT + 2) + (LOGARITHM + 5) + 17 + 5 } else { 2 };
+        // How far a layer keeps to the radius, and its place; between the lines of corner nodes its bow.
+        let (mid_sides, corners) = (self.grid_columns / 2, self.grid_columns.div_ceil(2));
+        let courses = if self.sides > 0 { self.layers * (16 * corners + 18 * mid_sides) } else { 0 };
+        let growth = (SEARCH_STEPS + 1) * (7 * self.layers + 1) + 15 * SEARCH_STEPS;
+        let line = span + growth + (7 + EXPONENTIAL) + self.layers * layer;
+        let bows =
+            if self.sides > 0 { mid_sides * ((2 * self.layers + 1) * 8 + 2 * self.layers * 9) } else { 0 };
+        // Steps to the eight nodes: 16 along the ring, 16 away from it.
+        let point = NODES * (2 + 8) + 32 + 3 + 1 + NODES * 8;
+        let operations = self.grid_columns * line
+            + courses
+            + bows
+            + POINTS * self.elements * point
+            + self.sources * (POINTS * 8 + 1);
+        let shared_numbers = 2 * (2 + 4 * self.grid_columns + POINTS * NODES + 2 * self.sides) * wide
+            + 4 * (NODES * self.elements + self.places + 1 + self.sources);
+        let geometry = 2 * (2 * self.grid() + POINTS * (NODES + 1) * self.elements);
+        let own = (self.body_numbers + geometry + self.places) * wide
+            + self.systems() * size_of::<SystemState>() as u64;
+        Work { operations: bodies * operations, bytes: shared_numbers + bodies * own }
+    }
+
+    /// `narrow`: no operations.
+    pub fn narrow(&self, bodies: u64, precision: Precision) -> Work {
+        let each = precision.wide_bytes() + precision.real_bytes();
+        Work { operations: 0, bytes: bodies * self.places * each }
+    }
+
+    /// The steps of `pcg` that took systems from nothing to `states`, `[body][system]`, in dispatches of `step_count`.
+    /// In each dispatch the matrix of a body that still steps is read, and p, r and d of its blocks go both ways.
+    pub fn iterate(&self, states: &[SystemState], step_count: u32, precision: Precision) -> Work {
+        let steps: u64 = states.iter().map(|state| u64::from(state.iterations)).sum();
+        let mut bytes = 0;
+        let real = precision.real_bytes();
+        for body in states.chunks_exact(self.systems() as usize) {
+            let blocks = body.chunks_exact(COLUMNS_ABREAST as usize);
+            let dispatches = blocks.map(|block| {
+                let longest = block.iter().map(|state| state.iterations).max().unwrap_or(0);
+                u64::from(longest.div_ceil(step_count))
+            });
+            let (mut all, mut most) = (0, 0);
+            for dispatches in dispatches {
+                all += dispatches;
+                most = most.max(dispatches);
+            }
+            bytes += most * self.places * real;
+            bytes += all * 2 * 3 * COLUMNS_ABREAST * self.unknowns * real;
+            bytes += all * 2 * self.system_bytes(precision) / self.blocks();
+        }
+        let longest = states.iter().map(|state| state.iterations).max().unwrap_or(0);
+        bytes += u64::from(longest.div_ceil(step_count)) * self.pattern_bytes();
+        Work { operations: steps * (2 * self.matrix_values + 12 * self.unknowns), bytes }
+    }
+
+    /// `refine` where another round follows: the step, the residual and its norm, and the round's begin.
+    pub fn refine(&self, bodies: u64, precision: Precision) -> Work {
+        let (real, wide) = (precision.real_bytes(), precision.wide_bytes());
+        let system = 2 * self.matrix_values + (2 + 3 + 4) * self.unknowns;
+        // d is read; p, r and d are written; x goes both ways, and the residual is written.
+        let vectors = self.systems() * self.unknowns * (4 * real + 3 * wide);
+        let own = self.places * wide + vectors + 2 * self.system_bytes(precision);
+        Work { operations: bodies * self.ring_columns * system, bytes: self.pattern_bytes() + bodies * own }
+    }
+
+    /// `condense`: of each entry of C two products over the unknowns, and the mean.
+    pub fn condense(&self, bodies: u64, precision: Precision) -> Work {
+        let wide = precision.wide_bytes();
+        let entry = 4 * self.unknowns + 2;
+        let own = self.systems() * (2 * self.unknowns + self.ring_columns) * wide;
+        Work { operations: bodies * self.ring_columns * self.ring_columns * entry, bytes: bodies * own }
+    }
+
+    /// `works`, of so many modes and ways to push: C F, then the symmetric part of P^T C F in its entries.
+    pub fn works(&self, [modes, pushes]: [u64; 2], bodies: u64, precision: Precision) -> Work {
+        let wide = precision.wide_bytes();
+        let entries = packed_count(modes as usize) as u64;
+        let of_push =
+            2 * self.ring_columns * self.ring_columns * modes + (4 * self.ring_columns + 1) * entries;
+        let operations = pushes * of_push;
+        let own = (self.ring_columns * self.systems() + WORKS_HEADER as u64 + pushes * entries) * wide
+            + self.system_bytes(precision);
+        let shared = pushes * self.systems() * modes * wide;
+        Work { operations: bodies * operations, bytes: shared + bodies * own }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One block of four systems, of which three are of the ring.
+    const SIZES: Sizes = Sizes {
+        unknowns: 5,
+        matrix_values: 13,
+        places: 64,
+        ring_columns: 3,
+        elements: 1,
+        sources: 20,
+        grid_columns: 3,
+        layers: 1,
+        sides: 0,
+        body_numbers: 2,
+    };
+
+    fn states(iterations: &[u32]) -> Vec<SystemState> {
+        iterations.iter().map(|&iterations| SystemState { outcome: 1, iterations }).collect()
+    }
+
+    #[test]
+    fn steps_are_counted_by_system_and_their_traffic_by_dispatch() {
+        // A step: 2 x 13 operations of the product, 12 x 5 of the vectors. Two bodies: 7 + 12 + 3 + 0 and 4 + 4 + 4 + 0.
+        let work = SIZES.iterate(&states(&[7, 12, 3, 0, 4, 4, 4, 0]), 10, Precision::F32);
+        assert_eq!(work.operations, 34 * (26 + 60));
+        // Two dispatches of the first body and one of the second: 64 places, p, r and d of four systems in and out, three
+        // norms and a state of 8 bytes in and out; and twice the pattern of 2 + 64 + 5 numbers.
+        let block = 4 * 64 + 2 * 3 * 4 * 5 * 4 + 2 * 4 * (3 * 4 + 8);
+        assert_eq!(work.bytes, 3 * block + 2 * 4 * (2 + 64 + 5));
+        // In mixed precision norms alone are wide.
+        let mixed = SIZES.iterate(&states(&[7, 12, 3, 0]), 10, Precision::Mixed);
+        assert_eq!(mixed.bytes, 2 * (block + 2 * 4 * 3 * 4 + 4 * (2 + 64 + 5)));
+    }
+
+    #[test]
+    fn a_body_that_took_no_step_has_no_work() {
+        assert_eq!(SIZES.iterate(&states(&[0; 4]), 10, Precision::F64), Work::default());
+    }
+
+    #[test]
+    fn the_other_stages_of_a_body_are_counted_by_hand() {
+        let of = |work: Work| (work.operations, work.bytes);
+        // 64 places, from 8 bytes to 4.
+        assert_eq!(of(SIZES.narrow(2, Precision::Mixed)), (0, 2 * 64 * 12));
+        // x += s d; b - K x; r (r/k); then r/s, r/k and r z: 2 + 26/5 + 3 + 4 a row, three systems.
+        // The pattern; 64 places; d in, p, r and d out; x in and out, b - K x out; norms and states both ways.
+        let refined = (3 * (26 + 9 * 5), 4 * 71 + 64 * 8 + 4 * 5 * (4 * 8 + 3 * 8) + 2 * 4 * (3 * 8 + 8));
+        assert_eq!(of(SIZES.refine(1, Precision::F64)), refined);
+        // Nine entries of two products of length 5, a sum and a half; x and residuals in, three rows of four out.
+        assert_eq!(of(SIZES.condense(1, Precision::F32)), (9 * 22, 4 * (2 * 5 + 3) * 4));
+        // Two modes, three entries: C F 2 x 9 x 2, P^T C F twice 2 x 3 x 3, and half of each. Three rows of four, norms and states
+        // in; a header of two and the entries out; the loads of four rows, once for both bodies.
+        let works = (2 * (36 + 36 + 3), 4 * 2 * 4 + 2 * ((3 * 4 + 2 + 3) * 4 + 4 * (3 * 4 + 8)));
+        assert_eq!(of(SIZES.works([2, 1], 2, Precision::F32)), works);
+        let wide = (4 * (36 + 36 + 3), 2 * 4 * 2 * 8 + 2 * ((3 * 4 + 2 + 6) * 8 + 4 * (3 * 8 + 8)));
+        assert_eq!(of(SIZES.works([2, 2], 2, Precision::Mixed)), wide);
+    }
+
+    #[test]
+    fn the_assembly_of_one_element_is_counted_by_hand() {
+        // Three lines of one layer each: 8 sums of it with their powers and 7 steps for its growth, radii of the boundary and
+        // the layer, the span. Four points of one element, 20 sources summed over four points.
+        let operations = 3 * (8 * (7 + 1) + 7 * 15 + 47 + 70 + 2) + 4 * (80 + 32 + 4 + 64) + 20 * 33;
+        // Twice 2 + 12 + 32 shared numbers; grid, starts and sources; nine grid points twice and 36 pairs, 64 places, 2 numbers.
+        let bytes = 2 * 46 * 8 + 4 * (8 + 65 + 20) + (2 * (2 * 9 + 36) + 64 + 2) * 8 + 4 * 8;
+        assert_eq!(SIZES.assemble(1, Precision::F64), Work { operations, bytes });
+        // Twice two numbers of each side, and six numbers more of the body; of one mid-side line three points. A line's
+        // shares 2 x 11 and angle 6; length along the side; |far|^2 - 1; cosine and sine 3 + 3, the two parts 4 + 1, and 6
+        // to add them; how far aside 3 + 2. Of two lines a point that keeps to its radius, of one its bow, and its steps.
+        let block = Sizes { sides: 3, body_numbers: 8, ..SIZES }.assemble(1, Precision::F64);
+        let span = 22 + 6 + 110 + 57 + 17 + 5;
+        assert_eq!(block.operations - operations, 3 * (span - 2) + 2 * 16 + 18 + 3 * 8 + 2 * 9);
+        assert_eq!(block.bytes - bytes, (2 * 6 + 6) * 8);
+    }
+}
