@@ -13,6 +13,8 @@
 //! bodies are condensed once for every clearance. What is left is of the order of the clearance ratio squared
 //! (docs/theory.md, section 10).
 
+use crate::mechanics::compliance::pressure_space::Tilt;
+
 /// Of one clearance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlines {
@@ -36,9 +38,14 @@ impl Outlines {
         self.ratio
     }
 
-    /// mu: of the pressure on the pin against its normal, over sin(theta).
-    pub fn tilt(&self) -> f64 {
-        0.5 * (self.ratio - 1.0 / self.ratio)
+    /// Of the pressure on the pin against its normal; mu to first order.
+    pub fn tilt(&self) -> Tilt {
+        Tilt { first: 0.5 * (self.ratio - 1.0 / self.ratio), second: self.square() }
+    }
+
+    /// The clearance ratio squared: of what is to second order.
+    pub fn square(&self) -> f64 {
+        self.radial_clearance * self.radial_clearance
     }
 
     /// The angle of the hole, rad, that meets one of the pin.
@@ -70,7 +77,7 @@ mod tests {
                 let errors = [
                     outlines.of_pin(phi) - theta,
                     gap / eta - (1.0 - at.cos()),
-                    outlines.tilt() * theta.sin() - (theta - phi),
+                    outlines.tilt().first * theta.sin() - (theta - phi),
                 ];
                 left.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(error.abs()));
                 assert!((outlines.of_hole(outlines.of_pin(phi)) - phi).abs() < 1e-14);
