@@ -41,6 +41,9 @@ const FAIR: f64 = 0.9;
 /// Share of the budget from which on a better fit costs much.
 const FAIR_BUDGET: f64 = 0.1;
 
+/// Of the clearance ratio squared: what pins add to second order is below a millionth or two of the force, and left out here.
+const NEGLIGIBLE_SQUARE: f64 = 1e-5;
+
 /// Meshes whose own error is above this share of the accuracy are not worth a fit.
 const MESH_SHARE: f64 = 0.7;
 
@@ -173,8 +176,15 @@ impl FittedFamily {
         let numbers = infinite(body);
         let (is_pin, Tilt { first, second }) = (self.side == Side::Pin, outlines.tilt());
         let shares = [share, share * first, share * second];
-        let shares = if is_pin { &shares } else { &shares[..1] };
-        let (values, moved) = self.fit.sum(rows, shares, (&numbers, point), scratch);
+        let orders = if !is_pin {
+            1
+        } else if second < NEGLIGIBLE_SQUARE {
+            2
+        } else {
+            3
+        };
+        let rows = if is_pin { &rows[..rows.len() / shares.len() * orders] } else { rows };
+        let (values, moved) = self.fit.sum(rows, &shares[..orders], (&numbers, point), scratch);
         let part = JointCompliance { even: share * numbers[0], bed: 0.0, values: values.into() };
         if is_pin {
             return Some(part);

@@ -363,13 +363,14 @@ mod tests {
                         "{row},{column}: {} {of_odd}",
                         tilted_odd[at]
                     );
-                    // Of lambda_n = sigma_n and tau_n: by the same integrals that `second_order` names, from angles.
+                    // Of lambda_n = sigma_n and tau_n: by the sums that `second_order` names.
                     let second = |of: &dyn Fn(f64) -> [f64; 2], first: usize| -> f64 {
-                        let (of_modes, far) = (first..highest - 2, |n: isize| n.unsigned_abs());
+                        let of_modes = first..highest - 2;
                         let changed = |n: usize, k: usize| {
-                            let (m, at) = (n as f64, |away: isize| moments[far(n as isize + away)][k]);
+                            let (m, at) =
+                                (n as f64, |away: isize| moments[(n as isize + away).unsigned_abs()][k]);
                             let twice = [at(-1) - at(1), at(-2) - at(2)];
-                            let place = 0.25 * (at(2) + at(-2)) / 2.0 - 0.25 * at(0) - 0.25 * m * twice[0]
+                            let place = 0.125 * (at(2) + at(-2)) - 0.25 * at(0) - 0.25 * m * twice[0]
                                 + 0.125 * m * twice[1];
                             (at(0), place, 0.25 * (twice[0] - twice[1]), 0.5 * twice[0])
                         };
@@ -379,8 +380,10 @@ mod tests {
                             sum + 2.0 / PI * (normal * (p * dq + q * dp + t * u) + along * (p * du + q * dt))
                         })
                     };
-                    let of_even = second(&|_| [1.0, 0.0], 1) - second(&|_| [1.0, 0.0], 2)
-                        + second(&|n| [n / (n * n - 1.0), 1.0 / (n * n - 1.0)], 2);
+                    let of_first = |n: f64| {
+                        if n == 1.0 { [1.0, 0.0] } else { [n / (n * n - 1.0), 1.0 / (n * n - 1.0)] }
+                    };
+                    let of_even = second(&of_first, 1);
                     let of_odd = second(&|n| [1.0 / (n * n - 1.0), n / (n * n - 1.0)], 2);
                     for (found, series) in [(second_even[at], of_even), (second_odd[at], of_odd)] {
                         worst_second = worst_second.max((found - series).abs());
