@@ -5,8 +5,8 @@ use std::hash::{BuildHasher, Hash};
 use foldhash::HashSet;
 use foldhash::fast::FixedState;
 
-/// Exact up to this many; beyond, an estimate to some 0.5 %. What is kept stays in the processor's cache.
-const KEPT: usize = 1 << 16;
+/// Exact up to this many; beyond, an estimate to some 0.3 %. What is kept stays in the processor's cache.
+const KEPT: usize = 1 << 18;
 
 /// Keeps hashes; when they become too many, only those that end with so many zeros, which are as many times fewer (Flajolet, "On
 /// adaptive sampling", Computing 43, 1990).

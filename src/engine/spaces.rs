@@ -49,7 +49,7 @@ impl SpaceKey {
     pub fn beside(thinnest: f64, half_ring: bool, accuracy: f64, half_angle: f64) -> SpaceKey {
         // For deep, middling and thin walls terms and nodes.
         let of_depth = match accuracy {
-            _ if accuracy >= 1e-2 => [(6, 16), (6, 24), (10, 48)],
+            _ if accuracy >= 1e-2 => [(6, 24), (6, 32), (10, 48)],
             _ if accuracy >= 1e-4 && half_angle < WIDE => [(6, 24), (6, 32), (16, 48)],
             _ if accuracy >= 1e-4 => [(10, 24), (10, 32), (16, 48)],
             _ => [(10, 48), (16, 48), (24, 64)],
@@ -65,10 +65,25 @@ impl SpaceKey {
         SpaceKey { half_ring, terms, nodes, variable: Variable::Root }
     }
 
-    /// Of all contacts between walls no thinner than `THIN`.
-    pub fn beside_thick_walls(half_ring: bool, accuracy: f64) -> impl Iterator<Item = SpaceKey> {
+    /// The same for interpolated bodies. Where a percent is asked and the pin's ring is whole, fewer nodes leave less than the fits.
+    pub fn of_fits(pin: &Body, plate: &Body, accuracy: f64, half_angle: f64) -> SpaceKey {
+        SpaceKey::coarsest(pin, plate, accuracy, half_angle).with_nodes_of_fits(accuracy)
+    }
+
+    fn with_nodes_of_fits(self, accuracy: f64) -> SpaceKey {
+        match self.nodes {
+            24 if accuracy >= 1e-2 && !self.half_ring => SpaceKey { nodes: 16, ..self },
+            32 if accuracy >= 1e-2 && !self.half_ring => SpaceKey { nodes: 24, ..self },
+            _ => self,
+        }
+    }
+
+    /// Those `of_fits` of all contacts between walls no thinner than `THIN`.
+    pub fn of_fits_of_thick_walls(half_ring: bool, accuracy: f64) -> impl Iterator<Item = SpaceKey> {
         let of_angle = move |half_angle| {
-            [2.0 * DEEP, DEEP].map(|depth| SpaceKey::beside(depth, half_ring, accuracy, half_angle))
+            [2.0 * DEEP, DEEP].map(|depth| {
+                SpaceKey::beside(depth, half_ring, accuracy, half_angle).with_nodes_of_fits(accuracy)
+            })
         };
         [0.0, WIDE].into_iter().flat_map(of_angle)
     }

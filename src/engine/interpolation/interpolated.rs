@@ -44,8 +44,9 @@ impl Interpolation {
         let mut fitted = HashMap::default();
         for (family, budget) in &self.plan.families {
             if let Some(mut fit) = family.fit(self.plan.accuracy, *budget, library, spaces) {
-                let coarsest = SpaceKey::beside_thick_walls(family.key.half_ring, self.plan.accuracy);
-                fit.prepare(coarsest.flat_map(|key| [Some(key), key.with_more_terms()]).flatten(), spaces);
+                let coarsest = SpaceKey::of_fits_of_thick_walls(family.key.half_ring, self.plan.accuracy);
+                let finer = |key: SpaceKey| [Some(key), key.with_more_terms(), key.with_more_nodes()];
+                fit.prepare(coarsest.flat_map(finer).flatten(), spaces);
                 fitted.insert(family.key, fit);
             }
         }
@@ -97,7 +98,7 @@ impl Interpolation {
         let bodies = [(&pin.1, &case.joint.pin), (&plate.1, &case.joint.plate)];
         let expected = ExpectedContact::of(case).half_angle;
         let outlines = JointScale::of(&case.joint).outlines;
-        let mut key = SpaceKey::coarsest(&pin.1, &plate.1, *accuracy, expected);
+        let mut key = SpaceKey::of_fits(&pin.1, &plate.1, *accuracy, expected);
         loop {
             let judged = |side: usize, scratch| -> Option<JudgedBody> {
                 let (body, part) = bodies[side];
@@ -119,7 +120,8 @@ impl Interpolation {
                     return is_whole.then_some(outcome);
                 }
                 Want::MoreTerms => key = key.with_more_terms()?,
-                Want::MoreNodes | Want::FinerMesh => return None,
+                Want::MoreNodes => key = key.with_more_nodes()?,
+                Want::FinerMesh => return None,
             }
         }
     }
