@@ -41,9 +41,6 @@ const FAIR: f64 = 0.9;
 /// Share of the budget from which on a better fit costs much.
 const FAIR_BUDGET: f64 = 0.1;
 
-/// Of the clearance ratio squared: what pins add to second order is below a millionth or two of the force, and left out here.
-const NEGLIGIBLE_SQUARE: f64 = 1e-5;
-
 /// Meshes whose own error is above this share of the accuracy are not worth a fit.
 const MESH_SHARE: f64 = 0.7;
 
@@ -178,7 +175,7 @@ impl FittedFamily {
         let shares = [share, share * first, share * second];
         let orders = if !is_pin {
             1
-        } else if second < NEGLIGIBLE_SQUARE {
+        } else if second == 0.0 {
             2
         } else {
             3

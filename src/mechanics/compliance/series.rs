@@ -30,7 +30,7 @@ pub struct ConcentricBody {
 const NEGLIGIBLE: f64 = 1e-13;
 
 /// The same of what counts by the clearance ratio squared.
-const NEGLIGIBLE_SECOND: f64 = 1e-6;
+const NEGLIGIBLE_SECOND: f64 = 1e-3;
 
 /// Radial and shear stress on the ring: a pressure cos(n phi), and sin(n phi) along the ring.
 type Stress = [f64; 2];
@@ -206,6 +206,11 @@ impl ConcentricBody {
     /// What the fixed circle changes of each mode, as far as it is felt: of lambda_n, half of it for n = 0, and of the amplitude of
     /// u_phi.
     pub fn boundary_modes(&self) -> [Vec<f64>; 2] {
+        self.modes_below(self.highest_mode() + 1)
+    }
+
+    /// The first of those.
+    fn modes_below(&self, count: usize) -> [Vec<f64>; 2] {
         let mode = |n: usize| match n {
             0 => [0.5 * bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization), 0.0],
             1 => {
@@ -214,8 +219,7 @@ impl ConcentricBody {
             }
             _ => self.finite_part(n, PRESSURE),
         };
-        let (normal, along) =
-            (0..=self.highest_mode()).map(mode).map(|[normal, along]| (normal, along)).unzip();
+        let (normal, along) = (0..count).map(mode).map(|[normal, along]| (normal, along)).unzip();
         [normal, along]
     }
 
@@ -224,15 +228,14 @@ impl ConcentricBody {
         if self.is_bed() {
             return Vec::new();
         }
-        let [normal, along] = self.boundary_modes();
+        let [normal, along] = self.modes_below(self.second_order_count());
         self.bands(&normal, &along)
     }
 
     /// As many as `second_order` has.
     pub fn second_order_count(&self) -> usize {
         let decay = 2.0 * self.fixed_radius_ratio.ln().abs();
-        let highest = ((-NEGLIGIBLE_SECOND.ln() + 4.0) / decay).ceil() as usize + 4;
-        highest.min(self.highest_mode()) + 1
+        ((-NEGLIGIBLE_SECOND.ln() + 4.0) / decay).ceil() as usize + 2
     }
 
     fn bands(&self, normal: &[f64], along: &[f64]) -> Vec<Bands> {
