@@ -28,7 +28,7 @@ use jointsweep::internals::engine::unit_costs::{
 };
 use jointsweep::internals::mechanics::body::{Body, Side, annulus, block, cored_disc, half_disc};
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
-use jointsweep::internals::mechanics::compliance::pressure_space::JointCompliance;
+use jointsweep::internals::mechanics::compliance::pressure_space::{JointCompliance, Tilt};
 use jointsweep::internals::mechanics::compliance::ring_modes::RingModes;
 use jointsweep::internals::mechanics::compliance::{BodyCompliance, Boundary};
 use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
@@ -184,12 +184,14 @@ fn made(key: SpaceKey) -> CurveSpace {
 /// Bodies whose compliance has so many modes, whatever they are worth.
 fn in_modes(count: usize) -> BodyCompliance {
     let modes = || (0..=count).map(|n| 1e-3 * n as f64).collect();
-    BodyCompliance { even: 1.0, odd: 0.3, boundary: Boundary::Modes { normal: modes(), along: modes() } }
+    let boundary = Boundary::Modes { normal: modes(), along: modes() };
+    BodyCompliance { even: 1.0, odd: 0.3, boundary, second: Vec::new() }
 }
 
 fn in_ring_modes(count: usize) -> BodyCompliance {
     let works = vec![1e-3; count * (count + 1)];
-    BodyCompliance { even: 1.0, odd: 0.3, boundary: Boundary::RingModes(RingModes::whole(5, count), works) }
+    let boundary = Boundary::RingModes(RingModes::whole(5, count), works);
+    BodyCompliance { even: 1.0, odd: 0.3, boundary, second: Vec::new() }
 }
 
 /// Pressure spaces, with what bodies need in them.
@@ -217,7 +219,7 @@ fn spaces() -> Vec<Measured> {
 }
 
 /// Of pins, as at a clearance of a hundredth of the radius.
-const TILT: f64 = 0.01;
+const TILT: Tilt = Tilt { first: 0.01, second: 1e-4 };
 
 /// The compliance of one body to the trial pressures of a space.
 fn spreads() -> Vec<Measured> {
@@ -245,7 +247,7 @@ fn curves() -> Vec<Measured> {
         let bodies = [cored_discs()[2], annuli()[2]].map(|body| concentric(&body).compliance());
         bodies.iter().for_each(|body| space.pressures.prepare(body));
         let outlines = Outlines::new(0.01);
-        let [pin, plate] = bodies.each_ref().map(|body| space.pressures.joint(&[(body, 1.0)], 0.0));
+        let [pin, plate] = bodies.each_ref().map(|body| space.pressures.joint(&[(body, 1.0)], Tilt::NONE));
         let seconds = time(|| {
             let mut moved = Vec::new();
             space.to_hole(&plate, &outlines, &mut moved);

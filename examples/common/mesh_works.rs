@@ -6,6 +6,7 @@ use jointsweep::internals::engine::bodies::BodyLibrary;
 use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity};
 use jointsweep::internals::engine::spaces::{SpaceKey, Spaces};
 use jointsweep::internals::mechanics::body::Body;
+use jointsweep::internals::mechanics::compliance::pressure_space::Tilt;
 use jointsweep::internals::mechanics::contact::edge::EdgeStates;
 use jointsweep::internals::mechanics::contact::outlines::Outlines;
 
@@ -36,8 +37,9 @@ impl Measured {
         spaces.prepare(solved.iter().map(|body| (key, *body)));
         let space = &spaces.get(key).pressures;
         let Some((exact, meshes)) = solved.split_last() else { return Vec::new() };
-        let states = EdgeStates::new(space, &space.joint(&[(*exact, 1.0)], 0.0), &Outlines::ALIKE);
-        let between = |one, other| states.work_shares(space, &space.joint(&[(one, 1.0), (other, -1.0)], 0.0));
+        let states = EdgeStates::new(space, &space.joint(&[(*exact, 1.0)], Tilt::NONE), &Outlines::ALIKE);
+        let between =
+            |one, other| states.work_shares(space, &space.joint(&[(one, 1.0), (other, -1.0)], Tilt::NONE));
         let errors: Vec<Vec<f64>> = meshes.iter().map(|mesh| between(*mesh, *exact)).collect();
         let changes: Vec<Vec<f64>> = meshes.windows(2).map(|pair| between(pair[1], pair[0])).collect();
         let places = (0..space.arcs.len()).filter(|place| {

@@ -101,12 +101,5 @@ impl TopologyKey {
 
 /// An annulus or a disc as `series` takes it.
 pub fn concentric(body: &Body) -> ConcentricBody {
-    let Some(fixed_radius_ratio) = body.fixed_radius_ratio() else {
-        unreachable!("a `{}` has no modes", body.shape.name)
-    };
-    ConcentricBody {
-        fixed_radius_ratio,
-        poissons_ratio: body.poissons_ratio,
-        idealization: body.idealization,
-    }
+    ConcentricBody::of(body).unwrap_or_else(|| unreachable!("a `{}` has no modes", body.shape.name))
 }

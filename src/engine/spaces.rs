@@ -158,5 +158,6 @@ fn is_alike(one: &BodyCompliance, other: &BodyCompliance) -> bool {
 }
 
 fn highest(body: &BodyCompliance) -> usize {
-    if let Boundary::Modes { normal, .. } = &body.boundary { normal.len() } else { 0 }
+    let first = if let Boundary::Modes { normal, .. } = &body.boundary { normal.len() } else { 0 };
+    first.max(body.second.len())
 }

@@ -10,7 +10,7 @@ use crate::mechanics::laws::LawError;
 /// Something that an answer is to be read with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Remark {
-    /// The clearance is so large that the outlines to first order say little.
+    /// The clearance is so large that the outlines to second order say little.
     ClearanceBeyondModel,
     /// Finite displacement changes the force by more than is asked, and by more than 1 %.
     LargeDisplacement,

@@ -175,7 +175,7 @@ fn check(what: &str, found: &[DesignOutcome], exact: &[DesignOutcome], seen: &Se
     );
     // The rest are contacts at the end of a curve, and designs whose estimate is above the accuracy.
     assert!(share > seen.share, "{what}: {share}");
-    // What outlines leave of sleeves in wide clearances is told beside what is asked.
+    // What outlines leave is told beside what is asked.
     assert!(
         worst_force <= seen.accuracy && worst_estimate <= 1.2 * seen.accuracy,
         "{what}: {worst_force:e} {worst_estimate:e}"

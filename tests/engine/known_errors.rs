@@ -9,6 +9,7 @@ use jointsweep::internals::engine::bodies::BodyLibrary;
 use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity};
 use jointsweep::internals::engine::spaces::{SpaceKey, Spaces};
 use jointsweep::internals::mechanics::body::Body;
+use jointsweep::internals::mechanics::compliance::pressure_space::Tilt;
 use jointsweep::internals::mechanics::contact::edge::EdgeStates;
 use jointsweep::internals::mechanics::contact::outlines::Outlines;
 use jointsweep::internals::mechanics::grading::LEVEL_COUNT;
@@ -30,7 +31,7 @@ fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
     spaces.prepare(meshes.iter().chain([&judge]).map(|request| (key, compliance(request))));
     let space = &spaces.get(key).pressures;
     let exact = compliance(&judge);
-    let states = EdgeStates::new(space, &space.joint(&[(exact, 1.0)], 0.0), &Outlines::ALIKE);
+    let states = EdgeStates::new(space, &space.joint(&[(exact, 1.0)], Tilt::NONE), &Outlines::ALIKE);
     // Arcs that loads come to: those before the neat fit, no narrower than a hundredth of a degree.
     let reached = |place: &usize| {
         let state = states.edges[*place].free;
@@ -38,7 +39,7 @@ fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
     };
     let places: Vec<usize> = (0..space.arcs.len()).filter(reached).collect();
     let of_level = |(level, request): (usize, &BodyRequest)| {
-        let change = space.joint(&[(compliance(request), 1.0), (exact, -1.0)], 0.0);
+        let change = space.joint(&[(compliance(request), 1.0), (exact, -1.0)], Tilt::NONE);
         let changes = states.work_shares(space, &change);
         let of_place = |place: &usize| {
             let known = known_error(body, level, space.arcs[*place].half_angle).unwrap();

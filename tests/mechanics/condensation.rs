@@ -7,7 +7,7 @@ use jointsweep::internals::mechanics::body::{Body, Side};
 use jointsweep::internals::mechanics::compliance::arc::{ContactArc, packed_count};
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
 use jointsweep::internals::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
-use jointsweep::internals::mechanics::compliance::pressure_space::PressureSpace;
+use jointsweep::internals::mechanics::compliance::pressure_space::{PressureSpace, Tilt};
 use jointsweep::internals::mechanics::compliance::ring_modes::{Push, RingModes};
 use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
 use jointsweep::internals::mechanics::compliance::{BodyCompliance, Boundary};
@@ -125,8 +125,10 @@ fn the_near_field_removes_the_error_of_the_ring() {
         let error = |works: Vec<f64>, space: &mut PressureSpace| {
             let found = BodyCompliance { boundary: Boundary::RingModes(modes, works), ..exact.clone() };
             space.prepare(&found);
-            let (left, whole) =
-                (space.joint(&[(&found, 1.0), (&exact, -1.0)], 0.0), space.joint(&[(&exact, 1.0)], 0.0));
+            let (left, whole) = (
+                space.joint(&[(&found, 1.0), (&exact, -1.0)], Tilt::NONE),
+                space.joint(&[(&exact, 1.0)], Tilt::NONE),
+            );
             // The work of a punch-like pressure, p_0.
             let of_arc = |(place, arc): (usize, &ContactArc)| {
                 let log = std::f64::consts::FRAC_PI_2 * exact.even * arc.b.ln();

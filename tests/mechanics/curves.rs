@@ -6,7 +6,7 @@ use crate::common::random::Random;
 use jointsweep::internals::engine::spaces::SpaceKey;
 use jointsweep::internals::mechanics::body::{Body, Side, annulus, cored_disc};
 use jointsweep::internals::mechanics::compliance::arc::ContactArc;
-use jointsweep::internals::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
+use jointsweep::internals::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace, Tilt};
 use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
 use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace};
 use jointsweep::internals::mechanics::contact::edge::EdgeStates;
@@ -38,7 +38,7 @@ fn persson() {
         [1e-3, 1e4].map(|ratio| concentric(ratio, 0.3, Idealization::PlaneStress).compliance());
     space.prepare(&pin);
     space.prepare(&plate);
-    let joint = space.joint(&[(&pin, 1.0), (&plate, 1.0)], 0.0);
+    let joint = space.joint(&[(&pin, 1.0), (&plate, 1.0)], Tilt::NONE);
     let states = EdgeStates::new(&space, &joint, &Outlines::ALIKE);
     for (place, (degrees, clearance, peak)) in table.into_iter().enumerate() {
         let state = states.edges[place].state(&arcs[place], &Outlines::ALIKE).unwrap();
@@ -92,7 +92,7 @@ fn curves_leave_what_is_said() {
             let joint = JointCompliance::of_both(&of_space[0], &of_space[1]);
             let curve = ContactCurve::new(&space, &joint, outlines).unwrap();
             let of_pin = exact[0].joint(&parts[0].1, outlines.tilt());
-            let mut of_plate = exact[1].joint(&parts[1].1, 0.0);
+            let mut of_plate = exact[1].joint(&parts[1].1, Tilt::NONE);
             let logarithm = FRAC_PI_2 * of_plate.even * outlines.ratio().ln();
             of_plate.values.to_mut()[..arcs.len()].iter_mut().for_each(|value| *value += logarithm);
             let joint = JointCompliance::of_both(&of_pin, &of_plate);

@@ -69,15 +69,14 @@ fn solved(case: &Case, method: MethodChoice, accuracy: f64) -> Response {
     outcome.steps[0].response.unwrap_or_else(|| panic!("{}", outcome.steps[0].status))
 }
 
-/// Clearance ratios with what the force and the half angle, deg, are held to. Seen: 6e-10, 2.3e-6, 1.3e-5, 4.2e-5, 3.3e-4 and 1.0e-3 of the force,
-/// and 0.044 deg at 5 and 8 %.
+/// Clearance ratios with what the force and the half angle, deg, are held to.
 const LIMITS: [(f64, f64, f64); 6] = [
     (1e-6, 1e-8, 0.001),
-    (0.005, 2e-5, 0.002),
-    (0.01, 1e-4, 0.01),
-    (0.02, 1.5e-4, 0.02),
-    (0.05, 5e-4, 0.05),
-    (0.08, 1.3e-3, 0.1),
+    (0.005, 2e-6, 0.001),
+    (0.01, 5e-6, 0.001),
+    (0.02, 2e-5, 0.003),
+    (0.05, 1e-4, 0.02),
+    (0.08, 5e-4, 0.05),
 ];
 
 #[test]
@@ -123,10 +122,10 @@ fn concentric_joints_are_those_of_the_true_outlines() {
     );
 }
 
-/// Sleeves that are bonded to a core, rubber ones too: what pushes along their skin shears them, to second order, which no mesh mends but
-/// `force_error` says.
+/// Sleeves that are bonded to a core, rubber ones too: what pushes along their skin shears them, to second order far more than what is
+/// across it squeezes them. `force_error` says what that leaves.
 #[test]
-fn bonded_sleeves_are_within_what_is_said() {
+fn bonded_sleeves_are_those_of_the_true_outlines() {
     let mut random = Random::new(142);
     let (mut compared, mut bounded, mut most) = (0, 0, 0.0_f64);
     for clearance in [0.02, 0.08] {
@@ -139,13 +138,13 @@ fn bonded_sleeves_are_within_what_is_said() {
             assert!(error.is_finite());
             compared += 1;
             bounded += usize::from(error <= found.force_error);
-            most = most.max(error / clearance.powi(2));
+            most = most.max(error / clearance.powi(3));
         }
     }
-    println!("{compared} compared, {bounded} bounded, at most {most:.2} of the clearance ratio squared");
+    println!("{compared} compared, {bounded} bounded, at most {most:.2} of the clearance ratio cubed");
     assert!(compared > 60 && bounded * 100 >= compared * 95, "{compared} {bounded}");
-    // There is something to be said.
-    assert!(most > 0.8, "{most}");
+    // There is something to be said; 5e-4 of the force at 8 %.
+    assert!((0.1..1.0).contains(&most), "{most}");
 }
 
 /// The stiffness is the derivative of the force at any clearance.
@@ -170,7 +169,7 @@ fn the_stiffness_is_the_slope_of_the_force() {
     assert!(compared >= 10, "{compared}");
 }
 
-/// Clearances that first order does not bear say so, and how much is left.
+/// Clearances that second order does not bear say so, and how much is left.
 #[test]
 fn wide_clearances_are_told() {
     let case = |clearance: f64| {

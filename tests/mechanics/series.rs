@@ -5,7 +5,7 @@ use crate::common::random::Random;
 use crate::common::stepped_ring::Ring;
 use jointsweep::internals::mechanics::body::Side;
 use jointsweep::internals::mechanics::compliance::arc::packed_count;
-use jointsweep::internals::mechanics::compliance::pressure_space::JointCompliance;
+use jointsweep::internals::mechanics::compliance::pressure_space::{JointCompliance, Tilt};
 use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
 use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
 use jointsweep::internals::mechanics::contact::load::DimensionlessLoad;
@@ -183,7 +183,7 @@ fn a_broken_compliance_has_no_curve() {
     let [pin, plate] = [joint.pin, joint.plate].map(|body| body.compliance());
     space.pressures.prepare(&pin);
     space.pressures.prepare(&plate);
-    let sound = space.pressures.joint(&[(&pin, 1.0), (&plate, 1.0)], 0.0);
+    let sound = space.pressures.joint(&[(&pin, 1.0), (&plate, 1.0)], Tilt::NONE);
     assert!(ContactCurve::new(&space, &sound, Outlines::ALIKE).is_some());
     let entries = packed_count(10);
     for node in [0, 15] {

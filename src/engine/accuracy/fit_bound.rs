@@ -3,6 +3,7 @@
 use crate::engine::accuracy::known_errors::{Known, column, known_errors};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::BodyCompliance;
+use crate::mechanics::compliance::pressure_space::Tilt;
 use crate::mechanics::contact::curve::CurveSpace;
 use crate::mechanics::contact::edge::EdgeStates;
 use crate::mechanics::contact::outlines::Outlines;
@@ -121,8 +122,8 @@ fn quantile(errors: &[Vec<f64>]) -> Vec<f64> {
 
 /// Relative changes of the work of a body alone at each node; infinite where they have no value.
 pub fn changes(space: &CurveSpace, expected: &BodyCompliance, found: &BodyCompliance) -> Vec<f64> {
-    let alone = space.pressures.joint(&[(expected, 1.0)], 0.0);
-    let change = space.pressures.joint(&[(found, 1.0), (expected, -1.0)], 0.0);
+    let alone = space.pressures.joint(&[(expected, 1.0)], Tilt::NONE);
+    let change = space.pressures.joint(&[(found, 1.0), (expected, -1.0)], Tilt::NONE);
     let changes =
         EdgeStates::new(&space.pressures, &alone, &Outlines::ALIKE).work_shares(&space.pressures, &change);
     changes.into_iter().map(|change| if change.is_finite() { change.abs() } else { f64::INFINITY }).collect()

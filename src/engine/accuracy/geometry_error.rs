@@ -1,30 +1,36 @@
-//! What the geometry of the model leaves of a force: outlines to first order in the clearance, and displacements that are small.
+//! What the geometry of the model leaves of a force: outlines to second order in the clearance, and displacements that are small.
 //! No mesh mends either.
 
 use std::f64::consts::FRAC_PI_6;
 
 use crate::engine::outcome::Response;
+use crate::mechanics::body::THINNEST_RING;
 use crate::mechanics::contact::outlines::Outlines;
 use crate::study::design::JointDesign;
 
-/// Of the clearance ratio squared: with a rigid pin, and more by the pin's share of the work; less in narrow contacts, below 30 deg.
-/// All but one in a thousand of the joints of `tests/mechanics/geometry.rs` and of a thousand like them have less.
-const OF_PLATE: f64 = 0.1;
-const MORE_OF_PIN: f64 = 0.2;
+/// Of the clearance ratio cubed; less in narrow contacts, below 30 deg. All but one in a hundred of the joints of
+/// `tests/mechanics/geometry.rs` and of a thousand like them have less.
+const OF_CUBE: f64 = 0.5;
 const OF_SINE: f64 = 2.0;
 
-/// What pushes along the skin of a pin shears its wall, to second order: this of the clearance ratio squared, times the pin's share,
-/// sin^2 of the half angle, and by how much a wall resists squeezing more than shear. Of pins whose wall is thicker than `WALL`
-/// radii of the core, |ln r|, the less the thicker it is.
-const OF_SHEAR: f64 = 0.16;
+/// What pushes along the skin of a pin shears its wall: this of the clearance ratio cubed, times the pin's share, sin^2 of the half
+/// angle, and by how much a wall resists squeezing more than shear. Of pins whose wall is thicker than `WALL` radii of the core,
+/// |ln r|, the less the thicker it is.
+const OF_SHEAR: f64 = 0.04;
 const WALL: f64 = std::f64::consts::LN_2;
 /// More than that resistance no wall of the joints seen had: it yields along itself.
 const STIFFEST: f64 = 40.0;
 
+/// Of the clearance ratio squared, where second order is not known: times the share of a pin that is not concentric, and as `OF_SHEAR` of
+/// walls that are taken for beds; where it is left out both and more.
+const OF_HELD: f64 = 0.1;
+const OF_LEFT_OUT: f64 = 0.3;
+const OF_BED: f64 = 0.16;
+
 /// From this clearance ratio on a row says so, whatever is left.
 pub const WIDEST_CLEARANCE: f64 = 0.5;
 
-/// Relative error of a joint's force by the outlines being those of first order in the clearance.
+/// Relative error of a joint's force by the outlines being those of second order in the clearance.
 pub struct OutlineError {
     /// In wide contacts.
     of_all: f64,
@@ -40,12 +46,21 @@ impl OutlineError {
         let of_pin = plate / (pin + plate);
         let kappa = joint.idealization.kolosov(joint.pin.material.poissons_ratio);
         let resistance = ((kappa + 1.0) / (kappa - 1.0)).min(STIFFEST);
-        let wall = (2.0 * (WALL - joint.body(&joint.pin).depth_range().0)).exp().min(1.0);
-        let square = outlines.radial_clearance * outlines.radial_clearance;
-        OutlineError {
-            of_all: square * (OF_PLATE + MORE_OF_PIN * of_pin),
-            of_shear: square * OF_SHEAR * of_pin * resistance * wall,
-        }
+        let body = joint.body(&joint.pin);
+        let depth = body.depth_range().0;
+        let wall = (2.0 * (WALL - depth)).exp().min(1.0);
+        let of_wall = of_pin * resistance * wall;
+        let ratio = outlines.radial_clearance;
+        let [all, shear] = if outlines.second() == 0.0 {
+            [OF_LEFT_OUT, OF_BED * of_wall]
+        } else if !body.shape.concentric {
+            [OF_HELD * of_pin, 0.0]
+        } else if depth < THINNEST_RING {
+            [0.0, OF_BED * of_wall]
+        } else {
+            [0.0, ratio * OF_SHEAR * of_wall]
+        };
+        OutlineError { of_all: ratio * ratio * (ratio * OF_CUBE + all), of_shear: ratio * ratio * shear }
     }
 
     /// At a contact half angle, rad.

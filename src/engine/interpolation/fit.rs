@@ -12,7 +12,7 @@ use crate::engine::interpolation::samples::{Expense, FINEST, Meshes};
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::body::{Body, Side};
 use crate::mechanics::compliance::body_fit::{BodyFit, FitScratch};
-use crate::mechanics::compliance::pressure_space::JointCompliance;
+use crate::mechanics::compliance::pressure_space::{JointCompliance, Tilt};
 use crate::mechanics::compliance::{BodyCompliance, Boundary, infinite};
 use crate::mechanics::contact::outlines::Outlines;
 
@@ -22,7 +22,7 @@ pub struct FittedFamily {
     side: Side,
     basis: Basis,
     /// In each space that was prepared, what `even`, `odd` and the amplitude of each member add to a compliance, and behind that what
-    /// they add to that of a pin by unit tilt.
+    /// they add to that of a pin by unit tilt of either order.
     in_spaces: HashMap<SpaceKey, Vec<f64>>,
     pub bound: FitBound,
     /// Bodies solved for it, on every mesh.
@@ -132,9 +132,9 @@ impl Family {
 impl FittedFamily {
     /// Makes what joints in these spaces need.
     pub fn prepare(&mut self, keys: impl Iterator<Item = SpaceKey>, spaces: &mut Spaces) {
-        let infinite = |even, odd| BodyCompliance { even, odd, boundary: Boundary::Bed(0.0) };
-        let member =
-            |numbers| BodyCompliance { boundary: self.basis.boundary(numbers), ..infinite(0.0, 0.0) };
+        let infinite =
+            |even, odd| BodyCompliance { even, odd, boundary: Boundary::Bed(0.0), second: Vec::new() };
+        let member = |numbers| self.basis.compliance([0.0; 2], numbers);
         let unit: Vec<BodyCompliance> = [infinite(1.0, 0.0), infinite(0.0, 1.0)]
             .into_iter()
             .chain(self.fit.members().map(member))
@@ -142,14 +142,15 @@ impl FittedFamily {
         for key in keys {
             spaces.prepare(unit.iter().map(|unit| (key, unit)));
             let pressures = &spaces.get(key).pressures;
-            let compliances = |tilt: f64| {
+            let compliances = |tilt: Tilt| {
                 unit.iter().flat_map(move |unit| pressures.joint(&[(unit, 1.0)], tilt).values.into_owned())
             };
-            let mut rows: Vec<f64> = compliances(0.0).collect();
+            let own: Vec<f64> = compliances(Tilt::NONE).collect();
+            let mut rows = own.clone();
             if self.side == Side::Pin {
-                let tilted: Vec<f64> =
-                    compliances(1.0).zip(&rows).map(|(tilted, own)| tilted - own).collect();
-                rows.extend(tilted);
+                for tilt in [Tilt { first: 1.0, ..Tilt::NONE }, Tilt { second: 1.0, ..Tilt::NONE }] {
+                    rows.extend(compliances(tilt).zip(&own).map(|(tilted, own)| tilted - own));
+                }
             }
             self.in_spaces.insert(key, rows);
         }
@@ -170,9 +171,17 @@ impl FittedFamily {
             return None;
         }
         let numbers = infinite(body);
-        let (is_pin, shares) = (self.side == Side::Pin, [share, share * outlines.tilt()]);
-        let shares = if is_pin { &shares } else { &shares[..1] };
-        let (values, moved) = self.fit.sum(rows, shares, (&numbers, point), scratch);
+        let (is_pin, Tilt { first, second }) = (self.side == Side::Pin, outlines.tilt());
+        let shares = [share, share * first, share * second];
+        let orders = if !is_pin {
+            1
+        } else if second == 0.0 {
+            2
+        } else {
+            3
+        };
+        let rows = if is_pin { &rows[..rows.len() / shares.len() * orders] } else { rows };
+        let (values, moved) = self.fit.sum(rows, &shares[..orders], (&numbers, point), scratch);
         let part = JointCompliance { even: share * numbers[0], bed: 0.0, values: values.into() };
         if is_pin {
             return Some(part);

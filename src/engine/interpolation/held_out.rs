@@ -12,8 +12,8 @@ use crate::engine::interpolation::family::{Family, body_at};
 use crate::engine::interpolation::samples::Expense;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::body::Body;
-use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::body_fit::{BodyFit, FitScratch};
+use crate::mechanics::compliance::{BodyCompliance, infinite};
 use crate::mechanics::contact::curve::Variable;
 
 /// The space that errors are told in.
@@ -64,7 +64,7 @@ impl HeldOut {
     ) {
         let numbers = family.solve(library, &self.points, family.fidelity(level), basis);
         let fine: Vec<BodyCompliance> = (self.bodies.iter().zip(numbers))
-            .map(|(body, numbers)| BodyCompliance::new(body, basis.boundary(&numbers)))
+            .map(|(body, numbers)| basis.compliance(infinite(body), &numbers))
             .collect();
         let coarse = std::mem::replace(&mut self.expected, fine);
         expense.add(family, self.points.len(), level);
@@ -99,8 +99,8 @@ impl HeldOut {
         let space = spaces.get(self.space);
         let of_fit: Vec<Vec<f64>> = (self.points.par_iter().zip(&self.bodies).zip(&self.expected))
             .map_init(FitScratch::default, |scratch, ((point, body), expected)| {
-                let boundary = basis.boundary(&fit.at(point, scratch));
-                changes(space, expected, &BodyCompliance::new(body, boundary))
+                let found = basis.compliance(infinite(body), &fit.at(point, scratch));
+                changes(space, expected, &found)
             })
             .collect();
         FitBound::new(

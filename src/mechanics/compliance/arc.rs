@@ -73,6 +73,26 @@ impl ContactArc {
         }
         versines
     }
+
+    /// Integrals of p_k sin^2(phi) (1 - cos phi) over b^2, for k = 0, 1, ...: with r = 1/sqrt(1 + b^2) and q = b^2 r^2
+    /// pi (-t^2)^k r [2 r^2 k^2 - (2 r + 3 r q) k + 3/2 q^2]/b^2. By the derivatives D of the integrals of 1 - cos phi by ln b, D - D^2/2.
+    #[inline(always)]
+    pub fn bent_versines<T: Real, const TERMS: usize>(b: T) -> [T; TERMS] {
+        let number = T::from_f64;
+        let root = (number(1.0) + b * b).sqrt();
+        let (r, inverse) = (number(1.0) / root, number(1.0) / (number(1.0) + root));
+        let (t, q) = (b * inverse, b * b * r * r);
+        let (square, single) = (number(2.0) * r * r, r * (number(2.0) + number(3.0) * q));
+        let mut bent = [number(1.5 * PI) * r * q * r * r; TERMS];
+        // pi r (-t^2)^k/b^2.
+        let mut factor = -number(PI) * r * inverse * inverse;
+        for (k, bent) in bent.iter_mut().enumerate().skip(1) {
+            let k = number(k as f64);
+            *bent = factor * (k * (k * square - single) + number(1.5) * q * q);
+            factor = -factor * t * t;
+        }
+        bent
+    }
 }
 
 /// Entries of the lower triangle of a symmetric `terms` x `terms` matrix.
@@ -127,6 +147,25 @@ mod tests {
                 })
                 .sum();
             assert!((versine * arc.b * arc.b - sum).abs() < 1e-14, "k = {k}");
+        }
+    }
+
+    #[test]
+    fn bent_versine_equals_its_integral() {
+        for half_angle in [0.02, 1.3] {
+            let arc = ContactArc::new(half_angle);
+            let bent: [f64; 5] = ContactArc::bent_versines(arc.b);
+            for (k, bent) in bent.iter().enumerate() {
+                let sum: f64 = gauss_legendre(40)
+                    .iter()
+                    .map(|(x, w)| {
+                        let tau = 0.5 * FRAC_PI_2 * (1.0 + x);
+                        let (sine, cosine) = arc.angle(tau).sin_cos();
+                        0.5 * FRAC_PI_2 * w * (2.0 * k as f64 * tau).cos() * sine * sine * (1.0 - cosine)
+                    })
+                    .sum();
+                assert!((bent * arc.b * arc.b - sum).abs() < 1e-14, "{half_angle}, k = {k}: {bent} {sum}");
+            }
         }
     }
 }

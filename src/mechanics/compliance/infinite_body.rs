@@ -1,5 +1,5 @@
 //! Galerkin matrices of the infinitely extended bodies: the kernels sum of (2/pi) cos(n phi) cos(n phi') f(n) in the
-//! trial pressures, in closed form, one arc a lane; and what the tilt of a pin's pressure adds.
+//! trial pressures, in closed form, one arc a lane; and what the tilt of a pin's pressure adds, to first and second order.
 //!
 //! Half the range suffices: pressures are even, so that for tau in (0, pi/2) the other point goes over (0, pi).
 
@@ -25,19 +25,25 @@ pub struct InfiniteKernels {
     /// f(n) = 1/(n^2 - 1) and n/(n^2 - 1) over n >= 2.
     pub tilted_even: Vec<f64>,
     pub tilted_odd: Vec<f64>,
+    /// What the clearance ratio squared adds (`second_order`), of a disc: lambda_n = sigma_n = n/(n^2 - 1) with
+    /// tau_n = 1/(n^2 - 1), and these two exchanged; lambda_1 = sigma_1 = 1 of the first.
+    pub second_even: Vec<f64>,
+    pub second_odd: Vec<f64>,
 }
 
 impl InfiniteKernels {
     /// For arcs, as many as a multiple of `LANES`.
     pub fn new(arcs: &[ContactArc], terms: usize) -> InfiniteKernels {
         let entries = packed_count(terms);
-        let mut kernels: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; entries * arcs.len()]);
+        let mut kernels: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; entries * arcs.len()]);
         let (logarithmic, kinked) = (LogarithmicRule::new(terms), KinkedRule::new(terms));
         for (chunk, of_chunk) in arcs.chunks_exact(LANES).enumerate() {
             let lanes: [ContactArc; LANES] = std::array::from_fn(|lane| of_chunk[lane]);
-            let [even, tilted_even] = in_lanes(Cubic { arcs: &lanes, terms, rule: &logarithmic });
-            let [odd, tilted_odd] = in_lanes(Quadratic { arcs: &lanes, terms, rule: &kinked });
-            for (kernel, own) in kernels.iter_mut().zip([even, odd, tilted_even, tilted_odd]) {
+            let [even, tilted_even, second_even] =
+                in_lanes(Cubic { arcs: &lanes, terms, rule: &logarithmic });
+            let [odd, tilted_odd, second_odd] = in_lanes(Quadratic { arcs: &lanes, terms, rule: &kinked });
+            let own = [even, odd, tilted_even, tilted_odd, second_even, second_odd];
+            for (kernel, own) in kernels.iter_mut().zip(own) {
                 for (entry, values) in own.iter().enumerate() {
                     kernel[entry * arcs.len() + chunk * LANES..][..LANES].copy_from_slice(values);
                 }
@@ -49,8 +55,8 @@ impl InfiniteKernels {
                 add_logarithm(arc, terms, &mut add);
             }
         }
-        let [even, odd, tilted_even, tilted_odd] = kernels;
-        InfiniteKernels { even, odd, tilted_even, tilted_odd }
+        let [even, odd, tilted_even, tilted_odd, second_even, second_odd] = kernels;
+        InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd }
     }
 }
 
@@ -103,7 +109,13 @@ impl LogarithmicRule {
 
 /// Galerkin matrices of the sum over n >= 2 of cos(n theta)/(n (n^2 - 1))
 /// = (1 - cos theta) ln(2 sin(theta/2)) - 1/2 + 3/4 cos theta,
-/// and of (sin phi - sin phi') times that of sin(n theta)/(n^2 - 1) = sin theta [1/4 - ln(2 sin(theta/2))].
+/// and of (sin phi - sin phi') times that of sin(n theta)/(n^2 - 1) = sin theta [1/4 - ln(2 sin(theta/2))]; and of what comes of both to
+/// second order,
+///
+/// ```text
+///   -(sin phi - sin phi')^2/2 [3/4 cos theta - 1/2 - cos theta ln(2 sin(theta/2))] - (cos phi + cos phi')/4
+///   + cos(phi + phi') {(1 + cos theta)/4 - sin^2(theta)/2 [1/4 - ln(2 sin(theta/2))]}.
+/// ```
 ///
 /// With x = tan(phi/2) = b s and g = 1/(1 + x^2): 1 - cos theta = 2 b^2 (s - s')^2 g g',
 /// (sin phi - sin phi') sin theta = 2 (1 - cos theta) (1 - x^2 x'^2) g g', and
@@ -115,10 +127,10 @@ struct Cubic<'a> {
 }
 
 impl LaneWork for Cubic<'_> {
-    type Output = [Vec<[f64; LANES]>; 2];
+    type Output = [Vec<[f64; LANES]>; 3];
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> [Vec<[f64; LANES]>; 2] {
+    fn run<const FUSED: bool>(self) -> [Vec<[f64; LANES]>; 3] {
         let Cubic { arcs, terms, rule: LogarithmicRule { count, weights, nodes, trials } } = self;
         let number = Lanes::<FUSED>::from_f64;
         let step = PI / *count as f64;
@@ -132,9 +144,9 @@ impl LaneWork for Cubic<'_> {
                 [g, Lanes(g.0.map(|g| 0.5 * g.ln()))]
             })
             .collect();
-        let mut matrices = [(); 2].map(|()| vec![[0.0; LANES]; packed_count(terms)]);
+        let mut matrices = [(); 3].map(|()| vec![[0.0; LANES]; packed_count(terms)]);
         for (i, (s, [g, ln_g])) in nodes.iter().zip(&at_nodes).enumerate() {
-            let mut potentials = [[Lanes::<FUSED>::zero(); MAX_TERMS]; 2];
+            let mut potentials = [[Lanes::<FUSED>::zero(); MAX_TERMS]; 3];
             for (j, (other, [other_g, other_ln_g])) in nodes.iter().zip(&at_nodes).enumerate() {
                 let arm = b * number(s - other);
                 let versine = number(2.0) * arm * arm * *g * *other_g;
@@ -143,8 +155,22 @@ impl LaneWork for Cubic<'_> {
                 let smooth = number(step) * (number(0.25) - number(0.75) * versine);
                 // g (1 - x^2 x'^2) g' = g + g' - 1, free of squares.
                 let tilt = (versine + versine) * (*g + *other_g - number(1.0));
-                let of_kernels = [versine * logarithm + smooth, tilt * (number(0.25 * step) - logarithm)]
-                    .map(|weight| -weight);
+                // cos theta, (1 + cos theta)/2, cos phi + cos phi', and cos(phi + phi').
+                let (cosine, near) = (number(1.0) - versine, number(1.0) - number(0.5) * versine);
+                let cosines = number(2.0) * (*g + *other_g - number(1.0));
+                let [own, other] = [*g, *other_g].map(|g| number(2.0) * g - number(1.0));
+                let of_sum = number(2.0) * own * other - cosine;
+                // Half of (sin phi - sin phi')^2, and half of cos(phi + phi') sin^2(theta).
+                let square = number(0.5) * (number(1.0) + of_sum) * versine;
+                let product = of_sum * versine * near;
+                let of_logarithm = square * cosine + product;
+                let rest = square * (number(0.5) - number(0.75) * cosine) - number(0.25) * product
+                    + number(0.5) * of_sum * near
+                    - number(0.25) * cosines;
+                let second = of_logarithm * logarithm + number(step) * rest;
+                let of_kernels =
+                    [versine * logarithm + smooth, tilt * (number(0.25 * step) - logarithm), second]
+                        .map(|weight| -weight);
                 for (potential, weight) in potentials.iter_mut().zip(of_kernels) {
                     for (sum, trial) in potential[..terms].iter_mut().zip(&trials[j]) {
                         *sum = sum.minus_product(weight, number(*trial));
@@ -199,7 +225,8 @@ impl KinkedRule {
 /// Galerkin matrices of the sum over n >= 2 of cos(n theta)/(n^2 - 1)
 /// = 1/2 + 1/4 cos theta - (pi - theta)/2 sin theta, 0 <= theta <= 2 pi,
 /// and of (sin phi - sin phi') times that of n sin(n theta)/(n^2 - 1) = (pi - theta)/2 cos theta - 1/4 sin theta; both have a
-/// kink on the diagonal.
+/// kink on the diagonal. And of what comes of both to second order, -(sin phi - sin phi')^2/2 times the first and
+/// -(sin 2 phi - sin 2 phi')/4 times the other sum.
 ///
 /// For each tau the integral over tau' in (0, pi) is taken on both sides of the kink. sin(theta/2) = |x - x'|/h,
 /// cos(theta/2) = (1 + x x')/h, h^2 = (1 + x^2)(1 + x'^2), sin phi - sin phi' = 2 (x - x') (1 - x x')/h^2.
@@ -210,19 +237,19 @@ struct Quadratic<'a> {
 }
 
 impl LaneWork for Quadratic<'_> {
-    type Output = [Vec<[f64; LANES]>; 2];
+    type Output = [Vec<[f64; LANES]>; 3];
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> [Vec<[f64; LANES]>; 2] {
+    fn run<const FUSED: bool>(self) -> [Vec<[f64; LANES]>; 3] {
         let Quadratic { arcs, terms, rule } = self;
         let number = Lanes::<FUSED>::from_f64;
         let b = Lanes::<FUSED>(arcs.map(|arc| arc.b));
         let angle = |x: Lanes<FUSED>| Lanes::<FUSED>(x.0.map(|x| 2.0 * x.atan()));
-        let mut matrices = [(); 2].map(|()| vec![[0.0; LANES]; packed_count(terms)]);
+        let mut matrices = [(); 3].map(|()| vec![[0.0; LANES]; packed_count(terms)]);
         for (&(tau, outer_weight), inner) in rule.outer.iter().zip(&rule.inner) {
             let x = b * number(tau.cos());
             let own_angle = angle(x);
-            let mut potentials = [[Lanes::<FUSED>::zero(); MAX_TERMS]; 2];
+            let mut potentials = [[Lanes::<FUSED>::zero(); MAX_TERMS]; 3];
             for &(cosine, weight) in inner {
                 let y = b * number(cosine);
                 let theta = own_angle - angle(y);
@@ -238,9 +265,15 @@ impl LaneWork for Quadratic<'_> {
                 let arm =
                     (number(1.0) - x * y) * Lanes(difference.0.map(|value| 2.0 * value.abs())) / squares;
                 let cosine_of = number(1.0) - number(2.0) * sine_square;
-                let tilted = arm * number(0.5) * (rest * cosine_of - product);
+                let of_sines = rest * cosine_of - product;
+                let tilted = arm * number(0.5) * of_sines;
+                // cos(phi + phi').
+                let (inward, sum) = (number(1.0) - x * y, x + y);
+                let of_sum = (inward * inward - sum * sum) / squares;
+                let second = -((number(1.0) + of_sum) * sine_square * kernel)
+                    - number(0.5) * of_sum * product * of_sines;
                 let trials = cosines(2.0 * cosine * cosine - 1.0);
-                for (potential, kernel) in potentials.iter_mut().zip([kernel, tilted]) {
+                for (potential, kernel) in potentials.iter_mut().zip([kernel, tilted, second]) {
                     let kernel = number(-weight) * kernel;
                     for (sum, trial) in potential[..terms].iter_mut().zip(&trials) {
                         *sum = sum.minus_product(kernel, number(*trial));
@@ -274,10 +307,11 @@ mod tests {
     #[test]
     fn kernels_equal_their_series() {
         let arcs: Vec<ContactArc> = (1..=LANES).map(|i| ContactArc::new(0.25 * i as f64)).collect();
-        let InfiniteKernels { even, odd, tilted_even, tilted_odd } = InfiniteKernels::new(&arcs, 4);
+        let InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd } =
+            InfiniteKernels::new(&arcs, 4);
         let highest = 2000;
         let rule = gauss_legendre(60);
-        let mut compared = 0;
+        let (mut compared, mut worst_second) = (0, 0.0_f64);
         for (place, arc) in arcs.iter().enumerate() {
             // Integrals of p_k cos(n phi), on 40 pieces for the waves.
             let moment = |n: usize, k: usize| -> f64 {
@@ -329,6 +363,32 @@ mod tests {
                         "{row},{column}: {} {of_odd}",
                         tilted_odd[at]
                     );
+                    // Of lambda_n = sigma_n and tau_n: by the sums that `second_order` names.
+                    let second = |of: &dyn Fn(f64) -> [f64; 2], first: usize| -> f64 {
+                        let of_modes = first..highest - 2;
+                        let changed = |n: usize, k: usize| {
+                            let (m, at) =
+                                (n as f64, |away: isize| moments[(n as isize + away).unsigned_abs()][k]);
+                            let twice = [at(-1) - at(1), at(-2) - at(2)];
+                            let place = 0.125 * (at(2) + at(-2)) - 0.25 * at(0) - 0.25 * m * twice[0]
+                                + 0.125 * m * twice[1];
+                            (at(0), place, 0.25 * (twice[0] - twice[1]), 0.5 * twice[0])
+                        };
+                        of_modes.fold(0.0, |sum, n| {
+                            let [(p, dp, dt, t), (q, dq, du, u)] = [row, column].map(|k| changed(n, k));
+                            let [normal, along] = of(n as f64);
+                            sum + 2.0 / PI * (normal * (p * dq + q * dp + t * u) + along * (p * du + q * dt))
+                        })
+                    };
+                    let of_first = |n: f64| {
+                        if n == 1.0 { [1.0, 0.0] } else { [n / (n * n - 1.0), 1.0 / (n * n - 1.0)] }
+                    };
+                    let of_even = second(&of_first, 1);
+                    let of_odd = second(&|n| [1.0 / (n * n - 1.0), n / (n * n - 1.0)], 2);
+                    for (found, series) in [(second_even[at], of_even), (second_odd[at], of_odd)] {
+                        worst_second = worst_second.max((found - series).abs());
+                        assert!((found - series).abs() < 5e-4, "{row},{column}: {found} {series}");
+                    }
                     // Their difference falls like n^-4.
                     let sum = |f: &dyn Fn(f64) -> f64| sum(f, 2);
                     let cubic = sum(&|n| 1.0 / (n * (n * n - 1.0)));
@@ -344,6 +404,7 @@ mod tests {
                 }
             }
         }
+        println!("{worst_second:e}");
         assert_eq!(compared, 10 * LANES);
     }
 }

@@ -6,6 +6,7 @@ pub mod lane_work;
 pub mod infinite_body;
 pub mod thin_wall;
 pub mod ring_modes;
+pub mod second_order;
 pub mod series;
 pub mod pressure_space;
 pub mod lane_condensation;
@@ -13,6 +14,8 @@ pub mod near_field;
 pub mod body_fit;
 
 use ring_modes::RingModes;
+use second_order::Bands;
+use series::ConcentricBody;
 
 use crate::mechanics::body::{Body, Side};
 
@@ -29,7 +32,7 @@ pub struct RingCompliance {
 /// `even`/(n^2 - 1) + `odd` n/(n^2 - 1) times sin(n phi); plus what its boundary changes.
 ///
 /// A pin is not pressed along its own normal but along the hole's (`contact::outlines`). What that changes of its compliance
-/// is told per unit of tilt.
+/// is told per unit of tilt, and to second order per unit of the clearance ratio squared.
 #[derive(Clone, Debug)]
 pub struct BodyCompliance {
     /// c = 2/E'.
@@ -37,6 +40,8 @@ pub struct BodyCompliance {
     /// c (kappa - 1)/(kappa + 1), positive for a hole and negative for a disc.
     pub odd: f64,
     pub boundary: Boundary,
+    /// Of a concentric pin that is no bed: what its boundary adds to second order (`second_order`).
+    pub second: Vec<Bands>,
 }
 
 /// What its boundary changes of a body's compliance.
@@ -64,20 +69,28 @@ impl Boundary {
 }
 
 impl BodyCompliance {
-    /// Of a body with that boundary.
+    /// Of a body with that boundary. Of pins that are not concentric only what is infinite is known to second order.
     pub fn new(body: &Body, boundary: Boundary) -> BodyCompliance {
         let [even, odd] = infinite(body);
-        BodyCompliance { even, odd, boundary }
+        let concentric = ConcentricBody::of(body).filter(|_| body.shape.side == Side::Pin);
+        let second = concentric.map_or_else(Vec::new, |body| body.second_order());
+        BodyCompliance { even, odd, boundary, second }
     }
 
     pub fn is_finite(&self) -> bool {
-        [self.even, self.odd].iter().chain(self.boundary.values()).all(|value| value.is_finite())
+        let second = self.second.as_flattened();
+        [self.even, self.odd]
+            .iter()
+            .chain(self.boundary.values())
+            .chain(second)
+            .all(|value| value.is_finite())
     }
 
     /// What it takes, in bytes, with what keeps it.
     pub fn bytes(&self) -> usize {
         const KEEPING: usize = 160;
-        KEEPING + size_of::<BodyCompliance>() + size_of::<f64>() * self.boundary.values().count()
+        let numbers = self.boundary.values().count() + self.second.as_flattened().len();
+        KEEPING + size_of::<BodyCompliance>() + size_of::<f64>() * numbers
     }
 }
 

@@ -9,6 +9,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::arc::{ContactArc, MAX_TERMS, cosines, packed, packed_count};
 use super::infinite_body::InfiniteKernels;
 use super::ring_modes::RingModes;
+use super::second_order::Bands;
 use super::thin_wall::bed_matrix;
 use super::{BodyCompliance, Boundary};
 use crate::mechanics::compliance::lane_work::{TermWork, in_lanes_with_terms};
@@ -27,6 +28,9 @@ pub struct PressureSpace {
     /// What unit tilt adds to the first two of a pin.
     tilted_even: Vec<f64>,
     tilted_odd: Vec<f64>,
+    /// What the clearance ratio squared adds.
+    second_even: Vec<f64>,
+    second_odd: Vec<f64>,
     /// Integrals of p_k cos(n phi), n = 0, 1, ...
     modes: Moments,
     ring_modes: HashMap<RingModes, Moments>,
@@ -67,7 +71,8 @@ impl PressureSpace {
     /// `terms` trial pressures on arcs, as many as a multiple of `LANES`.
     pub fn new(terms: usize, arcs: Vec<ContactArc>) -> PressureSpace {
         let count = arcs.len();
-        let InfiniteKernels { even, odd, tilted_even, tilted_odd } = InfiniteKernels::new(&arcs, terms);
+        let InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd } =
+            InfiniteKernels::new(&arcs, terms);
         let mut bed = vec![0.0; packed_count(terms) * count];
         for (place, arc) in arcs.iter().enumerate() {
             for (entry, value) in bed_matrix(arc.b, terms).into_iter().enumerate() {
@@ -82,6 +87,8 @@ impl PressureSpace {
             bed,
             tilted_even,
             tilted_odd,
+            second_even,
+            second_odd,
             modes: Moments::default(),
             ring_modes: HashMap::new(),
             turns: (1..=2 * terms).map(|i| 2.0 * (FRAC_PI_2 * i as f64 / terms as f64).cos()).collect(),
@@ -111,6 +118,9 @@ impl PressureSpace {
 
     /// Makes what a body needs.
     pub fn prepare(&mut self, body: &BodyCompliance) {
+        if let Some(highest) = body.second.len().checked_sub(1) {
+            self.prepare_modes(highest);
+        }
         match &body.boundary {
             Boundary::Bed(_) => {}
             Boundary::Modes { normal, .. } => self.prepare_modes(normal.len() - 1),
@@ -135,9 +145,9 @@ impl PressureSpace {
         Moments { values, count }
     }
 
-    /// The compliance of bodies with their shares: 1/E of one body of a joint, the negative for a difference; of pins under so much
+    /// The compliance of bodies with their shares: 1/E of one body of a joint, the negative for a difference; of pins under such a
     /// tilt. Every body was prepared for.
-    pub fn joint(&self, bodies: &[(&BodyCompliance, f64)], tilt: f64) -> JointCompliance<'static> {
+    pub fn joint(&self, bodies: &[(&BodyCompliance, f64)], tilt: Tilt) -> JointCompliance<'static> {
         let sum = |of: fn(&BodyCompliance) -> f64| bodies.iter().map(|(body, share)| share * of(body)).sum();
         let bed_of = |body: &BodyCompliance| match body.boundary {
             Boundary::Bed(compliance) => compliance,
@@ -146,41 +156,79 @@ impl PressureSpace {
         let (even, odd, bed): (f64, f64, f64) = (sum(|body| body.even), sum(|body| body.odd), sum(bed_of));
         let mut values: Vec<f64> =
             self.even.iter().zip(&self.odd).map(|(own, other)| even * own + odd * other).collect();
-        if tilt != 0.0 {
-            let (even, odd) = (tilt * even, tilt * odd);
-            let tilted = self.tilted_even.iter().zip(&self.tilted_odd);
+        let added = [
+            (tilt.first, &self.tilted_even, &self.tilted_odd),
+            (tilt.second, &self.second_even, &self.second_odd),
+        ];
+        for (order, of_even, of_odd) in added.into_iter().filter(|(order, ..)| *order != 0.0) {
+            let (even, odd) = (order * even, order * odd);
             values
                 .iter_mut()
-                .zip(tilted)
+                .zip(of_even.iter().zip(of_odd))
                 .for_each(|(value, (own, other))| *value += even * own + odd * other);
         }
         if bed != 0.0 {
             values.iter_mut().zip(&self.bed).for_each(|(value, own)| *value += bed * own);
         }
         for (body, share) in bodies {
-            let tilted;
+            let (tilted, bands);
+            let mut second = if tilt.second == 0.0 { &[][..] } else { &body.second };
             let (moments, works) = match &body.boundary {
                 Boundary::Bed(_) => continue,
-                Boundary::Modes { normal, along } => (&self.modes, Works::Modes { normal, along, tilt }),
+                Boundary::Modes { normal, along } if tilt == Tilt::NONE || along.is_empty() => {
+                    (&self.modes, Works::Alone(normal))
+                }
+                Boundary::Modes { normal, along } => {
+                    bands = all_bands(normal, along, std::mem::take(&mut second), tilt);
+                    (&self.modes, Works::Bands(&bands, 1.0))
+                }
                 Boundary::RingModes(modes, works) => {
                     let (normal, added) = works.split_at(packed_count(modes.count));
-                    let works = if tilt == 0.0 {
+                    let works = if tilt.first == 0.0 {
                         normal
                     } else {
                         tilted = normal
                             .iter()
                             .zip(added)
-                            .map(|(own, added)| own + tilt * added)
+                            .map(|(own, added)| own + tilt.first * added)
                             .collect::<Vec<_>>();
                         &tilted
                     };
                     (&self.ring_modes[modes], Works::Packed(works))
                 }
             };
-            in_lanes_with_terms(self.terms, Add { moments, works, share: *share, values: &mut values });
+            let parts = [(moments, works), (&self.modes, Works::Bands(second, tilt.second))];
+            let needed = if second.is_empty() { 1 } else { 2 };
+            for (moments, works) in parts.into_iter().take(needed) {
+                in_lanes_with_terms(self.terms, Add { moments, works, share: *share, values: &mut values });
+            }
         }
         JointCompliance { even, bed, values: values.into() }
     }
+}
+
+/// How the pressure on a pin is tilted against its normal (`contact::outlines`): what is to first order in the clearance, per
+/// sin(theta), and the clearance ratio squared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tilt {
+    pub first: f64,
+    pub second: f64,
+}
+
+impl Tilt {
+    pub const NONE: Tilt = Tilt { first: 0.0, second: 0.0 };
+}
+
+/// Those of a concentric pin under a tilt.
+fn all_bands(normal: &[f64], along: &[f64], second: &[Bands], tilt: Tilt) -> Vec<Bands> {
+    let mut bands: Vec<Bands> = normal.iter().map(|normal| [*normal, 0.0, 0.0]).collect();
+    for (bands, along) in bands[1..].iter_mut().zip(along.windows(2)) {
+        bands[1] = tilt.first * (along[1] - along[0]);
+    }
+    for (own, second) in bands.as_flattened_mut().iter_mut().zip(second.as_flattened()) {
+        *own += tilt.second * second;
+    }
+    bands
 }
 
 /// Functions whose moments share a quadrature rule.
@@ -245,8 +293,10 @@ const TOGETHER: usize = 8;
 
 /// Works of functions on functions.
 enum Works<'a> {
-    /// Of modes that do none on others but, where they are tilted, on the next ones.
-    Modes { normal: &'a [f64], along: &'a [f64], tilt: f64 },
+    /// Of modes that do none on others.
+    Alone(&'a [f64]),
+    /// Of modes that do some on the next ones, times a factor.
+    Bands(&'a [Bands], f64),
     /// Packed.
     Packed(&'a [f64]),
 }
@@ -270,8 +320,8 @@ impl TermWork for Add<'_> {
             let moments = moments.as_chunks::<TERMS>().0;
             let mut matrix = [[Lanes::<FUSED>::zero(); TERMS]; TERMS];
             match works {
-                Works::Modes { normal, along, tilt } => {
-                    for (own, work) in moments.iter().zip(normal) {
+                Works::Alone(works) => {
+                    for (own, work) in moments.iter().zip(works) {
                         let factor = Lanes::from_f64(-share * FRAC_2_PI * work);
                         for j in 0..TERMS {
                             let scaled = factor * Lanes(own[j]);
@@ -280,17 +330,19 @@ impl TermWork for Add<'_> {
                             }
                         }
                     }
-                    let along = if tilt == 0.0 { &[] } else { along };
-                    for (pair, along) in moments.windows(2).zip(along.windows(2)) {
-                        let factor = Lanes::from_f64(-share * FRAC_1_PI * tilt * (along[1] - along[0]));
-                        let [before, own] = [pair[0], pair[1]];
-                        for j in 0..TERMS {
-                            let (scaled, other) = (factor * Lanes(own[j]), factor * Lanes(before[j]));
-                            for k in 0..=j {
-                                let sum = matrix[j][k].minus_product(scaled, Lanes(before[k]));
-                                matrix[j][k] = sum.minus_product(other, Lanes(own[k]));
-                            }
-                        }
+                }
+                Works::Bands(bands, scale) => {
+                    let nothing = [[0.0; LANES]; TERMS];
+                    for (n, (own, bands)) in moments.iter().zip(bands).enumerate() {
+                        let others = [Some(n), n.checked_sub(1), n.checked_sub(2)]
+                            .map(|other| other.map_or(&nothing, |other| &moments[other]));
+                        let factors =
+                            bands.map(|band| Lanes::<FUSED>::from_f64(-share * FRAC_1_PI * scale * band));
+                        add_symmetric(&mut matrix, own, |k| {
+                            others.iter().zip(factors).fold(Lanes::zero(), |sum, (other, factor)| {
+                                sum.minus_product(factor, Lanes(other[k]))
+                            })
+                        });
                     }
                 }
                 Works::Packed(works) => {
@@ -304,14 +356,7 @@ impl TermWork for Add<'_> {
                                 half[k] = half[k].minus_product(factor, Lanes(other[k]));
                             }
                         }
-                        for j in 0..TERMS {
-                            let own_j = Lanes::<FUSED>(own[j].map(|value| -value));
-                            let half_j = -half[j];
-                            for k in 0..=j {
-                                let sum = matrix[j][k].minus_product(own_j, half[k]);
-                                matrix[j][k] = sum.minus_product(half_j, Lanes(own[k]));
-                            }
-                        }
+                        add_symmetric(&mut matrix, own, |k| half[k]);
                     }
                 }
             }
@@ -321,6 +366,23 @@ impl TermWork for Add<'_> {
                     to.iter_mut().zip(&matrix[j][k].0).for_each(|(to, value)| *to += value);
                 }
             }
+        }
+    }
+}
+
+/// Adds the product of one with the other and of the other with one.
+#[inline(always)]
+fn add_symmetric<const FUSED: bool, const TERMS: usize>(
+    matrix: &mut [[Lanes<FUSED>; TERMS]; TERMS],
+    one: &[[f64; LANES]; TERMS],
+    other: impl Fn(usize) -> Lanes<FUSED>,
+) {
+    let other: [Lanes<FUSED>; TERMS] = std::array::from_fn(other);
+    for j in 0..TERMS {
+        let (one_j, other_j) = (Lanes::<FUSED>(one[j].map(|value| -value)), -other[j]);
+        for k in 0..=j {
+            let sum = matrix[j][k].minus_product(one_j, other[k]);
+            matrix[j][k] = sum.minus_product(other_j, Lanes(one[k]));
         }
     }
 }

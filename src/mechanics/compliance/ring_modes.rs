@@ -316,7 +316,7 @@ fn add_product(scale: f64, a: &[f64], b: &[f64], works: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::compliance::pressure_space::PressureSpace;
+    use crate::mechanics::compliance::pressure_space::{PressureSpace, Tilt};
     use crate::mechanics::compliance::series::ConcentricBody;
     use crate::mechanics::compliance::{BodyCompliance, Boundary};
     use crate::mechanics::material::Idealization;
@@ -339,7 +339,7 @@ mod tests {
             let [works] = modes.works_of_modes(Side::Plate, &[body.boundary_modes()]);
             let found = BodyCompliance { boundary: Boundary::RingModes(modes, works), ..exact.clone() };
             space.prepare(&found);
-            let left = space.joint(&[(&exact, 1.0), (&found, -1.0)], 0.0);
+            let left = space.joint(&[(&exact, 1.0), (&found, -1.0)], Tilt::NONE);
             let worst = left.values.iter().fold(0.0, |worst: f64, value| worst.max(value.abs())) / exact.even;
             println!("stretched by {quarters}/4, {count} modes: {worst:e}");
             assert!(worst < limit && worst > 0.1 * limit, "{quarters} {count}: {worst:e}");
@@ -364,7 +364,7 @@ mod tests {
             space.prepare(&told);
             told
         });
-        let left = space.joint(&[(&told[0], 1.0), (&told[1], -1.0)], 0.0);
+        let left = space.joint(&[(&told[0], 1.0), (&told[1], -1.0)], Tilt::NONE);
         let worst = left.values.iter().fold(0.0, |worst: f64, value| worst.max(value.abs())) / told[0].even;
         println!("{worst:e}");
         assert!(worst < 1e-13, "{worst:e}");

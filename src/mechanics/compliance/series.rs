@@ -11,9 +11,10 @@
 //! plus for a hole and minus for a disc, whose sums are known in closed form (`infinite_body`); what is left of each
 //! mode falls like (ratio of radii)^(-2 n).
 
+use super::second_order::{Bands, bands};
 use super::thin_wall::bed_compliance;
 use super::{BodyCompliance, Boundary};
-use crate::mechanics::body::{Side, THINNEST_RING};
+use crate::mechanics::body::{Body, Side, THINNEST_RING};
 use crate::mechanics::material::Idealization;
 
 /// A body between the ring (radius 1) and a concentric circle of radius `fixed_radius_ratio` on which it is fixed: above 1
@@ -28,7 +29,25 @@ pub struct ConcentricBody {
 /// Modes whose finite-size part is below this share of the mode are left out.
 const NEGLIGIBLE: f64 = 1e-13;
 
+/// The same of what counts by the clearance ratio squared.
+const NEGLIGIBLE_SECOND: f64 = 1e-3;
+
+/// Radial and shear stress on the ring: a pressure cos(n phi), and sin(n phi) along the ring.
+type Stress = [f64; 2];
+const PRESSURE: Stress = [-1.0, 0.0];
+const SHEAR: Stress = [0.0, 1.0];
+
 impl ConcentricBody {
+    /// `None` where no concentric circle bounds the body.
+    pub fn of(body: &Body) -> Option<ConcentricBody> {
+        let Body { poissons_ratio, idealization, .. } = *body;
+        body.fixed_radius_ratio().map(|fixed_radius_ratio| ConcentricBody {
+            fixed_radius_ratio,
+            poissons_ratio,
+            idealization,
+        })
+    }
+
     fn side(&self) -> Side {
         if self.fixed_radius_ratio > 1.0 { Side::Plate } else { Side::Pin }
     }
@@ -47,7 +66,7 @@ impl ConcentricBody {
         (self.kolosov() + 1.0) / (2.0 * self.twice_shear_modulus())
     }
 
-    /// lambda_n, and the amplitude of the displacement along the ring, u_phi = along sin(n phi), each less that of the same body with
+    /// lambda_n, and the amplitude of the displacement along the ring, u_phi = along sin(n phi), or those under shear, each less that of the same body with
     /// its fixed circle infinitely far (or small), n >= 2, free of cancellation.
     ///
     /// With x the amplitudes of the two fields that fall from the ring, y of the two that fall from the fixed circle, and
@@ -58,7 +77,7 @@ impl ConcentricBody {
     /// ```
     ///
     /// so x = x0 + q^2 (N - q^2 S)^-1 S x0 with N x0 = t and S = M Q^-1 P.
-    fn finite_part(&self, n: usize) -> [f64; 2] {
+    fn finite_part(&self, n: usize, stress: Stress) -> [f64; 2] {
         let (kappa, m) = (self.kolosov(), n as f64);
         let is_plate = self.side() == Side::Plate;
         let q = if is_plate { self.fixed_radius_ratio } else { 1.0 / self.fixed_radius_ratio }.powf(-m);
@@ -81,7 +100,7 @@ impl ConcentricBody {
         // y = -q R x.
         let reflection = product(inverse(far_on_fixed), near_on_fixed);
         let back = product(far, reflection);
-        let alone = apply(inverse(near), [-1.0, 0.0]);
+        let alone = apply(inverse(near), stress);
         let square = q * q;
         let reduced: [[f64; 2]; 2] =
             std::array::from_fn(|i| std::array::from_fn(|j| near[i][j] - square * back[i][j]));
@@ -110,13 +129,13 @@ impl ConcentricBody {
         (kappa + 1.0 - (kappa - 1.0) * n) / (2.0 * self.twice_shear_modulus() * (n * n - 1.0))
     }
 
-    /// lambda_1 less c, and the whole amplitude of u_phi. The fields are r^3, the single-valued point force, 1/r and the translation;
+    /// lambda_1, and the amplitude of u_phi, or those under shear. The fields are r^3, the single-valued point force, 1/r and the translation;
     /// the first three have amplitudes A, L and D, and what the translation adds cancels in u_r + u_phi.
-    fn first_mode(&self) -> [f64; 2] {
+    fn first_mode(&self, stress: Stress) -> [f64; 2] {
         let kappa = self.kolosov();
-        // Radial and shear stress on the ring: 2 A + (kappa + 3) L - 2 D = -1 and 2 A + (1 - kappa) L - 2 D = 0.
-        let point = -0.5 / (kappa + 1.0);
-        let excess = 0.5 * (1.0 - kappa) * point;
+        // Radial and shear stress on the ring: 2 A + (kappa + 3) L - 2 D and 2 A + (1 - kappa) L - 2 D.
+        let point = 0.5 * (stress[0] - stress[1]) / (kappa + 1.0);
+        let excess = 0.5 * ((1.0 - kappa) * point - stress[1]);
         // u_r + u_phi = 0 on the fixed circle: kappa A rho^2 - L + D/rho^2 = 0. A and A rho^2, without powers that overflow.
         let square = self.fixed_radius_ratio * self.fixed_radius_ratio;
         let [rising, risen] = match self.side() {
@@ -133,16 +152,14 @@ impl ConcentricBody {
         let translation = 2.0 * risen - 2.0 * kappa * point * self.fixed_radius_ratio.ln();
         let radial = (kappa - 1.0) * rising + excess - point + translation;
         let along = (kappa + 3.0) * rising + excess - point - translation;
-        let [normal, along] = self.normal_and_along([radial, along]);
-        [normal - self.amplitude(), along]
+        self.normal_and_along([radial, along])
     }
 
     /// The mean motion of the ring in the load's direction under a pressure cos(phi), the plate's along the load and the pin's
     /// against it, for Young's modulus 1. Only the first mode moves a ring: u_r = a cos(phi), u_phi = b sin(phi) have the mean
     /// displacement (a - b)/2 along the load line.
     pub fn mean_ring_motion(&self) -> f64 {
-        let [normal, along] = self.first_mode();
-        let normal = normal + self.amplitude();
+        let [normal, along] = self.first_mode(PRESSURE);
         match self.side() {
             Side::Plate => 0.5 * (normal - along),
             // The pressure pushes a disc inwards: u_r = -normal cos(phi).
@@ -171,28 +188,65 @@ impl ConcentricBody {
     pub fn compliance(&self) -> BodyCompliance {
         if self.is_bed() {
             let bed = bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization);
-            return BodyCompliance { even: 0.0, odd: 0.0, boundary: Boundary::Bed(bed) };
+            return BodyCompliance { even: 0.0, odd: 0.0, boundary: Boundary::Bed(bed), second: Vec::new() };
         }
         let even = self.amplitude();
         let kappa = self.kolosov();
         let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
         let odd = sign * even * (kappa - 1.0) / (kappa + 1.0);
-        let [normal, along] = self.boundary_modes();
-        let along = if self.side() == Side::Pin { along } else { Vec::new() };
-        BodyCompliance { even, odd, boundary: Boundary::Modes { normal, along } }
+        let [normal, mut along] = self.boundary_modes();
+        let mut second = Vec::new();
+        match self.side() {
+            Side::Pin => second = self.bands(&normal, &along),
+            Side::Plate => along.clear(),
+        }
+        BodyCompliance { even, odd, boundary: Boundary::Modes { normal, along }, second }
     }
 
     /// What the fixed circle changes of each mode, as far as it is felt: of lambda_n, half of it for n = 0, and of the amplitude of
     /// u_phi.
     pub fn boundary_modes(&self) -> [Vec<f64>; 2] {
+        self.modes_below(self.highest_mode() + 1)
+    }
+
+    /// The first of those.
+    fn modes_below(&self, count: usize) -> [Vec<f64>; 2] {
         let mode = |n: usize| match n {
             0 => [0.5 * bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization), 0.0],
-            1 => self.first_mode(),
-            _ => self.finite_part(n),
+            1 => {
+                let [normal, along] = self.first_mode(PRESSURE);
+                [normal - self.amplitude(), along]
+            }
+            _ => self.finite_part(n, PRESSURE),
         };
-        let (normal, along) =
-            (0..=self.highest_mode()).map(mode).map(|[normal, along]| (normal, along)).unzip();
+        let (normal, along) = (0..count).map(mode).map(|[normal, along]| (normal, along)).unzip();
         [normal, along]
+    }
+
+    /// What the fixed circle of a pin adds to second order; nothing of a bed.
+    pub fn second_order(&self) -> Vec<Bands> {
+        if self.is_bed() {
+            return Vec::new();
+        }
+        let [normal, along] = self.modes_below(self.second_order_count());
+        self.bands(&normal, &along)
+    }
+
+    /// As many as `second_order` has.
+    pub fn second_order_count(&self) -> usize {
+        let decay = 2.0 * self.fixed_radius_ratio.ln().abs();
+        ((-NEGLIGIBLE_SECOND.ln() + 4.0) / decay).ceil() as usize + 2
+    }
+
+    fn bands(&self, normal: &[f64], along: &[f64]) -> Vec<Bands> {
+        let count = self.second_order_count();
+        let mode = |n: usize| match n {
+            0 => 0.0,
+            1 => self.first_mode(SHEAR)[1] - self.amplitude(),
+            _ => self.finite_part(n, SHEAR)[1],
+        };
+        let shear: Vec<f64> = (0..count).map(mode).collect();
+        bands([normal, along, &shear], count)
     }
 }
 

@@ -16,7 +16,7 @@ use crate::mechanics::body::Side;
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::arc::ContactArc;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
-use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
+use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace, Tilt};
 use crate::mechanics::compliance::thin_wall::bed_matrix;
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -108,7 +108,7 @@ impl CurveSpace {
         match side {
             Side::Pin => self.pressures.joint(bodies, outlines.tilt()),
             Side::Plate => {
-                let (plate, mut moved) = (self.pressures.joint(bodies, 0.0), Vec::new());
+                let (plate, mut moved) = (self.pressures.joint(bodies, Tilt::NONE), Vec::new());
                 self.to_hole(&plate, outlines, &mut moved);
                 JointCompliance { values: moved.into(), ..plate }
             }

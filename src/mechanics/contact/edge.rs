@@ -280,7 +280,14 @@ impl Solve<'_> {
             let own: [Lanes<FUSED>; TERMS] = ContactArc::versines(b * Lanes::from_f64(1.0 / ratio));
             own.map(|value| value * Lanes::from_f64(1.0 / (ratio * ratio)))
         };
-        let (versine, gap) = (versines(outlines.ratio()), versines(outlines.ratio().sqrt()));
+        let (versine, mut gap) = (versines(outlines.ratio()), versines(outlines.ratio().sqrt()));
+        let bend = outlines.bend();
+        if bend != 0.0 {
+            let own: [Lanes<FUSED>; TERMS] = ContactArc::bent_versines(b);
+            gap.iter_mut()
+                .zip(own)
+                .for_each(|(gap, own)| *gap = gap.minus_product(Lanes::from_f64(-bend), own));
+        }
         let mut solved = [coupling, versine, gap];
         solve_in_place(&mut matrix, &mut solved);
         let [y, w_v, w_g] = solved;

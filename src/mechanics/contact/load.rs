@@ -14,7 +14,7 @@ pub enum NoState {
     ContactTooWide,
     /// The compliance is not positive definite, or not finite.
     BrokenCompliance,
-    /// It is not because first order in the clearance does not bear such a clearance.
+    /// It is not because second order in the clearance does not bear such a clearance.
     ClearanceTooWide,
 }
 
