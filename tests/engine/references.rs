@@ -32,7 +32,7 @@ impl Reference {
         joint(shape, self.core_radius_ratio, self.outer_radius_ratio, self.radial_clearance)
     }
 
-    /// What first order leaves of the outlines at 5 % of clearance, 1.2e-4, is no mesh's to mend.
+    /// What is said to be left of the outlines at 5 % of clearance is no mesh's to mend.
     fn accuracy(&self) -> f64 {
         if self.radial_clearance == 5.0 { 8.0 * ACCURACY } else { ACCURACY }
     }

@@ -332,17 +332,15 @@ impl TermWork for Add<'_> {
                     }
                 }
                 Works::Bands(bands, scale) => {
-                    let nothing = [[0.0; LANES]; TERMS];
                     for (n, (own, bands)) in moments.iter().zip(bands).enumerate() {
-                        let others = [Some(n), n.checked_sub(1), n.checked_sub(2)]
-                            .map(|other| other.map_or(&nothing, |other| &moments[other]));
-                        let factors =
-                            bands.map(|band| Lanes::<FUSED>::from_f64(-share * FRAC_1_PI * scale * band));
-                        add_symmetric(&mut matrix, own, |k| {
-                            others.iter().zip(factors).fold(Lanes::zero(), |sum, (other, factor)| {
-                                sum.minus_product(factor, Lanes(other[k]))
-                            })
-                        });
+                        let mut half = [Lanes::<FUSED>::zero(); TERMS];
+                        for (back, band) in bands.iter().enumerate().take(n + 1) {
+                            let factor = Lanes::from_f64(-share * FRAC_1_PI * scale * band);
+                            for k in 0..TERMS {
+                                half[k] = half[k].minus_product(factor, Lanes(moments[n - back][k]));
+                            }
+                        }
+                        add_symmetric(&mut matrix, own, &half);
                     }
                 }
                 Works::Packed(works) => {
@@ -356,7 +354,7 @@ impl TermWork for Add<'_> {
                                 half[k] = half[k].minus_product(factor, Lanes(other[k]));
                             }
                         }
-                        add_symmetric(&mut matrix, own, |k| half[k]);
+                        add_symmetric(&mut matrix, own, &half);
                     }
                 }
             }
@@ -375,9 +373,8 @@ impl TermWork for Add<'_> {
 fn add_symmetric<const FUSED: bool, const TERMS: usize>(
     matrix: &mut [[Lanes<FUSED>; TERMS]; TERMS],
     one: &[[f64; LANES]; TERMS],
-    other: impl Fn(usize) -> Lanes<FUSED>,
+    other: &[Lanes<FUSED>; TERMS],
 ) {
-    let other: [Lanes<FUSED>; TERMS] = std::array::from_fn(other);
     for j in 0..TERMS {
         let (one_j, other_j) = (Lanes::<FUSED>(one[j].map(|value| -value)), -other[j]);
         for k in 0..=j {
