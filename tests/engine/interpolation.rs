@@ -363,6 +363,29 @@ fn a_study_decides_for_all_of_its_designs() {
     check("a study", &whole, &found, &seen);
 }
 
+/// Nor do wide clearances, whose outlines are told to second order, make a difference.
+#[test]
+fn wide_clearances_are_interpolated_as_well() {
+    let mut random = Random::new(18);
+    let mut cases = draw(18, 1000, disc_in_ring);
+    for DesignCase { joint, steps, .. } in &mut cases {
+        joint.radial_clearance = joint.hole_radius * random.log(0.01, 0.08);
+        *steps = [0.05, 0.5, 3.0].map(|ratio| Load::Indentation(ratio * joint.radial_clearance)).into();
+    }
+    let exact = Ladder::new(SolveOptions { accuracy: 1e-4, method: MethodChoice::Series }).solve(&cases);
+    let found =
+        interpolating(SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe }, &cases).solve(&cases);
+    let Compared { steps, force, estimate, .. } = compare(&found, &exact);
+    let bounded = force.iter().zip(&estimate).filter(|(error, estimate)| error <= estimate).count();
+    println!(
+        "{} of {steps} interpolated, {bounded} bounded, worst {:.1e}",
+        force.len(),
+        greatest(force.iter().copied())
+    );
+    assert!(steps > 2900 && force.len() * 100 > 98 * steps, "{} of {steps}", force.len());
+    assert!(bounded * 100 >= 99 * force.len() && greatest(force.iter().copied()) < 4e-3, "{bounded}");
+}
+
 /// No fit for few bodies, for methods and accuracies that leave no room, and for bodies that no mesh is trusted with.
 #[test]
 fn a_fit_that_costs_more_than_it_saves_is_not_made() {
