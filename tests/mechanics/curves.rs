@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::common::random::Random;
+use crate::laws::PERSSON_TABLE;
 use jointsweep::internals::engine::spaces::SpaceKey;
 use jointsweep::internals::mechanics::body::{Body, Side, annulus, cored_disc};
 use jointsweep::internals::mechanics::compliance::arc::ContactArc;
@@ -18,20 +19,11 @@ fn concentric(fixed_radius_ratio: f64, poissons_ratio: f64, idealization: Ideali
     ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization }
 }
 
-/// Persson's table (Ciavarella & Decuzzi 2001): similar materials, the plate of ratio 1e4, a core of 1e-3.
+/// Persson's table: similar materials, the plate of ratio 1e4, a core of 1e-3.
 #[test]
 fn persson() {
-    let table = [
-        (5.0, 166.503, 7.30208),
-        (10.0, 41.1103, 3.66156),
-        (20.0, 9.76763, 1.85239),
-        (30.0, 3.97177, 1.26029),
-        (45.0, 1.41156, 0.882111),
-        (60.0, 0.533601, 0.711721),
-        (80.0, 0.0630728, 0.611608),
-    ];
     let mut arcs: Vec<ContactArc> =
-        table.map(|(degrees, ..)| ContactArc::new(f64::to_radians(degrees))).to_vec();
+        PERSSON_TABLE.map(|(degrees, ..)| ContactArc::new(f64::to_radians(degrees))).to_vec();
     arcs.push(ContactArc::new(1.0));
     let mut space = PressureSpace::new(10, arcs.clone());
     let [pin, plate] =
@@ -40,7 +32,7 @@ fn persson() {
     space.prepare(&plate);
     let joint = space.joint(&[(&pin, 1.0), (&plate, 1.0)], Tilt::NONE);
     let states = EdgeStates::new(&space, &joint, &Outlines::ALIKE);
-    for (place, (degrees, clearance, peak)) in table.into_iter().enumerate() {
+    for (place, (degrees, clearance, peak)) in PERSSON_TABLE.into_iter().enumerate() {
         let state = states.edges[place].state(&arcs[place], &Outlines::ALIKE).unwrap();
         let inverse_force = 0.5 * state.radial_clearance() / state.force;
         let of_force = state.peak_pressure / state.force;

@@ -33,20 +33,20 @@ fn is_close(value: f64, expected: f64, relative: f64) -> bool {
     (value - expected).abs() <= relative * expected.abs()
 }
 
-/// Source: Persson's closed form as tabulated to six digits from an independent evaluation.
-/// Columns: eps in degrees, E* dR/F, p0 R2/F.
+/// Persson's closed form (Ciavarella & Decuzzi 2001), evaluated by others to six digits: eps in degrees, E* dR/F, p0 R2/F.
+pub const PERSSON_TABLE: [(f64, f64, f64); 7] = [
+    (5.0, 166.503, 7.30208),
+    (10.0, 41.1103, 3.66156),
+    (20.0, 9.76763, 1.85239),
+    (30.0, 3.97177, 1.26029),
+    (45.0, 1.41156, 0.882111),
+    (60.0, 0.533601, 0.711721),
+    (80.0, 0.0630728, 0.611608),
+];
+
 #[test]
 fn persson_table() {
-    const TABLE: [(f64, f64, f64); 7] = [
-        (5.0, 166.503, 7.30208),
-        (10.0, 41.1103, 3.66156),
-        (20.0, 9.76763, 1.85239),
-        (30.0, 3.97177, 1.26029),
-        (45.0, 1.41156, 0.882111),
-        (60.0, 0.533601, 0.711721),
-        (80.0, 0.0630728, 0.611608),
-    ];
-    for (degrees, load_factor, peak) in TABLE {
+    for (degrees, load_factor, peak) in PERSSON_TABLE {
         let force = 1e5 * RADIAL_CLEARANCE / load_factor;
         let contact = PerssonContact::from_contact_half_angle(&pair(), degrees.to_radians()).unwrap();
         // 5e-6: half a unit in the sixth digit of a number that begins with 1.
