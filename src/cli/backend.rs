@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
-use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
+use jointsweep::internals::engine::backend::gpu::solver::{DeviceSolver, GpuChoice};
 use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
 use jointsweep::internals::study::config::Study;
 
@@ -22,6 +22,9 @@ pub struct BackendArgs {
     /// f32, else f32]
     #[arg(long, value_enum)]
     precision: Option<PrecisionChoice>,
+    /// How a GPU condenses bodies [default: auto]
+    #[arg(long, value_enum)]
+    solver: Option<SolverChoice>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -41,9 +44,23 @@ pub enum PrecisionChoice {
     Mixed,
 }
 
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SolverChoice {
+    /// By elimination, by conjugate gradients where a mesh is too fine for that
+    Auto,
+    /// By elimination; the processor takes meshes that are too fine
+    Eliminate,
+    /// By conjugate gradients
+    Pcg,
+}
+
 /// Refuses what contradicts itself.
 pub fn check(args: &BackendArgs) -> Result<(), Error> {
-    let for_gpu = [("--adapter", args.adapter.is_some()), ("--precision", args.precision.is_some())];
+    let for_gpu = [
+        ("--adapter", args.adapter.is_some()),
+        ("--precision", args.precision.is_some()),
+        ("--solver", args.solver.is_some()),
+    ];
     match for_gpu.into_iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) if args.backend == Backend::Cpu => Err(Error::Asked {
             problem: format!("{option} is for a GPU, --backend cpu asks for none: leave one of them out"),
@@ -54,7 +71,7 @@ pub fn check(args: &BackendArgs) -> Result<(), Error> {
 
 /// The device and the numbers it computes in; `None` for the processor. A device that was asked for and cannot be had
 /// is told in a line; one whose name no adapter has is an error, and so is any in a program without GPUs.
-pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Precision)>, Error> {
+pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<OpenGpu>, Error> {
     let choice = match (args.backend, &args.adapter) {
         (_, Some(name)) => AdapterChoice::Named(name),
         (Backend::Gpu, None) => AdapterChoice::Best,
@@ -73,9 +90,20 @@ pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<(GpuDevice, Pr
     }
 }
 
+/// A device that is open, and how it computes.
+pub struct OpenGpu {
+    device: GpuDevice,
+    precision: Precision,
+    solver: DeviceSolver,
+}
+
 /// What was chosen, as a sweep takes it.
-pub fn gpu(chosen: &Option<(GpuDevice, Precision)>) -> Option<GpuChoice<'_>> {
-    chosen.as_ref().map(|(device, precision)| GpuChoice { device, precision: *precision })
+pub fn gpu(chosen: &Option<OpenGpu>) -> Option<GpuChoice<'_>> {
+    chosen.as_ref().map(|OpenGpu { device, precision, solver }| GpuChoice {
+        device,
+        precision: *precision,
+        solver: *solver,
+    })
 }
 
 /// Gives a driver the folder that Mesa's looks for, so that it does not complain of it to the user.
@@ -86,11 +114,7 @@ pub fn quiet_driver() {
     }
 }
 
-fn open(
-    choice: AdapterChoice,
-    args: &BackendArgs,
-    accuracy: f64,
-) -> Result<(GpuDevice, Precision), GpuError> {
+fn open(choice: AdapterChoice, args: &BackendArgs, accuracy: f64) -> Result<OpenGpu, GpuError> {
     quiet_driver();
     let device = Adapters::enumerate().open(choice)?;
     let precision = match args.precision {
@@ -98,7 +122,18 @@ fn open(
         None => preferred_precision(&device, accuracy)?,
     };
     precision.check(&device.facts)?;
-    Ok((device, precision))
+    let solver = args.solver.map_or(DeviceSolver::Auto, Into::into);
+    Ok(OpenGpu { device, precision, solver })
+}
+
+impl From<SolverChoice> for DeviceSolver {
+    fn from(asked: SolverChoice) -> DeviceSolver {
+        match asked {
+            SolverChoice::Auto => DeviceSolver::Auto,
+            SolverChoice::Eliminate => DeviceSolver::Eliminate,
+            SolverChoice::Pcg => DeviceSolver::Pcg,
+        }
+    }
 }
 
 impl From<PrecisionChoice> for Precision {

@@ -209,7 +209,7 @@ impl Bench<'_> {
         let kernel_precisions = if is_software { &[best] } else { precisions };
         let mut kernels = Vec::new();
         for &precision in kernel_precisions {
-            let choice = GpuChoice { device: self.gpu, precision };
+            let choice = GpuChoice::new(self.gpu, precision);
             for &level in self.effort.levels {
                 kernels.extend(body_kernels(choice, &cases, level).map_err(into_error)?);
                 say(&format!("kernels of bodies, {}, mesh level {level}", precision.name()));
@@ -312,7 +312,7 @@ impl Bench<'_> {
     fn with_table(&self, study: &Study, precision: Precision) -> Result<(f64, u64), Error> {
         let scratch = Scratch::new()?;
         let folder = ResultFolder::of_run(Some(&scratch.0), study);
-        let gpu = Some(GpuChoice { device: self.gpu, precision });
+        let gpu = Some(GpuChoice::new(self.gpu, precision));
         let started = Instant::now();
         let conditions = Conditions { gpu, threads: self.threads, started: SystemTime::now() };
         let mut recorder = Recorder::new(folder.claim("of bench-gpu")?, study, &conditions)?;
@@ -339,7 +339,7 @@ impl Bench<'_> {
         precision: Option<Precision>,
         receive: &mut dyn FnMut(DesignOutcome),
     ) -> Result<(f64, Statistics), Error> {
-        let gpu = precision.map(|precision| GpuChoice { device: self.gpu, precision });
+        let gpu = precision.map(|precision| GpuChoice::new(self.gpu, precision));
         let options = SweepOptions { threads: self.threads, gpu, ..SweepOptions::default() };
         let started = Instant::now();
         let statistics = sweep::run(study, &options, &mut |outcome| {

@@ -113,10 +113,11 @@ impl Manifest {
             inputs: FileEntry::inputs(study),
             files: Vec::new(),
             backend: if conditions.gpu.is_some() { "gpu" } else { "cpu" },
-            adapter: conditions.gpu.map(|GpuChoice { device, .. }| Adapter {
+            adapter: conditions.gpu.map(|GpuChoice { device, solver, .. }| Adapter {
                 name: device.facts.name.clone(),
                 kind: device.facts.kind.to_string(),
                 driver: device.facts.driver.clone(),
+                solver: solver.name().into(),
             }),
             precision: conditions.gpu.map_or("f64", |gpu| gpu.precision.name()),
             fallback: None,

@@ -36,6 +36,8 @@ pub struct Adapter {
     pub name: String,
     pub kind: String,
     pub driver: String,
+    /// How it condenses bodies.
+    pub solver: String,
 }
 
 /// The config, as the user named it and word for word.
@@ -85,5 +87,5 @@ pub struct Spent {
 
 /// What a person calls that which computed.
 pub fn computed_by(adapter: Option<&Adapter>, precision: &str) -> String {
-    adapter.map_or("cpu".into(), |adapter| format!("{}, {precision}", adapter.name))
+    adapter.map_or("cpu".into(), |adapter| format!("{}, {precision}, {}", adapter.name, adapter.solver))
 }

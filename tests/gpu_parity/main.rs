@@ -10,6 +10,7 @@ mod common {
     pub mod greatest;
     pub mod rings;
 }
+mod elimination;
 mod limits;
 mod stages;
 mod sweeps;

@@ -21,6 +21,8 @@ pub enum GpuError {
     Lacks { adapter: String, what: String },
     #[error("{adapter}, {what}: {problem}")]
     Failed { adapter: String, what: &'static str, problem: String },
+    #[error("{adapter}, {what}: out of memory ({problem})")]
+    OutOfMemory { adapter: String, what: &'static str, problem: String },
     #[error("{adapter} was lost: {problem}")]
     Lost { adapter: String, problem: String },
 }

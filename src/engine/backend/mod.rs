@@ -2,6 +2,7 @@
 
 pub mod adapter;
 pub mod precision;
+pub mod device_solver;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 #[cfg(not(feature = "gpu"))]

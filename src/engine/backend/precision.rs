@@ -30,6 +30,11 @@ impl Precision {
         }
     }
 
+    /// Of a number of any stage but the iteration.
+    pub const fn wide_epsilon(self) -> f64 {
+        if self.wide_bytes() == 4 { f32::EPSILON as f64 } else { f64::EPSILON }
+    }
+
     /// Whether the iteration needs matrices of its own.
     pub const fn narrows(self) -> bool {
         self.real_bytes() != self.wide_bytes()

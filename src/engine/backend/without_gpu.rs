@@ -58,12 +58,14 @@ pub mod solver {
     use super::context::{GpuDevice, GpuError};
     use super::kernels::Precision;
     use crate::engine::backend::Device;
+    pub use crate::engine::backend::device_solver::DeviceSolver;
     use crate::engine::body_request::Group;
 
     #[derive(Clone, Copy)]
     pub struct GpuChoice<'a> {
         pub device: &'a GpuDevice,
         pub precision: Precision,
+        pub solver: DeviceSolver,
     }
 
     impl GpuChoice<'_> {

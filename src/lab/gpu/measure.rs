@@ -68,7 +68,7 @@ pub fn body_kernels(
     cases: &[DesignCase],
     level: usize,
 ) -> Result<Vec<KernelTime>, GpuError> {
-    let GpuChoice { device: gpu, precision } = choice;
+    let GpuChoice { device: gpu, precision, .. } = choice;
     let requests: Vec<BodyRequest> = cases
         .iter()
         .filter_map(|case| JointPlan::new(case, MethodChoice::Fe, SWEEP_ACCURACY, level).ok())

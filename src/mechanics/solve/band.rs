@@ -23,7 +23,7 @@ pub type Tile<T> = [[T; TILE]; TILE];
 pub struct BandStructure {
     /// First tile column of each tile row, and the tile row's offset into the tiles.
     rows: Vec<(usize, usize)>,
-    tile_count: usize,
+    pub tile_count: usize,
     /// Position of each unknown in the order of elimination.
     pub positions: Vec<u32>,
     /// Position of the ring's first unknown, a multiple of `TILE`.
@@ -92,6 +92,16 @@ impl BandStructure {
         structure
     }
 
+    /// The first tile column of each tile row.
+    pub fn first_columns(&self) -> impl Iterator<Item = usize> + '_ {
+        self.rows.iter().map(|(first, _)| *first)
+    }
+
+    /// Positions that stand for no unknown; their diagonal is 1.
+    pub fn padding(&self) -> &[usize] {
+        &self.padding
+    }
+
     /// What it takes, but for what is small beside it.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.scatter[..]) + size_of_val(&self.positions[..]) + size_of_val(&self.rows[..])
@@ -147,8 +157,9 @@ impl BandStructure {
         }
     }
 
+    /// The number of a tile within the band, row after row.
     #[inline(always)]
-    fn tile(&self, row: usize, column: usize) -> usize {
+    pub fn tile(&self, row: usize, column: usize) -> usize {
         let (first, offset) = self.rows[row];
         offset + column - first
     }

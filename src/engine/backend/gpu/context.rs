@@ -72,15 +72,18 @@ impl GpuDevice {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let misuse = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let done = work();
-        let problems = [pollster::block_on(misuse.pop()), pollster::block_on(memory.pop())];
-        match problems.into_iter().flatten().next() {
+        let misuse = pollster::block_on(misuse.pop());
+        // A buffer that was refused is then misused.
+        match pollster::block_on(memory.pop()).or(misuse) {
             None => Ok(done),
             Some(problem) => {
                 // A loss is told while polling.
                 let _ = self.device.poll(wgpu::PollType::Poll);
+                let is_memory = matches!(problem, wgpu::Error::OutOfMemory { .. });
                 let (adapter, problem) = (self.facts.name.clone(), one_line(&problem.to_string()));
                 Err(match self.loss.get() {
                     Some(loss) => self.lost(loss),
+                    None if is_memory => GpuError::OutOfMemory { adapter, what, problem },
                     None => GpuError::Failed { adapter, what, problem },
                 })
             }

@@ -64,6 +64,10 @@ impl GpuDevice {
     /// A buffer that kernels write, of zeros.
     pub(crate) fn empty(&self, label: &str, size: u64) -> wgpu::Buffer {
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        self.with_usage(label, size, usage)
+    }
+
+    pub(crate) fn with_usage(&self, label: &str, size: u64, usage: BufferUsages) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size,
@@ -74,11 +78,18 @@ impl GpuDevice {
 
     /// Buffers in the order of the stage's bindings.
     pub(crate) fn bind(&self, stage: &Stage, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
-        let resources = buffers.iter().map(|buffer| buffer.as_entire_binding());
-        let entries: Vec<_> = (0..)
-            .zip(resources)
-            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
-            .collect();
+        self.bind_parts(stage, buffers.iter().map(|buffer| buffer.as_entire_buffer_binding()))
+    }
+
+    /// Parts of buffers in the order of the stage's bindings.
+    pub(crate) fn bind_parts<'a>(
+        &self,
+        stage: &Stage,
+        parts: impl IntoIterator<Item = wgpu::BufferBinding<'a>>,
+    ) -> wgpu::BindGroup {
+        let entry =
+            |(binding, part)| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::Buffer(part) };
+        let entries: Vec<_> = (0..).zip(parts).map(entry).collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &stage.layout,
@@ -107,24 +118,35 @@ impl GpuDevice {
 
     /// Waits for all work submitted so far and copies a buffer back.
     pub(crate) fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
-        let (sender, receiver) = std::sync::mpsc::channel();
         let staging = self.checked("reading back", || {
-            let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("staging"),
-                size: buffer.size(),
-                usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
-                mapped_at_creation: false,
-            });
+            let usage = BufferUsages::COPY_DST | BufferUsages::MAP_READ;
+            let staging = self.with_usage("staging", buffer.size(), usage);
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
             self.queue.submit([encoder.finish()]);
-            staging.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result)));
             staging
+        })?;
+        self.mapped(&staging, buffer.size(), |bytes| bytes.to_vec())
+    }
+
+    /// Waits for all work submitted so far and looks at the first bytes of a buffer that can be mapped.
+    pub(crate) fn mapped<T>(
+        &self,
+        staging: &wgpu::Buffer,
+        size: u64,
+        look: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, GpuError> {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        self.checked("reading back", || {
+            staging.map_async(wgpu::MapMode::Read, ..size, move |result| drop(sender.send(result)));
         })?;
         self.wait()?;
         let lost = |problem: String| self.lost(&problem);
         receiver.recv().map_err(|error| lost(error.to_string()))?.map_err(|error| lost(error.to_string()))?;
-        let view = staging.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
-        Ok(view.to_vec())
+        let view = staging.get_mapped_range(..size).map_err(|error| lost(error.to_string()))?;
+        let seen = look(&view);
+        drop(view);
+        staging.unmap();
+        Ok(seen)
     }
 }

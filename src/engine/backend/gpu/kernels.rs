@@ -7,6 +7,7 @@ use wgpu::ShaderStages;
 
 use super::batch::{KernelFacts, OnChip};
 use super::context::{GpuDevice, GpuError};
+use super::front::Front;
 pub use crate::engine::backend::precision::Precision;
 use crate::mechanics::compliance::ring_modes::MOST_MODES;
 
@@ -96,6 +97,14 @@ pub const WORKS: KernelFile = KernelFile {
     summand: None,
 };
 
+pub const ELIMINATE: KernelFile = KernelFile {
+    name: "eliminate",
+    text: include_str!("../../../../shaders/eliminate.wgsl"),
+    entry_points: &["eliminate"],
+    written: &[false, false, false, false, false, false, true, true],
+    summand: None,
+};
+
 /// What a device can do at most.
 pub const ROOFLINE: KernelFile = KernelFile {
     name: "roofline",
@@ -106,7 +115,7 @@ pub const ROOFLINE: KernelFile = KernelFile {
 };
 
 /// The files of kernels that turn bodies into works of their rings' modes.
-pub const KERNEL_FILES: [&KernelFile; 6] = [&ASSEMBLE, &NARROW, &PCG, &REFINE, &CONDENSE, &WORKS];
+pub const KERNEL_FILES: [&KernelFile; 7] = [&ASSEMBLE, &NARROW, &PCG, &REFINE, &CONDENSE, &WORKS, &ELIMINATE];
 
 /// How the invocations of a workgroup add their parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,13 +134,16 @@ pub struct Variant {
     pub invocations: u32,
     /// Of `pcg`.
     pub on_chip: OnChip,
+    /// Of `eliminate`.
+    pub front: Front,
     pub sums: Sums,
 }
 
 impl Variant {
-    /// With all vectors in storage and sums as a tree.
+    /// With all vectors in storage, the smallest front and sums as a tree.
     pub fn plain(precision: Precision, invocations: u32) -> Variant {
-        Variant { precision, invocations, on_chip: OnChip::NOTHING, sums: Sums::Tree }
+        let front = Front::SMALLEST;
+        Variant { precision, invocations, on_chip: OnChip::NOTHING, front, sums: Sums::Tree }
     }
 }
 
@@ -142,7 +154,13 @@ impl KernelFile {
     }
 
     pub fn variant(&self, variant: &Variant) -> String {
-        let Variant { precision, invocations, on_chip: OnChip { vectors, capacity }, sums } = variant;
+        let Variant {
+            precision,
+            invocations,
+            on_chip: OnChip { vectors, capacity },
+            front: Front { rows, is_on_chip },
+            sums,
+        } = variant;
         let name = |bytes: u64| if bytes == 4 { "f32" } else { "f64" };
         let (real, wide) = (name(precision.real_bytes()), name(precision.wide_bytes()));
         // WGSL wants `enable subgroups;` first, which naga does not read (gfx-rs/wgpu#5555).
@@ -155,7 +173,8 @@ impl KernelFile {
         let double = precision.wide_bytes() == 8;
         format!(
             "alias real = {real};\nalias wide = {wide};\nconst IS_WIDE_DOUBLE = {double};\nconst INVOCATIONS = {invocations}u;\n\
-             const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\nconst MOST_MODES = {MOST_MODES}u;\n\
+             const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\nconst FRONT = {rows}u;\nconst IS_FRONT_ON_CHIP = {is_on_chip};\n\
+             const MOST_MODES = {MOST_MODES}u;\n\
              const WORKS_HEADER = {WORKS_HEADER}u;\n{COMMON}\n{sums}\n{text}"
         )
     }
@@ -177,6 +196,7 @@ pub struct Kernels<'a> {
     /// Where the iteration needs matrices of its own.
     pub narrow: Option<Stage>,
     pcg: Mutex<HashMap<OnChip, Stage>>,
+    eliminate: Mutex<HashMap<Front, Stage>>,
     pub refine: Stage,
     pub condense: Stage,
     pub works: Stage,
@@ -221,7 +241,7 @@ impl<'a> Kernels<'a> {
         if !invocations.is_power_of_two() || invocations > gpu.facts.limits.invocations_per_workgroup {
             return Err(lacks(&format!("workgroups of {invocations} invocations")));
         }
-        let variant = Variant { precision, invocations, on_chip: OnChip::NOTHING, sums };
+        let variant = Variant { sums, ..Variant::plain(precision, invocations) };
         let stage = |file| Stage::new(gpu, file, &variant, is_checked);
         Ok(Kernels {
             gpu,
@@ -230,6 +250,7 @@ impl<'a> Kernels<'a> {
             assemble: stage(&ASSEMBLE)?,
             narrow: precision.narrows().then(|| stage(&NARROW)).transpose()?,
             pcg: Mutex::default(),
+            eliminate: Mutex::default(),
             refine: stage(&REFINE)?,
             condense: stage(&CONDENSE)?,
             works: stage(&WORKS)?,
@@ -240,14 +261,30 @@ impl<'a> Kernels<'a> {
 
     /// The iteration with so much on chip; made when it is first asked for.
     pub fn pcg(&self, on_chip: OnChip) -> Result<Stage, GpuError> {
+        self.kept(&self.pcg, on_chip, &PCG, |variant| variant.on_chip = on_chip)
+    }
+
+    /// Elimination with such a front; made when it is first asked for.
+    pub fn eliminate(&self, front: Front) -> Result<Stage, GpuError> {
+        self.kept(&self.eliminate, front, &ELIMINATE, |variant| variant.front = front)
+    }
+
+    fn kept<K: Copy + Eq + std::hash::Hash>(
+        &self,
+        made: &Mutex<HashMap<K, Stage>>,
+        key: K,
+        file: &KernelFile,
+        vary: impl FnOnce(&mut Variant),
+    ) -> Result<Stage, GpuError> {
         // A thread that panicked has left the map whole.
-        let mut made = self.pcg.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        if let Some(stage) = made.get(&on_chip) {
+        let mut made = made.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if let Some(stage) = made.get(&key) {
             return Ok(stage.clone());
         }
-        let Kernels { gpu, precision, invocations, sums, is_checked, .. } = *self;
-        let stage = Stage::new(gpu, &PCG, &Variant { precision, invocations, on_chip, sums }, is_checked)?;
-        made.insert(on_chip, stage.clone());
+        let mut variant = Variant { sums: self.sums, ..Variant::plain(self.precision, self.invocations) };
+        vary(&mut variant);
+        let stage = Stage::new(self.gpu, file, &variant, self.is_checked)?;
+        made.insert(key, stage.clone());
         Ok(stage)
     }
 

@@ -4,9 +4,11 @@
 pub mod context;
 pub mod batch;
 pub mod layout;
+pub mod front;
 pub mod kernels;
 pub mod dispatch;
 pub mod stages;
 pub mod works;
+pub mod elimination;
 pub mod solver;
 pub mod speed;

@@ -1,4 +1,4 @@
-//! Bodies condensed on a device, topology by topology: what comes back is the works of each and nothing else.
+//! Bodies condensed on a device: what comes back is the works of each and nothing else.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -7,25 +7,34 @@ use rayon::prelude::*;
 
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
 use super::context::{AdapterKind, GpuDevice, GpuError};
+use super::elimination::{Counts, Elimination, FrontTopology, Job};
+use super::front::FrontLayout;
 use super::kernels::{Kernels, Precision};
 use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::backend::Device;
+pub use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
-use crate::mechanics::mesh::RingTopology;
+use crate::mechanics::mesh::{Grading, RingTopology};
 use crate::mechanics::solve::refine::RefineSettings;
 
-/// A device, and the numbers to compute in.
+/// A device, the numbers to compute in, and how.
 #[derive(Clone, Copy)]
 pub struct GpuChoice<'a> {
     pub device: &'a GpuDevice,
     pub precision: Precision,
+    pub solver: DeviceSolver,
 }
 
-impl GpuChoice<'_> {
+impl<'a> GpuChoice<'a> {
+    /// By the solver that suits each mesh.
+    pub fn new(device: &'a GpuDevice, precision: Precision) -> GpuChoice<'a> {
+        GpuChoice { device, precision, solver: DeviceSolver::Auto }
+    }
+
     /// Designs of a batch that keeps the device busy.
     pub fn batch_size(&self) -> usize {
         if self.device.facts.kind == AdapterKind::Software { SOFTWARE_BATCH } else { BATCH }
@@ -35,7 +44,9 @@ impl GpuChoice<'_> {
 /// Condenses bodies on a device; keeps what those of a topology share.
 pub struct GpuCondenser<'a> {
     kernels: Kernels<'a>,
-    topologies: HashMap<TopologyKey, Topology>,
+    solver: DeviceSolver,
+    topologies: HashMap<TopologyKey, OnDevice>,
+    elimination: Elimination,
     pub report: GpuReport,
 }
 
@@ -52,7 +63,15 @@ pub struct GpuReport {
     pub condensation: Duration,
 }
 
-/// What the bodies of a topology share on the device.
+/// What the bodies of a topology share on the device, as its solver takes them.
+enum OnDevice {
+    Eliminated(MeshLayout, FrontTopology),
+    Iterated(Box<Topology>),
+    /// Too fine a mesh for the solver that was asked for.
+    Left,
+}
+
+/// What conjugate gradients on the bodies of a topology share.
 pub(crate) struct Topology {
     pub(crate) layout: MeshLayout,
     pub(crate) counts: BodyCounts,
@@ -86,7 +105,9 @@ impl<'a> GpuCondenser<'a> {
     pub fn new(choice: GpuChoice<'a>) -> Result<GpuCondenser<'a>, GpuError> {
         Ok(GpuCondenser {
             kernels: Kernels::new(choice.device, choice.precision, INVOCATIONS)?,
+            solver: choice.solver,
             topologies: HashMap::new(),
+            elimination: Elimination::default(),
             report: GpuReport::default(),
         })
     }
@@ -94,25 +115,30 @@ impl<'a> GpuCondenser<'a> {
 
 impl Device for GpuCondenser<'_> {
     fn condense(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
-        if self.topologies.values().map(Topology::bytes).sum::<u64>() > KEPT_BYTES {
+        if self.topologies.values().map(OnDevice::bytes).sum::<u64>() > KEPT_BYTES {
             self.topologies.clear();
         }
-        let mut condensed = Vec::with_capacity(groups.len());
+        let started = Instant::now();
         for (key, requests) in groups {
-            let bodies: Vec<Body> = requests.iter().map(|request| request.body).collect();
-            let started = Instant::now();
             if !self.topologies.contains_key(key) {
-                self.topologies.insert(key.clone(), Topology::new(&self.kernels, key, &bodies[0])?);
+                let shared = OnDevice::new(&self.kernels, self.solver, key, &requests[0].body)?;
+                self.topologies.insert(key.clone(), shared);
             }
-            self.report.preparation += started.elapsed();
-            let started = Instant::now();
-            let works = match self.topologies.get_mut(key) {
-                Some(topology) => condense(&self.kernels, topology, &bodies, &mut self.report)?,
-                None => vec![None; bodies.len()],
-            };
-            condensed.push(works);
-            self.report.condensation += started.elapsed();
         }
+        self.report.preparation += started.elapsed();
+        let started = Instant::now();
+        let mut condensed = self.eliminate(groups)?;
+        for ((key, requests), condensed) in groups.iter().zip(&mut condensed) {
+            match self.topologies.get_mut(key) {
+                Some(OnDevice::Iterated(topology)) => {
+                    let bodies: Vec<Body> = requests.iter().map(|request| request.body).collect();
+                    *condensed = condense(&self.kernels, topology, &bodies, &mut self.report)?;
+                }
+                Some(OnDevice::Eliminated(..)) => {}
+                _ => *condensed = vec![None; requests.len()],
+            }
+        }
+        self.report.condensation += started.elapsed();
         Ok(condensed)
     }
 
@@ -130,15 +156,78 @@ impl Device for GpuCondenser<'_> {
     }
 }
 
+impl GpuCondenser<'_> {
+    /// The works on the bodies of all groups that are eliminated; nothing of the others.
+    fn eliminate(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
+        let mut jobs = Vec::new();
+        for (place, (key, requests)) in groups.iter().enumerate() {
+            if let Some(OnDevice::Eliminated(mesh, topology)) = self.topologies.get(key) {
+                let numbers = requests
+                    .par_iter()
+                    .with_min_len(64)
+                    .flat_map_iter(|request| mesh.body_numbers(&request.body));
+                jobs.push((place, Job { topology, numbers: numbers.collect() }));
+                self.report.bodies += requests.len() as u64;
+            }
+        }
+        let (places, jobs): (Vec<usize>, Vec<Job>) = jobs.into_iter().unzip();
+        let mut works = vec![vec![]; groups.len()];
+        for (place, found) in places.into_iter().zip(self.elimination.condense(&self.kernels, &jobs)?) {
+            works[place] = found;
+        }
+        Ok(works)
+    }
+
+    /// What elimination has asked of the device so far.
+    pub fn counts(&self) -> Counts {
+        self.elimination.counts
+    }
+}
+
+impl OnDevice {
+    /// Of bodies like `body`.
+    fn new(
+        kernels: &Kernels,
+        solver: DeviceSolver,
+        key: &TopologyKey,
+        body: &Body,
+    ) -> Result<OnDevice, GpuError> {
+        if solver != DeviceSolver::Pcg {
+            let grading = key.grading(body);
+            let mesh = layout(kernels, body, &grading)?;
+            let front = FrontLayout::new(body, &grading, &RingModes::of(&key.class), &mesh);
+            if let Some(topology) = FrontTopology::new(kernels, &mesh, front)? {
+                return Ok(OnDevice::Eliminated(mesh, topology));
+            }
+            if solver == DeviceSolver::Eliminate {
+                return Ok(OnDevice::Left);
+            }
+        }
+        Ok(OnDevice::Iterated(Box::new(Topology::new(kernels, key, body)?)))
+    }
+
+    fn bytes(&self) -> u64 {
+        match self {
+            OnDevice::Eliminated(mesh, topology) => mesh.bytes() + topology.bytes(),
+            OnDevice::Iterated(topology) => topology.bytes(),
+            OnDevice::Left => 0,
+        }
+    }
+}
+
+fn layout(kernels: &Kernels, body: &Body, grading: &Grading) -> Result<MeshLayout, GpuError> {
+    MeshLayout::new(body, grading).map_err(|error| GpuError::Failed {
+        adapter: kernels.gpu.facts.name.clone(),
+        what: "layout",
+        problem: error.to_string(),
+    })
+}
+
 impl Topology {
     /// Of bodies like `body`.
     pub(crate) fn new(kernels: &Kernels, key: &TopologyKey, body: &Body) -> Result<Topology, GpuError> {
         let grading = key.grading(body);
-        let layout = MeshLayout::new(body, &grading).map_err(|error| GpuError::Failed {
-            adapter: kernels.gpu.facts.name.clone(),
-            what: "layout",
-            problem: error.to_string(),
-        })?;
+        let layout = layout(kernels, body, &grading)?;
         let pushes = Push::of(body.shape.side);
         let topology = RingTopology::new(body, &grading);
         let loads = ModeLoads::new(kernels, &RingModes::of(&key.class), pushes, &topology)?;

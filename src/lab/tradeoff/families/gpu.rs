@@ -42,7 +42,7 @@ fn solve(
 ) -> Result<Solution, GpuError> {
     let started = Instant::now();
     let options = SolveOptions { accuracy, method: MethodChoice::Fe };
-    let condenser = GpuCondenser::new(GpuChoice { device, precision })?;
+    let condenser = GpuCondenser::new(GpuChoice::new(device, precision))?;
     let mut ladder = Ladder::new(options).on(Box::new(condenser));
     ladder.solve(cases);
     let first = started.elapsed();

@@ -1,0 +1,24 @@
+//! How a device condenses bodies.
+
+/// By elimination or by iteration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DeviceSolver {
+    /// Elimination; conjugate gradients where a mesh is too fine for it.
+    #[default]
+    Auto,
+    /// Elimination; the processor where a mesh is too fine for it.
+    Eliminate,
+    /// Conjugate gradients with Jacobi's preconditioner.
+    Pcg,
+}
+
+impl DeviceSolver {
+    /// The name on the command line and in manifests.
+    pub const fn name(self) -> &'static str {
+        match self {
+            DeviceSolver::Auto => "auto",
+            DeviceSolver::Eliminate => "eliminate",
+            DeviceSolver::Pcg => "pcg",
+        }
+    }
+}

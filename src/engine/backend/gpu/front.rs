@@ -1,0 +1,231 @@
+//! How `eliminate` takes the bodies of a topology: the order of the unknowns, the band, where each value of the matrix goes, the loads
+//! of the ring's modes as a border, and how many rows of tiles are in the front at a time. Pure arithmetic.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::batch::{KernelFacts, MOST_TRIPS};
+use super::context::DeviceLimits;
+use super::layout::{AssembleParameters, MeshLayout};
+use crate::mechanics::assembly::Assembly;
+use crate::mechanics::body::Body;
+use crate::mechanics::compliance::arc::packed_count;
+use crate::mechanics::compliance::ring_modes::{Push, RingModes};
+use crate::mechanics::mesh::{Grading, RingTopology};
+use crate::mechanics::solve::band::{BandStructure, TILE};
+
+/// What a workgroup of `eliminate` works on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Front {
+    /// Rows of tiles that it has room for.
+    pub rows: u32,
+    /// In the workgroup's own memory, else in storage.
+    pub is_on_chip: bool,
+}
+
+impl Front {
+    pub const SMALLEST: Front = Front { rows: 4, is_on_chip: true };
+
+    /// Memory of a workgroup, bytes.
+    fn workgroup_bytes(self, wide: u64) -> u64 {
+        let rows = u64::from(self.rows);
+        let kept = if self.is_on_chip { self.size() } else { 1 };
+        (kept + 4 * rows + rows) * 4 * wide
+    }
+
+    /// Bytes of a body in storage.
+    pub fn storage_bytes(self, wide: u64) -> u64 {
+        if self.is_on_chip { 0 } else { self.size() * 4 * wide }
+    }
+
+    /// Rows of four numbers: those of the tiles of all pairs of rows.
+    fn size(self) -> u64 {
+        2 * u64::from(self.rows) * u64::from(self.rows + 1)
+    }
+}
+
+/// What `eliminate` is told.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct EliminateParameters {
+    pub row_count: u32,
+    pub ring_row: u32,
+    pub border_count: u32,
+    pub mode_count: u32,
+    pub value_count: u32,
+    pub body_size: u32,
+}
+
+/// What bodies of one topology share, as `assemble` and `eliminate` take it.
+#[derive(Clone, Debug)]
+pub struct FrontLayout {
+    /// Of `assemble`: the values are those of the lower triangle, tile by tile, and a body has one state.
+    pub assembly: AssembleParameters,
+    pub source_starts: Vec<u32>,
+    pub sources: Vec<u32>,
+    pub parameters: EliminateParameters,
+    /// `[row of tiles]`: column of its first tile, that tile's number, the last row it reaches as a pivot, and a bit for each row that stands
+    /// for no unknown.
+    pub rows: Vec<[u32; 4]>,
+    pub tile_starts: Vec<u32>,
+    pub places: Vec<u32>,
+    /// `[border row][ring unknown in the order of elimination]`
+    pub loads: Vec<f64>,
+    /// In the front at most.
+    pub front_rows: u32,
+}
+
+impl FrontLayout {
+    /// For bodies like `body`, divided by `grading`, whose mesh is `mesh`.
+    pub fn new(body: &Body, grading: &Grading, modes: &RingModes, mesh: &MeshLayout) -> FrontLayout {
+        let topology = RingTopology::new(body, grading);
+        let structure = BandStructure::new(&topology);
+        let pushes = Push::of(body.shape.side);
+        let (tile_starts, places, (source_starts, sources)) = placed_values(&topology, &structure);
+        let loads = border(&topology, &structure, modes, pushes);
+        let border_count = (pushes.len() * modes.count).div_ceil(TILE);
+        let rows = band_rows(&structure, border_count);
+        // A pivot, and the rows below it that it reaches.
+        let front_rows = rows.iter().zip(0..).map(|(row, pivot)| row[2] + 1 - pivot).max().unwrap_or(0);
+        let parameters = EliminateParameters {
+            row_count: rows.len() as u32,
+            ring_row: (structure.ring_start / TILE) as u32,
+            border_count: border_count as u32,
+            mode_count: modes.count as u32,
+            value_count: places.len() as u32,
+            body_size: (super::kernels::WORKS_HEADER + pushes.len() * packed_count(modes.count)) as u32,
+        };
+        let assembly =
+            AssembleParameters { value_count: places.len() as u32, system_count: 1, ..mesh.parameters };
+        FrontLayout {
+            assembly,
+            source_starts,
+            sources,
+            parameters,
+            rows,
+            tile_starts,
+            places,
+            loads,
+            front_rows,
+        }
+    }
+
+    /// What it takes, here and on a device in f64.
+    pub fn bytes(&self) -> u64 {
+        let lists = [&self.source_starts, &self.sources, &self.tile_starts, &self.places];
+        let lists: usize = lists.iter().map(|list| size_of_val(&list[..])).sum();
+        (lists + size_of_val(&self.rows[..]) + size_of_val(&self.loads[..])) as u64
+    }
+
+    /// What a kernel must have room for: in the workgroup's own memory if that is large enough. `None` where an invocation would make too
+    /// many loop trips. There are kernels for whole multiples of the smallest front.
+    pub fn front(&self, kernel: &KernelFacts, limits: &DeviceLimits) -> Option<Front> {
+        let rows = self.front_rows.next_multiple_of(Front::SMALLEST.rows);
+        let fits = |front: &Front| {
+            front.workgroup_bytes(kernel.bytes_per_wide) <= u64::from(limits.workgroup_bytes)
+                && self.trips(kernel.invocations) <= MOST_TRIPS
+        };
+        [true, false].map(|is_on_chip| Front { rows, is_on_chip }).into_iter().find(fits)
+    }
+
+    /// The pairs of rows of tiles below each pivot, summed over the pivots: the tiles from which products are taken.
+    pub fn tile_products(&self) -> u64 {
+        let below = |(row, pivot): (&[u32; 4], u32)| u64::from(row[2] - pivot);
+        self.rows.iter().zip(0..).map(below).map(|below| below * (below + 1) / 2).sum()
+    }
+
+    /// The most loop trips of one invocation, in `assemble` or `eliminate`.
+    pub fn trips(&self, invocations: u64) -> u64 {
+        // Each value is of at most four elements, those of four points.
+        let assemble = (self.places.len() as u64).div_ceil(invocations) * (1 + 4 * (1 + 4));
+        let (mut eliminate, mut last) = (0, 0);
+        for (row, pivot) in self.rows.iter().zip(0..) {
+            let below = u64::from(row[2] - pivot);
+            // Panel and products, each of four rows.
+            eliminate +=
+                2 + 9 * below.div_ceil(invocations) + 5 * (below * (below + 1) / 2).div_ceil(invocations);
+            // Each tile that enters has at most 16 values, is filled and written, and may hold the diagonal.
+            eliminate += (u64::from(row[2]) - last) * (1 + (below + 1).div_ceil(invocations) * 25);
+            last = u64::from(row[2]);
+        }
+        let entries = u64::from(self.parameters.body_size).div_ceil(invocations);
+        assemble.max(eliminate + entries + 2)
+    }
+}
+
+/// `rows` of `eliminate.wgsl`.
+fn band_rows(structure: &BandStructure, border_count: usize) -> Vec<[u32; 4]> {
+    let first: Vec<usize> = structure.first_columns().collect();
+    // The last row whose band has begun by this column.
+    let mut last = vec![0; first.len()];
+    first.iter().enumerate().for_each(|(row, first)| last[*first] = row.max(last[*first]));
+    let mut reached = 0;
+    let mut rows: Vec<[u32; 4]> = Vec::with_capacity(first.len());
+    for (row, first) in first.iter().enumerate() {
+        reached = reached.max(last[row]);
+        if row == structure.ring_start / TILE {
+            reached += border_count;
+        }
+        rows.push([*first as u32, structure.tile(row, *first) as u32, reached as u32, 0]);
+    }
+    for position in structure.padding() {
+        rows[position / TILE][3] |= 1 << (position % TILE);
+    }
+    rows
+}
+
+/// Where each tile's values begin, with the end of the last; the place of each value in its tile; and the element entries that it is the
+/// sum of.
+fn placed_values(
+    topology: &RingTopology,
+    structure: &BandStructure,
+) -> (Vec<u32>, Vec<u32>, (Vec<u32>, Vec<u32>)) {
+    let assembly = Assembly::of_ring(topology);
+    let pattern = assembly.matrix::<f64>(&[]);
+    let (starts, sources) = assembly.sources();
+    let mut placed: Vec<(u32, u32, &[u32])> = Vec::new();
+    let mut value = 0;
+    for (row, ends) in pattern.row_starts.windows(2).enumerate() {
+        for column in &pattern.columns[ends[0] as usize..ends[1] as usize] {
+            let (i, j) = (structure.positions[row] as usize, structure.positions[*column as usize] as usize);
+            // Tiles on the diagonal are whole.
+            if i / TILE >= j / TILE {
+                let own = &sources[starts[value] as usize..starts[value + 1] as usize];
+                let place = (i % TILE * TILE + j % TILE) as u32;
+                placed.push((structure.tile(i / TILE, j / TILE) as u32, place, own));
+            }
+            value += 1;
+        }
+    }
+    placed.sort_unstable();
+    let starts_of = |tile: usize| placed.partition_point(|(own, ..)| (*own as usize) < tile) as u32;
+    let ends = placed.iter().scan(0, |end, (.., own)| {
+        *end += own.len() as u32;
+        Some(*end)
+    });
+    (
+        (0..=structure.tile_count).map(starts_of).collect(),
+        placed.iter().map(|(_, place, _)| *place).collect(),
+        (
+            std::iter::once(0).chain(ends).collect(),
+            placed.iter().flat_map(|(.., own)| *own).copied().collect(),
+        ),
+    )
+}
+
+/// The loads of the modes on the ring's unknowns, one way to push after the other.
+fn border(
+    topology: &RingTopology,
+    structure: &BandStructure,
+    modes: &RingModes,
+    pushes: &[Push],
+) -> Vec<f64> {
+    let ring = structure.size - structure.ring_start;
+    let mut loads = vec![0.0; pushes.len() * modes.count * ring];
+    for (push, loads) in pushes.iter().zip(loads.chunks_exact_mut(modes.count * ring)) {
+        for (unknown, of_modes) in modes.unknown_loads(*push, topology) {
+            let position = structure.positions[topology.ring_start + unknown] as usize - structure.ring_start;
+            of_modes.iter().enumerate().for_each(|(mode, load)| loads[mode * ring + position] = *load);
+        }
+    }
+    loads
+}
