@@ -24,7 +24,7 @@ pub struct Counts {
     /// Designs with at least one failed row.
     pub failed_designs: u64,
     pub failed_rows: u64,
-    /// Bodies that are not alike, to 0.2 % beyond a million; one that several processes met counts for each of them.
+    /// Bodies that are not alike, to 0.3 % beyond 260,000; one that several processes met counts for each of them.
     pub distinct_bodies: u64,
     /// The largest of a row.
     pub greatest_force_error: f64,

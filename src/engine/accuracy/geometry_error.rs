@@ -22,9 +22,8 @@ const WALL: f64 = std::f64::consts::LN_2;
 const STIFFEST: f64 = 40.0;
 
 /// Of the clearance ratio squared, where second order is not known: times the share of a pin that is not concentric, and as `OF_SHEAR` of
-/// walls that are taken for beds; where it is left out both and more.
+/// walls that are taken for beds.
 const OF_HELD: f64 = 0.1;
-const OF_LEFT_OUT: f64 = 0.3;
 const OF_BED: f64 = 0.16;
 
 /// From this clearance ratio on a row says so, whatever is left.
@@ -50,17 +49,15 @@ impl OutlineError {
         let depth = body.depth_range().0;
         let wall = (2.0 * (WALL - depth)).exp().min(1.0);
         let of_wall = of_pin * resistance * wall;
-        let ratio = outlines.radial_clearance;
-        let [all, shear] = if outlines.second() == 0.0 {
-            [OF_LEFT_OUT, OF_BED * of_wall]
-        } else if !body.shape.concentric {
+        let (ratio, square) = (outlines.radial_clearance, outlines.square());
+        let [all, shear] = if !body.shape.concentric {
             [OF_HELD * of_pin, 0.0]
         } else if depth < THINNEST_RING {
             [0.0, OF_BED * of_wall]
         } else {
             [0.0, ratio * OF_SHEAR * of_wall]
         };
-        OutlineError { of_all: ratio * ratio * (ratio * OF_CUBE + all), of_shear: ratio * ratio * shear }
+        OutlineError { of_all: square * (ratio * OF_CUBE + all), of_shear: square * shear }
     }
 
     /// At a contact half angle, rad.

@@ -173,15 +173,8 @@ impl FittedFamily {
         let numbers = infinite(body);
         let (is_pin, Tilt { first, second }) = (self.side == Side::Pin, outlines.tilt());
         let shares = [share, share * first, share * second];
-        let orders = if !is_pin {
-            1
-        } else if second == 0.0 {
-            2
-        } else {
-            3
-        };
-        let rows = if is_pin { &rows[..rows.len() / shares.len() * orders] } else { rows };
-        let (values, moved) = self.fit.sum(rows, &shares[..orders], (&numbers, point), scratch);
+        let shares = if is_pin { &shares[..] } else { &shares[..1] };
+        let (values, moved) = self.fit.sum(rows, shares, (&numbers, point), scratch);
         let part = JointCompliance { even: share * numbers[0], bed: 0.0, values: values.into() };
         if is_pin {
             return Some(part);

@@ -22,9 +22,6 @@
 
 use crate::mechanics::compliance::pressure_space::Tilt;
 
-/// Of the clearance ratio squared: below it what is to second order is less than 4e-6 of the force, 1e-6 but for rubber, and left out.
-const NEGLIGIBLE: f64 = 1e-5;
-
 /// Of one clearance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlines {
@@ -50,18 +47,17 @@ impl Outlines {
 
     /// Of the pressure on the pin against its normal; mu to first order.
     pub fn tilt(&self) -> Tilt {
-        Tilt { first: 0.5 * (self.ratio - 1.0 / self.ratio), second: self.second() }
+        Tilt { first: 0.5 * (self.ratio - 1.0 / self.ratio), second: self.square() }
     }
 
-    /// The clearance ratio squared, of what is to second order; 0 where that is left out.
-    pub fn second(&self) -> f64 {
-        let square = self.radial_clearance * self.radial_clearance;
-        if square < NEGLIGIBLE { 0.0 } else { square }
+    /// The clearance ratio squared.
+    pub fn square(&self) -> f64 {
+        self.radial_clearance * self.radial_clearance
     }
 
     /// Of the gap over dR: its part to second order, over sin^2(theta) (1 - cos theta).
     pub fn bend(&self) -> f64 {
-        0.25 * self.second()
+        0.25 * self.square()
     }
 
     /// The angle of the hole, rad, that meets one of the pin.
