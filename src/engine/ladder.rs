@@ -120,7 +120,7 @@ impl<'a> Ladder<'a> {
         let (library, spaces, accuracy) = (&self.library, &self.spaces, self.options.accuracy);
         let solved: Vec<(Vec<Placed>, Duration)> = joints
             .par_iter()
-            .with_min_len(16)
+            .with_min_len(4)
             .flat_map_iter(|places| places.chunks(TOGETHER))
             .map(|places| {
                 let started = Instant::now();

@@ -37,7 +37,7 @@ pub struct InfiniteKernels {
 impl InfiniteKernels {
     /// For arcs, as many as a multiple of `LANES`.
     pub fn new(arcs: &[ContactArc], terms: usize) -> InfiniteKernels {
-        InfiniteKernels::by(&ProductRule::new(RULE + terms), arcs, terms)
+        InfiniteKernels::by(&ProductRule::new(RULE + terms, terms), arcs, terms)
     }
 
     fn by(rule: &ProductRule, arcs: &[ContactArc], terms: usize) -> InfiniteKernels {
@@ -95,7 +95,7 @@ struct ProductRule {
 }
 
 impl ProductRule {
-    fn new(half: usize) -> ProductRule {
+    fn new(half: usize, terms: usize) -> ProductRule {
         let count = 2 * half;
         let step = PI / count as f64;
         // cos(k tau) at the points are of these 4 count cosines: `[k][tau]`.
@@ -137,7 +137,7 @@ impl ProductRule {
         let nodes = waves[1].clone();
         ProductRule {
             half,
-            trials: nodes.iter().map(|s| cosines(2.0 * s * s - 1.0)).collect(),
+            trials: nodes.iter().map(|s| cosines(2.0 * s * s - 1.0, terms)).collect(),
             weights: (0..half * half).map(weight).collect(),
             nodes,
         }
@@ -417,7 +417,7 @@ mod tests {
                     let twice = (2.0 * phi).sin() - (2.0 * other).sin();
                     let of_kernels =
                         [of_cosines, arm * of_sines, -0.5 * arm * arm * of_cosines - 0.25 * twice * of_sines];
-                    let [trials, others] = [tau, other_tau].map(|tau| cosines((2.0 * tau).cos()));
+                    let [trials, others] = [tau, other_tau].map(|tau| cosines((2.0 * tau).cos(), 6));
                     for (sums, kernel) in sums.iter_mut().zip(of_kernels) {
                         for row in 0..6 {
                             for column in 0..=row {
@@ -448,7 +448,7 @@ mod tests {
         let arcs: Vec<ContactArc> = (1..=LANES).map(|i| ContactArc::new(0.3 * i as f64)).collect();
         for terms in [3, 6, MAX_TERMS] {
             let by = |more: usize| {
-                let rule = ProductRule::new(RULE + terms + more);
+                let rule = ProductRule::new(RULE + terms + more, terms);
                 let InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd } =
                     InfiniteKernels::by(&rule, &arcs, terms);
                 [even, odd, tilted_even, tilted_odd, second_even, second_odd].concat()
