@@ -12,7 +12,7 @@ use crate::engine::cost::DesignCost;
 use crate::engine::distinct::Distinct;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
-use crate::engine::law_fit::add_laws;
+use crate::engine::law_fit::{add_laws, law_spaces};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::error::Error;
 use crate::study::config::Study;
@@ -270,6 +270,9 @@ fn solve_all<T: Send>(
     let mut digestion = Digestion::new(digest, pool);
     for batch in drawn {
         let portions = batch.map(|batch| {
+            if study.fits_laws() {
+                ladder.foresee(law_spaces(&batch, study.solve));
+            }
             let answers = pool.install(|| ladder.answers(&batch));
             let outcomes = batch.into_iter().zip(answers);
             let mut outcomes: Vec<_> =
@@ -398,4 +401,37 @@ fn receive_all<T>(
         *time += started.elapsed();
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// Sizes of the batches in which designs are drawn, where a whole batch is soon solved or not.
+    #[test]
+    fn a_sweep_begins_with_a_whole_batch_where_that_is_soon_solved() {
+        let config = r#"
+            [joint]
+            idealization     = "plane-stress"
+            hole_radius      = "10 mm"
+            radial_clearance = { from = "0.01 mm", to = "1 mm", count = 2500 }
+            thickness        = "8 mm"
+            pin   = { model = "rigid-core", youngs_modulus = "210 GPa", poissons_ratio = 0.3 }
+            plate = { model = "annulus", outer_radius_ratio = 3, youngs_modulus = "210 GPa", poissons_ratio = 0.3 }
+            [load]
+            force = "5 kN"
+        "#;
+        let study = Study::from_text(Path::new("config"), config.to_string()).unwrap();
+        let sizes = |is_soon: bool| -> Vec<usize> {
+            let (sender, drawn) = sync_channel(10);
+            draw_all(study.cases().unwrap(), BATCH, |first| is_soon && first.len() == FIRST_BATCH, &sender);
+            drop(sender);
+            let batches: Vec<Vec<DesignCase>> = drawn.iter().map(Result::unwrap).collect();
+            assert!(batches.iter().flatten().map(|case| case.index).eq(0..2500));
+            batches.iter().map(Vec::len).collect()
+        };
+        assert_eq!(sizes(false), [64, 1024, 1024, 388]);
+        assert_eq!(sizes(true), [1024, 1024, 452]);
+    }
 }
