@@ -45,8 +45,8 @@ pub struct Recorder {
     /// Whether the files are this run's.
     begun: bool,
     finished: bool,
-    /// When its manifest last told where it stands; at first, when it began.
-    marked: Instant,
+    /// When its manifest last told where it stands.
+    marked: Option<Instant>,
     /// Time from one manifest to the next.
     pause: Duration,
     saved: Instant,
@@ -93,7 +93,7 @@ impl Recorder {
             answers,
             begun: false,
             finished: false,
-            marked: Instant::now(),
+            marked: None,
             pause: MARK,
             saved: Instant::now(),
         };
@@ -191,7 +191,7 @@ impl Recorder {
         if self.saved.elapsed() > SAFE_MARK {
             return self.mark_safely();
         }
-        if self.marked.elapsed() > self.pause { self.mark() } else { Ok(()) }
+        if self.marked.is_none_or(|marked| marked.elapsed() > self.pause) { self.mark() } else { Ok(()) }
     }
 
     /// Ends a run that went through all designs: table and manifest take the place of what was there before.
@@ -285,7 +285,7 @@ impl Recorder {
         self.manifest.answers = self.answers.as_ref().map(raw);
         self.manifest.save(&self.manifest_path())?;
         self.pause = MARK.max(SHARE * started.elapsed());
-        self.marked = Instant::now();
+        self.marked = Some(Instant::now());
         Ok(())
     }
 
