@@ -207,6 +207,11 @@ impl DesignCost<'_> {
         DesignCost { study, interpolation: InterpolationPlan::of_study(study) }
     }
 
+    /// As if nothing were interpolated.
+    pub fn without_interpolation(study: &Study) -> DesignCost<'_> {
+        DesignCost { study, interpolation: None }
+    }
+
     /// A further design, s, whatever it shares with others.
     pub fn seconds(&self, case: &DesignCase) -> f64 {
         let rows = case.steps.len() as f64;

@@ -18,7 +18,7 @@ use crate::engine::outcome::{Answer, BackendKind, DesignOutcome};
 use crate::engine::plan::JointPlan;
 use crate::engine::refusal::Refusal;
 use crate::engine::row::{all_failed, closed_form};
-use crate::engine::spaces::Spaces;
+use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::engine::status::Failure;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
@@ -34,6 +34,8 @@ pub struct Ladder<'a> {
     options: SolveOptions,
     pub library: BodyLibrary<'a>,
     spaces: Spaces,
+    /// Spaces that will be asked for soon.
+    foreseen: Vec<SpaceKey>,
     pub interpolation: Option<Interpolation>,
     times: LadderTimes,
 }
@@ -51,6 +53,7 @@ impl<'a> Ladder<'a> {
             options,
             library: BodyLibrary::default(),
             spaces: Spaces::default(),
+            foreseen: Vec::new(),
             interpolation: None,
             times: LadderTimes::default(),
         }
@@ -64,6 +67,11 @@ impl<'a> Ladder<'a> {
     /// With bodies condensed on a device as long as that lasts.
     pub fn on(self, device: Box<dyn Device + 'a>) -> Ladder<'a> {
         Ladder { library: BodyLibrary::on(device), ..self }
+    }
+
+    /// Tells spaces that will be asked for soon: they are made while the next bodies are solved.
+    pub fn foresee(&mut self, spaces: Vec<SpaceKey>) {
+        self.foreseen = spaces;
     }
 
     /// Outcomes of `cases`, in their order.
@@ -106,9 +114,16 @@ impl<'a> Ladder<'a> {
     /// One attempt at each of some designs, by its number and plan.
     fn climb(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
         let requests: Vec<BodyRequest> = open.iter().flat_map(|(_, plan)| plan.requests()).collect();
-        self.library.solve(&requests);
+        let Ladder { library, spaces, foreseen, .. } = self;
+        let keys: Vec<SpaceKey> = open.iter().map(|(_, plan)| plan.space).chain(foreseen.drain(..)).collect();
+        let make = || {
+            let started = Instant::now();
+            spaces.make(keys);
+            started.elapsed()
+        };
+        let ((), made) = rayon::join(|| library.solve(&requests), make);
+        self.times.spaces += made;
         let started = Instant::now();
-        let Ladder { library, spaces, .. } = self;
         let bodies = open.iter().flat_map(|(_, plan)| plan.requests().map(|request| (plan.space, request)));
         spaces.prepare(bodies.map(|(space, request)| (space, &*library.solved(&request).compliance)));
         self.times.spaces += started.elapsed();
@@ -120,7 +135,7 @@ impl<'a> Ladder<'a> {
         let (library, spaces, accuracy) = (&self.library, &self.spaces, self.options.accuracy);
         let solved: Vec<(Vec<Placed>, Duration)> = joints
             .par_iter()
-            .with_min_len(16)
+            .with_min_len(4)
             .flat_map_iter(|places| places.chunks(TOGETHER))
             .map(|places| {
                 let started = Instant::now();

@@ -8,10 +8,11 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
+use crate::engine::cost::DesignCost;
 use crate::engine::distinct::Distinct;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
-use crate::engine::law_fit::add_laws;
+use crate::engine::law_fit::{add_laws, law_spaces};
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::error::Error;
 use crate::study::config::Study;
@@ -106,6 +107,9 @@ const BATCH: usize = 1024;
 /// Designs of the first batch, so that a slow sweep shows its first rows soon.
 const FIRST_BATCH: usize = 64;
 
+/// A sweep whose whole batches take no longer than this by the forecast, s, begins with one: lanes are filled better.
+const SOON: f64 = 0.25;
+
 /// Runs designs of `study` and hands the outcomes over one by one.
 pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<Statistics, Error> {
     let (mut received, mut steps, mut is_broken) = (0, 0, false);
@@ -149,7 +153,13 @@ pub fn run_digested<T: Send>(
     let (solved_sender, solved) = sync_channel(1);
     let batch_size = options.gpu.map_or(BATCH, |gpu| gpu.batch_size());
     std::thread::scope(|scope| {
-        let drawer = scope.spawn(move || draw_all(cases, batch_size, &drawn_sender));
+        let cost = DesignCost::without_interpolation(study);
+        let is_soon = move |first: &[DesignCase]| {
+            let looked_at = first.iter().step_by(FIRST_BATCH / 4);
+            let seconds: f64 = looked_at.map(|case| cost.seconds(case)).sum();
+            options.gpu.is_none() && seconds / 4.0 * batch_size as f64 <= SOON * threads as f64
+        };
+        let drawer = scope.spawn(move || draw_all(cases, batch_size, is_soon, &drawn_sender));
         let solver = scope.spawn(move || solve_all(study, options, digest, &pool, &drawn, &solved_sender));
         let mut received = Duration::ZERO;
         let result = receive_all(&solved, receive, &mut statistics, &mut received);
@@ -192,13 +202,23 @@ struct Portion<T> {
 fn draw_all(
     mut cases: impl Iterator<Item = Result<DesignCase, Error>>,
     batch_size: usize,
+    is_soon: impl Fn(&[DesignCase]) -> bool,
     drawn: &SyncSender<Drawn>,
 ) -> Distinct {
     let mut distinct = Distinct::default();
-    let mut size = FIRST_BATCH;
+    let mut first: Drawn = cases.by_ref().take(FIRST_BATCH).collect();
+    if let Ok(designs) = &mut first
+        && is_soon(designs)
+    {
+        let more: Drawn = cases.by_ref().take(batch_size.saturating_sub(FIRST_BATCH)).collect();
+        match more {
+            Ok(more) => designs.extend(more),
+            Err(error) => first = Err(error),
+        }
+    }
+    let mut first = Some(first);
     loop {
-        let batch: Drawn = cases.by_ref().take(size).collect();
-        size = batch_size;
+        let batch = first.take().unwrap_or_else(|| cases.by_ref().take(batch_size).collect());
         let is_last = match &batch {
             Ok(batch) if batch.is_empty() => break,
             Ok(batch) => {
@@ -250,6 +270,9 @@ fn solve_all<T: Send>(
     let mut digestion = Digestion::new(digest, pool);
     for batch in drawn {
         let portions = batch.map(|batch| {
+            if study.fits_laws() {
+                ladder.foresee(law_spaces(&batch, study.solve));
+            }
             let answers = pool.install(|| ladder.answers(&batch));
             let outcomes = batch.into_iter().zip(answers);
             let mut outcomes: Vec<_> =
@@ -378,4 +401,37 @@ fn receive_all<T>(
         *time += started.elapsed();
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// Sizes of the batches in which designs are drawn, where a whole batch is soon solved or not.
+    #[test]
+    fn a_sweep_begins_with_a_whole_batch_where_that_is_soon_solved() {
+        let config = r#"
+            [joint]
+            idealization     = "plane-stress"
+            hole_radius      = "10 mm"
+            radial_clearance = { from = "0.01 mm", to = "1 mm", count = 2500 }
+            thickness        = "8 mm"
+            pin   = { model = "rigid-core", youngs_modulus = "210 GPa", poissons_ratio = 0.3 }
+            plate = { model = "annulus", outer_radius_ratio = 3, youngs_modulus = "210 GPa", poissons_ratio = 0.3 }
+            [load]
+            force = "5 kN"
+        "#;
+        let study = Study::from_text(Path::new("config"), config.to_string()).unwrap();
+        let sizes = |is_soon: bool| -> Vec<usize> {
+            let (sender, drawn) = sync_channel(10);
+            draw_all(study.cases().unwrap(), BATCH, |first| is_soon && first.len() == FIRST_BATCH, &sender);
+            drop(sender);
+            let batches: Vec<Vec<DesignCase>> = drawn.iter().map(Result::unwrap).collect();
+            assert!(batches.iter().flatten().map(|case| case.index).eq(0..2500));
+            batches.iter().map(Vec::len).collect()
+        };
+        assert_eq!(sizes(false), [64, 1024, 1024, 388]);
+        assert_eq!(sizes(true), [1024, 1024, 452]);
+    }
 }

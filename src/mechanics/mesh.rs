@@ -170,7 +170,8 @@ fn lines(body: &Body, grading: &Grading) -> Vec<Line> {
 /// Depths below the ring of the layers' ends on a line.
 fn layer_ends(layers: Layers, line: &Line) -> Vec<f64> {
     let mut reached = 0.0;
-    let mut depths = vec![0.0];
+    let mut depths = Vec::with_capacity(layers.count + 1);
+    depths.push(0.0);
     for thickness in layers.thicknesses(line.growth) {
         reached += thickness;
         depths.push(reached);

@@ -106,14 +106,15 @@ pub const fn packed(row: usize, column: usize) -> usize {
     row * (row + 1) / 2 + column
 }
 
-/// cos(k x) for k = 0 ... `MAX_TERMS` - 1 from cos x.
-pub fn cosines(cosine: f64) -> [f64; MAX_TERMS] {
+/// cos(k x) for k = 0 ... `terms` - 1 from cos x; the others are zero.
+pub fn cosines(cosine: f64, terms: usize) -> [f64; MAX_TERMS] {
     let (mut value, mut previous) = (1.0, cosine);
-    std::array::from_fn(|_| {
-        let current = value;
+    let mut cosines = [0.0; MAX_TERMS];
+    for own in &mut cosines[..terms] {
+        *own = value;
         (value, previous) = (2.0 * cosine * value - previous, value);
-        current
-    })
+    }
+    cosines
 }
 
 #[cfg(test)]

@@ -7,13 +7,16 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::arc::{ContactArc, MAX_TERMS, cosines, packed, packed_count};
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
-use crate::mechanics::element::quadrature::gauss_legendre;
 use crate::mechanics::real::{LANES, Lanes, Real};
 
-/// Points, beyond one for each trial pressure, of the rules for the two kernels: with more of them nothing changes
-/// by more than 1e-12.
-const SMOOTH_RULE: usize = 22;
-const KINK_RULE: usize = 22;
+/// Points over (0, pi/2), beyond one for each trial pressure: with more of them nothing changes by more than 1e-12.
+const RULE: usize = 32;
+
+/// Kernels that are integrated together, in the order of `InfiniteKernels`.
+const KERNELS: usize = 6;
+
+/// Trial pressures whose sums are taken side by side: each waits for itself alone.
+const ABREAST: usize = 6;
 
 /// `[packed entry][arc]` each.
 pub struct InfiniteKernels {
@@ -34,15 +37,15 @@ pub struct InfiniteKernels {
 impl InfiniteKernels {
     /// For arcs, as many as a multiple of `LANES`.
     pub fn new(arcs: &[ContactArc], terms: usize) -> InfiniteKernels {
+        InfiniteKernels::by(&ProductRule::new(RULE + terms, terms), arcs, terms)
+    }
+
+    fn by(rule: &ProductRule, arcs: &[ContactArc], terms: usize) -> InfiniteKernels {
         let entries = packed_count(terms);
-        let mut kernels: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; entries * arcs.len()]);
-        let (logarithmic, kinked) = (LogarithmicRule::new(terms), KinkedRule::new(terms));
+        let mut kernels: [Vec<f64>; KERNELS] = std::array::from_fn(|_| vec![0.0; entries * arcs.len()]);
         for (chunk, of_chunk) in arcs.chunks_exact(LANES).enumerate() {
             let lanes: [ContactArc; LANES] = std::array::from_fn(|lane| of_chunk[lane]);
-            let [even, tilted_even, second_even] =
-                in_lanes(Cubic { arcs: &lanes, terms, rule: &logarithmic });
-            let [odd, tilted_odd, second_odd] = in_lanes(Quadratic { arcs: &lanes, terms, rule: &kinked });
-            let own = [even, odd, tilted_even, tilted_odd, second_even, second_odd];
+            let own = in_lanes(Regular { arcs: &lanes, terms, rule });
             for (kernel, own) in kernels.iter_mut().zip(own) {
                 for (entry, values) in own.iter().enumerate() {
                     kernel[entry * arcs.len() + chunk * LANES..][..LANES].copy_from_slice(values);
@@ -74,41 +77,76 @@ fn add_logarithm(arc: &ContactArc, terms: usize, add: &mut impl FnMut(usize, usi
     }
 }
 
-/// Weights for integrals of ln|cos tau - cos tau'| f(tau') over tau' in (0, pi) by the values of f at the midpoints of `count`
-/// equal steps, exact for f = cos(k tau'), k < count (R. Kress, Linear Integral Equations, sect. 12.3).
-struct LogarithmicRule {
-    count: usize,
-    /// `[node of tau][node of tau']`.
-    weights: Vec<f64>,
-    /// cos(tau).
+/// Weights for integrals over tau and tau' in (0, pi), at the midpoints of 2 `half` equal steps. Smooth functions take the midpoint rule.
+/// ln|cos tau - cos tau'| f and sgn(tau' - tau) f are exact where f is a polynomial in cos tau and cos tau' of lower degree than there
+/// are points: the first by R. Kress, Linear Integral Equations, sect. 12.3, the other by
+///
+/// ```text
+///   integral of sgn(tau' - tau) cos(k tau) cos(l tau') over both = 4/(k^2 - l^2) for odd k + l, else 0.
+/// ```
+struct ProductRule {
+    /// Points over (0, pi/2). The others are their mirror images.
+    half: usize,
+    /// cos(tau) and the trial pressures at these.
     nodes: Vec<f64>,
     trials: Vec<[f64; MAX_TERMS]>,
+    /// Of logarithm and sign over the step of tau, `[tau][tau'][tau' or pi - tau']`.
+    weights: Vec<[[f64; 2]; 2]>,
 }
 
-impl LogarithmicRule {
-    fn new(terms: usize) -> LogarithmicRule {
-        let count = 2 * (SMOOTH_RULE + terms);
+impl ProductRule {
+    fn new(half: usize, terms: usize) -> ProductRule {
+        let count = 2 * half;
         let step = PI / count as f64;
-        // cos((i + 1/2) k step) is one of 4 count cosines.
+        // cos(k tau) at the points are of these 4 count cosines: `[k][tau]`.
         let table: Vec<f64> = (0..4 * count).map(|i| (0.5 * i as f64 * step).cos()).collect();
-        let cosine = |i: usize, k: usize| table[(2 * i + 1) * k % (4 * count)];
-        // cos(a) cos(b) = [cos(a + b) + cos(a - b)]/2: sums of two numbers of one table.
-        let sums: Vec<f64> = (0..=2 * count)
-            .map(|turn| (1..count).map(|k| table[2 * turn * k % (4 * count)] / k as f64).sum())
-            .collect();
-        let weight = |i: usize, j: usize| -step * (2.0_f64.ln() + sums[i + j + 1] + sums[i.abs_diff(j)]);
-        let nodes: Vec<f64> = (0..count).map(|i| cosine(i, 1)).collect();
-        LogarithmicRule {
-            count,
-            weights: (0..count * count).map(|at| weight(at / count, at % count)).collect(),
-            trials: nodes.iter().map(|s| cosines(2.0 * s * s - 1.0)).collect(),
+        let wave = |k: usize| (0..half).map(|i| table[(2 * i + 1) * k % (4 * count)]).collect();
+        let waves: Vec<Vec<f64>> = (0..count).map(wave).collect();
+        // Sums over k = first, first + 2, ... of cos(k tau) factors(k, tau').
+        let sums = |first: usize, factors: &dyn Fn(usize) -> Vec<f64>| {
+            let mut sums = vec![0.0; half * half];
+            for k in (first..count).step_by(2) {
+                let factors = factors(k);
+                for (row, own) in sums.chunks_exact_mut(half).zip(&waves[k]) {
+                    row.iter_mut().zip(&factors).for_each(|(sum, factor)| *sum += own * factor);
+                }
+            }
+            sums
+        };
+        let inverse = |k: usize| waves[k].iter().map(|wave| wave / k as f64).collect();
+        let (odd, even) = (sums(1, &inverse), sums(2, &inverse));
+        // Of odd waves of tau and even ones of tau'. The reverse is the negative, transposed.
+        let skew = sums(1, &|k| {
+            let mut factors = vec![0.0; half];
+            for l in (0..count).step_by(2) {
+                let factor =
+                    if l == 0 { 8.0 } else { 16.0 } / (PI * count as f64 * ((k * k) as f64 - (l * l) as f64));
+                factors.iter_mut().zip(&waves[l]).for_each(|(sum, wave)| *sum += factor * wave);
+            }
+            factors
+        });
+        let weight = |at: usize| {
+            let reverse = skew[at % half * half + at / half];
+            let logarithm = |sum: f64| -step * (2.0_f64.ln() + 2.0 * sum);
+            // Odd waves of tau' are the negative at pi - tau'.
+            [
+                [logarithm(even[at] + odd[at]), skew[at] - reverse],
+                [logarithm(even[at] - odd[at]), skew[at] + reverse],
+            ]
+        };
+        let nodes = waves[1].clone();
+        ProductRule {
+            half,
+            trials: nodes.iter().map(|s| cosines(2.0 * s * s - 1.0, terms)).collect(),
+            weights: (0..half * half).map(weight).collect(),
             nodes,
         }
     }
 }
 
-/// Galerkin matrices of the sum over n >= 2 of cos(n theta)/(n (n^2 - 1))
-/// = (1 - cos theta) ln(2 sin(theta/2)) - 1/2 + 3/4 cos theta,
+/// Galerkin matrices of `InfiniteKernels`, `even` and `second_even` without the logarithm.
+///
+/// Of the sum over n >= 2 of cos(n theta)/(n (n^2 - 1)) = (1 - cos theta) ln(2 sin(theta/2)) - 1/2 + 3/4 cos theta,
 /// and of (sin phi - sin phi') times that of sin(n theta)/(n^2 - 1) = sin theta [1/4 - ln(2 sin(theta/2))]; and of what comes of both to
 /// second order,
 ///
@@ -117,179 +155,128 @@ impl LogarithmicRule {
 ///   + cos(phi + phi') {(1 + cos theta)/4 - sin^2(theta)/2 [1/4 - ln(2 sin(theta/2))]}.
 /// ```
 ///
+/// Of the sum over n >= 2 of cos(n theta)/(n^2 - 1) = 1/2 + 1/4 cos theta - (pi - theta)/2 sin theta, 0 <= theta <= 2 pi,
+/// and of (sin phi - sin phi') times that of n sin(n theta)/(n^2 - 1) = (pi - theta)/2 cos theta - 1/4 sin theta; both have a
+/// kink on the diagonal. And of what comes of both to second order, -(sin phi - sin phi')^2/2 times the first and
+/// -(sin 2 phi - sin 2 phi')/4 times the other sum.
+///
 /// With x = tan(phi/2) = b s and g = 1/(1 + x^2): 1 - cos theta = 2 b^2 (s - s')^2 g g',
 /// (sin phi - sin phi') sin theta = 2 (1 - cos theta) (1 - x^2 x'^2) g g', and
-/// ln(2 sin(theta/2)) = ln|s - s'| + ln(2 b) + ln(g)/2 + ln(g')/2, so all but ln|s - s'| is smooth.
-struct Cubic<'a> {
+/// ln(2 sin(theta/2)) = ln|s - s'| + ln(2 b) + ln(g)/2 + ln(g')/2, so all but ln|s - s'| is smooth; and where theta = |phi - phi'|
+/// all but the sign.
+struct Regular<'a> {
     arcs: &'a [ContactArc; LANES],
     terms: usize,
-    rule: &'a LogarithmicRule,
+    rule: &'a ProductRule,
 }
 
-impl LaneWork for Cubic<'_> {
-    type Output = [Vec<[f64; LANES]>; 3];
+/// A point of the rule on the arcs.
+#[derive(Clone, Copy)]
+struct Point<const FUSED: bool> {
+    /// x.
+    x: Lanes<FUSED>,
+    g: Lanes<FUSED>,
+    /// ln(g)/2.
+    ln_g: Lanes<FUSED>,
+    angle: Lanes<FUSED>,
+}
+
+impl<const FUSED: bool> Point<FUSED> {
+    #[inline(always)]
+    fn new(x: Lanes<FUSED>) -> Point<FUSED> {
+        let one = Lanes::from_f64(1.0);
+        let g = one / (one + x * x);
+        Point { x, g, ln_g: Lanes(g.0.map(|g| 0.5 * g.ln())), angle: Lanes(x.0.map(|x| 2.0 * x.atan())) }
+    }
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> [Vec<[f64; LANES]>; 3] {
-        let Cubic { arcs, terms, rule: LogarithmicRule { count, weights, nodes, trials } } = self;
+    fn mirrored(self) -> Point<FUSED> {
+        Point { x: -self.x, angle: -self.angle, ..self }
+    }
+
+    /// The kernels between two points, in the order of `InfiniteKernels`, times the weights: the step, and by ln(2 b) those of `ProductRule`.
+    #[inline(always)]
+    fn kernels(
+        self,
+        other: Point<FUSED>,
+        (step, double): (f64, Lanes<FUSED>),
+        weights: [f64; 2],
+    ) -> [Lanes<FUSED>; KERNELS] {
         let number = Lanes::<FUSED>::from_f64;
-        let step = PI / *count as f64;
+        let difference = self.x - other.x;
+        let products = self.g * other.g;
+        let versine = number(2.0) * difference * difference * products;
+        let logarithm = (double + self.ln_g + other.ln_g) * number(step) + number(weights[0]);
+        // g (1 - x^2 x'^2) g' = g + g' - 1, free of squares; cos phi = 2 g - 1.
+        let sum = self.g + other.g - number(1.0);
+        let [own, others] = [self, other].map(|point| number(2.0) * point.g - number(1.0));
+        // cos theta, (1 + cos theta)/2 and cos(phi + phi').
+        let (cosine, near) = (number(1.0) - versine, number(1.0) - number(0.5) * versine);
+        let of_sum = number(2.0) * own * others - cosine;
+        // Half of (sin phi - sin phi')^2, and half of cos(phi + phi') sin^2(theta).
+        let square = number(0.5) * (number(1.0) + of_sum) * versine;
+        let product = of_sum * versine * near;
+        let rest = square * (number(0.5) - number(0.75) * cosine) - number(0.25) * product
+            + number(0.5) * of_sum * near
+            - number(0.5) * sum;
+        let even = versine * logarithm + number(step) * (number(0.25) - number(0.75) * versine);
+        let tilted_even = (versine + versine) * sum * (number(0.25 * step) - logarithm);
+        let second_even = (square * cosine + product) * logarithm + number(step) * rest;
+        // sin(phi - phi'), sin phi - sin phi', and (theta - pi)/2 with the sign of phi - phi'.
+        let sine = number(2.0) * difference * (number(1.0) + self.x * other.x) * products;
+        let arm = number(2.0) * difference * (number(1.0) - self.x * other.x) * products;
+        let turn = number(0.5 * step) * (self.angle - other.angle) - number(FRAC_PI_2 * weights[1]);
+        let odd = number(step) * (number(0.75) - number(0.25) * versine) + turn * sine;
+        let of_sines = turn * cosine + number(0.25 * step) * sine;
+        let tilted_odd = -arm * of_sines;
+        let second_odd = number(0.5) * of_sum * sine * of_sines - square * odd;
+        [even, odd, tilted_even, tilted_odd, second_even, second_odd]
+    }
+}
+
+impl LaneWork for Regular<'_> {
+    type Output = [Vec<[f64; LANES]>; KERNELS];
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> [Vec<[f64; LANES]>; KERNELS] {
+        let Regular { arcs, terms, rule: ProductRule { half, nodes, trials, weights } } = self;
+        let number = Lanes::<FUSED>::from_f64;
+        let step = FRAC_PI_2 / *half as f64;
         let b = Lanes::<FUSED>(arcs.map(|arc| arc.b));
         let double = Lanes::<FUSED>(arcs.map(|arc| (2.0 * arc.b).ln()));
-        let at_nodes: Vec<[Lanes<FUSED>; 2]> = nodes
-            .iter()
-            .map(|s| {
-                let x = b * number(*s);
-                let g = number(1.0) / (number(1.0) + x * x);
-                [g, Lanes(g.0.map(|g| 0.5 * g.ln()))]
-            })
-            .collect();
-        let mut matrices = [(); 3].map(|()| vec![[0.0; LANES]; packed_count(terms)]);
-        for (i, (s, [g, ln_g])) in nodes.iter().zip(&at_nodes).enumerate() {
-            let mut potentials = [[Lanes::<FUSED>::zero(); MAX_TERMS]; 3];
-            for (j, (other, [other_g, other_ln_g])) in nodes.iter().zip(&at_nodes).enumerate() {
-                let arm = b * number(s - other);
-                let versine = number(2.0) * arm * arm * *g * *other_g;
-                let logarithm =
-                    (double + *ln_g + *other_ln_g) * number(step) + number(weights[i * count + j]);
-                let smooth = number(step) * (number(0.25) - number(0.75) * versine);
-                // g (1 - x^2 x'^2) g' = g + g' - 1, free of squares.
-                let tilt = (versine + versine) * (*g + *other_g - number(1.0));
-                // cos theta, (1 + cos theta)/2, cos phi + cos phi', and cos(phi + phi').
-                let (cosine, near) = (number(1.0) - versine, number(1.0) - number(0.5) * versine);
-                let cosines = number(2.0) * (*g + *other_g - number(1.0));
-                let [own, other] = [*g, *other_g].map(|g| number(2.0) * g - number(1.0));
-                let of_sum = number(2.0) * own * other - cosine;
-                // Half of (sin phi - sin phi')^2, and half of cos(phi + phi') sin^2(theta).
-                let square = number(0.5) * (number(1.0) + of_sum) * versine;
-                let product = of_sum * versine * near;
-                let of_logarithm = square * cosine + product;
-                let rest = square * (number(0.5) - number(0.75) * cosine) - number(0.25) * product
-                    + number(0.5) * of_sum * near
-                    - number(0.25) * cosines;
-                let second = of_logarithm * logarithm + number(step) * rest;
-                let of_kernels =
-                    [versine * logarithm + smooth, tilt * (number(0.25 * step) - logarithm), second]
-                        .map(|weight| -weight);
-                for (potential, weight) in potentials.iter_mut().zip(of_kernels) {
-                    for (sum, trial) in potential[..terms].iter_mut().zip(&trials[j]) {
-                        *sum = sum.minus_product(weight, number(*trial));
-                    }
+        let points: Vec<Point<FUSED>> = nodes.iter().map(|s| Point::new(b * number(*s))).collect();
+        let mut matrices = [(); KERNELS].map(|()| vec![[0.0; LANES]; packed_count(terms)]);
+        let mut of_point = vec![[Lanes::<FUSED>::zero(); KERNELS]; *half];
+        for (i, point) in points.iter().enumerate() {
+            for (j, other) in points.iter().enumerate() {
+                // The trial pressures are the same at both.
+                let [own, mirrored] = weights[i * half + j];
+                let own = point.kernels(*other, (step, double), own);
+                let mirrored = point.kernels(other.mirrored(), (step, double), mirrored);
+                for kernel in 0..KERNELS {
+                    of_point[j][kernel] = -(own[kernel] + mirrored[kernel]);
                 }
             }
-            for (matrix, potential) in matrices.iter_mut().zip(&potentials) {
+            for (kernel, matrix) in matrices.iter_mut().enumerate() {
+                let mut potential = [Lanes::<FUSED>::zero(); MAX_TERMS];
+                for (block, sums) in potential.as_chunks_mut::<ABREAST>().0.iter_mut().enumerate() {
+                    if block * ABREAST < terms {
+                        for (weights, trials) in of_point.iter().zip(trials) {
+                            for k in 0..ABREAST {
+                                let trial = number(trials[block * ABREAST + k]);
+                                sums[k] = sums[k].minus_product(weights[kernel], trial);
+                            }
+                        }
+                    }
+                }
                 for row in 0..terms {
+                    let factor = step / PI * trials[i][row];
                     for column in 0..=row {
-                        // Half of the integral over tau in (0, pi).
-                        let factor = 0.5 * step / PI * trials[i][row];
                         let entry = &mut matrix[packed(row, column)];
                         entry
                             .iter_mut()
                             .zip(potential[column].0)
                             .for_each(|(sum, value)| *sum += factor * value);
-                    }
-                }
-            }
-        }
-        matrices
-    }
-}
-
-/// Points and weights over tau in (0, pi/2), and over tau' on both sides of each.
-struct KinkedRule {
-    outer: Vec<(f64, f64)>,
-    /// cos(tau') and weight, `[tau]`.
-    inner: Vec<Vec<(f64, f64)>>,
-}
-
-impl KinkedRule {
-    fn new(terms: usize) -> KinkedRule {
-        let rule = gauss_legendre(KINK_RULE + terms);
-        let outer: Vec<(f64, f64)> =
-            rule.iter().map(|(x, weight)| (0.5 * FRAC_PI_2 * (1.0 + x), 0.5 * FRAC_PI_2 * weight)).collect();
-        let both_sides = |(tau, _): &(f64, f64)| {
-            let sides = [(0.0, *tau), (*tau, PI)].into_iter();
-            let points = sides.flat_map(|(start, end)| {
-                let point = move |(x, weight): &(f64, f64)| {
-                    let half = 0.5 * (end - start);
-                    ((0.5 * (start + end) + half * x).cos(), half * weight)
-                };
-                rule.iter().map(point)
-            });
-            points.collect()
-        };
-        KinkedRule { inner: outer.iter().map(both_sides).collect(), outer }
-    }
-}
-
-/// Galerkin matrices of the sum over n >= 2 of cos(n theta)/(n^2 - 1)
-/// = 1/2 + 1/4 cos theta - (pi - theta)/2 sin theta, 0 <= theta <= 2 pi,
-/// and of (sin phi - sin phi') times that of n sin(n theta)/(n^2 - 1) = (pi - theta)/2 cos theta - 1/4 sin theta; both have a
-/// kink on the diagonal. And of what comes of both to second order, -(sin phi - sin phi')^2/2 times the first and
-/// -(sin 2 phi - sin 2 phi')/4 times the other sum.
-///
-/// For each tau the integral over tau' in (0, pi) is taken on both sides of the kink. sin(theta/2) = |x - x'|/h,
-/// cos(theta/2) = (1 + x x')/h, h^2 = (1 + x^2)(1 + x'^2), sin phi - sin phi' = 2 (x - x') (1 - x x')/h^2.
-struct Quadratic<'a> {
-    arcs: &'a [ContactArc; LANES],
-    terms: usize,
-    rule: &'a KinkedRule,
-}
-
-impl LaneWork for Quadratic<'_> {
-    type Output = [Vec<[f64; LANES]>; 3];
-
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) -> [Vec<[f64; LANES]>; 3] {
-        let Quadratic { arcs, terms, rule } = self;
-        let number = Lanes::<FUSED>::from_f64;
-        let b = Lanes::<FUSED>(arcs.map(|arc| arc.b));
-        let angle = |x: Lanes<FUSED>| Lanes::<FUSED>(x.0.map(|x| 2.0 * x.atan()));
-        let mut matrices = [(); 3].map(|()| vec![[0.0; LANES]; packed_count(terms)]);
-        for (&(tau, outer_weight), inner) in rule.outer.iter().zip(&rule.inner) {
-            let x = b * number(tau.cos());
-            let own_angle = angle(x);
-            let mut potentials = [[Lanes::<FUSED>::zero(); MAX_TERMS]; 3];
-            for &(cosine, weight) in inner {
-                let y = b * number(cosine);
-                let theta = own_angle - angle(y);
-                let theta = Lanes::<FUSED>(theta.0.map(f64::abs));
-                let squares = (number(1.0) + x * x) * (number(1.0) + y * y);
-                let (difference, along) = (x - y, number(1.0) + x * y);
-                // sin^2(theta/2), and half of sin(theta).
-                let sine_square = difference * difference / squares;
-                let product = Lanes::<FUSED>(difference.0.map(f64::abs)) * along / squares;
-                let rest = number(PI) - theta;
-                let kernel = number(0.75) - number(0.5) * sine_square - rest * product;
-                // |sin phi - sin phi'|, or the negative beyond pi/2.
-                let arm =
-                    (number(1.0) - x * y) * Lanes(difference.0.map(|value| 2.0 * value.abs())) / squares;
-                let cosine_of = number(1.0) - number(2.0) * sine_square;
-                let of_sines = rest * cosine_of - product;
-                let tilted = arm * number(0.5) * of_sines;
-                // cos(phi + phi').
-                let (inward, sum) = (number(1.0) - x * y, x + y);
-                let of_sum = (inward * inward - sum * sum) / squares;
-                let second = -((number(1.0) + of_sum) * sine_square * kernel)
-                    - number(0.5) * of_sum * product * of_sines;
-                let trials = cosines(2.0 * cosine * cosine - 1.0);
-                for (potential, kernel) in potentials.iter_mut().zip([kernel, tilted, second]) {
-                    let kernel = number(-weight) * kernel;
-                    for (sum, trial) in potential[..terms].iter_mut().zip(&trials) {
-                        *sum = sum.minus_product(kernel, number(*trial));
-                    }
-                }
-            }
-            let trials = cosines((2.0 * tau).cos());
-            for (matrix, potential) in matrices.iter_mut().zip(&potentials) {
-                for row in 0..terms {
-                    for column in 0..=row {
-                        // Symmetric but for the quadrature: take the mean.
-                        let product =
-                            number(trials[row]) * potential[column] + number(trials[column]) * potential[row];
-                        let factor = 0.5 * outer_weight / PI;
-                        let entry = &mut matrix[packed(row, column)];
-                        entry.iter_mut().zip(product.0).for_each(|(sum, value)| *sum += factor * value);
                     }
                 }
             }
@@ -404,5 +391,71 @@ mod tests {
             }
         }
         assert_eq!(compared, 10 * LANES);
+    }
+
+    /// Those with a kink against many points of Gauss on either side of it, up to the widest arc of any space.
+    #[test]
+    fn kernels_with_a_kink_equal_their_integrals() {
+        let arcs: Vec<ContactArc> = (1..=LANES).map(|i| ContactArc::new(0.3 * i as f64)).collect();
+        let kernels = InfiniteKernels::new(&arcs, 6);
+        let rule = gauss_legendre(120);
+        let points = |start: f64, end: f64| {
+            let half = 0.5 * (end - start);
+            rule.iter().map(move |(x, weight)| (start + half * (1.0 + x), half * weight))
+        };
+        let mut compared = 0;
+        for (place, arc) in arcs.iter().enumerate() {
+            let mut sums = [[[0.0; 6]; 6]; 3];
+            for (tau, weight) in points(0.0, FRAC_PI_2) {
+                let phi = arc.angle(tau);
+                for (other_tau, other_weight) in points(0.0, tau).chain(points(tau, PI)) {
+                    let other = arc.angle(other_tau);
+                    let (theta, sign) = ((phi - other).abs(), (phi - other).signum());
+                    let of_cosines = 0.5 + 0.25 * theta.cos() - 0.5 * (PI - theta) * theta.sin();
+                    let of_sines = sign * (0.5 * (PI - theta) * theta.cos() - 0.25 * theta.sin());
+                    let arm = phi.sin() - other.sin();
+                    let twice = (2.0 * phi).sin() - (2.0 * other).sin();
+                    let of_kernels =
+                        [of_cosines, arm * of_sines, -0.5 * arm * arm * of_cosines - 0.25 * twice * of_sines];
+                    let [trials, others] = [tau, other_tau].map(|tau| cosines((2.0 * tau).cos(), 6));
+                    for (sums, kernel) in sums.iter_mut().zip(of_kernels) {
+                        for row in 0..6 {
+                            for column in 0..=row {
+                                sums[row][column] +=
+                                    weight * other_weight / PI * kernel * trials[row] * others[column];
+                            }
+                        }
+                    }
+                }
+            }
+            for row in 0..6 {
+                for column in 0..=row {
+                    let at = packed(row, column) * arcs.len() + place;
+                    let found = [kernels.odd[at], kernels.tilted_odd[at], kernels.second_odd[at]];
+                    for (found, sums) in found.iter().zip(&sums) {
+                        let integral = sums[row][column];
+                        assert!((found - integral).abs() < 2e-12, "{row},{column}: {found} {integral}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(compared, 3 * 21 * LANES);
+    }
+
+    #[test]
+    fn more_points_change_nothing() {
+        let arcs: Vec<ContactArc> = (1..=LANES).map(|i| ContactArc::new(0.3 * i as f64)).collect();
+        for terms in [3, 6, MAX_TERMS] {
+            let by = |more: usize| {
+                let rule = ProductRule::new(RULE + terms + more, terms);
+                let InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd } =
+                    InfiniteKernels::by(&rule, &arcs, terms);
+                [even, odd, tilted_even, tilted_odd, second_even, second_odd].concat()
+            };
+            let changes: Vec<f64> = by(0).iter().zip(by(20)).map(|(few, many)| (few - many).abs()).collect();
+            assert_eq!(changes.len(), KERNELS * LANES * packed_count(terms));
+            assert!(changes.iter().all(|change| *change < 1e-12), "{terms}: {changes:?}");
+        }
     }
 }

@@ -51,16 +51,17 @@ impl CondensationPlan {
     pub fn new(body: &Body, grading: Grading, modes: RingModes) -> CondensationPlan {
         let topology = RingTopology::new(body, &grading);
         let structure = BandStructure::new(&topology);
-        let of_push = |push: &Push| {
+        let in_order = |unknown_loads: Vec<(usize, Vec<f64>)>| {
             let mut loads = vec![0.0; (structure.size - structure.ring_start) * modes.count];
-            for (place, load) in modes.unknown_loads(*push, &topology) {
+            for (place, load) in unknown_loads {
                 let position =
                     structure.positions[topology.ring_start + place] as usize - structure.ring_start;
                 loads[position * modes.count..][..modes.count].copy_from_slice(&load);
             }
             loads
         };
-        let loads = Push::of(body.shape.side).iter().map(of_push).collect();
+        let of_pushes = modes.unknown_loads(Push::of(body.shape.side), &topology);
+        let loads = of_pushes.into_iter().map(in_order).collect();
         let rule = ElementRule::new(grading.element);
         CondensationPlan { grading, topology, structure, rule, modes, loads }
     }

@@ -258,7 +258,7 @@ impl WithSimd for ModeMoments<'_> {
         let weight = FRAC_PI_2 / points as f64;
         for i in 0..points {
             let tau = (i as f64 + 0.5) * weight;
-            let trials = cosines((2.0 * tau).cos());
+            let trials = cosines((2.0 * tau).cos(), terms);
             let angle = arc.angle(tau);
             // cos(n phi) of the first modes one by one, then of as many together, by
             // cos((n + m) x) = 2 cos(m x) cos(n x) - cos((n - m) x).

@@ -19,6 +19,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::RingCompliance;
 use super::arc::{ContactArc, cosines, packed, packed_count};
+use super::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::body::Side;
 use crate::mechanics::element::quadrature::gauss_legendre;
 use crate::mechanics::element::{ElementKind, side_functions};
@@ -75,8 +76,7 @@ impl Push {
         }
     }
 
-    fn direction(self, angle: f64) -> [f64; 2] {
-        let (sine, cosine) = angle.sin_cos();
+    fn direction(self, (sine, cosine): (f64, f64)) -> [f64; 2] {
         match self {
             Push::Normal => [sine, -cosine],
             Push::Tilt => [-2.0 * sine * cosine, -2.0 * sine * sine],
@@ -136,13 +136,13 @@ impl RingModes {
         }
     }
 
-    /// Nodal loads of the pressures psi_m du, for ring nodes at these angles: `[node][component][m]`.
-    pub fn loads(&self, push: Push, element: ElementKind, ring_angles: &[f64]) -> Vec<f64> {
+    /// Nodal loads of the pressures psi_m du as they push, for ring nodes at these angles: `[push][node][component][m]`.
+    pub fn loads(&self, pushes: &[Push], element: ElementKind, ring_angles: &[f64]) -> Vec<Vec<f64>> {
         let count = self.count;
         let side = element.side_node_count() - 1;
         let rule = gauss_legendre(12 + count);
         let mut psi = vec![0.0; count];
-        let mut loads = vec![0.0; ring_angles.len() * 2 * count];
+        let mut loads = vec![vec![0.0; ring_angles.len() * 2 * count]; pushes.len()];
         for first in (0..ring_angles.len() - 1).step_by(side) {
             let (start, end) = (ring_angles[first], ring_angles[first + side]);
             let (from, to) = (self.stretched(start), self.stretched(end));
@@ -150,15 +150,17 @@ impl RingModes {
                 let stretched = 0.5 * (from + to) + 0.5 * (to - from) * x;
                 let weight = 0.5 * (to - from).abs() * weight;
                 let angle = self.angle(stretched);
-                let direction = push.direction(angle);
+                let turn = angle.sin_cos();
                 self.values(stretched, &mut psi);
                 let (functions, nodes) = side_functions(element, (2.0 * angle - start - end) / (end - start));
-                for (node, function) in functions.iter().enumerate().take(nodes) {
-                    for (component, along) in direction.into_iter().enumerate() {
-                        let at = ((first + node) * 2 + component) * count;
-                        let scale = weight * function * along;
-                        let own = &mut loads[at..at + count];
-                        own.iter_mut().zip(&psi).for_each(|(load, psi)| *load += scale * psi);
+                for (push, loads) in pushes.iter().zip(&mut loads) {
+                    for (node, function) in functions.iter().enumerate().take(nodes) {
+                        for (component, along) in push.direction(turn).into_iter().enumerate() {
+                            let at = ((first + node) * 2 + component) * count;
+                            let scale = weight * function * along;
+                            let own = &mut loads[at..at + count];
+                            own.iter_mut().zip(&psi).for_each(|(load, psi)| *load += scale * psi);
+                        }
                     }
                 }
             }
@@ -166,24 +168,26 @@ impl RingModes {
         loads
     }
 
-    /// The loads on the ring's unknowns, of those that move: unknown, from the ring's first on, and `[m]`.
-    pub fn unknown_loads(&self, push: Push, topology: &RingTopology) -> Vec<(usize, Vec<f64>)> {
-        let loads = self.loads(push, topology.element, &topology.ring_angles);
-        let placed = loads.chunks_exact(self.count).enumerate().filter_map(|(place, load)| {
-            let unknown = topology.unknowns[2 * topology.ring_nodes[place / 2] as usize + place % 2];
-            (unknown != SUPPORTED).then(|| (unknown as usize - topology.ring_start, load.to_vec()))
-        });
-        placed.collect()
+    /// The loads on the ring's unknowns as they push, of those that move: unknown, from the ring's first on, and `[m]`.
+    pub fn unknown_loads(&self, pushes: &[Push], topology: &RingTopology) -> Vec<Vec<(usize, Vec<f64>)>> {
+        let placed = |loads: Vec<f64>| {
+            let placed = loads.chunks_exact(self.count).enumerate().filter_map(|(place, load)| {
+                let unknown = topology.unknowns[2 * topology.ring_nodes[place / 2] as usize + place % 2];
+                (unknown != SUPPORTED).then(|| (unknown as usize - topology.ring_start, load.to_vec()))
+            });
+            placed.collect()
+        };
+        self.loads(pushes, topology.element, &topology.ring_angles).into_iter().map(placed).collect()
     }
 
     /// The works of the modes as they push, packed, on a ring whose whole compliance is known.
     pub fn works_on_ring(&self, push: Push, ring: &RingCompliance, topology: &RingTopology) -> Vec<f64> {
-        let normal = self.unknown_loads(Push::Normal, topology);
+        let loads = self.unknown_loads(&[Push::Normal, push], topology);
         let mut works = vec![0.0; packed_count(self.count)];
         let mut displacement = vec![0.0; self.count];
-        for (row, of_row) in &self.unknown_loads(push, topology) {
+        for (row, of_row) in &loads[1] {
             displacement.fill(0.0);
-            for (column, of_column) in &normal {
+            for (column, of_column) in &loads[0] {
                 let compliance = ring.values[row * ring.size + column];
                 displacement.iter_mut().zip(of_column).for_each(|(u, load)| *u += compliance * load);
             }
@@ -204,41 +208,8 @@ impl RingModes {
         side: Side,
         bodies: &[[Vec<f64>; 2]; BODIES],
     ) -> [Vec<f64>; BODIES] {
-        let highest = bodies[0][0].len();
-        let stretch = if let Ring::Whole(quarters) = self.ring { 0.25 * f64::from(quarters) } else { 1.0 };
-        // The integrand has period 2 pi in u and is smooth: the midpoint rule converges once it resolves the fastest wave.
-        let points = 64 + 2 * self.count + (highest as f64 * stretch) as usize;
-        let weight = self.end() / points as f64;
-        let mut psi = vec![0.0; self.count];
-        // Integrals of psi_m cos(n phi): `[n][m]`.
-        let mut integrals = vec![0.0; highest * self.count];
-        for i in 0..points {
-            let stretched = (i as f64 + 0.5) * weight;
-            self.values(stretched, &mut psi);
-            let turn = 2.0 * self.angle(stretched).cos();
-            let (mut wave, mut previous) = (1.0, 0.5 * turn);
-            for integrals in integrals.chunks_exact_mut(self.count) {
-                integrals.iter_mut().zip(&psi).for_each(|(sum, psi)| *sum += weight * wave * psi);
-                (wave, previous) = (turn * wave - previous, wave);
-            }
-        }
-        let of_mode = |n: usize| &integrals[n * self.count..][..self.count];
-        bodies.each_ref().map(|[normal, along]| {
-            let mut works = vec![0.0; packed_count(self.count)];
-            for (n, f) in normal.iter().enumerate() {
-                add_product(2.0 / PI * f, of_mode(n), of_mode(n), &mut works);
-            }
-            if side == Side::Pin {
-                let mut tilt = vec![0.0; packed_count(self.count)];
-                for n in 1..highest {
-                    // Of either order.
-                    let scale = 2.0 / PI * (along[n] - along[n - 1]);
-                    add_product(scale, of_mode(n), of_mode(n - 1), &mut tilt);
-                }
-                works.extend(tilt);
-            }
-            works
-        })
+        let works = in_lanes(WorksOfModes { modes: self, side, bodies });
+        std::array::from_fn(|body| works.iter().map(|of_bodies| of_bodies[body]).collect())
     }
 
     /// Integrals of these functions, du, with those of other modes over that of the square of the latter: `[other][own]`.
@@ -295,7 +266,7 @@ impl RingModes {
         for i in 0..points {
             let tau = (i as f64 + 0.5) * weight;
             self.values(self.stretched(arc.angle(tau)), &mut psi);
-            let trials = cosines((2.0 * tau).cos());
+            let trials = cosines((2.0 * tau).cos(), terms);
             for (m, (psi, moments)) in psi.iter().zip(moments.chunks_exact_mut(terms)).enumerate() {
                 let scale = weight * psi / self.norm(m);
                 moments.iter_mut().zip(&trials).for_each(|(moment, trial)| *moment += scale * trial);
@@ -304,12 +275,72 @@ impl RingModes {
     }
 }
 
-/// works[m n] += scale (a_m b_n + b_m a_n)/2, packed.
-fn add_product(scale: f64, a: &[f64], b: &[f64], works: &mut [f64]) {
+/// Those of `works_of_modes`, `[work][body]`.
+struct WorksOfModes<'a, const BODIES: usize> {
+    modes: &'a RingModes,
+    side: Side,
+    bodies: &'a [[Vec<f64>; 2]; BODIES],
+}
+
+impl<const BODIES: usize> LaneWork for WorksOfModes<'_, BODIES> {
+    type Output = Vec<[f64; BODIES]>;
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> Vec<[f64; BODIES]> {
+        let WorksOfModes { modes, side, bodies } = self;
+        let RingModes { count, ring } = *modes;
+        let highest = bodies[0][0].len();
+        let stretch = if let Ring::Whole(quarters) = ring { 0.25 * f64::from(quarters) } else { 1.0 };
+        // The integrand has period 2 pi in u and is smooth: the midpoint rule converges once it resolves the fastest wave.
+        let points = 64 + 2 * count + (highest as f64 * stretch) as usize;
+        let weight = modes.end() / points as f64;
+        let mut psi = vec![0.0; count];
+        // Integrals of psi_m cos(n phi): `[n][m]`.
+        let mut integrals = vec![0.0; highest * count];
+        for i in 0..points {
+            let stretched = (i as f64 + 0.5) * weight;
+            modes.values(stretched, &mut psi);
+            let turn = 2.0 * modes.angle(stretched).cos();
+            let (mut wave, mut previous) = (1.0, 0.5 * turn);
+            for integrals in integrals.chunks_exact_mut(count) {
+                integrals.iter_mut().zip(&psi).for_each(|(sum, psi)| *sum += weight * wave * psi);
+                (wave, previous) = (turn * wave - previous, wave);
+            }
+        }
+        let of_mode = |n: usize| &integrals[n * count..][..count];
+        let mut works = vec![[0.0; BODIES]; packed_count(count)];
+        for n in 0..highest {
+            let scales = bodies.each_ref().map(|[normal, _]| 2.0 / PI * normal[n]);
+            add_product(&scales, of_mode(n), of_mode(n), &mut works);
+        }
+        if side == Side::Pin {
+            let mut tilt = vec![[0.0; BODIES]; packed_count(count)];
+            for n in 1..highest {
+                // Of either order.
+                let scales = bodies.each_ref().map(|[_, along]| 2.0 / PI * (along[n] - along[n - 1]));
+                add_product(&scales, of_mode(n), of_mode(n - 1), &mut tilt);
+            }
+            works.extend(tilt);
+        }
+        works
+    }
+}
+
+/// works[m n] += scale (a_m b_n + b_m a_n)/2, packed, of each body with its scale.
+#[inline(always)]
+fn add_product<const BODIES: usize>(
+    scales: &[f64; BODIES],
+    a: &[f64],
+    b: &[f64],
+    works: &mut [[f64; BODIES]],
+) {
     for m in 0..a.len() {
-        let (of_a, of_b) = (0.5 * scale * a[m], 0.5 * scale * b[m]);
-        let works = &mut works[packed(m, 0)..=packed(m, m)];
-        works.iter_mut().zip(a).zip(b).for_each(|((work, a), b)| *work += of_a * b + of_b * a);
+        let (of_a, of_b) = (scales.map(|scale| 0.5 * scale * a[m]), scales.map(|scale| 0.5 * scale * b[m]));
+        for ((works, a), b) in works[packed(m, 0)..=packed(m, m)].iter_mut().zip(a).zip(b) {
+            for body in 0..BODIES {
+                works[body] += of_a[body] * b + of_b[body] * a;
+            }
+        }
     }
 }
 
@@ -375,7 +406,7 @@ mod tests {
     fn translation_does_the_work_of_the_modes() {
         let angles: Vec<f64> = (0..=24).map(|i| PI * (i as f64 / 24.0).powf(1.3)).collect();
         for modes in [RingModes::whole(6, 8), RingModes { ring: Ring::EndsHeld, count: 8 }] {
-            let loads = modes.loads(Push::Normal, ElementKind::Quad8, &angles);
+            let loads = modes.loads(&[Push::Normal], ElementKind::Quad8, &angles).remove(0);
             let points = 4000;
             let weight = modes.end() / points as f64;
             for m in 0..8 {

@@ -140,6 +140,8 @@ impl BandStructure {
     }
 
     fn set_scatter(&mut self, topology: &RingTopology) {
+        let dofs = 2 * topology.element.node_count();
+        self.scatter.reserve_exact(topology.element_count() * dofs * (dofs + 1) / 2);
         for element in 0..topology.element_count() {
             let positions = self.element_positions(topology, element);
             for (i, position_i) in positions.iter().enumerate() {

@@ -54,8 +54,9 @@ impl ModeLoads {
         // Columns of C come in blocks.
         let rows = topology.ring_unknown_count().next_multiple_of(COLUMNS_ABREAST as usize);
         let mut loads = vec![0.0; pushes.len() * rows * modes.count];
-        for (push, loads) in pushes.iter().zip(loads.chunks_exact_mut(rows * modes.count)) {
-            for (unknown, load) in modes.unknown_loads(*push, topology) {
+        let of_pushes = modes.unknown_loads(pushes, topology);
+        for (of_push, loads) in of_pushes.into_iter().zip(loads.chunks_exact_mut(rows * modes.count)) {
+            for (unknown, load) in of_push {
                 loads[unknown * modes.count..][..modes.count].copy_from_slice(&load);
             }
         }
