@@ -23,12 +23,6 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     look_for_drivers();
     look_for_programs();
-    if ["OS", "ENV"].map(|of| std::env::var(format!("CARGO_CFG_TARGET_{of}")).unwrap_or_default())
-        == ["linux", "gnu"]
-    {
-        // At a fixed address the program starts sooner: no address in it is changed then.
-        println!("cargo::rustc-link-arg-bins=-no-pie");
-    }
     println!("cargo::rerun-if-env-changed={COMMIT}");
     let version = env!("CARGO_PKG_VERSION");
     match std::env::var(COMMIT).ok().filter(|commit| !commit.is_empty()).or_else(commit) {
