@@ -55,18 +55,10 @@ pub mod solver {
     use std::convert::Infallible;
     use std::time::Duration;
 
-    use super::context::{GpuDevice, GpuError};
-    use super::kernels::Precision;
+    use super::context::GpuError;
     use crate::engine::backend::Device;
-    pub use crate::engine::backend::device_solver::DeviceSolver;
+    pub use crate::engine::backend::device_solver::{DeviceSolver, GpuChoice};
     use crate::engine::body_request::Group;
-
-    #[derive(Clone, Copy)]
-    pub struct GpuChoice<'a> {
-        pub device: &'a GpuDevice,
-        pub precision: Precision,
-        pub solver: DeviceSolver,
-    }
 
     impl GpuChoice<'_> {
         pub fn batch_size(&self) -> usize {

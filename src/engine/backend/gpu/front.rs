@@ -80,7 +80,8 @@ impl FrontLayout {
         let topology = RingTopology::new(body, grading);
         let structure = BandStructure::new(&topology);
         let pushes = Push::of(body.shape.side);
-        let (tile_starts, places, (source_starts, sources)) = placed_values(&topology, &structure);
+        let PlacedValues { tile_starts, places, source_starts, sources } =
+            placed_values(&topology, &structure);
         let loads = border(&topology, &structure, modes, pushes);
         let border_count = (pushes.len() * modes.count).div_ceil(TILE);
         let rows = band_rows(&structure, border_count);
@@ -173,12 +174,18 @@ fn band_rows(structure: &BandStructure, border_count: usize) -> Vec<[u32; 4]> {
     rows
 }
 
-/// Where each tile's values begin, with the end of the last; the place of each value in its tile; and the element entries that it is the
-/// sum of.
-fn placed_values(
-    topology: &RingTopology,
-    structure: &BandStructure,
-) -> (Vec<u32>, Vec<u32>, (Vec<u32>, Vec<u32>)) {
+/// Of each list where its parts begin, with the end of the last.
+struct PlacedValues {
+    tile_starts: Vec<u32>,
+    /// Of each value its place in its tile.
+    places: Vec<u32>,
+    /// And the element entries that it is the sum of.
+    source_starts: Vec<u32>,
+    sources: Vec<u32>,
+}
+
+/// The values of the matrix, tile by tile.
+fn placed_values(topology: &RingTopology, structure: &BandStructure) -> PlacedValues {
     let assembly = Assembly::of_ring(topology);
     let pattern = assembly.matrix::<f64>(&[]);
     let (starts, sources) = assembly.sources();
@@ -202,14 +209,12 @@ fn placed_values(
         *end += own.len() as u32;
         Some(*end)
     });
-    (
-        (0..=structure.tile_count).map(starts_of).collect(),
-        placed.iter().map(|(_, place, _)| *place).collect(),
-        (
-            std::iter::once(0).chain(ends).collect(),
-            placed.iter().flat_map(|(.., own)| *own).copied().collect(),
-        ),
-    )
+    PlacedValues {
+        tile_starts: (0..=structure.tile_count).map(starts_of).collect(),
+        places: placed.iter().map(|(_, place, _)| *place).collect(),
+        source_starts: std::iter::once(0).chain(ends).collect(),
+        sources: placed.iter().flat_map(|(.., own)| *own).copied().collect(),
+    }
 }
 
 /// The loads of the modes on the ring's unknowns, one way to push after the other.
@@ -221,8 +226,9 @@ fn border(
 ) -> Vec<f64> {
     let ring = structure.size - structure.ring_start;
     let mut loads = vec![0.0; pushes.len() * modes.count * ring];
-    for (push, loads) in pushes.iter().zip(loads.chunks_exact_mut(modes.count * ring)) {
-        for (unknown, of_modes) in modes.unknown_loads(*push, topology) {
+    let of_pushes = modes.unknown_loads(pushes, topology);
+    for (of_push, loads) in of_pushes.into_iter().zip(loads.chunks_exact_mut(modes.count * ring)) {
+        for (unknown, of_modes) in of_push {
             let position = structure.positions[topology.ring_start + unknown] as usize - structure.ring_start;
             of_modes.iter().enumerate().for_each(|(mode, load)| loads[mode * ring + position] = *load);
         }

@@ -6,35 +6,22 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
-use super::context::{AdapterKind, GpuDevice, GpuError};
+use super::context::{AdapterKind, GpuError};
 use super::elimination::{Counts, Elimination, FrontTopology, Job};
 use super::front::FrontLayout;
-use super::kernels::{Kernels, Precision};
+use super::kernels::Kernels;
 use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::backend::Device;
-pub use crate::engine::backend::device_solver::DeviceSolver;
+pub use crate::engine::backend::device_solver::{DeviceSolver, GpuChoice};
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
 use crate::mechanics::mesh::{Grading, RingTopology};
 use crate::mechanics::solve::refine::RefineSettings;
 
-/// A device, the numbers to compute in, and how.
-#[derive(Clone, Copy)]
-pub struct GpuChoice<'a> {
-    pub device: &'a GpuDevice,
-    pub precision: Precision,
-    pub solver: DeviceSolver,
-}
-
-impl<'a> GpuChoice<'a> {
-    /// By the solver that suits each mesh.
-    pub fn new(device: &'a GpuDevice, precision: Precision) -> GpuChoice<'a> {
-        GpuChoice { device, precision, solver: DeviceSolver::Auto }
-    }
-
+impl GpuChoice<'_> {
     /// Designs of a batch that keeps the device busy.
     pub fn batch_size(&self) -> usize {
         if self.device.facts.kind == AdapterKind::Software { SOFTWARE_BATCH } else { BATCH }
@@ -65,7 +52,7 @@ pub struct GpuReport {
 
 /// What the bodies of a topology share on the device, as its solver takes them.
 enum OnDevice {
-    Eliminated(MeshLayout, FrontTopology),
+    Eliminated(Box<(MeshLayout, FrontTopology)>),
     Iterated(Box<Topology>),
     /// Too fine a mesh for the solver that was asked for.
     Left,
@@ -161,7 +148,8 @@ impl GpuCondenser<'_> {
     fn eliminate(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
         let mut jobs = Vec::new();
         for (place, (key, requests)) in groups.iter().enumerate() {
-            if let Some(OnDevice::Eliminated(mesh, topology)) = self.topologies.get(key) {
+            if let Some(OnDevice::Eliminated(shared)) = self.topologies.get(key) {
+                let (mesh, topology) = &**shared;
                 let numbers = requests
                     .par_iter()
                     .with_min_len(64)
@@ -197,7 +185,7 @@ impl OnDevice {
             let mesh = layout(kernels, body, &grading)?;
             let front = FrontLayout::new(body, &grading, &RingModes::of(&key.class), &mesh);
             if let Some(topology) = FrontTopology::new(kernels, &mesh, front)? {
-                return Ok(OnDevice::Eliminated(mesh, topology));
+                return Ok(OnDevice::Eliminated(Box::new((mesh, topology))));
             }
             if solver == DeviceSolver::Eliminate {
                 return Ok(OnDevice::Left);
@@ -208,7 +196,7 @@ impl OnDevice {
 
     fn bytes(&self) -> u64 {
         match self {
-            OnDevice::Eliminated(mesh, topology) => mesh.bytes() + topology.bytes(),
+            OnDevice::Eliminated(shared) => shared.0.bytes() + shared.1.bytes(),
             OnDevice::Iterated(topology) => topology.bytes(),
             OnDevice::Left => 0,
         }
