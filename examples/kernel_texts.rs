@@ -7,17 +7,19 @@
 use std::path::PathBuf;
 
 use jointsweep::internals::engine::backend::gpu::batch::OnChip;
+use jointsweep::internals::engine::backend::gpu::front::Front;
 use jointsweep::internals::engine::backend::gpu::kernels::{KERNEL_FILES, Precision, Sums, Variant};
 
 fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(std::env::args_os().nth(1).expect("a folder to write to"));
     std::fs::create_dir_all(&folder)?;
     for file in KERNEL_FILES {
-        for (name, sums, on_chip) in [
-            ("tree", Sums::Tree, OnChip::NOTHING),
-            ("subgroups", Sums::Subgroups, OnChip { vectors: 4, capacity: 192 }),
+        let plain = Variant::plain(Precision::F32, 64);
+        for (name, sums, on_chip, is_on_chip) in [
+            ("tree", Sums::Tree, OnChip::NOTHING, false),
+            ("subgroups", Sums::Subgroups, OnChip { vectors: 4, capacity: 192 }, true),
         ] {
-            let variant = Variant { precision: Precision::F32, invocations: 64, on_chip, sums };
+            let variant = Variant { on_chip, front: Front { rows: 16, is_on_chip }, sums, ..plain };
             std::fs::write(folder.join(format!("{}-{name}.wgsl", file.name)), file.variant(&variant))?;
         }
     }

@@ -3,9 +3,10 @@
 use std::mem::offset_of;
 
 use jointsweep::internals::engine::backend::gpu::batch::{KernelFacts, OnChip};
+use jointsweep::internals::engine::backend::gpu::front::{EliminateParameters, Front};
 use jointsweep::internals::engine::backend::gpu::kernels::{
-    ASSEMBLE, CONDENSE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE, ROOFLINE, Sums, Variant,
-    WORKS,
+    ASSEMBLE, CONDENSE, ELIMINATE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE, ROOFLINE, Sums,
+    Variant, WORKS,
 };
 use jointsweep::internals::engine::backend::gpu::layout::{
     AssembleParameters, SLICE, SystemOutcome, SystemParameters, SystemState,
@@ -62,7 +63,7 @@ fn every_variant_is_valid() {
                 (256, 4, Sums::Subgroups),
             ] {
                 let on_chip = OnChip { vectors, capacity: 96 * vectors };
-                let variant = Variant { precision, invocations, on_chip, sums };
+                let variant = Variant { on_chip, sums, ..Variant::plain(precision, invocations) };
                 let (module, _) =
                     check(&file.variant(&variant), needs(&variant)).unwrap_or_else(|error| panic!("{error}"));
                 let found: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
@@ -137,6 +138,15 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
     );
     let state: Layout = layout_here!(SystemState, outcome, iterations);
     let works: Layout = layout_here!(WorksParameters, ring_count, block_count, mode_count, body_size);
+    let eliminate: Layout = layout_here!(
+        EliminateParameters,
+        row_count,
+        ring_row,
+        border_count,
+        mode_count,
+        value_count,
+        body_size
+    );
     let roofline: Layout = layout_here!(RooflineParameters, trip_count, factor, term);
     assert_eq!(layout_in(&module(&ROOFLINE, Precision::F64), "RooflineParameters"), Some(roofline));
     for precision in PRECISIONS {
@@ -146,7 +156,9 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
             assert_eq!(layout_in(&module(file, precision), "SystemParameters").as_ref(), Some(&systems));
         }
         assert_eq!(layout_in(&module(&WORKS, precision), "WorksParameters").as_ref(), Some(&works));
-        for file in [&PCG, &REFINE, &WORKS] {
+        let in_text = layout_in(&module(&ELIMINATE, precision), "EliminateParameters");
+        assert_eq!(in_text.as_ref(), Some(&eliminate));
+        for file in [&PCG, &REFINE, &WORKS, &ELIMINATE] {
             assert_eq!(layout_in(&module(file, precision), "SystemState").as_ref(), Some(&state));
         }
     }
@@ -205,11 +217,27 @@ fn the_planner_knows_the_memory_of_a_workgroup() {
             let filled = |vectors| OnChip { vectors, capacity: 96 };
             for on_chip in [OnChip::NOTHING, filled(1), filled(4)] {
                 for sums in [Sums::Tree, Sums::Subgroups] {
-                    let variant = Variant { precision, invocations, on_chip, sums };
-                    let most = KERNEL_FILES.map(|file| workgroup_bytes(file, &variant)).into_iter().max();
+                    let variant = Variant { on_chip, sums, ..Variant::plain(precision, invocations) };
+                    // What elimination takes has a count of its own.
+                    let others = KERNEL_FILES.into_iter().filter(|file| file.name != ELIMINATE.name);
+                    let most = others.map(|file| workgroup_bytes(file, &variant)).max();
                     assert_eq!(most, Some(facts.workgroup_bytes(on_chip)), "{precision:?} {on_chip:?}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn the_memory_of_a_front_is_known() {
+    for precision in PRECISIONS {
+        for front in [4, 16, 28]
+            .into_iter()
+            .flat_map(|rows| [true, false].map(|is_on_chip| Front { rows, is_on_chip }))
+        {
+            let variant = Variant { front, ..Variant::plain(precision, 64) };
+            let found = workgroup_bytes(&ELIMINATE, &variant);
+            assert_eq!(found, front.workgroup_bytes(precision.wide_bytes()), "{precision:?} {front:?}");
         }
     }
 }

@@ -26,7 +26,7 @@ impl Front {
     pub const SMALLEST: Front = Front { rows: 4, is_on_chip: true };
 
     /// Memory of a workgroup, bytes.
-    fn workgroup_bytes(self, wide: u64) -> u64 {
+    pub fn workgroup_bytes(self, wide: u64) -> u64 {
         let rows = u64::from(self.rows);
         let kept = if self.is_on_chip { self.size() } else { 1 };
         (kept + 4 * rows + rows) * 4 * wide
