@@ -117,9 +117,10 @@ fn a_body_that_cannot_be_eliminated_has_no_works() {
         let sound = condense(bodies.numbers());
         let mut numbers = bodies.numbers();
         // A wall of no depth, and a ratio of Poisson that is none: 1 - 2 nu below zero.
-        numbers[2 * 1 + 1] = 0.0;
-        numbers[2 * 3] = -0.2;
-        numbers[2 * 4] = f64::NAN;
+        // Two numbers a body: the margin of its Poisson's ratio and its depth.
+        numbers[3] = 0.0;
+        numbers[6] = -0.2;
+        numbers[8] = f64::NAN;
         let found = condense(numbers);
         for (body, (found, sound)) in found.iter().zip(&sound).enumerate() {
             assert!(sound.is_some());
