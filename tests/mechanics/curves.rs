@@ -41,7 +41,7 @@ fn persson() {
     let joint = space.joint(&[(&pin, 1.0), (&plate, 1.0)], Tilt::NONE);
     let states = EdgeStates::new(&space, &joint, &Outlines::ALIKE);
     for (place, (degrees, clearance, peak)) in table.into_iter().enumerate() {
-        let state = states.edges[place].state(&arcs[place], &Outlines::ALIKE).unwrap();
+        let state = states.state(place, &arcs[place], &Outlines::ALIKE).unwrap();
         let inverse_force = 0.5 * state.radial_clearance() / state.force;
         let of_force = state.peak_pressure / state.force;
         println!("{degrees} deg: E* dR/F {inverse_force}, p0 R/F {of_force}");
@@ -98,8 +98,8 @@ fn curves_leave_what_is_said() {
             let joint = JointCompliance::of_both(&of_pin, &of_plate);
             let states = EdgeStates::new(&exact[0], &joint, &outlines);
             let mut worst = (0.0_f64, 0.0);
-            for (edge, arc) in states.edges.iter().zip(&arcs) {
-                let expected = edge.state(arc, &outlines).unwrap();
+            for (place, arc) in arcs.iter().enumerate() {
+                let expected = states.state(place, arc, &outlines).unwrap();
                 if expected.indentation >= 1.0 {
                     continue;
                 }

@@ -10,7 +10,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::edge::{DECISIVE, Edge, EdgeStates, FUNCTIONS, Reduced};
+use super::edge::{DECISIVE, EdgeStates, FUNCTIONS, Reduced};
 use super::outlines::Outlines;
 use crate::mechanics::body::Side;
 use crate::mechanics::compliance::BodyCompliance;
@@ -41,12 +41,15 @@ pub struct CurveSpace {
     variable: Variable,
     /// tan(limit/4), or ln tan(limit/2).
     widest: f64,
-    /// Logarithm of z, or of b, at the nodes: where loads are searched.
-    pub(super) logarithms: Vec<f64>,
+    /// z, or the root of b, at the nodes: where loads are searched.
+    pub(super) roots: Vec<f64>,
+    /// Logarithms of z, or of b.
+    logarithms: Vec<f64>,
     /// What functions are polynomials of, from 0 to 1, at the nodes, x_i, and 1/product of all x_i - x_j.
     weighted: Vec<(f64, f64)>,
-    /// Of the Chebyshev transform: `[degree][node]`.
-    transform: Vec<Vec<f64>>,
+    /// T_degree(x) of the Chebyshev nodes x > 0: `[degree / LANES][node]`, as many degrees as there are lanes. Even degrees before odd
+    /// ones, each in whole chunks.
+    chebyshev: Vec<Vec<[f64; LANES]>>,
 }
 
 impl CurveSpace {
@@ -70,10 +73,12 @@ impl CurveSpace {
             Variable::Root => units.map(f64::ln).collect(),
             Variable::Logarithm => units.map(|unit| widest + (1.0 - unit) * NARROWEST.ln()).collect(),
         };
-        let of_degree = |degree: usize| {
-            let scale = if degree == 0 { 1.0 } else { 2.0 } / nodes as f64;
-            (0..nodes).map(|node| scale * (degree as f64 * angle(node)).cos()).collect()
-        };
+        let chebyshev = (0..2 * chunks_of_parity(nodes)).map(|chunk| {
+            let degree = |lane: usize| degree_at(nodes, chunk, lane) as f64;
+            (0..nodes / 2)
+                .map(|node| std::array::from_fn(|lane| (degree(lane) * angle(node)).cos()))
+                .collect()
+        });
         let half_angle = |logarithm: &f64| match variable {
             Variable::Root => 4.0 * (widest * (2.0 * logarithm).exp()).atan(),
             Variable::Logarithm => 2.0 * logarithm.exp().atan(),
@@ -86,9 +91,13 @@ impl CurveSpace {
             limit,
             variable,
             widest,
+            roots: match variable {
+                Variable::Root => (0..nodes).map(unit).collect(),
+                Variable::Logarithm => logarithms.iter().map(|logarithm| (0.5 * logarithm).exp()).collect(),
+            },
             logarithms,
             weighted: (0..nodes).map(|node| (unit(node), weight(node))).collect(),
-            transform: (0..nodes).map(of_degree).collect(),
+            chebyshev: chebyshev.collect(),
         }
     }
 
@@ -139,25 +148,37 @@ impl CurveSpace {
         moved[..count].iter_mut().for_each(|value| *value += logarithm);
     }
 
+    /// T_degree at a node.
+    fn chebyshev_at(&self, degree: usize, node: usize) -> f64 {
+        let (count, is_far) = (self.arcs().len(), node >= self.arcs().len() / 2);
+        let near = if is_far { count - 1 - node } else { node };
+        let value = self.chebyshev[chunk_of(count, degree)][near][degree / 2 % LANES];
+        if is_far && degree % 2 == 1 { -value } else { value }
+    }
+
     /// Whether a curve goes on below its narrowest node, to the angle zero.
     pub(super) fn goes_to_zero(&self) -> bool {
         self.variable == Variable::Root
     }
 
-    /// From logarithms to what polynomials are of, from 0 to 1, and b.
+    /// From roots to what polynomials are of, from 0 to 1, b, and logarithms.
     #[inline(always)]
-    pub(super) fn places<const FUSED: bool>(&self, logarithms: [f64; LANES]) -> [Lanes<FUSED>; 2] {
+    pub(super) fn places<const FUSED: bool>(&self, roots: Lanes<FUSED>) -> [Lanes<FUSED>; 3] {
         let number = Lanes::<FUSED>::from_f64;
-        let powers = Lanes::<FUSED>(logarithms.map(f64::exp));
         match self.variable {
             Variable::Root => {
-                let quarter = number(self.widest) * powers * powers;
+                let quarter = number(self.widest) * roots * roots;
                 let b = (quarter + quarter) / number(1.0).minus_product(quarter, quarter);
-                [powers, b]
+                [roots, b, roots.ln()]
             }
             Variable::Logarithm => {
-                let scale = 1.0 / NARROWEST.ln();
-                [Lanes(logarithms.map(|logarithm| 1.0 - scale * (logarithm - self.widest))), powers]
+                let logarithms = number(2.0) * roots.ln();
+                let scale = number(1.0 / NARROWEST.ln());
+                [
+                    number(1.0).minus_product(scale, logarithms - number(self.widest)),
+                    roots * roots,
+                    logarithms,
+                ]
             }
         }
     }
@@ -189,9 +210,9 @@ pub struct ContactCurve<'a> {
     pub outlines: Outlines,
     even: f64,
     bed: f64,
-    /// `[degree][function]`, in the order of `Reduced::functions`.
-    pub(super) coefficients: Vec<Functions>,
-    /// The same at the nodes.
+    /// Degrees as in `CurveSpace::chebyshev`, functions in the order of `Reduced::functions`.
+    coefficients: Vec<Functions>,
+    /// The same functions at the nodes, a node a lane.
     functions: Vec<Functions>,
     /// What is known node by node.
     pub states: EdgeStates,
@@ -207,31 +228,35 @@ impl<'a> ContactCurve<'a> {
         outlines: Outlines,
     ) -> Option<ContactCurve<'a>> {
         let states = EdgeStates::new(&space.pressures, joint, &outlines);
-        let count = states.edges.len();
         let (even, bed) = (joint.even, joint.bed);
         let share = space.logarithm_share(even);
-        let nodes = states.edges.iter().zip(space.arcs()).zip(&space.logarithms);
-        let of_node = |((Edge { reduced, .. }, arc), logarithm): ((&Edge, &ContactArc), &f64)| {
-            let singular = reduced.singular + share * logarithm;
-            let own = Reduced { singular, ..*reduced };
-            let own = if bed == 0.0 { own } else { own.scaled(scale(even, bed, arc.b)) }.functions();
-            let mut padded = [0.0; ROW];
-            padded[..FUNCTIONS].copy_from_slice(&own);
-            padded
+        let of_nodes = |(chunk, reduced): (usize, &Reduced<[f64; LANES]>)| {
+            let mut functions = reduced.functions();
+            for (singular, logarithm) in functions[0].iter_mut().zip(&space.logarithms[chunk * LANES..]) {
+                *singular += share * logarithm;
+            }
+            if bed != 0.0 {
+                for (lane, arc) in space.arcs()[chunk * LANES..][..LANES].iter().enumerate() {
+                    let own = Reduced::of_functions(functions.map(|values| values[lane]));
+                    let scaled = own.scaled(scale(even, bed, arc.b)).functions();
+                    functions.iter_mut().zip(scaled).for_each(|(values, scaled)| values[lane] = scaled);
+                }
+            }
+            functions
         };
-        let functions: Vec<Functions> = nodes.map(of_node).collect();
-        if !functions.iter().flatten().all(|value| value.is_finite()) {
+        let functions: Vec<Functions> = states.reduced().enumerate().map(of_nodes).collect();
+        if !functions.as_flattened().as_flattened().iter().all(|value| value.is_finite()) {
             return None;
         }
-        let coefficients = in_lanes(Transform { rows: &space.transform, values: &functions });
+        let coefficients = in_lanes(Transform { rows: &space.chebyshev, values: &functions });
         // Up to the first beyond a neat fit, and no further than the contact grows with the load: the pressure is the sum of what
         // punches of all smaller arcs add as the contact grows, each of them positive. Where it grows with the load the pressure
         // is positive and the gap beyond it open, and only there.
-        let (mut first, mut before) = (count, 0.0);
-        for (node, edge) in states.edges.iter().enumerate().rev() {
-            let grown = edge.free.indentation;
+        let (mut first, mut before) = (states.count(), 0.0);
+        for node in (0..states.count()).rev() {
+            let grown = states.indentation(node);
             // Not where it is NaN.
-            if !edge.is_sound() || grown.is_nan() || grown <= before {
+            if !states.is_sound(node) || grown.is_nan() || grown <= before {
                 break;
             }
             first = node;
@@ -249,22 +274,29 @@ impl<'a> ContactCurve<'a> {
         if is_exact {
             SAFETY * in_lanes(Without { curve: self }) * self.falling()
         } else {
-            let nodes = self.coefficients.len();
+            let nodes = self.states.count();
             let last_two = |function| self.share(function, nodes - 2, 2);
             ROUGH * (0..DECISIVE).map(last_two).fold(0.0, f64::max)
         }
     }
 
+    /// Of a function, at a degree.
+    #[inline(always)]
+    fn coefficient(&self, degree: usize, function: usize) -> f64 {
+        let (chunk, lane) = (chunk_of(self.states.count(), degree), degree / 2 % LANES);
+        self.coefficients[chunk][function][lane]
+    }
+
     /// So many coefficients of a function from one on, over the greatest.
     fn share(&self, function: usize, from: usize, count: usize) -> f64 {
-        let sizes = self.coefficients.iter().map(|of_degree| of_degree[function].abs());
-        let most = sizes.clone().fold(f64::MIN_POSITIVE, f64::max);
-        sizes.skip(from).take(count).sum::<f64>() / most
+        let own = self.coefficients.iter().flat_map(|chunk| chunk[function]);
+        let most = own.fold(f64::MIN_POSITIVE, |most, value| most.max(value.abs()));
+        (from..from + count).map(|degree| self.coefficient(degree, function).abs()).sum::<f64>() / most
     }
 
     /// What is left out of the polynomials over the last four coefficients, if they go on falling as the last eight do.
     fn falling(&self) -> f64 {
-        let nodes = self.coefficients.len();
+        let nodes = self.states.count();
         let sum =
             |from: usize| -> f64 { (0..DECISIVE).map(|function| self.share(function, from, FOUR)).sum() };
         let before = sum(nodes - 2 * FOUR).max(f64::MIN_POSITIVE);
@@ -272,30 +304,29 @@ impl<'a> ContactCurve<'a> {
         ratio / (1.0 - ratio)
     }
 
-    /// What polynomials come to at logarithms, with b.
+    /// What polynomials come to at roots, with b.
     #[inline(always)]
     pub(super) fn reduced<const FUSED: bool>(
         &self,
-        logarithms: [f64; LANES],
+        roots: Lanes<FUSED>,
     ) -> (Reduced<Lanes<FUSED>>, Lanes<FUSED>) {
         let number = Lanes::<FUSED>::from_f64;
-        let [place, b] = self.space.places(logarithms);
+        let [place, b, logarithms] = self.space.places(roots);
         let turn = number(2.0) - number(4.0) * place;
         // Clenshaw's sums, all functions side by side: no addition waits for the one before.
         let mut current = [Lanes::<FUSED>::zero(); FUNCTIONS];
         let mut previous = current;
-        for of_degree in self.coefficients[1..].iter().rev() {
+        let count = self.states.count();
+        for degree in (0..count).rev() {
+            let (of_degree, lane) = (&self.coefficients[chunk_of(count, degree)], degree / 2 % LANES);
+            let turn = if degree == 0 { number(0.5) * turn } else { turn };
             for function in 0..FUNCTIONS {
-                let next =
-                    (number(of_degree[function]) - previous[function]).minus_product(turn, current[function]);
+                let next = (number(of_degree[function][lane]) - previous[function])
+                    .minus_product(turn, current[function]);
                 (current[function], previous[function]) = (next, current[function]);
             }
         }
-        let half = number(0.5) * turn;
-        for (function, sum) in current.iter_mut().enumerate() {
-            *sum = (number(self.coefficients[0][function]) - previous[function]).minus_product(half, *sum);
-        }
-        (self.reduced_of(current, Lanes(logarithms), b), b)
+        (self.reduced_of(current, logarithms, b), b)
     }
 
     /// From what is a polynomial to the functions themselves.
@@ -380,16 +411,29 @@ impl LaneWork for OnHole<'_> {
 /// Entries that are combined side by side: each waits for itself alone.
 const ABREAST: usize = 3;
 
-/// One number of each function, in whole registers.
-type Functions = [f64; ROW];
-const ROW: usize = FUNCTIONS.next_multiple_of(LANES);
+/// Of as many nodes, or degrees, as there are lanes.
+type Functions = [[f64; LANES]; FUNCTIONS];
 
-/// Degrees that are summed side by side: each waits for itself alone.
-const ROWS: usize = 4;
+/// Chunks that even degrees take, below a count, and odd ones.
+fn chunks_of_parity(count: usize) -> usize {
+    (count / 2).div_ceil(LANES)
+}
 
-/// From values at the nodes, `[node][function]`, to Chebyshev coefficients, `[degree][function]`.
+/// Where a degree below a count is, in lane degree / 2.
+#[inline(always)]
+fn chunk_of(count: usize, degree: usize) -> usize {
+    degree % 2 * chunks_of_parity(count) + degree / 2 / LANES
+}
+
+/// The reverse.
+fn degree_at(count: usize, chunk: usize, lane: usize) -> usize {
+    let chunks = chunks_of_parity(count);
+    2 * (chunk % chunks * LANES + lane) + chunk / chunks
+}
+
+/// From values at the nodes to Chebyshev coefficients.
 struct Transform<'a> {
-    rows: &'a [Vec<f64>],
+    rows: &'a [Vec<[f64; LANES]>],
     values: &'a [Functions],
 }
 
@@ -399,27 +443,31 @@ impl LaneWork for Transform<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<Functions> {
         let Transform { rows, values } = self;
-        let half = values.len() / 2;
-        let mut coefficients = Vec::with_capacity(rows.len());
-        for rows in rows.as_chunks::<ROWS>().0 {
-            let mut sums = [[Lanes::<FUSED>::zero(); ROW / LANES]; ROWS];
-            for node in 0..half {
-                // Even degrees are the same at the node opposite, odd ones its negative.
-                let [near, far] =
-                    [node, values.len() - 1 - node].map(|node| values[node].as_chunks::<LANES>().0);
-                for lanes in 0..ROW / LANES {
-                    let (near, far) = (Lanes::<FUSED>(near[lanes]), Lanes(far[lanes]));
-                    let of_parity = [near + far, near - far];
-                    for (degree, (sums, row)) in sums.iter_mut().zip(rows).enumerate() {
-                        sums[lanes] =
-                            sums[lanes].minus_product(Lanes::from_f64(-row[node]), of_parity[degree % 2]);
+        let count = values.len() * LANES;
+        let (even, odd) = rows.split_at(rows.len() / 2);
+        let mut coefficients = vec![[[0.0; LANES]; FUNCTIONS]; rows.len()];
+        // Of degree 0 half as much.
+        let share = Lanes::<FUSED>::from_f64(2.0 / count as f64);
+        for chunk in 0..even.len() {
+            let mut sums = [[Lanes::<FUSED>::zero(); FUNCTIONS]; 2];
+            for (node, (even, odd)) in even[chunk].iter().zip(&odd[chunk]).enumerate() {
+                let far = count - 1 - node;
+                for function in 0..FUNCTIONS {
+                    let near = values[node / LANES][function][node % LANES];
+                    let far = values[far / LANES][function][far % LANES];
+                    // Even degrees are the same at the node opposite, odd ones its negative.
+                    let minus_both = [-near - far, far - near].map(Lanes::from_f64);
+                    for (sums, (row, minus)) in sums.iter_mut().zip([*even, *odd].into_iter().zip(minus_both))
+                    {
+                        sums[function] = sums[function].minus_product(Lanes(row), minus);
                     }
                 }
             }
-            for sums in sums {
-                coefficients.push(std::array::from_fn(|function| sums[function / LANES].0[function % LANES]));
+            for (parity, sums) in sums.into_iter().enumerate() {
+                coefficients[parity * rows.len() / 2 + chunk] = sums.map(|sum| (sum * share).0);
             }
         }
+        coefficients[0].iter_mut().for_each(|sums| sums[0] *= 0.5);
         coefficients
     }
 }
@@ -435,29 +483,25 @@ impl LaneWork for Without<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> f64 {
-        let ContactCurve { space, functions, coefficients, states, first, .. } = self.curve;
-        let count = functions.len();
+        let ContactCurve { space, functions, states, first, .. } = self.curve;
+        let count = states.count();
         let mut worst = 0.0_f64;
         for at in (first / LANES * LANES..count).step_by(LANES) {
             let lanes = |of: &dyn Fn(usize) -> f64| Lanes::<FUSED>(std::array::from_fn(|lane| of(at + lane)));
-            let mut left: [Lanes<FUSED>; FUNCTIONS] = std::array::from_fn(|function| {
-                Lanes(std::array::from_fn(|lane| functions[at + lane][function]))
-            });
+            let mut left = functions[at / LANES].map(Lanes::<FUSED>);
             for degree in count - FOUR..count {
-                let mut share = Lanes::<FUSED>::zero();
-                share.0.copy_from_slice(&space.transform[degree][at..at + LANES]);
-                let share = share * Lanes::from_f64(0.5 * count as f64);
-                for (value, coefficient) in left[..DECISIVE].iter_mut().zip(&coefficients[degree]) {
-                    *value = value.minus_product(share, Lanes::from_f64(*coefficient));
+                let share = lanes(&|node| space.chebyshev_at(degree, node));
+                for (function, value) in left[..DECISIVE].iter_mut().enumerate() {
+                    *value =
+                        value.minus_product(share, Lanes::from_f64(self.curve.coefficient(degree, function)));
                 }
             }
             let b = lanes(&|node| space.arcs()[node].b);
             let logarithm = lanes(&|node| space.logarithms[node]);
             let found = self.curve.reduced_of(left, logarithm, b).free_edge(b, &self.curve.outlines);
             for node in at.max(*first)..at + LANES {
-                let known = &states.edges[node].free;
                 let found = [found.force, found.indentation].map(|lanes| lanes.0[node - at]);
-                for (found, known) in found.into_iter().zip([known.force, known.indentation]) {
+                for (found, known) in found.into_iter().zip([states.force(node), states.indentation(node)]) {
                     worst = worst.max((found / known - 1.0).abs());
                 }
             }

@@ -171,43 +171,21 @@ impl<T: Real> Reduced<T> {
     }
 }
 
-/// The joint at one arc.
-#[derive(Clone, Copy, Debug)]
-pub struct Edge {
-    pub reduced: Reduced<f64>,
-    pub free: FreeEdge<f64>,
-    pub truncation: f64,
-    pub pressure_is_positive: bool,
+/// The joint at as many arcs as there are lanes.
+#[derive(Clone, Copy)]
+struct Edges {
+    reduced: Reduced<[f64; LANES]>,
+    free: FreeEdge<[f64; LANES]>,
+    truncation: [f64; LANES],
+    /// The least pressure above the tension allowed.
+    least_pressure: [f64; LANES],
     /// Work of the pressure over e^2 b^4.
-    work: f64,
-}
-
-impl Edge {
-    /// Whether the compliance is positive definite: the square root of a negative pivot makes everything after it NaN, and S
-    /// has no pivot of its own.
-    pub fn is_sound(&self) -> bool {
-        self.reduced.singular > 0.0
-    }
-
-    /// The state at an arc of the pin; `None` where there is none.
-    pub fn state(&self, arc: &ContactArc, outlines: &Outlines) -> Option<ContactState> {
-        let FreeEdge { indentation, force, tangent_stiffness, energy, peak_pressure } = self.free;
-        (self.is_sound() && indentation.is_finite() && force.is_finite()).then_some(ContactState {
-            half_angle: outlines.of_hole(arc.half_angle),
-            indentation,
-            force,
-            tangent_stiffness,
-            energy,
-            peak_pressure,
-            truncation: self.truncation,
-            pressure_is_positive: self.pressure_is_positive,
-        })
-    }
+    work: [f64; LANES],
 }
 
 /// The joint at the arcs of a space.
 pub struct EdgeStates {
-    pub edges: Vec<Edge>,
+    edges: Vec<Edges>,
     /// Coefficients of the trial pressures over e b^2: `[arc / LANES][k]`, an arc a lane.
     pressure: Vec<[f64; LANES]>,
 }
@@ -216,6 +194,62 @@ impl EdgeStates {
     /// `joint` is of `space`, whose arcs are the pin's.
     pub fn new(space: &PressureSpace, joint: &JointCompliance, outlines: &Outlines) -> EdgeStates {
         in_lanes_with_terms(space.terms, Solve { space, joint, outlines })
+    }
+
+    /// How many arcs there are.
+    pub fn count(&self) -> usize {
+        self.edges.len() * LANES
+    }
+
+    /// What the equations come to, as many arcs together as there are lanes.
+    pub(super) fn reduced(&self) -> impl ExactSizeIterator<Item = &Reduced<[f64; LANES]>> {
+        self.edges.iter().map(|edges| &edges.reduced)
+    }
+
+    /// Of the state at an arc, delta/e.
+    #[inline(always)]
+    pub fn indentation(&self, arc: usize) -> f64 {
+        self.edges[arc / LANES].free.indentation[arc % LANES]
+    }
+
+    /// F/e.
+    #[inline(always)]
+    pub(super) fn force(&self, arc: usize) -> f64 {
+        self.edges[arc / LANES].free.force[arc % LANES]
+    }
+
+    #[inline(always)]
+    pub(super) fn truncation(&self, arc: usize) -> f64 {
+        self.edges[arc / LANES].truncation[arc % LANES]
+    }
+
+    #[inline(always)]
+    pub(super) fn pressure_is_positive(&self, arc: usize) -> bool {
+        self.edges[arc / LANES].least_pressure[arc % LANES] >= 0.0
+    }
+
+    /// Whether the compliance is positive definite at an arc: the square root of a negative pivot makes everything after it NaN, and S
+    /// has no pivot of its own.
+    pub(super) fn is_sound(&self, arc: usize) -> bool {
+        self.edges[arc / LANES].reduced.singular[arc % LANES] > 0.0
+    }
+
+    /// The state at an arc of the pin, one of the space; `None` where there is none.
+    pub fn state(&self, place: usize, arc: &ContactArc, outlines: &Outlines) -> Option<ContactState> {
+        let FreeEdge { indentation, force, tangent_stiffness, energy, peak_pressure } =
+            &self.edges[place / LANES].free;
+        let of_arc = |values: &[f64; LANES]| values[place % LANES];
+        let state = ContactState {
+            half_angle: outlines.of_hole(arc.half_angle),
+            indentation: of_arc(indentation),
+            force: of_arc(force),
+            tangent_stiffness: of_arc(tangent_stiffness),
+            energy: of_arc(energy),
+            peak_pressure: of_arc(peak_pressure),
+            truncation: self.truncation(place),
+            pressure_is_positive: self.pressure_is_positive(place),
+        };
+        (self.is_sound(place) && state.indentation.is_finite() && state.force.is_finite()).then_some(state)
     }
 
     /// That of a trial pressure, of so many, over e b^2 at an arc.
@@ -227,8 +261,7 @@ impl EdgeStates {
     /// stationary in the pressure, to first order the relative change of the energy at a given indentation, and of the force
     /// where it changes evenly with the load. Of a whole body it is the share of the work that goes into it.
     pub fn work_shares(&self, space: &PressureSpace, change: &JointCompliance) -> Vec<f64> {
-        let works = in_lanes(Work { space, change, pressure: &self.pressure });
-        works.iter().zip(&self.edges).map(|(change, edge)| change / edge.work).collect()
+        in_lanes(WorkShares { space, change, states: self })
     }
 }
 
@@ -243,12 +276,10 @@ impl TermWork for Solve<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool, const TERMS: usize>(self) -> EdgeStates {
-        let count = self.space.arcs.len();
-        let mut found = EdgeStates {
-            edges: Vec::with_capacity(count),
-            pressure: Vec::with_capacity(TERMS * count / LANES),
-        };
-        for chunk in 0..count / LANES {
+        let chunks = self.space.arcs.len() / LANES;
+        let mut found =
+            EdgeStates { edges: Vec::with_capacity(chunks), pressure: Vec::with_capacity(TERMS * chunks) };
+        for chunk in 0..chunks {
             self.run_chunk::<FUSED, TERMS>(chunk, &mut found);
         }
         found
@@ -352,21 +383,20 @@ impl Solve<'_> {
         // Films that are squeezed along a wall yield most to what was left out.
         let of_last = |k: usize| load(k, k) * pressure[k] * pressure[k];
         let tail_work = (of_last(TERMS - 2) + of_last(TERMS - 1)) / (work * falling * falling);
-        for lane in 0..LANES {
-            found.edges.push(Edge {
-                reduced: Reduced::of_functions(reduced.functions().map(|value| value.0[lane])),
-                free: FreeEdge {
-                    indentation: free.indentation.0[lane],
-                    force: free.force.0[lane],
-                    tangent_stiffness: free.tangent_stiffness.0[lane],
-                    energy: free.energy.0[lane],
-                    peak_pressure: free.peak_pressure.0[lane],
-                },
-                truncation: tail_work.0[lane].max(tail.0[lane] * tail.0[lane]),
-                pressure_is_positive: least.0[lane] >= 0.0,
-                work: work.0[lane],
-            });
-        }
+        let tail = tail * tail;
+        found.edges.push(Edges {
+            reduced: Reduced::of_functions(reduced.functions().map(|value| value.0)),
+            free: FreeEdge {
+                indentation: free.indentation.0,
+                force: free.force.0,
+                tangent_stiffness: free.tangent_stiffness.0,
+                energy: free.energy.0,
+                peak_pressure: free.peak_pressure.0,
+            },
+            truncation: std::array::from_fn(|lane| tail_work.0[lane].max(tail.0[lane])),
+            least_pressure: least.0,
+            work: work.0,
+        });
         found.pressure.extend(pressure.map(|lanes| lanes.0));
     }
 }
@@ -442,21 +472,22 @@ fn least_pressure<const FUSED: bool, const TERMS: usize>(
     least - peak * Lanes::from_f64(-TENSION)
 }
 
-/// p^T A p at each arc.
-struct Work<'a> {
+/// p^T A p at each arc, over that of the joint.
+struct WorkShares<'a> {
     space: &'a PressureSpace,
     change: &'a JointCompliance<'a>,
-    pressure: &'a [[f64; LANES]],
+    states: &'a EdgeStates,
 }
 
-impl LaneWork for Work<'_> {
+impl LaneWork for WorkShares<'_> {
     type Output = Vec<f64>;
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<f64> {
-        let Work { space: PressureSpace { arcs, terms, .. }, change, pressure } = self;
-        let mut works = Vec::with_capacity(arcs.len());
-        for (chunk, pressure) in pressure.chunks_exact(*terms).enumerate() {
+        let WorkShares { space: PressureSpace { arcs, terms, .. }, change, states } = self;
+        let mut shares = Vec::with_capacity(arcs.len());
+        for (chunk, (pressure, edges)) in states.pressure.chunks_exact(*terms).zip(&states.edges).enumerate()
+        {
             let at = chunk * LANES;
             let mut work = Lanes::<FUSED>::zero();
             for row in 0..*terms {
@@ -472,8 +503,8 @@ impl LaneWork for Work<'_> {
             let first = Lanes::<FUSED>(pressure[0]);
             let logarithm = |lane: usize| FRAC_PI_2 * change.even * arcs[at + lane].ln_b;
             let work = work.minus_product(Lanes(std::array::from_fn(logarithm)), first * first);
-            works.extend(work.0);
+            shares.extend((work / Lanes(edges.work)).0);
         }
-        works
+        shares
     }
 }
