@@ -183,14 +183,20 @@ impl CurveSpace {
         }
     }
 
-    /// The same of one b, that the polynomials reach down to.
-    pub(super) fn place(&self, b: f64) -> f64 {
+    /// The first of these from b, as far as the polynomials reach down.
+    #[inline(always)]
+    pub(super) fn place<const FUSED: bool>(&self, b: Lanes<FUSED>) -> Lanes<FUSED> {
+        let number = Lanes::<FUSED>::from_f64;
         match self.variable {
             // tan(eps/4) from tan(eps/2).
-            Variable::Root => (b / (1.0 + (1.0 + b * b).sqrt()) / self.widest).sqrt(),
+            Variable::Root => {
+                let root = number(1.0) + (number(1.0) + b * b).sqrt();
+                (b / (root * number(self.widest))).sqrt()
+            }
             // Below the narrowest contact nothing but the bed changes.
             Variable::Logarithm => {
-                (1.0 - (b.ln() - self.widest) / NARROWEST.ln()).max(self.weighted[self.weighted.len() - 1].0)
+                let place = number(1.0) - (b.ln() - number(self.widest)) * number(1.0 / NARROWEST.ln());
+                -(-place).least(number(-self.weighted[self.weighted.len() - 1].0))
             }
         }
     }
@@ -374,10 +380,12 @@ impl LaneWork for OnHole<'_> {
         let count = space.weighted.len();
         let mut weights = vec![Lanes::<FUSED>::zero(); count];
         for chunk in 0..count / LANES {
-            let wanted =
-                std::array::from_fn(|lane| space.place(space.arcs()[chunk * LANES + lane].b / ratio));
+            let mut b = Lanes::<FUSED>::zero();
+            for (b, arc) in b.0.iter_mut().zip(&space.arcs()[chunk * LANES..]) {
+                *b = arc.b;
+            }
             // Lagrange's polynomials: products of the distances to all nodes before, then to all behind.
-            let wanted = Lanes::<FUSED>(wanted);
+            let wanted = space.place(b * number(1.0 / ratio));
             let distance = |place: f64| wanted - number(place);
             let mut before = number(1.0);
             for (own, (place, weight)) in weights.iter_mut().zip(&space.weighted) {
@@ -409,7 +417,7 @@ impl LaneWork for OnHole<'_> {
 }
 
 /// Entries that are combined side by side: each waits for itself alone.
-const ABREAST: usize = 3;
+const ABREAST: usize = 7;
 
 /// Of as many nodes, or degrees, as there are lanes.
 type Functions = [[f64; LANES]; FUNCTIONS];

@@ -22,7 +22,7 @@ const MOST_STEPS: usize = 100;
 const MOST_OF_POLYNOMIALS: usize = 8;
 
 /// Nodes that P goes through.
-const AROUND: usize = 6;
+const AROUND: usize = 8;
 
 struct Loads<'a, I> {
     curve: &'a ContactCurve<'a>,
@@ -162,30 +162,35 @@ impl ContactCurve<'_> {
         }
         let end = self.states.count() + usize::from(self.space.goes_to_zero());
         above.iter_mut().filter(|above| **above >= end - 1).for_each(|above| *above = usize::MAX);
-        // Nodes on either side, as many as there are.
-        let around = above.map(|above| if above == usize::MAX { self.first } else { above });
-        let from =
-            around.map(|above| (above + 1).saturating_sub(AROUND / 2).max(self.first).min(end - AROUND));
-        let at_nodes = |nodes: [usize; LANES]| {
-            let found = nodes.map(|node| self.node(node));
-            let [places, indentation, force] =
-                std::array::from_fn(|quantity| Lanes::<FUSED>(found.map(|values| values[quantity])));
-            (places, sum(indentation, force).sqrt().sqrt())
-        };
-        let points: [_; AROUND] = std::array::from_fn(|i| at_nodes(from.map(|from| from + i)));
-        let inverse = Inverse::new(points.map(|(place, _)| place), points.map(|(_, y)| y));
-        let place_of = |nodes: [usize; LANES]| nodes.map(|node| self.node(node)[0]);
-        let (mut low, mut high) = (place_of(around.map(|above| above + 1)), place_of(around));
+        // Nodes on either side, as many as there are, and the bracket among them. Loops, because closures in arrays are not inlined, and
+        // what is not inlined is not compiled for the vectors.
+        let (mut places, mut y) = ([Lanes::<FUSED>::zero(); AROUND], [Lanes::zero(); AROUND]);
+        let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
+        let mut loads = [[Lanes::<FUSED>::zero(); 2]; AROUND];
+        for lane in 0..LANES {
+            let own = if above[lane] == usize::MAX { self.first } else { above[lane] };
+            let from = (own + 1).saturating_sub(AROUND / 2).max(self.first).min(end - AROUND);
+            for i in 0..AROUND {
+                let [place, indentation, force] = self.node(from + i);
+                (places[i].0[lane], loads[i][0].0[lane], loads[i][1].0[lane]) = (place, indentation, force);
+            }
+            (low[lane], high[lane]) = (self.node(own + 1)[0], self.node(own)[0]);
+        }
+        for (y, [indentation, force]) in y.iter_mut().zip(loads) {
+            *y = sum(indentation, force).sqrt().sqrt();
+        }
+        let inverse = Inverse::new(places, y);
         let first = inverse.at(Lanes::from_f64(1.0));
         let mut next = first;
         let mut steps = 0;
         loop {
             let is_bisected = steps >= MOST_OF_POLYNOMIALS;
-            let place: [f64; LANES] = std::array::from_fn(|lane| {
+            let mut place = [0.0; LANES];
+            for lane in 0..LANES {
                 let (low, high, next) = (low[lane], high[lane], next.0[lane]);
                 let is_within = !is_bisected && next >= low && next <= high;
-                if is_within { next } else { 0.5 * (low + high) }
-            });
+                place[lane] = if is_within { next } else { 0.5 * (low + high) };
+            }
             let (reduced, b) = self.reduced::<FUSED>(Lanes(place));
             let edge = reduced.free_edge(b, &self.outlines);
             let sum: Lanes<FUSED> = sum(edge.indentation, edge.force);
