@@ -10,7 +10,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::edge::{DECISIVE, EdgeStates, FUNCTIONS, Reduced};
+use super::edge::{DECISIVE, EdgeStates, FUNCTIONS, Functions, OF_LOAD, Reduced};
 use super::outlines::Outlines;
 use crate::mechanics::body::Side;
 use crate::mechanics::compliance::BodyCompliance;
@@ -29,6 +29,9 @@ pub enum Variable {
     Logarithm,
 }
 
+/// The most nodes of a space.
+pub const MOST_NODES: usize = 96;
+
 /// The narrowest contact beside beds over the widest.
 const NARROWEST: f64 = 1e-9;
 
@@ -41,8 +44,8 @@ pub struct CurveSpace {
     variable: Variable,
     /// tan(limit/4), or ln tan(limit/2).
     widest: f64,
-    /// z, or the root of b, at the nodes: where loads are searched.
-    pub(super) roots: Vec<f64>,
+    /// z^2, or b, at the nodes: where loads are searched.
+    pub(super) places: Vec<f64>,
     /// Logarithms of z, or of b.
     logarithms: Vec<f64>,
     /// What functions are polynomials of, from 0 to 1, at the nodes, x_i, and 1/product of all x_i - x_j.
@@ -91,9 +94,9 @@ impl CurveSpace {
             limit,
             variable,
             widest,
-            roots: match variable {
-                Variable::Root => (0..nodes).map(unit).collect(),
-                Variable::Logarithm => logarithms.iter().map(|logarithm| (0.5 * logarithm).exp()).collect(),
+            places: match variable {
+                Variable::Root => (0..nodes).map(|node| unit(node) * unit(node)).collect(),
+                Variable::Logarithm => logarithms.iter().map(|logarithm| logarithm.exp()).collect(),
             },
             logarithms,
             weighted: (0..nodes).map(|node| (unit(node), weight(node))).collect(),
@@ -161,24 +164,20 @@ impl CurveSpace {
         self.variable == Variable::Root
     }
 
-    /// From roots to what polynomials are of, from 0 to 1, b, and logarithms.
+    /// From places to what polynomials are of, from 0 to 1, b, and logarithms.
     #[inline(always)]
-    pub(super) fn places<const FUSED: bool>(&self, roots: Lanes<FUSED>) -> [Lanes<FUSED>; 3] {
+    fn at_places<const FUSED: bool>(&self, places: Lanes<FUSED>) -> [Lanes<FUSED>; 3] {
         let number = Lanes::<FUSED>::from_f64;
         match self.variable {
             Variable::Root => {
-                let quarter = number(self.widest) * roots * roots;
+                let quarter = number(self.widest) * places;
                 let b = (quarter + quarter) / number(1.0).minus_product(quarter, quarter);
-                [roots, b, roots.ln()]
+                [places.sqrt(), b, number(0.5) * places.ln()]
             }
             Variable::Logarithm => {
-                let logarithms = number(2.0) * roots.ln();
+                let logarithms = places.ln();
                 let scale = number(1.0 / NARROWEST.ln());
-                [
-                    number(1.0).minus_product(scale, logarithms - number(self.widest)),
-                    roots * roots,
-                    logarithms,
-                ]
+                [number(1.0).minus_product(scale, logarithms - number(self.widest)), places, logarithms]
             }
         }
     }
@@ -218,8 +217,6 @@ pub struct ContactCurve<'a> {
     bed: f64,
     /// Degrees as in `CurveSpace::chebyshev`, functions in the order of `Reduced::functions`.
     coefficients: Vec<Functions>,
-    /// The same functions at the nodes, a node a lane.
-    functions: Vec<Functions>,
     /// What is known node by node.
     pub states: EdgeStates,
     /// The widest node that a load can reach, and no node from there on.
@@ -233,28 +230,8 @@ impl<'a> ContactCurve<'a> {
         joint: &JointCompliance,
         outlines: Outlines,
     ) -> Option<ContactCurve<'a>> {
-        let states = EdgeStates::new(&space.pressures, joint, &outlines);
+        let mut states = EdgeStates::new(&space.pressures, joint, &outlines);
         let (even, bed) = (joint.even, joint.bed);
-        let share = space.logarithm_share(even);
-        let of_nodes = |(chunk, reduced): (usize, &Reduced<[f64; LANES]>)| {
-            let mut functions = reduced.functions();
-            for (singular, logarithm) in functions[0].iter_mut().zip(&space.logarithms[chunk * LANES..]) {
-                *singular += share * logarithm;
-            }
-            if bed != 0.0 {
-                for (lane, arc) in space.arcs()[chunk * LANES..][..LANES].iter().enumerate() {
-                    let own = Reduced::of_functions(functions.map(|values| values[lane]));
-                    let scaled = own.scaled(scale(even, bed, arc.b)).functions();
-                    functions.iter_mut().zip(scaled).for_each(|(values, scaled)| values[lane] = scaled);
-                }
-            }
-            functions
-        };
-        let functions: Vec<Functions> = states.reduced().enumerate().map(of_nodes).collect();
-        if !functions.as_flattened().as_flattened().iter().all(|value| value.is_finite()) {
-            return None;
-        }
-        let coefficients = in_lanes(Transform { rows: &space.chebyshev, values: &functions });
         // Up to the first beyond a neat fit, and no further than the contact grows with the load: the pressure is the sum of what
         // punches of all smaller arcs add as the contact grows, each of them positive. Where it grows with the load the pressure
         // is positive and the gap beyond it open, and only there.
@@ -271,7 +248,25 @@ impl<'a> ContactCurve<'a> {
                 break;
             }
         }
-        Some(ContactCurve { space, outlines, even, bed, functions, coefficients, states, first })
+        // From here on what is reduced is what polynomials are of.
+        let share = space.logarithm_share(even);
+        let logarithms = space.logarithms.as_chunks::<LANES>().0;
+        let nodes = states.functions_mut().zip(logarithms).zip(space.arcs().chunks(LANES));
+        for ((functions, logarithms), arcs) in nodes {
+            for (singular, logarithm) in functions[0].iter_mut().zip(logarithms) {
+                *singular += share * logarithm;
+            }
+            if bed != 0.0 {
+                let scale = Lanes::<false>(std::array::from_fn(|lane| scale(even, bed, arcs[lane].b)));
+                let scaled = Reduced::of_functions(functions.map(Lanes)).scaled(scale);
+                *functions = scaled.functions().map(|values| values.0);
+            }
+            if !functions.as_flattened().iter().all(|value| value.is_finite()) {
+                return None;
+            }
+        }
+        let coefficients = in_lanes(Transform { rows: &space.chebyshev, states: &states });
+        Some(ContactCurve { space, outlines, even, bed, coefficients, states, first })
     }
 
     /// Bound of the relative error of force and energy that the curve leaves between its nodes. Where the compliance is itself not exact
@@ -310,29 +305,45 @@ impl<'a> ContactCurve<'a> {
         ratio / (1.0 - ratio)
     }
 
-    /// What polynomials come to at roots, with b.
+    /// What the equations come to at places, as far as a load follows from it.
     #[inline(always)]
-    pub(super) fn reduced<const FUSED: bool>(
-        &self,
-        roots: Lanes<FUSED>,
-    ) -> (Reduced<Lanes<FUSED>>, Lanes<FUSED>) {
+    pub(super) fn at<const FUSED: bool>(&self, places: Lanes<FUSED>) -> AtPlaces<FUSED> {
         let number = Lanes::<FUSED>::from_f64;
-        let [place, b, logarithms] = self.space.places(roots);
-        let turn = number(2.0) - number(4.0) * place;
-        // Clenshaw's sums, all functions side by side: no addition waits for the one before.
-        let mut current = [Lanes::<FUSED>::zero(); FUNCTIONS];
+        let [unit, b, logarithms] = self.space.at_places(places);
+        let turn = number(2.0) - number(4.0) * unit;
+        let mut functions = [number(0.0); FUNCTIONS];
+        functions[..OF_LOAD].copy_from_slice(&self.sums::<FUSED, 0, OF_LOAD>(turn));
+        AtPlaces { b, turn, functions, reduced: self.reduced_of(functions, logarithms, b), logarithms }
+    }
+
+    /// And all of it.
+    #[inline(always)]
+    pub(super) fn whole<const FUSED: bool>(&self, at: &AtPlaces<FUSED>) -> Reduced<Lanes<FUSED>> {
+        let mut functions = at.functions;
+        functions[OF_LOAD..].copy_from_slice(&self.sums::<FUSED, OF_LOAD, { FUNCTIONS - OF_LOAD }>(at.turn));
+        self.reduced_of(functions, at.logarithms, at.b)
+    }
+
+    /// Clenshaw's sums of functions from one on, side by side: no addition waits for the one before.
+    #[inline(always)]
+    fn sums<const FUSED: bool, const FROM: usize, const COUNT: usize>(
+        &self,
+        turn: Lanes<FUSED>,
+    ) -> [Lanes<FUSED>; COUNT] {
+        let number = Lanes::<FUSED>::from_f64;
+        let mut current = [Lanes::<FUSED>::zero(); COUNT];
         let mut previous = current;
-        let count = self.states.count();
-        for degree in (0..count).rev() {
-            let (of_degree, lane) = (&self.coefficients[chunk_of(count, degree)], degree / 2 % LANES);
+        let nodes = self.states.count();
+        for degree in (0..nodes).rev() {
+            let (of_degree, lane) = (&self.coefficients[chunk_of(nodes, degree)], degree / 2 % LANES);
             let turn = if degree == 0 { number(0.5) * turn } else { turn };
-            for function in 0..FUNCTIONS {
-                let next = (number(of_degree[function][lane]) - previous[function])
+            for function in 0..COUNT {
+                let next = (number(of_degree[FROM + function][lane]) - previous[function])
                     .minus_product(turn, current[function]);
                 (current[function], previous[function]) = (next, current[function]);
             }
         }
-        (self.reduced_of(current, logarithms, b), b)
+        current
     }
 
     /// From what is a polynomial to the functions themselves.
@@ -352,6 +363,18 @@ impl<'a> ContactCurve<'a> {
     pub fn around(node: usize, of_nodes: &[f64]) -> f64 {
         of_nodes[node].max(of_nodes[(node + 1).min(of_nodes.len() - 1)])
     }
+}
+
+/// What is known of the states at places on a curve.
+pub(super) struct AtPlaces<const FUSED: bool> {
+    /// Of the pin.
+    pub(super) b: Lanes<FUSED>,
+    /// Those `OF_LOAD`, the others being zero.
+    pub(super) reduced: Reduced<Lanes<FUSED>>,
+    functions: [Lanes<FUSED>; FUNCTIONS],
+    /// -2 of the variable of the polynomials, from -1 to 1.
+    turn: Lanes<FUSED>,
+    logarithms: Lanes<FUSED>,
 }
 
 /// s, beside a bed.
@@ -378,7 +401,8 @@ impl LaneWork for OnHole<'_> {
         let OnHole { space, ratio, values, moved } = self;
         let number = Lanes::<FUSED>::from_f64;
         let count = space.weighted.len();
-        let mut weights = vec![Lanes::<FUSED>::zero(); count];
+        let mut weights = [Lanes::<FUSED>::zero(); MOST_NODES];
+        let weights = &mut weights[..count];
         for chunk in 0..count / LANES {
             let mut b = Lanes::<FUSED>::zero();
             for (b, arc) in b.0.iter_mut().zip(&space.arcs()[chunk * LANES..]) {
@@ -419,9 +443,6 @@ impl LaneWork for OnHole<'_> {
 /// Entries that are combined side by side: each waits for itself alone.
 const ABREAST: usize = 7;
 
-/// Of as many nodes, or degrees, as there are lanes.
-type Functions = [[f64; LANES]; FUNCTIONS];
-
 /// Chunks that even degrees take, below a count, and odd ones.
 fn chunks_of_parity(count: usize) -> usize {
     (count / 2).div_ceil(LANES)
@@ -442,7 +463,7 @@ fn degree_at(count: usize, chunk: usize, lane: usize) -> usize {
 /// From values at the nodes to Chebyshev coefficients.
 struct Transform<'a> {
     rows: &'a [Vec<[f64; LANES]>],
-    values: &'a [Functions],
+    states: &'a EdgeStates,
 }
 
 impl LaneWork for Transform<'_> {
@@ -450,8 +471,8 @@ impl LaneWork for Transform<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<Functions> {
-        let Transform { rows, values } = self;
-        let count = values.len() * LANES;
+        let Transform { rows, states } = self;
+        let count = states.count();
         let (even, odd) = rows.split_at(rows.len() / 2);
         let mut coefficients = vec![[[0.0; LANES]; FUNCTIONS]; rows.len()];
         // Of degree 0 half as much.
@@ -460,9 +481,9 @@ impl LaneWork for Transform<'_> {
             let mut sums = [[Lanes::<FUSED>::zero(); FUNCTIONS]; 2];
             for (node, (even, odd)) in even[chunk].iter().zip(&odd[chunk]).enumerate() {
                 let far = count - 1 - node;
+                let (of_near, of_far) = (states.functions(node / LANES), states.functions(far / LANES));
                 for function in 0..FUNCTIONS {
-                    let near = values[node / LANES][function][node % LANES];
-                    let far = values[far / LANES][function][far % LANES];
+                    let (near, far) = (of_near[function][node % LANES], of_far[function][far % LANES]);
                     // Even degrees are the same at the node opposite, odd ones its negative.
                     let minus_both = [-near - far, far - near].map(Lanes::from_f64);
                     for (sums, (row, minus)) in sums.iter_mut().zip([*even, *odd].into_iter().zip(minus_both))
@@ -491,12 +512,12 @@ impl LaneWork for Without<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> f64 {
-        let ContactCurve { space, functions, states, first, .. } = self.curve;
+        let ContactCurve { space, states, first, .. } = self.curve;
         let count = states.count();
         let mut worst = 0.0_f64;
         for at in (first / LANES * LANES..count).step_by(LANES) {
             let lanes = |of: &dyn Fn(usize) -> f64| Lanes::<FUSED>(std::array::from_fn(|lane| of(at + lane)));
-            let mut left = functions[at / LANES].map(Lanes::<FUSED>);
+            let mut left = states.functions(at / LANES).map(Lanes::<FUSED>);
             for degree in count - FOUR..count {
                 let share = lanes(&|node| space.chebyshev_at(degree, node));
                 for (function, value) in left[..DECISIVE].iter_mut().enumerate() {

@@ -100,6 +100,9 @@ reduced! {
 /// Those that force and energy follow from, the first of `Reduced::functions`: all but those of the peak pressure.
 pub const DECISIVE: usize = 9;
 
+/// Those that indentation and force follow from, the first of these.
+pub const OF_LOAD: usize = 8;
+
 /// A state with a free edge, as the fields of `ContactState`.
 #[derive(Clone, Copy, Debug)]
 pub struct FreeEdge<T> {
@@ -148,21 +151,29 @@ impl<T: Real> Reduced<T> {
         self.singular * first * first + self.between(indentation, of_versine, of_gap)
     }
 
+    /// delta/e and F/e of the state with a free edge.
     #[inline(always)]
-    pub fn free_edge(&self, b: T, outlines: &Outlines) -> FreeEdge<T> {
-        let (two, half_pi) = (T::from_f64(2.0), T::from_f64(FRAC_PI_2));
-        let b2 = b * b;
-        let arm = half_pi - b2 * self.versine;
+    pub fn load(&self, b: T) -> (T, T) {
+        let (two, b2) = (T::from_f64(2.0), b * b);
+        let arm = T::from_f64(FRAC_PI_2) - b2 * self.versine;
         let flexible = self.singular / self.edge;
         let closed = b2 * (self.gap + flexible * self.edge_of_gap);
         let indentation = closed / (arm + closed - b2 * flexible * self.edge_of_versine);
-        let first = b2 * self.first(indentation);
         let work = b2 * b2 * self.between(indentation, self.work, self.mixed_work);
+        // 2 makes the whole joint of both halves.
+        (indentation, two * (b2 * self.first(indentation) * arm + work))
+    }
+
+    #[inline(always)]
+    pub fn free_edge(&self, b: T, outlines: &Outlines) -> FreeEdge<T> {
+        let (two, b2) = (T::from_f64(2.0), b * b);
+        let (indentation, force) = self.load(b);
+        let arm = T::from_f64(FRAC_PI_2) - b2 * self.versine;
+        let first = b2 * self.first(indentation);
         let peak = self.between(indentation, self.peak_of_versine, self.peak_of_gap);
         FreeEdge {
             indentation,
-            // 2 makes the whole joint of both halves.
-            force: two * (first * arm + work),
+            force,
             tangent_stiffness: two * (arm * arm / self.singular + b2 * b2 * self.work),
             energy: b2 * b2 * self.energy(indentation),
             // Over the hole's b.
@@ -171,10 +182,14 @@ impl<T: Real> Reduced<T> {
     }
 }
 
+/// Those of `Reduced` at as many arcs, or degrees, as there are lanes.
+pub(super) type Functions = [[f64; LANES]; FUNCTIONS];
+
 /// The joint at as many arcs as there are lanes.
 #[derive(Clone, Copy)]
 struct Edges {
-    reduced: Reduced<[f64; LANES]>,
+    /// Of `Reduced`.
+    functions: Functions,
     free: FreeEdge<[f64; LANES]>,
     truncation: [f64; LANES],
     /// The least pressure above the tension allowed.
@@ -201,9 +216,14 @@ impl EdgeStates {
         self.edges.len() * LANES
     }
 
-    /// What the equations come to, as many arcs together as there are lanes.
-    pub(super) fn reduced(&self) -> impl ExactSizeIterator<Item = &Reduced<[f64; LANES]>> {
-        self.edges.iter().map(|edges| &edges.reduced)
+    /// What the equations come to at as many arcs as there are lanes.
+    #[inline(always)]
+    pub(super) fn functions(&self, chunk: usize) -> &Functions {
+        &self.edges[chunk].functions
+    }
+
+    pub(super) fn functions_mut(&mut self) -> impl Iterator<Item = &mut Functions> {
+        self.edges.iter_mut().map(|edges| &mut edges.functions)
     }
 
     /// Of the state at an arc, delta/e.
@@ -231,7 +251,8 @@ impl EdgeStates {
     /// Whether the compliance is positive definite at an arc: the square root of a negative pivot makes everything after it NaN, and S
     /// has no pivot of its own.
     pub(super) fn is_sound(&self, arc: usize) -> bool {
-        self.edges[arc / LANES].reduced.singular[arc % LANES] > 0.0
+        // S is the first.
+        self.edges[arc / LANES].functions[0][arc % LANES] > 0.0
     }
 
     /// The state at an arc of the pin, one of the space; `None` where there is none.
@@ -385,7 +406,7 @@ impl Solve<'_> {
         let tail_work = (of_last(TERMS - 2) + of_last(TERMS - 1)) / (work * falling * falling);
         let tail = tail * tail;
         found.edges.push(Edges {
-            reduced: Reduced::of_functions(reduced.functions().map(|value| value.0)),
+            functions: reduced.functions().map(|value| value.0),
             free: FreeEdge {
                 indentation: free.indentation.0,
                 force: free.force.0,

@@ -27,9 +27,6 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// That no state comes to.
-    pub(super) const NONE: Target = Target { of_indentation: 0.0, of_force: 0.0 };
-
     pub(super) fn new(radial_clearance: f64, load: DimensionlessLoad) -> Target {
         match load {
             // delta/e is what it should be.

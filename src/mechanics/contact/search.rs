@@ -1,8 +1,8 @@
 //! From loads to states on a curve: searches of the half angle, as many abreast as a register has lanes.
 //!
-//! What is searched for is the place s on the curve where a sum h of delta/e and F/e is 1 (`load::Target`). h grows about like a power
-//! of the half angle and s like its root, so that y = h^(1/4) is nearly proportional to s, and the polynomial P through the nodes
-//! around, taken as s of y, is close to s at y = 1. What is left there is mended by P too: after s comes s + P(1) - P(y(s)).
+//! What is searched for is the place q on the curve where a sum h of delta/e and F/e is 1 (`load::Target`). h grows about like a power
+//! of the half angle and q like the angle itself, so that y = h^(1/2) is nearly proportional to q, and the polynomial P through the
+//! nodes around, taken as q of y, is close to q at y = 1. What is left there is mended by P too: after q comes q + P(1) - P(y(q)).
 
 use super::curve::ContactCurve;
 use super::edge::FreeEdge;
@@ -11,8 +11,8 @@ use super::state::ContactState;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
-/// Where a search ends: what h differs from 1.
-const TOLERANCE: f64 = 1e-11;
+/// Where a search ends: what h differs from 1. A tenth of what is said of rounding in every error.
+const TOLERANCE: f64 = 1e-9;
 
 /// Or how narrow its bracket is, relative.
 const NARROWEST: f64 = 1e-15;
@@ -37,20 +37,36 @@ impl<I: Iterator<Item = DimensionlessLoad>> LaneWork for Loads<'_, I> {
     fn run<const FUSED: bool>(self) {
         let Loads { curve, mut loads, states } = self;
         loop {
-            let mut targets = [Target::NONE; LANES];
+            let mut targets = Targets { of_indentation: Lanes::<FUSED>::zero(), of_force: Lanes::zero() };
             let mut count = 0;
-            for (target, load) in targets.iter_mut().zip(loads.by_ref()) {
-                *target = Target::new(curve.outlines.radial_clearance, load);
+            for load in loads.by_ref().take(LANES) {
+                let target = Target::new(curve.outlines.radial_clearance, load);
+                targets.of_indentation.0[count] = target.of_indentation;
+                targets.of_force.0[count] = target.of_force;
                 count += 1;
             }
             if count > 0 {
-                let found = curve.search::<FUSED>(targets);
+                let found = curve.search(&targets);
                 states.extend((0..count).map(|lane| found.state(curve, lane)));
             }
             if count < LANES {
                 return;
             }
         }
+    }
+}
+
+/// As many as there are lanes; zero where there is none, which no state comes to.
+struct Targets<const FUSED: bool> {
+    of_indentation: Lanes<FUSED>,
+    of_force: Lanes<FUSED>,
+}
+
+impl<const FUSED: bool> Targets<FUSED> {
+    /// h.
+    #[inline(always)]
+    fn sum(&self, indentation: Lanes<FUSED>, force: Lanes<FUSED>) -> Lanes<FUSED> {
+        (self.of_indentation * indentation).minus_product(-self.of_force, force)
     }
 }
 
@@ -100,7 +116,7 @@ struct Inverse<const FUSED: bool> {
 
 impl<const FUSED: bool> Inverse<FUSED> {
     #[inline(always)]
-    fn new(places: [Lanes<FUSED>; AROUND], y: [Lanes<FUSED>; AROUND]) -> Inverse<FUSED> {
+    fn new(places: &[Lanes<FUSED>; AROUND], y: [Lanes<FUSED>; AROUND]) -> Inverse<FUSED> {
         let mut products = [Lanes::from_f64(1.0); AROUND];
         for i in 0..AROUND {
             for j in 0..i {
@@ -109,7 +125,10 @@ impl<const FUSED: bool> Inverse<FUSED> {
                 products[j] = products[j] * -distance;
             }
         }
-        Inverse { y, weights: std::array::from_fn(|i| places[i] / products[i]) }
+        for (product, place) in products.iter_mut().zip(places) {
+            *product = *place / *product;
+        }
+        Inverse { y, weights: products }
     }
 
     #[inline(always)]
@@ -140,77 +159,77 @@ impl ContactCurve<'_> {
     /// Place, delta/e and F/e at a node; at the angle zero behind the last one.
     #[inline(always)]
     fn node(&self, node: usize) -> [f64; 3] {
-        match self.space.roots.get(node) {
-            Some(root) => [*root, self.states.indentation(node), self.states.force(node)],
+        match self.space.places.get(node) {
+            Some(place) => [*place, self.states.indentation(node), self.states.force(node)],
             None => [0.0; 3],
         }
     }
 
     #[inline(always)]
-    fn search<const FUSED: bool>(&self, targets: [Target; LANES]) -> Found<FUSED> {
-        let of_indentation = Lanes::<FUSED>(targets.map(|target| target.of_indentation));
-        let of_force = Lanes::<FUSED>(targets.map(|target| target.of_force));
-        let sum = |indentation, force| (of_indentation * indentation).minus_product(-of_force, force);
+    fn search<const FUSED: bool>(&self, targets: &Targets<FUSED>) -> Found<FUSED> {
         // Nodes go down with the angle: the last one that is not below the load.
         let mut above = [usize::MAX; LANES];
         for node in self.first..self.states.count() {
-            let [_, indentation, force] = self.node(node).map(Lanes::from_f64);
-            let reached: Lanes<FUSED> = sum(indentation, force);
+            let [_, indentation, force] = self.node(node);
+            let reached = targets.sum(Lanes::from_f64(indentation), Lanes::from_f64(force));
             for (above, reached) in above.iter_mut().zip(reached.0) {
                 *above = if reached >= 1.0 { node } else { *above };
             }
         }
         let end = self.states.count() + usize::from(self.space.goes_to_zero());
-        above.iter_mut().filter(|above| **above >= end - 1).for_each(|above| *above = usize::MAX);
         // Nodes on either side, as many as there are, and the bracket among them. Loops, because closures in arrays are not inlined, and
         // what is not inlined is not compiled for the vectors.
-        let (mut places, mut y) = ([Lanes::<FUSED>::zero(); AROUND], [Lanes::zero(); AROUND]);
+        let (mut places, mut y) = ([Lanes::<FUSED>::zero(); AROUND], [Lanes::<FUSED>::zero(); AROUND]);
+        let mut forces = [Lanes::<FUSED>::zero(); AROUND];
         let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
-        let mut loads = [[Lanes::<FUSED>::zero(); 2]; AROUND];
         for lane in 0..LANES {
-            let own = if above[lane] == usize::MAX { self.first } else { above[lane] };
+            if above[lane] >= end - 1 {
+                above[lane] = usize::MAX;
+                continue;
+            }
+            let own = above[lane];
             let from = (own + 1).saturating_sub(AROUND / 2).max(self.first).min(end - AROUND);
             for i in 0..AROUND {
-                let [place, indentation, force] = self.node(from + i);
-                (places[i].0[lane], loads[i][0].0[lane], loads[i][1].0[lane]) = (place, indentation, force);
+                [places[i].0[lane], y[i].0[lane], forces[i].0[lane]] = self.node(from + i);
             }
             (low[lane], high[lane]) = (self.node(own + 1)[0], self.node(own)[0]);
         }
-        for (y, [indentation, force]) in y.iter_mut().zip(loads) {
-            *y = sum(indentation, force).sqrt().sqrt();
+        for (y, force) in y.iter_mut().zip(&forces) {
+            *y = targets.sum(*y, *force).sqrt();
         }
-        let inverse = Inverse::new(places, y);
+        let inverse = Inverse::new(&places, y);
         let first = inverse.at(Lanes::from_f64(1.0));
         let mut next = first;
         let mut steps = 0;
         loop {
             let is_bisected = steps >= MOST_OF_POLYNOMIALS;
-            let mut place = [0.0; LANES];
+            let mut place = Lanes::<FUSED>::zero();
             for lane in 0..LANES {
                 let (low, high, next) = (low[lane], high[lane], next.0[lane]);
                 let is_within = !is_bisected && next >= low && next <= high;
-                place[lane] = if is_within { next } else { 0.5 * (low + high) };
+                place.0[lane] = if is_within { next } else { 0.5 * (low + high) };
             }
-            let (reduced, b) = self.reduced::<FUSED>(Lanes(place));
-            let edge = reduced.free_edge(b, &self.outlines);
-            let sum: Lanes<FUSED> = sum(edge.indentation, edge.force);
-            next = Lanes(place) + first - inverse.at(sum.sqrt().sqrt());
+            let at = self.at(place);
+            let (indentation, force) = at.reduced.load(at.b);
+            let sum = targets.sum(indentation, force);
+            next = place + first - inverse.at(sum.sqrt());
             let (mut has_ended, mut goes_on) = ([false; LANES], false);
             for lane in 0..LANES {
-                let (place, sum) = (place[lane], sum.0[lane]);
+                let (place, sum) = (place.0[lane], sum.0[lane]);
                 let is_near = (sum - 1.0).abs() < TOLERANCE;
                 // One that has come to its end stays there.
                 low[lane] = if sum < 1.0 || is_near { place } else { low[lane] };
                 high[lane] = if sum >= 1.0 || is_near { place } else { high[lane] };
                 has_ended[lane] = high[lane] - low[lane] <= NARROWEST * high[lane];
                 let is_sound =
-                    reduced.singular.0[lane] > 0.0 && edge.indentation.0[lane] > 0.0 && sum.is_finite();
+                    at.reduced.singular.0[lane] > 0.0 && indentation.0[lane] > 0.0 && sum.is_finite();
                 goes_on |= is_sound && !has_ended[lane] && above[lane] != usize::MAX;
                 has_ended[lane] &= is_sound;
             }
             steps += 1;
             if !goes_on || steps > MOST_STEPS {
-                return Found { b, edge, above, has_ended };
+                let edge = self.whole(&at).free_edge(at.b, &self.outlines);
+                return Found { b: at.b, edge, above, has_ended };
             }
         }
     }
