@@ -2,7 +2,8 @@
 //!
 //! What is searched for is the place q on the curve where a sum h of delta/e and F/e is 1 (`load::Target`). h grows about like a power
 //! of the half angle and q like the angle itself, so that y = h^(1/2) is nearly proportional to q, and the polynomial P through the
-//! nodes around, taken as q of y, is close to q at y = 1. What is left there is mended by P too: after q comes q + P(1) - P(y(q)).
+//! nodes around, taken as q of y, is close to q at y = 1. What it differs by, q - P(y), is known where the equations were asked, and is
+//! next to nothing's difference there: after the first q comes P(1) and that, and then P(1) and that of the last two, to first order in y.
 
 use super::curve::ContactCurve;
 use super::edge::FreeEdge;
@@ -22,7 +23,7 @@ const MOST_STEPS: usize = 100;
 const MOST_OF_POLYNOMIALS: usize = 8;
 
 /// Nodes that P goes through.
-const AROUND: usize = 8;
+const AROUND: usize = 6;
 
 struct Loads<'a, I> {
     curve: &'a ContactCurve<'a>,
@@ -200,6 +201,8 @@ impl ContactCurve<'_> {
         let inverse = Inverse::new(&places, y);
         let first = inverse.at(Lanes::from_f64(1.0));
         let mut next = first;
+        // y and q - P(y) of the step before.
+        let mut before: Option<[Lanes<FUSED>; 2]> = None;
         let mut steps = 0;
         loop {
             let is_bisected = steps >= MOST_OF_POLYNOMIALS;
@@ -212,7 +215,13 @@ impl ContactCurve<'_> {
             let at = self.at(place);
             let (indentation, force) = at.reduced.load(at.b);
             let sum = targets.sum(indentation, force);
-            next = place + first - inverse.at(sum.sqrt());
+            let y = sum.sqrt();
+            let left = place - inverse.at(y);
+            next = first + left;
+            if let Some([y_before, left_before]) = before {
+                next += (left - left_before) * (Lanes::from_f64(1.0) - y) / (y - y_before);
+            }
+            before = Some([y, left]);
             let (mut has_ended, mut goes_on) = ([false; LANES], false);
             for lane in 0..LANES {
                 let (place, sum) = (place.0[lane], sum.0[lane]);
