@@ -39,7 +39,7 @@ fn persson() {
     space.prepare(&pin);
     space.prepare(&plate);
     let joint = space.joint(&[(&pin, 1.0), (&plate, 1.0)], Tilt::NONE);
-    let states = EdgeStates::new(&space, &joint, &Outlines::ALIKE);
+    let states = EdgeStates::new(&space, [&joint], &Outlines::ALIKE);
     for (place, (degrees, clearance, peak)) in table.into_iter().enumerate() {
         let state = states.state(place, &arcs[place], &Outlines::ALIKE).unwrap();
         let inverse_force = 0.5 * state.radial_clearance() / state.force;
@@ -89,14 +89,12 @@ fn curves_leave_what_is_said() {
             }
             let parts = [(Side::Pin, [(&pin, 1.0)]), (Side::Plate, [(&plate, 1.0 / modulus)])];
             let of_space = parts.each_ref().map(|(side, bodies)| space.part(*side, bodies, &outlines));
-            let joint = JointCompliance::of_both(&of_space[0], &of_space[1]);
-            let curve = ContactCurve::new(&space, &joint, outlines).unwrap();
+            let curve = ContactCurve::new(&space, of_space.each_ref(), outlines).unwrap();
             let of_pin = exact[0].joint(&parts[0].1, outlines.tilt());
             let mut of_plate = exact[1].joint(&parts[1].1, Tilt::NONE);
             let logarithm = FRAC_PI_2 * of_plate.even * outlines.ratio().ln();
             of_plate.values.to_mut()[..arcs.len()].iter_mut().for_each(|value| *value += logarithm);
-            let joint = JointCompliance::of_both(&of_pin, &of_plate);
-            let states = EdgeStates::new(&exact[0], &joint, &outlines);
+            let states = EdgeStates::new(&exact[0], [&of_pin, &of_plate], &outlines);
             let mut worst = (0.0_f64, 0.0);
             for (place, arc) in arcs.iter().enumerate() {
                 let expected = states.state(place, arc, &outlines).unwrap();

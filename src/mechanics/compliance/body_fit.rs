@@ -94,8 +94,7 @@ pub struct FitScratch {
     work: Vec<f64>,
     products: Vec<f64>,
     weights: Vec<f32>,
-    amplitudes: Vec<f32>,
-    sum: Vec<f32>,
+    amplitudes: Vec<f64>,
     /// What is made of the sum.
     pub values: Vec<f64>,
     pub moved: Vec<f64>,
@@ -159,7 +158,7 @@ impl BodyFit {
         let mut sum = vec![0.0; self.length];
         self.find(point, scratch);
         for (member, amplitude) in self.members().zip(&scratch.amplitudes) {
-            sum.iter_mut().zip(member).for_each(|(sum, value)| *sum += f64::from(*amplitude) * value);
+            sum.iter_mut().zip(member).for_each(|(sum, value)| *sum += amplitude * value);
         }
         sum
     }
@@ -170,7 +169,7 @@ impl BodyFit {
         self.polynomials.values(point, work, products);
         weights.clear();
         weights.extend(products.iter().map(|product| *product as f32));
-        self.coefficients.sum(weights, 0.0, amplitudes);
+        self.coefficients.sum(weights, 0.0, 1.0, amplitudes);
     }
 
     /// The sum of rows, times each of these shares in turn the numbers given and then the amplitudes of the members at a point of the
@@ -183,15 +182,13 @@ impl BodyFit {
         scratch: &mut FitScratch,
     ) {
         self.find(point, scratch);
-        let FitScratch { weights, amplitudes, sum, values, .. } = scratch;
+        let FitScratch { weights, amplitudes, values, .. } = scratch;
         weights.clear();
         for share in shares {
             weights.extend(numbers.iter().map(|number| (share * number) as f32));
-            weights.extend(amplitudes.iter().map(|amplitude| *share as f32 * amplitude));
+            weights.extend(amplitudes.iter().map(|amplitude| (share * amplitude) as f32));
         }
-        rows.sum(weights, NEGLIGIBLE, sum);
-        values.clear();
-        values.extend(sum.iter().map(|value| scale * f64::from(*value)));
+        rows.sum(weights, NEGLIGIBLE, scale, values);
     }
 
     /// Its members, each as the samples are.

@@ -224,14 +224,15 @@ pub struct ContactCurve<'a> {
 }
 
 impl<'a> ContactCurve<'a> {
-    /// Of a joint's compliance in the space. `None` where it is not positive definite.
-    pub fn new(
+    /// Of a joint's compliance in the space, which is the sum of its parts. `None` where it is not positive definite.
+    pub fn new<const PARTS: usize>(
         space: &'a CurveSpace,
-        joint: &JointCompliance,
+        parts: [&JointCompliance; PARTS],
         outlines: Outlines,
     ) -> Option<ContactCurve<'a>> {
-        let mut states = EdgeStates::new(&space.pressures, joint, &outlines);
-        let (even, bed) = (joint.even, joint.bed);
+        let mut states = EdgeStates::new(&space.pressures, parts, &outlines);
+        let even: f64 = parts.iter().map(|part| part.even).sum();
+        let bed: f64 = parts.iter().map(|part| part.bed).sum();
         // Up to the first beyond a neat fit, and no further than the contact grows with the load: the pressure is the sum of what
         // punches of all smaller arcs add as the contact grows, each of them positive. Where it grows with the load the pressure
         // is positive and the gap beyond it open, and only there.
@@ -290,8 +291,14 @@ impl<'a> ContactCurve<'a> {
 
     /// So many coefficients of a function from one on, over the greatest.
     fn share(&self, function: usize, from: usize, count: usize) -> f64 {
-        let own = self.coefficients.iter().flat_map(|chunk| chunk[function]);
-        let most = own.fold(f64::MIN_POSITIVE, |most, value| most.max(value.abs()));
+        // Lane by lane, which the compiler keeps in registers.
+        let mut most = [f64::MIN_POSITIVE; LANES];
+        for chunk in &self.coefficients {
+            for (most, value) in most.iter_mut().zip(&chunk[function]) {
+                *most = if value.abs() > *most { value.abs() } else { *most };
+            }
+        }
+        let most = most.into_iter().fold(0.0, f64::max);
         (from..from + count).map(|degree| self.coefficient(degree, function).abs()).sum::<f64>() / most
     }
 
@@ -485,15 +492,17 @@ impl LaneWork for Transform<'_> {
                 for function in 0..FUNCTIONS {
                     let (near, far) = (of_near[function][node % LANES], of_far[function][far % LANES]);
                     // Even degrees are the same at the node opposite, odd ones its negative.
-                    let minus_both = [-near - far, far - near].map(Lanes::from_f64);
-                    for (sums, (row, minus)) in sums.iter_mut().zip([*even, *odd].into_iter().zip(minus_both))
-                    {
-                        sums[function] = sums[function].minus_product(Lanes(row), minus);
-                    }
+                    let minus_sum = Lanes::from_f64(-near - far);
+                    let minus_difference = Lanes::from_f64(far - near);
+                    sums[0][function] = sums[0][function].minus_product(Lanes(*even), minus_sum);
+                    sums[1][function] = sums[1][function].minus_product(Lanes(*odd), minus_difference);
                 }
             }
-            for (parity, sums) in sums.into_iter().enumerate() {
-                coefficients[parity * rows.len() / 2 + chunk] = sums.map(|sum| (sum * share).0);
+            for parity in 0..2 {
+                for function in 0..FUNCTIONS {
+                    coefficients[parity * rows.len() / 2 + chunk][function] =
+                        (sums[parity][function] * share).0;
+                }
             }
         }
         coefficients[0].iter_mut().for_each(|sums| sums[0] *= 0.5);

@@ -198,6 +198,22 @@ struct Edges {
     work: [f64; LANES],
 }
 
+impl Edges {
+    const ZERO: Edges = Edges {
+        functions: [[0.0; LANES]; FUNCTIONS],
+        free: FreeEdge {
+            indentation: [0.0; LANES],
+            force: [0.0; LANES],
+            tangent_stiffness: [0.0; LANES],
+            energy: [0.0; LANES],
+            peak_pressure: [0.0; LANES],
+        },
+        truncation: [0.0; LANES],
+        least_pressure: [0.0; LANES],
+        work: [0.0; LANES],
+    };
+}
+
 /// The joint at the arcs of a space.
 pub struct EdgeStates {
     edges: Vec<Edges>,
@@ -206,9 +222,13 @@ pub struct EdgeStates {
 }
 
 impl EdgeStates {
-    /// `joint` is of `space`, whose arcs are the pin's.
-    pub fn new(space: &PressureSpace, joint: &JointCompliance, outlines: &Outlines) -> EdgeStates {
-        in_lanes_with_terms(space.terms, Solve { space, joint, outlines })
+    /// The joint's compliance is the sum of its `parts`, of `space`, whose arcs are the pin's.
+    pub fn new<const PARTS: usize>(
+        space: &PressureSpace,
+        parts: [&JointCompliance; PARTS],
+        outlines: &Outlines,
+    ) -> EdgeStates {
+        in_lanes_with_terms(space.terms, Solve { space, parts, outlines })
     }
 
     /// How many arcs there are.
@@ -286,20 +306,20 @@ impl EdgeStates {
     }
 }
 
-struct Solve<'a> {
+struct Solve<'a, const PARTS: usize> {
     space: &'a PressureSpace,
-    joint: &'a JointCompliance<'a>,
+    parts: [&'a JointCompliance<'a>; PARTS],
     outlines: &'a Outlines,
 }
 
-impl TermWork for Solve<'_> {
+impl<const PARTS: usize> TermWork for Solve<'_, PARTS> {
     type Output = EdgeStates;
 
     #[inline(always)]
     fn run<const FUSED: bool, const TERMS: usize>(self) -> EdgeStates {
         let chunks = self.space.arcs.len() / LANES;
         let mut found =
-            EdgeStates { edges: Vec::with_capacity(chunks), pressure: Vec::with_capacity(TERMS * chunks) };
+            EdgeStates { edges: vec![Edges::ZERO; chunks], pressure: vec![[0.0; LANES]; TERMS * chunks] };
         for chunk in 0..chunks {
             self.run_chunk::<FUSED, TERMS>(chunk, &mut found);
         }
@@ -307,43 +327,63 @@ impl TermWork for Solve<'_> {
     }
 }
 
-impl Solve<'_> {
+/// Versines of arcs whose b is smaller by a ratio, over the square of b.
+#[inline(always)]
+fn versines_over<T: Real, const TERMS: usize>(b: T, ratio: f64) -> [T; TERMS] {
+    let mut versines: [T; TERMS] = ContactArc::versines(b * T::from_f64(1.0 / ratio));
+    for value in &mut versines {
+        *value = *value * T::from_f64(1.0 / (ratio * ratio));
+    }
+    versines
+}
+
+impl<const PARTS: usize> Solve<'_, PARTS> {
+    /// Of the joint's compliance, as many arcs as there are lanes. A function, because closures are not always inlined, and what is not
+    /// is not compiled for the vectors.
+    #[inline(always)]
+    fn entry<const FUSED: bool>(&self, chunk: usize, row: usize, column: usize) -> Lanes<FUSED> {
+        let at = packed(row, column) * self.space.arcs.len() + chunk * LANES;
+        let mut sum = Lanes::zero();
+        for part in self.parts {
+            let mut own = Lanes::zero();
+            own.0.copy_from_slice(&part.values[at..at + LANES]);
+            sum += own;
+        }
+        sum
+    }
+
     #[inline(always)]
     fn run_chunk<const FUSED: bool, const TERMS: usize>(&self, chunk: usize, found: &mut EdgeStates) {
-        let Solve { space: PressureSpace { arcs, turns, .. }, joint, outlines } = *self;
-        let JointCompliance { even, values, .. } = joint;
+        let Solve { space: PressureSpace { arcs, turns, .. }, parts, outlines } = *self;
+        let even: f64 = parts.iter().map(|part| part.even).sum();
         let (zero, one) = (Lanes::<FUSED>::zero(), Lanes::<FUSED>::from_f64(1.0));
         let at = chunk * LANES;
-        let load = |row: usize, column: usize| {
-            let mut lanes = zero;
-            lanes.0.copy_from_slice(&values[packed(row, column) * arcs.len() + at..][..LANES]);
-            lanes
-        };
         let mut matrix = [[zero; TERMS]; TERMS];
         for row in 1..TERMS {
             for column in 1..=row {
-                matrix[row][column] = load(row, column);
+                matrix[row][column] = self.entry(chunk, row, column);
             }
         }
-        let coupling: [Lanes<FUSED>; TERMS] = std::array::from_fn(|row| load(row, 0));
-        let b = Lanes::<FUSED>(std::array::from_fn(|lane| arcs[at + lane].b));
-        // Of the hole's arc and of that of the gap, over the square of the pin's b.
-        let versines = |ratio: f64| {
-            let own: [Lanes<FUSED>; TERMS] = ContactArc::versines(b * Lanes::from_f64(1.0 / ratio));
-            own.map(|value| value * Lanes::from_f64(1.0 / (ratio * ratio)))
-        };
-        let (versine, mut gap) = (versines(outlines.ratio()), versines(outlines.ratio().sqrt()));
+        let mut coupling = [zero; TERMS];
+        for row in 0..TERMS {
+            coupling[row] = self.entry(chunk, row, 0);
+        }
+        let (mut b, mut logarithm) = (zero, zero);
+        for (lane, arc) in arcs[at..at + LANES].iter().enumerate() {
+            (b.0[lane], logarithm.0[lane]) = (arc.b, FRAC_PI_2 * even * arc.ln_b);
+        }
+        let versine = versines_over(b, outlines.ratio());
+        let mut gap = versines_over(b, outlines.ratio().sqrt());
         let bend = outlines.bend();
         if bend != 0.0 {
             let own: [Lanes<FUSED>; TERMS] = ContactArc::bent_versines(b);
-            gap.iter_mut()
-                .zip(own)
-                .for_each(|(gap, own)| *gap = gap.minus_product(Lanes::from_f64(-bend), own));
+            for k in 0..TERMS {
+                gap[k] = gap[k].minus_product(Lanes::from_f64(-bend), own[k]);
+            }
         }
         let mut solved = [coupling, versine, gap];
         solve_in_place(&mut matrix, &mut solved);
         let [y, w_v, w_g] = solved;
-        let logarithm = Lanes::<FUSED>(std::array::from_fn(|lane| FRAC_PI_2 * even * arcs[at + lane].ln_b));
         let mut reduced = Reduced {
             singular: coupling[0] - logarithm,
             edge: one,
@@ -387,8 +427,8 @@ impl Solve<'_> {
         }
         let size = |lanes: Lanes<FUSED>| Lanes::<FUSED>(lanes.0.map(f64::abs));
         let mut most = Lanes::<FUSED>::from_f64(f64::MIN_POSITIVE);
-        for value in pressure {
-            most = -(-most).least(-size(value));
+        for value in &pressure {
+            most = -(-most).least(-size(*value));
         }
         let last = size(pressure[TERMS - 2]) + size(pressure[TERMS - 1]);
         let before = match TERMS.checked_sub(4) {
@@ -402,23 +442,29 @@ impl Solve<'_> {
         let least = least_pressure::<FUSED, TERMS>(&pressure, turns);
         let work = reduced.energy(free.indentation);
         // Films that are squeezed along a wall yield most to what was left out.
-        let of_last = |k: usize| load(k, k) * pressure[k] * pressure[k];
-        let tail_work = (of_last(TERMS - 2) + of_last(TERMS - 1)) / (work * falling * falling);
+        let mut of_last = zero;
+        for k in TERMS - 2..TERMS {
+            of_last += self.entry(chunk, k, k) * pressure[k] * pressure[k];
+        }
+        let tail_work = of_last / (work * falling * falling);
         let tail = tail * tail;
-        found.edges.push(Edges {
-            functions: reduced.functions().map(|value| value.0),
-            free: FreeEdge {
-                indentation: free.indentation.0,
-                force: free.force.0,
-                tangent_stiffness: free.tangent_stiffness.0,
-                energy: free.energy.0,
-                peak_pressure: free.peak_pressure.0,
-            },
-            truncation: std::array::from_fn(|lane| tail_work.0[lane].max(tail.0[lane])),
-            least_pressure: least.0,
-            work: work.0,
-        });
-        found.pressure.extend(pressure.map(|lanes| lanes.0));
+        // Field by field: what is made elsewhere is copied once more.
+        let edges = &mut found.edges[chunk];
+        let functions = reduced.functions();
+        for function in 0..FUNCTIONS {
+            edges.functions[function] = functions[function].0;
+        }
+        edges.free.indentation = free.indentation.0;
+        edges.free.force = free.force.0;
+        edges.free.tangent_stiffness = free.tangent_stiffness.0;
+        edges.free.energy = free.energy.0;
+        edges.free.peak_pressure = free.peak_pressure.0;
+        edges.truncation = (-(-tail_work).least(-tail)).0;
+        edges.least_pressure = least.0;
+        edges.work = work.0;
+        for k in 0..TERMS {
+            found.pressure[chunk * TERMS + k] = pressure[k].0;
+        }
     }
 }
 

@@ -173,8 +173,8 @@ impl ContactCurve<'_> {
         for node in self.first..self.states.count() {
             let [_, indentation, force] = self.node(node);
             let reached = targets.sum(Lanes::from_f64(indentation), Lanes::from_f64(force));
-            for (above, reached) in above.iter_mut().zip(reached.0) {
-                *above = if reached >= 1.0 { node } else { *above };
+            for (above, reached) in above.iter_mut().zip(&reached.0) {
+                *above = if *reached >= 1.0 { node } else { *above };
             }
         }
         let end = self.states.count() + usize::from(self.space.goes_to_zero());
