@@ -99,8 +99,8 @@ impl Weighted<'_> {
         }
         let mut own = [0.0_f32; ABREAST * REGISTER];
         S::as_mut_simd_f32s(&mut own[..length]).0.copy_from_slice(&registers);
-        for (sum, own) in self.sum[from..from + length].iter_mut().zip(own) {
-            *sum += self.scale * f64::from(own);
+        for (sum, own) in self.sum[from..from + length].iter_mut().zip(&own) {
+            *sum += self.scale * f64::from(*own);
         }
     }
 }

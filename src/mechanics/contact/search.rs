@@ -2,8 +2,8 @@
 //!
 //! What is searched for is the place q on the curve where a sum h of delta/e and F/e is 1 (`load::Target`). h grows about like a power
 //! of the half angle and q like the angle itself, so that y = h^(1/2) is nearly proportional to q, and the polynomial P through the
-//! nodes around, taken as q of y, is close to q at y = 1. What it differs by, q - P(y), is known where the equations were asked, and is
-//! next to nothing's difference there: after the first q comes P(1) and that, and then P(1) and that of the last two, to first order in y.
+//! nodes around, taken as q of y, is close to q at y = 1. What it is wrong by, q - P(y), is known at each q that was tried: the next one
+//! is P(1) and what it is wrong by at y = 1, to first order in y by the last two.
 
 use super::curve::ContactCurve;
 use super::edge::FreeEdge;
@@ -12,8 +12,8 @@ use super::state::ContactState;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
-/// Where a search ends: what h differs from 1. A tenth of what is said of rounding in every error.
-const TOLERANCE: f64 = 1e-9;
+/// Where a search ends: what h differs from 1.
+const TOLERANCE: f64 = 1e-11;
 
 /// Or how narrow its bracket is, relative.
 const NARROWEST: f64 = 1e-15;
