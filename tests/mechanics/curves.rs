@@ -6,7 +6,7 @@ use crate::common::random::Random;
 use jointsweep::internals::engine::spaces::SpaceKey;
 use jointsweep::internals::mechanics::body::{Body, Side, annulus, cored_disc};
 use jointsweep::internals::mechanics::compliance::arc::ContactArc;
-use jointsweep::internals::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace, Tilt};
+use jointsweep::internals::mechanics::compliance::pressure_space::{PressureSpace, Tilt};
 use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
 use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace};
 use jointsweep::internals::mechanics::contact::edge::EdgeStates;

@@ -5,7 +5,7 @@ use crate::common::random::Random;
 use crate::common::stepped_ring::Ring;
 use jointsweep::internals::mechanics::body::Side;
 use jointsweep::internals::mechanics::compliance::arc::packed_count;
-use jointsweep::internals::mechanics::compliance::pressure_space::{JointCompliance, Tilt};
+use jointsweep::internals::mechanics::compliance::pressure_space::Tilt;
 use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
 use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
 use jointsweep::internals::mechanics::contact::load::DimensionlessLoad;
