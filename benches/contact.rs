@@ -39,10 +39,10 @@ impl Joint {
         Joint { space, bodies }
     }
 
-    fn compliance(&self) -> JointCompliance<'static> {
+    fn parts(&self) -> [JointCompliance<'static>; 2] {
         let pin = self.space.part(Side::Pin, &[(&self.bodies[0], 1.0)], &outlines());
         let plate = self.space.part(Side::Plate, &[(&self.bodies[1], 1.0 / 0.4)], &outlines());
-        JointCompliance::of_both(&pin, &plate)
+        [pin, plate]
     }
 }
 
@@ -63,21 +63,22 @@ fn main() {
 #[divan::bench(args = SPACES)]
 fn joint_from_bodies(bencher: Bencher, space: (usize, usize)) {
     let joint = Joint::new(space);
-    bencher.bench_local(|| black_box(&joint).compliance());
+    bencher.bench_local(|| black_box(&joint).parts());
 }
 
 #[divan::bench(args = SPACES)]
 fn curve_through_nodes(bencher: Bencher, space: (usize, usize)) {
     let joint = Joint::new(space);
-    let compliance = joint.compliance();
-    bencher.bench_local(|| ContactCurve::new(&joint.space, black_box(&compliance), outlines()).is_some());
+    let parts = joint.parts();
+    bencher
+        .bench_local(|| ContactCurve::new(&joint.space, black_box(&parts).each_ref(), outlines()).is_some());
 }
 
 #[divan::bench(args = SPACES)]
 fn ten_loads_found(bencher: Bencher, space: (usize, usize)) {
     let joint = Joint::new(space);
-    let compliance = joint.compliance();
-    let curve = ContactCurve::new(&joint.space, &compliance, outlines()).expect("positive definite");
+    let parts = joint.parts();
+    let curve = ContactCurve::new(&joint.space, parts.each_ref(), outlines()).expect("positive definite");
     bencher.bench_local(|| curve.states(black_box(loads())));
 }
 
@@ -85,7 +86,8 @@ fn ten_loads_found(bencher: Bencher, space: (usize, usize)) {
 #[divan::bench(args = SPACES)]
 fn work_share(bencher: Bencher, space: (usize, usize)) {
     let joint = Joint::new(space);
-    let curve = ContactCurve::new(&joint.space, &joint.compliance(), outlines()).expect("positive definite");
+    let curve =
+        ContactCurve::new(&joint.space, joint.parts().each_ref(), outlines()).expect("positive definite");
     let pressures = &joint.space.pressures;
     let body = pressures.joint(&[(&joint.bodies[0], 1.0)], outlines().tilt());
     bencher.bench_local(|| curve.states.work_shares(pressures, black_box(&body)));

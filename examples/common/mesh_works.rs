@@ -37,14 +37,13 @@ impl Measured {
         spaces.prepare(solved.iter().map(|body| (key, *body)));
         let space = &spaces.get(key).pressures;
         let Some((exact, meshes)) = solved.split_last() else { return Vec::new() };
-        let states = EdgeStates::new(space, &space.joint(&[(*exact, 1.0)], Tilt::NONE), &Outlines::ALIKE);
+        let states = EdgeStates::new(space, [&space.joint(&[(*exact, 1.0)], Tilt::NONE)], &Outlines::ALIKE);
         let between =
             |one, other| states.work_shares(space, &space.joint(&[(one, 1.0), (other, -1.0)], Tilt::NONE));
         let errors: Vec<Vec<f64>> = meshes.iter().map(|mesh| between(*mesh, *exact)).collect();
         let changes: Vec<Vec<f64>> = meshes.windows(2).map(|pair| between(pair[1], pair[0])).collect();
         let places = (0..space.arcs.len()).filter(|place| {
-            states.edges[*place].free.indentation < 1.0
-                && space.arcs[*place].half_angle.to_degrees() > NARROWEST
+            states.indentation(*place) < 1.0 && space.arcs[*place].half_angle.to_degrees() > NARROWEST
         });
         let at = |all: &[Vec<f64>], place: usize| all.iter().map(|values| values[place].abs()).collect();
         let of_place = |place: usize| (space.arcs[place].half_angle, at(&errors, place), at(&changes, place));

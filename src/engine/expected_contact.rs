@@ -21,7 +21,16 @@ impl ExpectedContact {
         let [pin, plate] =
             [&joint.pin, &joint.plate].map(|part| part.material.plane_modulus(joint.idealization));
         let of_pin = plate / (pin + plate);
-        let half_angle = case.steps.iter().map(|load| half_angle(joint, *load)).fold(0.0, f64::max);
+        // Those of the greatest loads: it grows with the load.
+        let (mut indentation, mut force) = (0.0_f64, 0.0_f64);
+        for load in &case.steps {
+            match *load {
+                Load::Indentation(value) => indentation = indentation.max(value),
+                Load::Force(value) => force = force.max(value),
+            }
+        }
+        let greatest = [Load::Indentation(indentation), Load::Force(force)];
+        let half_angle = greatest.map(|load| half_angle(joint, load)).into_iter().fold(0.0, f64::max);
         ExpectedContact { half_angle, shares: [of_pin, 1.0 - of_pin] }
     }
 }

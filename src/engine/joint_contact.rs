@@ -12,7 +12,6 @@ use crate::engine::plan::JointPlan;
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::compliance::Boundary;
-use crate::mechanics::compliance::pressure_space::JointCompliance;
 use crate::mechanics::contact::curve::{ContactCurve, CurveSpace};
 use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::outlines::Outlines;
@@ -39,8 +38,7 @@ pub fn with_curve<T>(
     let space = spaces.get(plan.space);
     let outlines = JointScale::of(joint).outlines;
     let (bodies, _) = judged_bodies(library, space, plan, joint, &outlines);
-    let compliance = JointCompliance::of_both(&bodies[0].part, &bodies[1].part);
-    ContactCurve::new(space, &compliance, outlines).map(|curve| ask(&curve))
+    ContactCurve::new(space, bodies.each_ref().map(|body| &body.part), outlines).map(|curve| ask(&curve))
 }
 
 /// The bodies of a joint, and what has solved them.
@@ -108,8 +106,7 @@ pub fn solve_joint<'a>(
     solving: Solving,
     cases: impl Iterator<Item = &'a DesignCase>,
 ) -> Vec<(Answer, Want)> {
-    let joint = JointCompliance::of_both(&bodies[0].part, &bodies[1].part);
-    let Some(curve) = ContactCurve::new(space, &joint, outlines) else {
+    let Some(curve) = ContactCurve::new(space, bodies.each_ref().map(|body| &body.part), outlines) else {
         let is_too_wide = outlines.radial_clearance >= WIDEST_CLEARANCE;
         let (reason, want) = if is_too_wide {
             (NoState::ClearanceTooWide, Want::Nothing)

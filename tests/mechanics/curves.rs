@@ -7,7 +7,7 @@ use crate::laws::PERSSON_TABLE;
 use jointsweep::internals::engine::spaces::SpaceKey;
 use jointsweep::internals::mechanics::body::{Body, Side, annulus, cored_disc};
 use jointsweep::internals::mechanics::compliance::arc::ContactArc;
-use jointsweep::internals::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace, Tilt};
+use jointsweep::internals::mechanics::compliance::pressure_space::{PressureSpace, Tilt};
 use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
 use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace};
 use jointsweep::internals::mechanics::contact::edge::EdgeStates;
@@ -31,9 +31,9 @@ fn persson() {
     space.prepare(&pin);
     space.prepare(&plate);
     let joint = space.joint(&[(&pin, 1.0), (&plate, 1.0)], Tilt::NONE);
-    let states = EdgeStates::new(&space, &joint, &Outlines::ALIKE);
+    let states = EdgeStates::new(&space, [&joint], &Outlines::ALIKE);
     for (place, (degrees, clearance, peak)) in PERSSON_TABLE.into_iter().enumerate() {
-        let state = states.edges[place].state(&arcs[place], &Outlines::ALIKE).unwrap();
+        let state = states.state(place, &arcs[place], &Outlines::ALIKE).unwrap();
         let inverse_force = 0.5 * state.radial_clearance() / state.force;
         let of_force = state.peak_pressure / state.force;
         println!("{degrees} deg: E* dR/F {inverse_force}, p0 R/F {of_force}");
@@ -81,17 +81,15 @@ fn curves_leave_what_is_said() {
             }
             let parts = [(Side::Pin, [(&pin, 1.0)]), (Side::Plate, [(&plate, 1.0 / modulus)])];
             let of_space = parts.each_ref().map(|(side, bodies)| space.part(*side, bodies, &outlines));
-            let joint = JointCompliance::of_both(&of_space[0], &of_space[1]);
-            let curve = ContactCurve::new(&space, &joint, outlines).unwrap();
+            let curve = ContactCurve::new(&space, of_space.each_ref(), outlines).unwrap();
             let of_pin = exact[0].joint(&parts[0].1, outlines.tilt());
             let mut of_plate = exact[1].joint(&parts[1].1, Tilt::NONE);
             let logarithm = FRAC_PI_2 * of_plate.even * outlines.ratio().ln();
             of_plate.values.to_mut()[..arcs.len()].iter_mut().for_each(|value| *value += logarithm);
-            let joint = JointCompliance::of_both(&of_pin, &of_plate);
-            let states = EdgeStates::new(&exact[0], &joint, &outlines);
+            let states = EdgeStates::new(&exact[0], [&of_pin, &of_plate], &outlines);
             let mut worst = (0.0_f64, 0.0);
-            for (edge, arc) in states.edges.iter().zip(&arcs) {
-                let expected = edge.state(arc, &outlines).unwrap();
+            for (place, arc) in arcs.iter().enumerate() {
+                let expected = states.state(place, arc, &outlines).unwrap();
                 if expected.indentation >= 1.0 {
                     continue;
                 }

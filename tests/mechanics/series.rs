@@ -5,7 +5,7 @@ use crate::common::random::Random;
 use crate::common::stepped_ring::Ring;
 use jointsweep::internals::mechanics::body::Side;
 use jointsweep::internals::mechanics::compliance::arc::packed_count;
-use jointsweep::internals::mechanics::compliance::pressure_space::{JointCompliance, Tilt};
+use jointsweep::internals::mechanics::compliance::pressure_space::Tilt;
 use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
 use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
 use jointsweep::internals::mechanics::contact::load::DimensionlessLoad;
@@ -41,11 +41,9 @@ fn state(space: &mut CurveSpace, joint: &Joint) -> ContactState {
     space.pressures.prepare(&pin);
     space.pressures.prepare(&plate);
     let outlines = Outlines::new(RADIAL_CLEARANCE);
-    let joined = JointCompliance::of_both(
-        &space.part(Side::Pin, &[(&pin, 1.0)], &outlines),
-        &space.part(Side::Plate, &[(&plate, 1.0 / joint.modulus)], &outlines),
-    );
-    let curve = ContactCurve::new(space, &joined, outlines).unwrap();
+    let pin = space.part(Side::Pin, &[(&pin, 1.0)], &outlines);
+    let plate = space.part(Side::Plate, &[(&plate, 1.0 / joint.modulus)], &outlines);
+    let curve = ContactCurve::new(space, [&pin, &plate], outlines).unwrap();
     let load = DimensionlessLoad::Indentation(RADIAL_CLEARANCE * joint.indentation);
     curve.states(std::iter::once(load))[0].unwrap().0
 }
@@ -184,7 +182,7 @@ fn a_broken_compliance_has_no_curve() {
     space.pressures.prepare(&pin);
     space.pressures.prepare(&plate);
     let sound = space.pressures.joint(&[(&pin, 1.0), (&plate, 1.0)], Tilt::NONE);
-    assert!(ContactCurve::new(&space, &sound, Outlines::ALIKE).is_some());
+    assert!(ContactCurve::new(&space, [&sound], Outlines::ALIKE).is_some());
     let entries = packed_count(10);
     for node in [0, 15] {
         for entry in [2, entries - 1] {
@@ -192,7 +190,7 @@ fn a_broken_compliance_has_no_curve() {
                 let mut broken = sound.clone();
                 broken.values.to_mut()[entry * 16 + node] = value;
                 assert!(
-                    ContactCurve::new(&space, &broken, Outlines::ALIKE).is_none(),
+                    ContactCurve::new(&space, [&broken], Outlines::ALIKE).is_none(),
                     "{value}, entry {entry} at node {node}"
                 );
             }

@@ -73,7 +73,10 @@ impl<'a> BodyErrors<'a> {
         }
         let of_plate = of_pin.iter().map(|share| 1.0 - share).collect();
         let [pin, plate] = own_errors;
-        let mut change = vec![0.0; pressures.arcs.len()];
+        let mut change = Vec::new();
+        if trust.is_some() {
+            change.resize(pressures.arcs.len(), 0.0);
+        }
         for body in bodies {
             if let ErrorSource::MeshBeside { fine, coarse, share } = body.source {
                 let bodies = [(fine, share), (coarse, -share)];

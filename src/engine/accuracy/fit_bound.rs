@@ -3,6 +3,7 @@
 use crate::engine::accuracy::known_errors::{Known, column, known_errors};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::BodyCompliance;
+use crate::mechanics::compliance::body_fit::ROUNDED;
 use crate::mechanics::compliance::pressure_space::Tilt;
 use crate::mechanics::contact::curve::CurveSpace;
 use crate::mechanics::contact::edge::EdgeStates;
@@ -45,7 +46,7 @@ impl FitBound {
     ) -> FitBound {
         let sum = |(of_fit, of_mesh): (&Vec<f64>, &Vec<f64>)| {
             let own = |of_mesh: &f64| if known_level.is_some() { 0.0 } else { *of_mesh };
-            of_fit.iter().zip(of_mesh).map(|(fit, mesh)| SAFETY * fit + own(mesh)).collect()
+            of_fit.iter().zip(of_mesh).map(|(fit, mesh)| ROUNDED + SAFETY * fit + own(mesh)).collect()
         };
         let errors: Vec<Vec<f64>> = of_fit.iter().zip(of_mesh).map(sum).collect();
         let thin = bodies.iter().zip(&errors).filter(|(body, _)| is_thin(body)).map(|(_, errors)| errors);
@@ -125,6 +126,6 @@ pub fn changes(space: &CurveSpace, expected: &BodyCompliance, found: &BodyCompli
     let alone = space.pressures.joint(&[(expected, 1.0)], Tilt::NONE);
     let change = space.pressures.joint(&[(found, 1.0), (expected, -1.0)], Tilt::NONE);
     let changes =
-        EdgeStates::new(&space.pressures, &alone, &Outlines::ALIKE).work_shares(&space.pressures, &change);
+        EdgeStates::new(&space.pressures, [&alone], &Outlines::ALIKE).work_shares(&space.pressures, &change);
     changes.into_iter().map(|change| if change.is_finite() { change.abs() } else { f64::INFINITY }).collect()
 }

@@ -13,6 +13,7 @@ use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::body::{Body, Side};
 use crate::mechanics::compliance::body_fit::{BodyFit, FitScratch};
 use crate::mechanics::compliance::pressure_space::{JointCompliance, Tilt};
+use crate::mechanics::compliance::row_sums::Rows;
 use crate::mechanics::compliance::{BodyCompliance, Boundary, infinite};
 use crate::mechanics::contact::outlines::Outlines;
 
@@ -23,7 +24,7 @@ pub struct FittedFamily {
     basis: Basis,
     /// In each space that was prepared, what `even`, `odd` and the amplitude of each member add to a compliance, and behind that what
     /// they add to that of a pin by unit tilt of either order.
-    in_spaces: HashMap<SpaceKey, Vec<f64>>,
+    in_spaces: HashMap<SpaceKey, Rows>,
     pub bound: FitBound,
     /// Bodies solved for it, on every mesh.
     pub solved: u64,
@@ -143,16 +144,19 @@ impl FittedFamily {
             spaces.prepare(unit.iter().map(|unit| (key, unit)));
             let pressures = &spaces.get(key).pressures;
             let compliances = |tilt: Tilt| {
-                unit.iter().flat_map(move |unit| pressures.joint(&[(unit, 1.0)], tilt).values.into_owned())
+                unit.iter().map(move |unit| pressures.joint(&[(unit, 1.0)], tilt).values.into_owned())
             };
-            let own: Vec<f64> = compliances(Tilt::NONE).collect();
+            let own: Vec<Vec<f64>> = compliances(Tilt::NONE).collect();
             let mut rows = own.clone();
             if self.side == Side::Pin {
                 for tilt in [Tilt { first: 1.0, ..Tilt::NONE }, Tilt { second: 1.0, ..Tilt::NONE }] {
-                    rows.extend(compliances(tilt).zip(&own).map(|(tilted, own)| tilted - own));
+                    let added = |(tilted, own): (Vec<f64>, &Vec<f64>)| {
+                        tilted.iter().zip(own).map(|(tilted, own)| tilted - own).collect()
+                    };
+                    rows.extend(compliances(tilt).zip(&own).map(added));
                 }
             }
-            self.in_spaces.insert(key, rows);
+            self.in_spaces.insert(key, Rows::new(&rows));
         }
     }
 
@@ -172,10 +176,11 @@ impl FittedFamily {
         }
         let numbers = infinite(body);
         let (is_pin, Tilt { first, second }) = (self.side == Side::Pin, outlines.tilt());
-        let shares = [share, share * first, share * second];
+        let shares = [1.0, first, second];
         let shares = if is_pin { &shares[..] } else { &shares[..1] };
-        let (values, moved) = self.fit.sum(rows, shares, (&numbers, point), scratch);
-        let part = JointCompliance { even: share * numbers[0], bed: 0.0, values: values.into() };
+        self.fit.sum(rows, (share, shares), (&numbers, point), scratch);
+        let FitScratch { values, moved, .. } = scratch;
+        let part = JointCompliance { even: share * numbers[0], bed: 0.0, values: (&values[..]).into() };
         if is_pin {
             return Some(part);
         }

@@ -20,6 +20,9 @@ use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::compliance::body_fit::FitScratch;
 use crate::study::design::DesignCase;
 
+/// Designs that a thread takes at a time.
+const TOGETHER: usize = 16;
+
 /// The rung: fits of a plan, made when the first designs come.
 pub struct Interpolation {
     plan: InterpolationPlan,
@@ -73,16 +76,16 @@ impl Interpolation {
     ) -> Vec<Option<Answer>> {
         self.prepare(library, spaces);
         let (this, spaces) = (&*self, &*spaces);
-        let solved: Vec<(Option<Answer>, Duration)> = cases
-            .par_iter()
-            .with_min_len(16)
-            .map_init(Default::default, |scratch, case| {
+        let solved: Vec<(Vec<Option<Answer>>, Duration)> = cases
+            .par_chunks(TOGETHER)
+            .map_init(Default::default, |scratch, cases| {
                 let started = Instant::now();
-                (this.solve_design(spaces, case, scratch), started.elapsed())
+                let answers = cases.iter().map(|case| this.solve_design(spaces, case, scratch)).collect();
+                (answers, started.elapsed())
             })
             .collect();
         self.design_time += solved.iter().map(|(_, time)| *time).sum::<Duration>();
-        solved.into_iter().map(|(outcome, _)| outcome).collect()
+        solved.into_iter().flat_map(|(answers, _)| answers).collect()
     }
 
     fn solve_design(

@@ -6,7 +6,6 @@ use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::lab::tradeoff::answer::State;
 use crate::mechanics::body::Side;
 use crate::mechanics::compliance::BodyCompliance;
-use crate::mechanics::compliance::pressure_space::JointCompliance;
 use crate::mechanics::contact::curve::ContactCurve;
 use crate::study::design::{DesignCase, Load};
 
@@ -23,8 +22,7 @@ pub fn states(
     let scale = JointScale::of(joint);
     let pin = space.part(Side::Pin, &[(pin, shares[0])], &scale.outlines);
     let plate = space.part(Side::Plate, &[(plate, shares[1])], &scale.outlines);
-    let joined = JointCompliance::of_both(&pin, &plate);
-    let Some(curve) = ContactCurve::new(space, &joined, scale.outlines) else {
+    let Some(curve) = ContactCurve::new(space, [&pin, &plate], scale.outlines) else {
         return vec![None; case.steps.len()];
     };
     let mut found = curve.states(scale.loads_in_contact(&case.steps)).into_iter();

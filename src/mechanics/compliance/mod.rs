@@ -11,6 +11,7 @@ pub mod series;
 pub mod pressure_space;
 pub mod lane_condensation;
 pub mod near_field;
+pub mod row_sums;
 pub mod body_fit;
 
 use ring_modes::RingModes;

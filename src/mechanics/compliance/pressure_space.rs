@@ -45,7 +45,7 @@ struct Moments {
     count: usize,
 }
 
-/// The compliance of both bodies of a joint to the trial pressures of a space.
+/// The compliance of a joint to the trial pressures of a space, or the part of it that a body has.
 #[derive(Clone, Debug)]
 pub struct JointCompliance<'a> {
     /// c of both: the part -pi/2 c ln b of entry (0, 0) is left out of `values`.
@@ -54,17 +54,6 @@ pub struct JointCompliance<'a> {
     pub bed: f64,
     /// `[packed entry][arc]`.
     pub values: Cow<'a, [f64]>,
-}
-
-impl JointCompliance<'_> {
-    /// Of two bodies, each with its share.
-    pub fn of_both(one: &JointCompliance, other: &JointCompliance) -> JointCompliance<'static> {
-        JointCompliance {
-            even: one.even + other.even,
-            bed: one.bed + other.bed,
-            values: one.values.iter().zip(&*other.values).map(|(one, other)| one + other).collect(),
-        }
-    }
 }
 
 impl PressureSpace {

@@ -2,6 +2,7 @@
 
 use super::curve::ContactCurve;
 use super::state::ContactState;
+use crate::mechanics::real::{Lanes, Real};
 
 /// Nodes around a state that its trial pressures are interpolated between.
 const AROUND: usize = 6;
@@ -18,11 +19,12 @@ impl ContactCurve<'_> {
     /// Of a state of this curve, with the node at or above it.
     pub fn pressure(&self, state: &ContactState, above: usize) -> ArcPressure {
         let b = (0.5 * state.half_angle).tan();
-        let wanted = self.space.place(self.outlines.ratio() * b);
+        let place_of = |b: f64| self.space.place(Lanes::<false>::from_f64(b)).0[0];
+        let wanted = place_of(self.outlines.ratio() * b);
         let count = self.space.arcs().len();
         let from = (above + 1).saturating_sub(AROUND / 2).max(self.first).min(count.saturating_sub(AROUND));
         let nodes = from..(from + AROUND).min(count);
-        let place = |node: usize| self.space.place(self.space.arcs()[node].b);
+        let place = |node: usize| place_of(self.space.arcs()[node].b);
         let weight = |node: usize| -> f64 {
             let others = nodes.clone().filter(|other| *other != node);
             others.map(|other| (wanted - place(other)) / (place(node) - place(other))).product()

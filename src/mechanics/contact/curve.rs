@@ -10,7 +10,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::edge::{DECISIVE, Edge, EdgeStates, FUNCTIONS, Reduced};
+use super::edge::{DECISIVE, EdgeStates, FUNCTIONS, Functions, OF_LOAD, Reduced};
 use super::outlines::Outlines;
 use crate::mechanics::body::Side;
 use crate::mechanics::compliance::BodyCompliance;
@@ -29,6 +29,9 @@ pub enum Variable {
     Logarithm,
 }
 
+/// The most nodes of a space.
+pub const MOST_NODES: usize = 96;
+
 /// The narrowest contact beside beds over the widest.
 const NARROWEST: f64 = 1e-9;
 
@@ -41,12 +44,15 @@ pub struct CurveSpace {
     variable: Variable,
     /// tan(limit/4), or ln tan(limit/2).
     widest: f64,
-    /// Logarithm of z, or of b, at the nodes: where loads are searched.
-    pub(super) logarithms: Vec<f64>,
+    /// z^2, or b, at the nodes: where loads are searched.
+    pub(super) places: Vec<f64>,
+    /// Logarithms of z, or of b.
+    logarithms: Vec<f64>,
     /// What functions are polynomials of, from 0 to 1, at the nodes, x_i, and 1/product of all x_i - x_j.
     weighted: Vec<(f64, f64)>,
-    /// Of the Chebyshev transform: `[degree][node]`.
-    transform: Vec<Vec<f64>>,
+    /// T_degree(x) of the Chebyshev nodes x > 0: `[degree / LANES][node]`, as many degrees as there are lanes. Even degrees before odd
+    /// ones, each in whole chunks.
+    chebyshev: Vec<Vec<[f64; LANES]>>,
 }
 
 impl CurveSpace {
@@ -70,10 +76,12 @@ impl CurveSpace {
             Variable::Root => units.map(f64::ln).collect(),
             Variable::Logarithm => units.map(|unit| widest + (1.0 - unit) * NARROWEST.ln()).collect(),
         };
-        let of_degree = |degree: usize| {
-            let scale = if degree == 0 { 1.0 } else { 2.0 } / nodes as f64;
-            (0..nodes).map(|node| scale * (degree as f64 * angle(node)).cos()).collect()
-        };
+        let chebyshev = (0..2 * chunks_of_parity(nodes)).map(|chunk| {
+            let degree = |lane: usize| degree_at(nodes, chunk, lane) as f64;
+            (0..nodes / 2)
+                .map(|node| std::array::from_fn(|lane| (degree(lane) * angle(node)).cos()))
+                .collect()
+        });
         let half_angle = |logarithm: &f64| match variable {
             Variable::Root => 4.0 * (widest * (2.0 * logarithm).exp()).atan(),
             Variable::Logarithm => 2.0 * logarithm.exp().atan(),
@@ -86,9 +94,13 @@ impl CurveSpace {
             limit,
             variable,
             widest,
+            places: match variable {
+                Variable::Root => (0..nodes).map(|node| unit(node) * unit(node)).collect(),
+                Variable::Logarithm => logarithms.iter().map(|logarithm| logarithm.exp()).collect(),
+            },
             logarithms,
             weighted: (0..nodes).map(|node| (unit(node), weight(node))).collect(),
-            transform: (0..nodes).map(of_degree).collect(),
+            chebyshev: chebyshev.collect(),
         }
     }
 
@@ -139,37 +151,51 @@ impl CurveSpace {
         moved[..count].iter_mut().for_each(|value| *value += logarithm);
     }
 
+    /// T_degree at a node.
+    fn chebyshev_at(&self, degree: usize, node: usize) -> f64 {
+        let (count, is_far) = (self.arcs().len(), node >= self.arcs().len() / 2);
+        let near = if is_far { count - 1 - node } else { node };
+        let value = self.chebyshev[chunk_of(count, degree)][near][degree / 2 % LANES];
+        if is_far && degree % 2 == 1 { -value } else { value }
+    }
+
     /// Whether a curve goes on below its narrowest node, to the angle zero.
     pub(super) fn goes_to_zero(&self) -> bool {
         self.variable == Variable::Root
     }
 
-    /// From logarithms to what polynomials are of, from 0 to 1, and b.
+    /// From places to what polynomials are of, from 0 to 1, b, and logarithms.
     #[inline(always)]
-    pub(super) fn places<const FUSED: bool>(&self, logarithms: [f64; LANES]) -> [Lanes<FUSED>; 2] {
+    fn at_places<const FUSED: bool>(&self, places: Lanes<FUSED>) -> [Lanes<FUSED>; 3] {
         let number = Lanes::<FUSED>::from_f64;
-        let powers = Lanes::<FUSED>(logarithms.map(f64::exp));
         match self.variable {
             Variable::Root => {
-                let quarter = number(self.widest) * powers * powers;
+                let quarter = number(self.widest) * places;
                 let b = (quarter + quarter) / number(1.0).minus_product(quarter, quarter);
-                [powers, b]
+                [places.sqrt(), b, number(0.5) * places.ln()]
             }
             Variable::Logarithm => {
-                let scale = 1.0 / NARROWEST.ln();
-                [Lanes(logarithms.map(|logarithm| 1.0 - scale * (logarithm - self.widest))), powers]
+                let logarithms = places.ln();
+                let scale = number(1.0 / NARROWEST.ln());
+                [number(1.0).minus_product(scale, logarithms - number(self.widest)), places, logarithms]
             }
         }
     }
 
-    /// The same of one b, that the polynomials reach down to.
-    pub(super) fn place(&self, b: f64) -> f64 {
+    /// The first of these from b, as far as the polynomials reach down.
+    #[inline(always)]
+    pub(super) fn place<const FUSED: bool>(&self, b: Lanes<FUSED>) -> Lanes<FUSED> {
+        let number = Lanes::<FUSED>::from_f64;
         match self.variable {
             // tan(eps/4) from tan(eps/2).
-            Variable::Root => (b / (1.0 + (1.0 + b * b).sqrt()) / self.widest).sqrt(),
+            Variable::Root => {
+                let root = number(1.0) + (number(1.0) + b * b).sqrt();
+                (b / (root * number(self.widest))).sqrt()
+            }
             // Below the narrowest contact nothing but the bed changes.
             Variable::Logarithm => {
-                (1.0 - (b.ln() - self.widest) / NARROWEST.ln()).max(self.weighted[self.weighted.len() - 1].0)
+                let place = number(1.0) - (b.ln() - number(self.widest)) * number(1.0 / NARROWEST.ln());
+                -(-place).least(number(-self.weighted[self.weighted.len() - 1].0))
             }
         }
     }
@@ -189,10 +215,8 @@ pub struct ContactCurve<'a> {
     pub outlines: Outlines,
     even: f64,
     bed: f64,
-    /// `[degree][function]`, in the order of `Reduced::functions`.
-    pub(super) coefficients: Vec<Functions>,
-    /// The same at the nodes.
-    functions: Vec<Functions>,
+    /// Degrees as in `CurveSpace::chebyshev`, functions in the order of `Reduced::functions`.
+    coefficients: Vec<Functions>,
     /// What is known node by node.
     pub states: EdgeStates,
     /// The widest node that a load can reach, and no node from there on.
@@ -200,38 +224,23 @@ pub struct ContactCurve<'a> {
 }
 
 impl<'a> ContactCurve<'a> {
-    /// Of a joint's compliance in the space. `None` where it is not positive definite.
-    pub fn new(
+    /// Of a joint's compliance in the space, which is the sum of its parts. `None` where it is not positive definite.
+    pub fn new<const PARTS: usize>(
         space: &'a CurveSpace,
-        joint: &JointCompliance,
+        parts: [&JointCompliance; PARTS],
         outlines: Outlines,
     ) -> Option<ContactCurve<'a>> {
-        let states = EdgeStates::new(&space.pressures, joint, &outlines);
-        let count = states.edges.len();
-        let (even, bed) = (joint.even, joint.bed);
-        let share = space.logarithm_share(even);
-        let nodes = states.edges.iter().zip(space.arcs()).zip(&space.logarithms);
-        let of_node = |((Edge { reduced, .. }, arc), logarithm): ((&Edge, &ContactArc), &f64)| {
-            let singular = reduced.singular + share * logarithm;
-            let own = Reduced { singular, ..*reduced };
-            let own = if bed == 0.0 { own } else { own.scaled(scale(even, bed, arc.b)) }.functions();
-            let mut padded = [0.0; ROW];
-            padded[..FUNCTIONS].copy_from_slice(&own);
-            padded
-        };
-        let functions: Vec<Functions> = nodes.map(of_node).collect();
-        if !functions.iter().flatten().all(|value| value.is_finite()) {
-            return None;
-        }
-        let coefficients = in_lanes(Transform { rows: &space.transform, values: &functions });
+        let mut states = EdgeStates::new(&space.pressures, parts, &outlines);
+        let even: f64 = parts.iter().map(|part| part.even).sum();
+        let bed: f64 = parts.iter().map(|part| part.bed).sum();
         // Up to the first beyond a neat fit, and no further than the contact grows with the load: the pressure is the sum of what
         // punches of all smaller arcs add as the contact grows, each of them positive. Where it grows with the load the pressure
         // is positive and the gap beyond it open, and only there.
-        let (mut first, mut before) = (count, 0.0);
-        for (node, edge) in states.edges.iter().enumerate().rev() {
-            let grown = edge.free.indentation;
+        let (mut first, mut before) = (states.count(), 0.0);
+        for node in (0..states.count()).rev() {
+            let grown = states.indentation(node);
             // Not where it is NaN.
-            if !edge.is_sound() || grown.is_nan() || grown <= before {
+            if !states.is_sound(node) || grown.is_nan() || grown <= before {
                 break;
             }
             first = node;
@@ -240,7 +249,25 @@ impl<'a> ContactCurve<'a> {
                 break;
             }
         }
-        Some(ContactCurve { space, outlines, even, bed, functions, coefficients, states, first })
+        // From here on what is reduced is what polynomials are of.
+        let share = space.logarithm_share(even);
+        let logarithms = space.logarithms.as_chunks::<LANES>().0;
+        let nodes = states.functions_mut().zip(logarithms).zip(space.arcs().chunks(LANES));
+        for ((functions, logarithms), arcs) in nodes {
+            for (singular, logarithm) in functions[0].iter_mut().zip(logarithms) {
+                *singular += share * logarithm;
+            }
+            if bed != 0.0 {
+                let scale = Lanes::<false>(std::array::from_fn(|lane| scale(even, bed, arcs[lane].b)));
+                let scaled = Reduced::of_functions(functions.map(Lanes)).scaled(scale);
+                *functions = scaled.functions().map(|values| values.0);
+            }
+            if !functions.as_flattened().iter().all(|value| value.is_finite()) {
+                return None;
+            }
+        }
+        let coefficients = in_lanes(Transform { rows: &space.chebyshev, states: &states });
+        Some(ContactCurve { space, outlines, even, bed, coefficients, states, first })
     }
 
     /// Bound of the relative error of force and energy that the curve leaves between its nodes. Where the compliance is itself not exact
@@ -249,22 +276,35 @@ impl<'a> ContactCurve<'a> {
         if is_exact {
             SAFETY * in_lanes(Without { curve: self }) * self.falling()
         } else {
-            let nodes = self.coefficients.len();
+            let nodes = self.states.count();
             let last_two = |function| self.share(function, nodes - 2, 2);
             ROUGH * (0..DECISIVE).map(last_two).fold(0.0, f64::max)
         }
     }
 
+    /// Of a function, at a degree.
+    #[inline(always)]
+    fn coefficient(&self, degree: usize, function: usize) -> f64 {
+        let (chunk, lane) = (chunk_of(self.states.count(), degree), degree / 2 % LANES);
+        self.coefficients[chunk][function][lane]
+    }
+
     /// So many coefficients of a function from one on, over the greatest.
     fn share(&self, function: usize, from: usize, count: usize) -> f64 {
-        let sizes = self.coefficients.iter().map(|of_degree| of_degree[function].abs());
-        let most = sizes.clone().fold(f64::MIN_POSITIVE, f64::max);
-        sizes.skip(from).take(count).sum::<f64>() / most
+        // Lane by lane, which the compiler keeps in registers.
+        let mut most = [f64::MIN_POSITIVE; LANES];
+        for chunk in &self.coefficients {
+            for (most, value) in most.iter_mut().zip(&chunk[function]) {
+                *most = if value.abs() > *most { value.abs() } else { *most };
+            }
+        }
+        let most = most.into_iter().fold(0.0, f64::max);
+        (from..from + count).map(|degree| self.coefficient(degree, function).abs()).sum::<f64>() / most
     }
 
     /// What is left out of the polynomials over the last four coefficients, if they go on falling as the last eight do.
     fn falling(&self) -> f64 {
-        let nodes = self.coefficients.len();
+        let nodes = self.states.count();
         let sum =
             |from: usize| -> f64 { (0..DECISIVE).map(|function| self.share(function, from, FOUR)).sum() };
         let before = sum(nodes - 2 * FOUR).max(f64::MIN_POSITIVE);
@@ -272,30 +312,45 @@ impl<'a> ContactCurve<'a> {
         ratio / (1.0 - ratio)
     }
 
-    /// What polynomials come to at logarithms, with b.
+    /// What the equations come to at places, as far as a load follows from it.
     #[inline(always)]
-    pub(super) fn reduced<const FUSED: bool>(
-        &self,
-        logarithms: [f64; LANES],
-    ) -> (Reduced<Lanes<FUSED>>, Lanes<FUSED>) {
+    pub(super) fn at<const FUSED: bool>(&self, places: Lanes<FUSED>) -> AtPlaces<FUSED> {
         let number = Lanes::<FUSED>::from_f64;
-        let [place, b] = self.space.places(logarithms);
-        let turn = number(2.0) - number(4.0) * place;
-        // Clenshaw's sums, all functions side by side: no addition waits for the one before.
-        let mut current = [Lanes::<FUSED>::zero(); FUNCTIONS];
+        let [unit, b, logarithms] = self.space.at_places(places);
+        let turn = number(2.0) - number(4.0) * unit;
+        let mut functions = [number(0.0); FUNCTIONS];
+        functions[..OF_LOAD].copy_from_slice(&self.sums::<FUSED, 0, OF_LOAD>(turn));
+        AtPlaces { b, turn, functions, reduced: self.reduced_of(functions, logarithms, b), logarithms }
+    }
+
+    /// And all of it.
+    #[inline(always)]
+    pub(super) fn whole<const FUSED: bool>(&self, at: &AtPlaces<FUSED>) -> Reduced<Lanes<FUSED>> {
+        let mut functions = at.functions;
+        functions[OF_LOAD..].copy_from_slice(&self.sums::<FUSED, OF_LOAD, { FUNCTIONS - OF_LOAD }>(at.turn));
+        self.reduced_of(functions, at.logarithms, at.b)
+    }
+
+    /// Clenshaw's sums of functions from one on, side by side: no addition waits for the one before.
+    #[inline(always)]
+    fn sums<const FUSED: bool, const FROM: usize, const COUNT: usize>(
+        &self,
+        turn: Lanes<FUSED>,
+    ) -> [Lanes<FUSED>; COUNT] {
+        let number = Lanes::<FUSED>::from_f64;
+        let mut current = [Lanes::<FUSED>::zero(); COUNT];
         let mut previous = current;
-        for of_degree in self.coefficients[1..].iter().rev() {
-            for function in 0..FUNCTIONS {
-                let next =
-                    (number(of_degree[function]) - previous[function]).minus_product(turn, current[function]);
+        let nodes = self.states.count();
+        for degree in (0..nodes).rev() {
+            let (of_degree, lane) = (&self.coefficients[chunk_of(nodes, degree)], degree / 2 % LANES);
+            let turn = if degree == 0 { number(0.5) * turn } else { turn };
+            for function in 0..COUNT {
+                let next = (number(of_degree[FROM + function][lane]) - previous[function])
+                    .minus_product(turn, current[function]);
                 (current[function], previous[function]) = (next, current[function]);
             }
         }
-        let half = number(0.5) * turn;
-        for (function, sum) in current.iter_mut().enumerate() {
-            *sum = (number(self.coefficients[0][function]) - previous[function]).minus_product(half, *sum);
-        }
-        (self.reduced_of(current, Lanes(logarithms), b), b)
+        current
     }
 
     /// From what is a polynomial to the functions themselves.
@@ -315,6 +370,18 @@ impl<'a> ContactCurve<'a> {
     pub fn around(node: usize, of_nodes: &[f64]) -> f64 {
         of_nodes[node].max(of_nodes[(node + 1).min(of_nodes.len() - 1)])
     }
+}
+
+/// What is known of the states at places on a curve.
+pub(super) struct AtPlaces<const FUSED: bool> {
+    /// Of the pin.
+    pub(super) b: Lanes<FUSED>,
+    /// Those `OF_LOAD`, the others being zero.
+    pub(super) reduced: Reduced<Lanes<FUSED>>,
+    functions: [Lanes<FUSED>; FUNCTIONS],
+    /// -2 of the variable of the polynomials, from -1 to 1.
+    turn: Lanes<FUSED>,
+    logarithms: Lanes<FUSED>,
 }
 
 /// s, beside a bed.
@@ -341,12 +408,15 @@ impl LaneWork for OnHole<'_> {
         let OnHole { space, ratio, values, moved } = self;
         let number = Lanes::<FUSED>::from_f64;
         let count = space.weighted.len();
-        let mut weights = vec![Lanes::<FUSED>::zero(); count];
+        let mut weights = [Lanes::<FUSED>::zero(); MOST_NODES];
+        let weights = &mut weights[..count];
         for chunk in 0..count / LANES {
-            let wanted =
-                std::array::from_fn(|lane| space.place(space.arcs()[chunk * LANES + lane].b / ratio));
+            let mut b = Lanes::<FUSED>::zero();
+            for (b, arc) in b.0.iter_mut().zip(&space.arcs()[chunk * LANES..]) {
+                *b = arc.b;
+            }
             // Lagrange's polynomials: products of the distances to all nodes before, then to all behind.
-            let wanted = Lanes::<FUSED>(wanted);
+            let wanted = space.place(b * number(1.0 / ratio));
             let distance = |place: f64| wanted - number(place);
             let mut before = number(1.0);
             for (own, (place, weight)) in weights.iter_mut().zip(&space.weighted) {
@@ -378,19 +448,29 @@ impl LaneWork for OnHole<'_> {
 }
 
 /// Entries that are combined side by side: each waits for itself alone.
-const ABREAST: usize = 3;
+const ABREAST: usize = 7;
 
-/// One number of each function, in whole registers.
-type Functions = [f64; ROW];
-const ROW: usize = FUNCTIONS.next_multiple_of(LANES);
+/// Chunks that even degrees take, below a count, and odd ones.
+fn chunks_of_parity(count: usize) -> usize {
+    (count / 2).div_ceil(LANES)
+}
 
-/// Degrees that are summed side by side: each waits for itself alone.
-const ROWS: usize = 4;
+/// Where a degree below a count is, in lane degree / 2.
+#[inline(always)]
+fn chunk_of(count: usize, degree: usize) -> usize {
+    degree % 2 * chunks_of_parity(count) + degree / 2 / LANES
+}
 
-/// From values at the nodes, `[node][function]`, to Chebyshev coefficients, `[degree][function]`.
+/// The reverse.
+fn degree_at(count: usize, chunk: usize, lane: usize) -> usize {
+    let chunks = chunks_of_parity(count);
+    2 * (chunk % chunks * LANES + lane) + chunk / chunks
+}
+
+/// From values at the nodes to Chebyshev coefficients.
 struct Transform<'a> {
-    rows: &'a [Vec<f64>],
-    values: &'a [Functions],
+    rows: &'a [Vec<[f64; LANES]>],
+    states: &'a EdgeStates,
 }
 
 impl LaneWork for Transform<'_> {
@@ -398,28 +478,34 @@ impl LaneWork for Transform<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<Functions> {
-        let Transform { rows, values } = self;
-        let half = values.len() / 2;
-        let mut coefficients = Vec::with_capacity(rows.len());
-        for rows in rows.as_chunks::<ROWS>().0 {
-            let mut sums = [[Lanes::<FUSED>::zero(); ROW / LANES]; ROWS];
-            for node in 0..half {
-                // Even degrees are the same at the node opposite, odd ones its negative.
-                let [near, far] =
-                    [node, values.len() - 1 - node].map(|node| values[node].as_chunks::<LANES>().0);
-                for lanes in 0..ROW / LANES {
-                    let (near, far) = (Lanes::<FUSED>(near[lanes]), Lanes(far[lanes]));
-                    let of_parity = [near + far, near - far];
-                    for (degree, (sums, row)) in sums.iter_mut().zip(rows).enumerate() {
-                        sums[lanes] =
-                            sums[lanes].minus_product(Lanes::from_f64(-row[node]), of_parity[degree % 2]);
-                    }
+        let Transform { rows, states } = self;
+        let count = states.count();
+        let (even, odd) = rows.split_at(rows.len() / 2);
+        let mut coefficients = vec![[[0.0; LANES]; FUNCTIONS]; rows.len()];
+        // Of degree 0 half as much.
+        let share = Lanes::<FUSED>::from_f64(2.0 / count as f64);
+        for chunk in 0..even.len() {
+            let mut sums = [[Lanes::<FUSED>::zero(); FUNCTIONS]; 2];
+            for (node, (even, odd)) in even[chunk].iter().zip(&odd[chunk]).enumerate() {
+                let far = count - 1 - node;
+                let (of_near, of_far) = (states.functions(node / LANES), states.functions(far / LANES));
+                for function in 0..FUNCTIONS {
+                    let (near, far) = (of_near[function][node % LANES], of_far[function][far % LANES]);
+                    // Even degrees are the same at the node opposite, odd ones its negative.
+                    let minus_sum = Lanes::from_f64(-near - far);
+                    let minus_difference = Lanes::from_f64(far - near);
+                    sums[0][function] = sums[0][function].minus_product(Lanes(*even), minus_sum);
+                    sums[1][function] = sums[1][function].minus_product(Lanes(*odd), minus_difference);
                 }
             }
-            for sums in sums {
-                coefficients.push(std::array::from_fn(|function| sums[function / LANES].0[function % LANES]));
+            for parity in 0..2 {
+                for function in 0..FUNCTIONS {
+                    coefficients[parity * rows.len() / 2 + chunk][function] =
+                        (sums[parity][function] * share).0;
+                }
             }
         }
+        coefficients[0].iter_mut().for_each(|sums| sums[0] *= 0.5);
         coefficients
     }
 }
@@ -435,29 +521,25 @@ impl LaneWork for Without<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> f64 {
-        let ContactCurve { space, functions, coefficients, states, first, .. } = self.curve;
-        let count = functions.len();
+        let ContactCurve { space, states, first, .. } = self.curve;
+        let count = states.count();
         let mut worst = 0.0_f64;
         for at in (first / LANES * LANES..count).step_by(LANES) {
             let lanes = |of: &dyn Fn(usize) -> f64| Lanes::<FUSED>(std::array::from_fn(|lane| of(at + lane)));
-            let mut left: [Lanes<FUSED>; FUNCTIONS] = std::array::from_fn(|function| {
-                Lanes(std::array::from_fn(|lane| functions[at + lane][function]))
-            });
+            let mut left = states.functions(at / LANES).map(Lanes::<FUSED>);
             for degree in count - FOUR..count {
-                let mut share = Lanes::<FUSED>::zero();
-                share.0.copy_from_slice(&space.transform[degree][at..at + LANES]);
-                let share = share * Lanes::from_f64(0.5 * count as f64);
-                for (value, coefficient) in left[..DECISIVE].iter_mut().zip(&coefficients[degree]) {
-                    *value = value.minus_product(share, Lanes::from_f64(*coefficient));
+                let share = lanes(&|node| space.chebyshev_at(degree, node));
+                for (function, value) in left[..DECISIVE].iter_mut().enumerate() {
+                    *value =
+                        value.minus_product(share, Lanes::from_f64(self.curve.coefficient(degree, function)));
                 }
             }
             let b = lanes(&|node| space.arcs()[node].b);
             let logarithm = lanes(&|node| space.logarithms[node]);
             let found = self.curve.reduced_of(left, logarithm, b).free_edge(b, &self.curve.outlines);
             for node in at.max(*first)..at + LANES {
-                let known = &states.edges[node].free;
                 let found = [found.force, found.indentation].map(|lanes| lanes.0[node - at]);
-                for (found, known) in found.into_iter().zip([known.force, known.indentation]) {
+                for (found, known) in found.into_iter().zip([states.force(node), states.indentation(node)]) {
                     worst = worst.max((found / known - 1.0).abs());
                 }
             }

@@ -100,6 +100,9 @@ reduced! {
 /// Those that force and energy follow from, the first of `Reduced::functions`: all but those of the peak pressure.
 pub const DECISIVE: usize = 9;
 
+/// Those that indentation and force follow from, the first of these.
+pub const OF_LOAD: usize = 8;
+
 /// A state with a free edge, as the fields of `ContactState`.
 #[derive(Clone, Copy, Debug)]
 pub struct FreeEdge<T> {
@@ -148,21 +151,29 @@ impl<T: Real> Reduced<T> {
         self.singular * first * first + self.between(indentation, of_versine, of_gap)
     }
 
+    /// delta/e and F/e of the state with a free edge.
     #[inline(always)]
-    pub fn free_edge(&self, b: T, outlines: &Outlines) -> FreeEdge<T> {
-        let (two, half_pi) = (T::from_f64(2.0), T::from_f64(FRAC_PI_2));
-        let b2 = b * b;
-        let arm = half_pi - b2 * self.versine;
+    pub fn load(&self, b: T) -> (T, T) {
+        let (two, b2) = (T::from_f64(2.0), b * b);
+        let arm = T::from_f64(FRAC_PI_2) - b2 * self.versine;
         let flexible = self.singular / self.edge;
         let closed = b2 * (self.gap + flexible * self.edge_of_gap);
         let indentation = closed / (arm + closed - b2 * flexible * self.edge_of_versine);
-        let first = b2 * self.first(indentation);
         let work = b2 * b2 * self.between(indentation, self.work, self.mixed_work);
+        // 2 makes the whole joint of both halves.
+        (indentation, two * (b2 * self.first(indentation) * arm + work))
+    }
+
+    #[inline(always)]
+    pub fn free_edge(&self, b: T, outlines: &Outlines) -> FreeEdge<T> {
+        let (two, b2) = (T::from_f64(2.0), b * b);
+        let (indentation, force) = self.load(b);
+        let arm = T::from_f64(FRAC_PI_2) - b2 * self.versine;
+        let first = b2 * self.first(indentation);
         let peak = self.between(indentation, self.peak_of_versine, self.peak_of_gap);
         FreeEdge {
             indentation,
-            // 2 makes the whole joint of both halves.
-            force: two * (first * arm + work),
+            force,
             tangent_stiffness: two * (arm * arm / self.singular + b2 * b2 * self.work),
             energy: b2 * b2 * self.energy(indentation),
             // Over the hole's b.
@@ -171,51 +182,115 @@ impl<T: Real> Reduced<T> {
     }
 }
 
-/// The joint at one arc.
-#[derive(Clone, Copy, Debug)]
-pub struct Edge {
-    pub reduced: Reduced<f64>,
-    pub free: FreeEdge<f64>,
-    pub truncation: f64,
-    pub pressure_is_positive: bool,
+/// Those of `Reduced` at as many arcs, or degrees, as there are lanes.
+pub(super) type Functions = [[f64; LANES]; FUNCTIONS];
+
+/// The joint at as many arcs as there are lanes.
+#[derive(Clone, Copy)]
+struct Edges {
+    /// Of `Reduced`.
+    functions: Functions,
+    free: FreeEdge<[f64; LANES]>,
+    truncation: [f64; LANES],
+    /// The least pressure above the tension allowed.
+    least_pressure: [f64; LANES],
     /// Work of the pressure over e^2 b^4.
-    work: f64,
+    work: [f64; LANES],
 }
 
-impl Edge {
-    /// Whether the compliance is positive definite: the square root of a negative pivot makes everything after it NaN, and S
-    /// has no pivot of its own.
-    pub fn is_sound(&self) -> bool {
-        self.reduced.singular > 0.0
-    }
-
-    /// The state at an arc of the pin; `None` where there is none.
-    pub fn state(&self, arc: &ContactArc, outlines: &Outlines) -> Option<ContactState> {
-        let FreeEdge { indentation, force, tangent_stiffness, energy, peak_pressure } = self.free;
-        (self.is_sound() && indentation.is_finite() && force.is_finite()).then_some(ContactState {
-            half_angle: outlines.of_hole(arc.half_angle),
-            indentation,
-            force,
-            tangent_stiffness,
-            energy,
-            peak_pressure,
-            truncation: self.truncation,
-            pressure_is_positive: self.pressure_is_positive,
-        })
-    }
+impl Edges {
+    const ZERO: Edges = Edges {
+        functions: [[0.0; LANES]; FUNCTIONS],
+        free: FreeEdge {
+            indentation: [0.0; LANES],
+            force: [0.0; LANES],
+            tangent_stiffness: [0.0; LANES],
+            energy: [0.0; LANES],
+            peak_pressure: [0.0; LANES],
+        },
+        truncation: [0.0; LANES],
+        least_pressure: [0.0; LANES],
+        work: [0.0; LANES],
+    };
 }
 
 /// The joint at the arcs of a space.
 pub struct EdgeStates {
-    pub edges: Vec<Edge>,
+    edges: Vec<Edges>,
     /// Coefficients of the trial pressures over e b^2: `[arc / LANES][k]`, an arc a lane.
     pressure: Vec<[f64; LANES]>,
 }
 
 impl EdgeStates {
-    /// `joint` is of `space`, whose arcs are the pin's.
-    pub fn new(space: &PressureSpace, joint: &JointCompliance, outlines: &Outlines) -> EdgeStates {
-        in_lanes_with_terms(space.terms, Solve { space, joint, outlines })
+    /// The joint's compliance is the sum of its `parts`, of `space`, whose arcs are the pin's.
+    pub fn new<const PARTS: usize>(
+        space: &PressureSpace,
+        parts: [&JointCompliance; PARTS],
+        outlines: &Outlines,
+    ) -> EdgeStates {
+        in_lanes_with_terms(space.terms, Solve { space, parts, outlines })
+    }
+
+    /// How many arcs there are.
+    pub fn count(&self) -> usize {
+        self.edges.len() * LANES
+    }
+
+    /// What the equations come to at as many arcs as there are lanes.
+    #[inline(always)]
+    pub(super) fn functions(&self, chunk: usize) -> &Functions {
+        &self.edges[chunk].functions
+    }
+
+    pub(super) fn functions_mut(&mut self) -> impl Iterator<Item = &mut Functions> {
+        self.edges.iter_mut().map(|edges| &mut edges.functions)
+    }
+
+    /// Of the state at an arc, delta/e.
+    #[inline(always)]
+    pub fn indentation(&self, arc: usize) -> f64 {
+        self.edges[arc / LANES].free.indentation[arc % LANES]
+    }
+
+    /// F/e.
+    #[inline(always)]
+    pub(super) fn force(&self, arc: usize) -> f64 {
+        self.edges[arc / LANES].free.force[arc % LANES]
+    }
+
+    #[inline(always)]
+    pub(super) fn truncation(&self, arc: usize) -> f64 {
+        self.edges[arc / LANES].truncation[arc % LANES]
+    }
+
+    #[inline(always)]
+    pub(super) fn pressure_is_positive(&self, arc: usize) -> bool {
+        self.edges[arc / LANES].least_pressure[arc % LANES] >= 0.0
+    }
+
+    /// Whether the compliance is positive definite at an arc: the square root of a negative pivot makes everything after it NaN, and S
+    /// has no pivot of its own.
+    pub(super) fn is_sound(&self, arc: usize) -> bool {
+        // S is the first.
+        self.edges[arc / LANES].functions[0][arc % LANES] > 0.0
+    }
+
+    /// The state at an arc of the pin, one of the space; `None` where there is none.
+    pub fn state(&self, place: usize, arc: &ContactArc, outlines: &Outlines) -> Option<ContactState> {
+        let FreeEdge { indentation, force, tangent_stiffness, energy, peak_pressure } =
+            &self.edges[place / LANES].free;
+        let of_arc = |values: &[f64; LANES]| values[place % LANES];
+        let state = ContactState {
+            half_angle: outlines.of_hole(arc.half_angle),
+            indentation: of_arc(indentation),
+            force: of_arc(force),
+            tangent_stiffness: of_arc(tangent_stiffness),
+            energy: of_arc(energy),
+            peak_pressure: of_arc(peak_pressure),
+            truncation: self.truncation(place),
+            pressure_is_positive: self.pressure_is_positive(place),
+        };
+        (self.is_sound(place) && state.indentation.is_finite() && state.force.is_finite()).then_some(state)
     }
 
     /// That of a trial pressure, of so many, over e b^2 at an arc.
@@ -227,71 +302,88 @@ impl EdgeStates {
     /// stationary in the pressure, to first order the relative change of the energy at a given indentation, and of the force
     /// where it changes evenly with the load. Of a whole body it is the share of the work that goes into it.
     pub fn work_shares(&self, space: &PressureSpace, change: &JointCompliance) -> Vec<f64> {
-        let works = in_lanes(Work { space, change, pressure: &self.pressure });
-        works.iter().zip(&self.edges).map(|(change, edge)| change / edge.work).collect()
+        in_lanes(WorkShares { space, change, states: self })
     }
 }
 
-struct Solve<'a> {
+struct Solve<'a, const PARTS: usize> {
     space: &'a PressureSpace,
-    joint: &'a JointCompliance<'a>,
+    parts: [&'a JointCompliance<'a>; PARTS],
     outlines: &'a Outlines,
 }
 
-impl TermWork for Solve<'_> {
+impl<const PARTS: usize> TermWork for Solve<'_, PARTS> {
     type Output = EdgeStates;
 
     #[inline(always)]
     fn run<const FUSED: bool, const TERMS: usize>(self) -> EdgeStates {
-        let count = self.space.arcs.len();
-        let mut found = EdgeStates {
-            edges: Vec::with_capacity(count),
-            pressure: Vec::with_capacity(TERMS * count / LANES),
-        };
-        for chunk in 0..count / LANES {
+        let chunks = self.space.arcs.len() / LANES;
+        let mut found =
+            EdgeStates { edges: vec![Edges::ZERO; chunks], pressure: vec![[0.0; LANES]; TERMS * chunks] };
+        for chunk in 0..chunks {
             self.run_chunk::<FUSED, TERMS>(chunk, &mut found);
         }
         found
     }
 }
 
-impl Solve<'_> {
+/// Versines of arcs whose b is smaller by a ratio, over the square of b.
+#[inline(always)]
+fn versines_over<T: Real, const TERMS: usize>(b: T, ratio: f64) -> [T; TERMS] {
+    let mut versines: [T; TERMS] = ContactArc::versines(b * T::from_f64(1.0 / ratio));
+    for value in &mut versines {
+        *value = *value * T::from_f64(1.0 / (ratio * ratio));
+    }
+    versines
+}
+
+impl<const PARTS: usize> Solve<'_, PARTS> {
+    /// Of the joint's compliance, as many arcs as there are lanes. A function, because closures are not always inlined, and what is not
+    /// is not compiled for the vectors.
+    #[inline(always)]
+    fn entry<const FUSED: bool>(&self, chunk: usize, row: usize, column: usize) -> Lanes<FUSED> {
+        let at = packed(row, column) * self.space.arcs.len() + chunk * LANES;
+        let mut sum = Lanes::zero();
+        for part in self.parts {
+            let mut own = Lanes::zero();
+            own.0.copy_from_slice(&part.values[at..at + LANES]);
+            sum += own;
+        }
+        sum
+    }
+
     #[inline(always)]
     fn run_chunk<const FUSED: bool, const TERMS: usize>(&self, chunk: usize, found: &mut EdgeStates) {
-        let Solve { space: PressureSpace { arcs, turns, .. }, joint, outlines } = *self;
-        let JointCompliance { even, values, .. } = joint;
+        let Solve { space: PressureSpace { arcs, turns, .. }, parts, outlines } = *self;
+        let even: f64 = parts.iter().map(|part| part.even).sum();
         let (zero, one) = (Lanes::<FUSED>::zero(), Lanes::<FUSED>::from_f64(1.0));
         let at = chunk * LANES;
-        let load = |row: usize, column: usize| {
-            let mut lanes = zero;
-            lanes.0.copy_from_slice(&values[packed(row, column) * arcs.len() + at..][..LANES]);
-            lanes
-        };
         let mut matrix = [[zero; TERMS]; TERMS];
         for row in 1..TERMS {
             for column in 1..=row {
-                matrix[row][column] = load(row, column);
+                matrix[row][column] = self.entry(chunk, row, column);
             }
         }
-        let coupling: [Lanes<FUSED>; TERMS] = std::array::from_fn(|row| load(row, 0));
-        let b = Lanes::<FUSED>(std::array::from_fn(|lane| arcs[at + lane].b));
-        // Of the hole's arc and of that of the gap, over the square of the pin's b.
-        let versines = |ratio: f64| {
-            let own: [Lanes<FUSED>; TERMS] = ContactArc::versines(b * Lanes::from_f64(1.0 / ratio));
-            own.map(|value| value * Lanes::from_f64(1.0 / (ratio * ratio)))
-        };
-        let (versine, mut gap) = (versines(outlines.ratio()), versines(outlines.ratio().sqrt()));
+        let mut coupling = [zero; TERMS];
+        for row in 0..TERMS {
+            coupling[row] = self.entry(chunk, row, 0);
+        }
+        let (mut b, mut logarithm) = (zero, zero);
+        for (lane, arc) in arcs[at..at + LANES].iter().enumerate() {
+            (b.0[lane], logarithm.0[lane]) = (arc.b, FRAC_PI_2 * even * arc.ln_b);
+        }
+        let versine = versines_over(b, outlines.ratio());
+        let mut gap = versines_over(b, outlines.ratio().sqrt());
         let bend = outlines.bend();
         if bend != 0.0 {
             let own: [Lanes<FUSED>; TERMS] = ContactArc::bent_versines(b);
-            gap.iter_mut()
-                .zip(own)
-                .for_each(|(gap, own)| *gap = gap.minus_product(Lanes::from_f64(-bend), own));
+            for k in 0..TERMS {
+                gap[k] = gap[k].minus_product(Lanes::from_f64(-bend), own[k]);
+            }
         }
         let mut solved = [coupling, versine, gap];
         solve_in_place(&mut matrix, &mut solved);
         let [y, w_v, w_g] = solved;
-        let logarithm = Lanes::<FUSED>(std::array::from_fn(|lane| FRAC_PI_2 * even * arcs[at + lane].ln_b));
         let mut reduced = Reduced {
             singular: coupling[0] - logarithm,
             edge: one,
@@ -335,8 +427,8 @@ impl Solve<'_> {
         }
         let size = |lanes: Lanes<FUSED>| Lanes::<FUSED>(lanes.0.map(f64::abs));
         let mut most = Lanes::<FUSED>::from_f64(f64::MIN_POSITIVE);
-        for value in pressure {
-            most = -(-most).least(-size(value));
+        for value in &pressure {
+            most = -(-most).least(-size(*value));
         }
         let last = size(pressure[TERMS - 2]) + size(pressure[TERMS - 1]);
         let before = match TERMS.checked_sub(4) {
@@ -350,24 +442,29 @@ impl Solve<'_> {
         let least = least_pressure::<FUSED, TERMS>(&pressure, turns);
         let work = reduced.energy(free.indentation);
         // Films that are squeezed along a wall yield most to what was left out.
-        let of_last = |k: usize| load(k, k) * pressure[k] * pressure[k];
-        let tail_work = (of_last(TERMS - 2) + of_last(TERMS - 1)) / (work * falling * falling);
-        for lane in 0..LANES {
-            found.edges.push(Edge {
-                reduced: Reduced::of_functions(reduced.functions().map(|value| value.0[lane])),
-                free: FreeEdge {
-                    indentation: free.indentation.0[lane],
-                    force: free.force.0[lane],
-                    tangent_stiffness: free.tangent_stiffness.0[lane],
-                    energy: free.energy.0[lane],
-                    peak_pressure: free.peak_pressure.0[lane],
-                },
-                truncation: tail_work.0[lane].max(tail.0[lane] * tail.0[lane]),
-                pressure_is_positive: least.0[lane] >= 0.0,
-                work: work.0[lane],
-            });
+        let mut of_last = zero;
+        for k in TERMS - 2..TERMS {
+            of_last += self.entry(chunk, k, k) * pressure[k] * pressure[k];
         }
-        found.pressure.extend(pressure.map(|lanes| lanes.0));
+        let tail_work = of_last / (work * falling * falling);
+        let tail = tail * tail;
+        // Field by field: what is made elsewhere is copied once more.
+        let edges = &mut found.edges[chunk];
+        let functions = reduced.functions();
+        for function in 0..FUNCTIONS {
+            edges.functions[function] = functions[function].0;
+        }
+        edges.free.indentation = free.indentation.0;
+        edges.free.force = free.force.0;
+        edges.free.tangent_stiffness = free.tangent_stiffness.0;
+        edges.free.energy = free.energy.0;
+        edges.free.peak_pressure = free.peak_pressure.0;
+        edges.truncation = (-(-tail_work).least(-tail)).0;
+        edges.least_pressure = least.0;
+        edges.work = work.0;
+        for k in 0..TERMS {
+            found.pressure[chunk * TERMS + k] = pressure[k].0;
+        }
     }
 }
 
@@ -442,21 +539,22 @@ fn least_pressure<const FUSED: bool, const TERMS: usize>(
     least - peak * Lanes::from_f64(-TENSION)
 }
 
-/// p^T A p at each arc.
-struct Work<'a> {
+/// p^T A p at each arc, over that of the joint.
+struct WorkShares<'a> {
     space: &'a PressureSpace,
     change: &'a JointCompliance<'a>,
-    pressure: &'a [[f64; LANES]],
+    states: &'a EdgeStates,
 }
 
-impl LaneWork for Work<'_> {
+impl LaneWork for WorkShares<'_> {
     type Output = Vec<f64>;
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<f64> {
-        let Work { space: PressureSpace { arcs, terms, .. }, change, pressure } = self;
-        let mut works = Vec::with_capacity(arcs.len());
-        for (chunk, pressure) in pressure.chunks_exact(*terms).enumerate() {
+        let WorkShares { space: PressureSpace { arcs, terms, .. }, change, states } = self;
+        let mut shares = Vec::with_capacity(arcs.len());
+        for (chunk, (pressure, edges)) in states.pressure.chunks_exact(*terms).zip(&states.edges).enumerate()
+        {
             let at = chunk * LANES;
             let mut work = Lanes::<FUSED>::zero();
             for row in 0..*terms {
@@ -472,8 +570,8 @@ impl LaneWork for Work<'_> {
             let first = Lanes::<FUSED>(pressure[0]);
             let logarithm = |lane: usize| FRAC_PI_2 * change.even * arcs[at + lane].ln_b;
             let work = work.minus_product(Lanes(std::array::from_fn(logarithm)), first * first);
-            works.extend(work.0);
+            shares.extend((work / Lanes(edges.work)).0);
         }
-        works
+        shares
     }
 }

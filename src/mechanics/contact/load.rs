@@ -18,48 +18,28 @@ pub enum NoState {
     ClearanceTooWide,
 }
 
-/// A load as what is searched for.
+/// A load as what is searched for: the state at which this much of delta/e and this much of F/e sum to one. The sum grows with the
+/// contact, to beyond a neat fit.
 #[derive(Clone, Copy)]
-pub(super) enum Target {
-    /// delta/e.
-    Indentation(f64),
-    /// F over the clearance.
-    Force(f64),
+pub(super) struct Target {
+    pub(super) of_indentation: f64,
+    pub(super) of_force: f64,
 }
 
 impl Target {
     pub(super) fn new(radial_clearance: f64, load: DimensionlessLoad) -> Target {
         match load {
-            DimensionlessLoad::Indentation(delta) => Target::Indentation(delta / (radial_clearance + delta)),
+            // delta/e is what it should be.
+            DimensionlessLoad::Indentation(delta) => {
+                Target { of_indentation: (radial_clearance + delta) / delta, of_force: 0.0 }
+            }
             // A neat fit has one half angle, whatever the load.
-            DimensionlessLoad::Force(_) if radial_clearance == 0.0 => Target::Indentation(1.0),
-            DimensionlessLoad::Force(force) => Target::Force(force / radial_clearance),
-        }
-    }
-
-    /// `excess` >= 0, without a logarithm.
-    #[inline(always)]
-    pub(super) fn is_reached(self, indentation: f64, force: f64) -> bool {
-        match self {
-            Target::Indentation(target) => indentation >= target,
-            Target::Force(target) => force >= target * (1.0 - indentation),
-        }
-    }
-
-    /// How much a state's load, delta/e and F/e, exceeds the one asked: the logarithm of their ratio, a power law of eps for
-    /// small angles. A force grows without bound towards a neat fit, where dR/e ends; so there it is the difference of
-    /// dR/e and what it should be, which goes on beyond. The root is searched of this, negative below and positive above.
-    #[inline(always)]
-    pub(super) fn excess(self, indentation: f64, force: f64) -> f64 {
-        match self {
-            Target::Indentation(target) => (indentation / target).ln(),
-            Target::Force(target) => {
-                let (wanted, radial_clearance) = (force / target, 1.0 - indentation);
-                if radial_clearance > 0.5 {
-                    (wanted / radial_clearance).ln()
-                } else {
-                    wanted - radial_clearance
-                }
+            DimensionlessLoad::Force(_) if radial_clearance == 0.0 => {
+                Target { of_indentation: 1.0, of_force: 0.0 }
+            }
+            // F/e times dR/F is dR/e, which is 1 - delta/e.
+            DimensionlessLoad::Force(force) => {
+                Target { of_indentation: 1.0, of_force: radial_clearance / force }
             }
         }
     }

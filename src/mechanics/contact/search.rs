@@ -1,17 +1,29 @@
 //! From loads to states on a curve: searches of the half angle, as many abreast as a register has lanes.
+//!
+//! What is searched for is the place q on the curve where a sum h of delta/e and F/e is 1 (`load::Target`). h grows about like a power
+//! of the half angle and q like the angle itself, so that y = h^(1/2) is nearly proportional to q, and the polynomial P through the
+//! nodes around, taken as q of y, is close to q at y = 1. What it is wrong by, q - P(y), is known at each q that was tried: the next one
+//! is P(1) and what it is wrong by at y = 1, to first order in y by the last two.
 
 use super::curve::ContactCurve;
 use super::edge::FreeEdge;
 use super::load::{DimensionlessLoad, NoState, Target};
 use super::state::ContactState;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
-use crate::mechanics::real::{LANES, Lanes};
+use crate::mechanics::real::{LANES, Lanes, Real};
 
-/// Where a search ends: the excess of a load.
+/// Where a search ends: what h differs from 1.
 const TOLERANCE: f64 = 1e-11;
 
-/// Steps of one search at most; bisection alone would need fewer.
+/// Or how narrow its bracket is, relative.
+const NARROWEST: f64 = 1e-15;
+
+/// Steps of a search at most, and those that P is asked for: from then on there is bisection alone.
 const MOST_STEPS: usize = 100;
+const MOST_OF_POLYNOMIALS: usize = 8;
+
+/// Nodes that P goes through.
+const AROUND: usize = 6;
 
 struct Loads<'a, I> {
     curve: &'a ContactCurve<'a>,
@@ -22,107 +34,114 @@ struct Loads<'a, I> {
 impl<I: Iterator<Item = DimensionlessLoad>> LaneWork for Loads<'_, I> {
     type Output = ();
 
-    /// Where a search ends the next load takes its lane.
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Loads { curve, mut loads, states } = self;
-        let radial_clearance = curve.outlines.radial_clearance;
-        let mut lanes: [Option<(usize, Search)>; LANES] = [None; LANES];
         loop {
-            for lane in lanes.iter_mut().filter(|lane| lane.is_none()) {
-                for load in loads.by_ref() {
-                    let search = curve.begin(Target::new(radial_clearance, load));
-                    *lane = search.map(|search| (states.len(), search));
-                    // Where the search does not end there is none.
-                    let is_begun = lane.is_some();
-                    states.push(Err(if is_begun {
-                        NoState::BrokenCompliance
-                    } else {
-                        NoState::ContactTooWide
-                    }));
-                    if is_begun {
-                        break;
-                    }
-                }
+            let mut targets = Targets { of_indentation: Lanes::<FUSED>::zero(), of_force: Lanes::zero() };
+            let mut count = 0;
+            for load in loads.by_ref().take(LANES) {
+                let target = Target::new(curve.outlines.radial_clearance, load);
+                targets.of_indentation.0[count] = target.of_indentation;
+                targets.of_force.0[count] = target.of_force;
+                count += 1;
             }
-            if lanes.iter().all(Option::is_none) {
+            if count > 0 {
+                let found = curve.search(&targets);
+                states.extend((0..count).map(|lane| found.state(curve, lane)));
+            }
+            if count < LANES {
                 return;
             }
-            let mut logarithms = [0.0; LANES];
-            for (next, lane) in logarithms.iter_mut().zip(&lanes) {
-                *next = lane.as_ref().map_or(0.0, |(_, search)| search.next);
-            }
-            let at = curve.at::<FUSED>(logarithms);
-            for (number, lane) in lanes.iter_mut().enumerate() {
-                let Some((place, search)) = lane else { continue };
-                if !at.is_sound(number) {
-                    *lane = None;
-                } else if search.ends(at.edge.indentation.0[number], at.edge.force.0[number]) {
-                    states[*place] = Ok((curve.state(&at, number, search.above), search.above));
-                    *lane = None;
-                } else if search.steps == MOST_STEPS {
-                    *lane = None;
-                }
-            }
         }
     }
 }
 
-/// One search in the logarithm of the curve's space: a bracket with the excess at its ends, and the next point.
-#[derive(Clone, Copy)]
-struct Search {
-    target: Target,
-    a: (f64, f64),
-    b: (f64, f64),
-    next: f64,
-    steps: usize,
-    /// The node at or above the state.
-    above: usize,
+/// As many as there are lanes; zero where there is none, which no state comes to.
+struct Targets<const FUSED: bool> {
+    of_indentation: Lanes<FUSED>,
+    of_force: Lanes<FUSED>,
 }
 
-impl Search {
-    /// Takes the load at `next`: it is the one searched for, or inverse quadratic interpolation goes on through it and the
-    /// bracket, or bisection where that leaves the bracket.
+impl<const FUSED: bool> Targets<FUSED> {
+    /// h.
     #[inline(always)]
-    fn ends(&mut self, indentation: f64, force: f64) -> bool {
-        let excess = self.target.excess(indentation, force);
-        if excess.abs() < TOLERANCE || (self.b.0 - self.a.0).abs() < 1e-14 {
-            return true;
-        }
-        self.steps += 1;
-        let latest = (self.next, excess);
-        let dropped = if excess < 0.0 {
-            std::mem::replace(&mut self.a, latest)
-        } else {
-            std::mem::replace(&mut self.b, latest)
-        };
-        let (a, b) = (self.a, self.b);
-        let guess = if a.1.is_finite() && dropped.1.is_finite() {
-            inverse_interpolation(&[a, b, dropped])
-        } else if a.1.is_finite() {
-            inverse_interpolation(&[a, b])
-        } else {
-            b.0 - 0.25 * b.1
-        };
-        self.next = if guess > a.0 && guess < b.0 { guess } else { 0.5 * (a.0 + b.0) };
-        false
+    fn sum(&self, indentation: Lanes<FUSED>, force: Lanes<FUSED>) -> Lanes<FUSED> {
+        (self.of_indentation * indentation).minus_product(-self.of_force, force)
     }
 }
 
-/// The joint at as many angles as there are lanes.
-struct Abreast<const FUSED: bool> {
+/// What searches have come to.
+struct Found<const FUSED: bool> {
     /// Of the pin.
     b: Lanes<FUSED>,
     edge: FreeEdge<Lanes<FUSED>>,
-    /// What must be positive of a compliance.
-    singular: Lanes<FUSED>,
+    /// The node at or above each; `usize::MAX` where the load is beyond the curve.
+    above: [usize; LANES],
+    has_ended: [bool; LANES],
 }
 
-impl<const FUSED: bool> Abreast<FUSED> {
+impl<const FUSED: bool> Found<FUSED> {
+    /// One lane, with what is known node by node.
     #[inline(always)]
-    fn is_sound(&self, lane: usize) -> bool {
-        let FreeEdge { indentation, force, .. } = &self.edge;
-        self.singular.0[lane] > 0.0 && indentation.0[lane] > 0.0 && force.0[lane].is_finite()
+    fn state(&self, curve: &ContactCurve, lane: usize) -> Result<(ContactState, usize), NoState> {
+        let above = self.above[lane];
+        if above == usize::MAX {
+            return Err(NoState::ContactTooWide);
+        }
+        if !self.has_ended[lane] {
+            return Err(NoState::BrokenCompliance);
+        }
+        let states = &curve.states;
+        let below = (above + 1).min(states.count() - 1);
+        let state = ContactState {
+            half_angle: 2.0 * (self.b.0[lane] / curve.outlines.ratio()).atan(),
+            indentation: self.edge.indentation.0[lane],
+            force: self.edge.force.0[lane],
+            tangent_stiffness: self.edge.tangent_stiffness.0[lane],
+            energy: self.edge.energy.0[lane],
+            peak_pressure: self.edge.peak_pressure.0[lane],
+            truncation: states.truncation(above).max(states.truncation(below)),
+            pressure_is_positive: states.pressure_is_positive(above) && states.pressure_is_positive(below),
+        };
+        Ok((state, above))
+    }
+}
+
+/// P, a polynomial of y through places.
+struct Inverse<const FUSED: bool> {
+    y: [Lanes<FUSED>; AROUND],
+    /// Places over the products of y's distances to all others.
+    weights: [Lanes<FUSED>; AROUND],
+}
+
+impl<const FUSED: bool> Inverse<FUSED> {
+    #[inline(always)]
+    fn new(places: &[Lanes<FUSED>; AROUND], y: [Lanes<FUSED>; AROUND]) -> Inverse<FUSED> {
+        let mut products = [Lanes::from_f64(1.0); AROUND];
+        for i in 0..AROUND {
+            for j in 0..i {
+                let distance = y[j] - y[i];
+                products[i] = products[i] * distance;
+                products[j] = products[j] * -distance;
+            }
+        }
+        for (product, place) in products.iter_mut().zip(places) {
+            *product = *place / *product;
+        }
+        Inverse { y, weights: products }
+    }
+
+    #[inline(always)]
+    fn at(&self, y: Lanes<FUSED>) -> Lanes<FUSED> {
+        let (mut sum, mut before) = (Lanes::zero(), Lanes::from_f64(1.0));
+        // The sum so far has all distances so far as factors.
+        for (own, weight) in self.y.iter().zip(&self.weights) {
+            let distance = *own - y;
+            sum = (sum * distance).minus_product(-before, *weight);
+            before = before * distance;
+        }
+        sum
     }
 }
 
@@ -138,78 +157,89 @@ impl ContactCurve<'_> {
         states
     }
 
-    /// The bracket of a load among the nodes, and a first guess between them; `None` where it is beyond the curve.
+    /// Place, delta/e and F/e at a node; at the angle zero behind the last one.
     #[inline(always)]
-    fn begin(&self, target: Target) -> Option<Search> {
-        let edges = &self.states.edges;
-        let count = edges.len();
-        let point = |node: usize| {
-            (self.space.logarithms[node], target.excess(edges[node].free.indentation, edges[node].free.force))
-        };
+    fn node(&self, node: usize) -> [f64; 3] {
+        match self.space.places.get(node) {
+            Some(place) => [*place, self.states.indentation(node), self.states.force(node)],
+            None => [0.0; 3],
+        }
+    }
+
+    #[inline(always)]
+    fn search<const FUSED: bool>(&self, targets: &Targets<FUSED>) -> Found<FUSED> {
         // Nodes go down with the angle: the last one that is not below the load.
-        let reached =
-            |node: &usize| target.is_reached(edges[*node].free.indentation, edges[*node].free.force);
-        let above = (self.first..count).rev().find(reached)?;
-        let below = above + 1;
-        // Three nodes on either side, where there are so many.
-        let (from, last) = (above.saturating_sub(2).max(self.first), (below + 2).min(count - 1));
-        let mut points = [(0.0, 0.0); 6];
-        for (place, node) in points.iter_mut().zip(from..=last) {
-            *place = point(node);
-        }
-        let guess = inverse_interpolation(&points[..=last - from]);
-        let b = points[above - from];
-        let (a, otherwise) = if below < count {
-            let a = points[below - from];
-            (a, 0.5 * (a.0 + b.0))
-        } else if !self.space.goes_to_zero() {
-            return None;
-        } else {
-            // Below all nodes the load is a power of the angle: more than the fourth, with the logarithm.
-            let a = (b.0 - 0.5 * b.1 - 1.0, f64::NEG_INFINITY);
-            (a, (b.0 - 0.25 * b.1).max(a.0))
-        };
-        let next = if guess > a.0 && guess < b.0 { guess } else { otherwise };
-        Some(Search { target, a, b, next, steps: 0, above })
-    }
-
-    #[inline(always)]
-    fn at<const FUSED: bool>(&self, logarithms: [f64; LANES]) -> Abreast<FUSED> {
-        let (reduced, b) = self.reduced(logarithms);
-        Abreast { b, edge: reduced.free_edge(b, &self.outlines), singular: reduced.singular }
-    }
-
-    /// One lane, with what is known node by node.
-    #[inline(always)]
-    fn state<const FUSED: bool>(&self, at: &Abreast<FUSED>, lane: usize, above: usize) -> ContactState {
-        let edges = &self.states.edges;
-        let [above, below] = [above, (above + 1).min(edges.len() - 1)].map(|node| &edges[node]);
-        ContactState {
-            half_angle: 2.0 * (at.b.0[lane] / self.outlines.ratio()).atan(),
-            indentation: at.edge.indentation.0[lane],
-            force: at.edge.force.0[lane],
-            tangent_stiffness: at.edge.tangent_stiffness.0[lane],
-            energy: at.edge.energy.0[lane],
-            peak_pressure: at.edge.peak_pressure.0[lane],
-            truncation: above.truncation.max(below.truncation),
-            pressure_is_positive: above.pressure_is_positive && below.pressure_is_positive,
-        }
-    }
-}
-
-/// The position at which the polynomial through (position, value), taken as position of value, has the value zero.
-#[inline(always)]
-fn inverse_interpolation(points: &[(f64, f64)]) -> f64 {
-    let mut sum = 0.0;
-    for (i, (position, value)) in points.iter().enumerate() {
-        let (mut others, mut distances) = (*position, 1.0);
-        for (j, (_, other)) in points.iter().enumerate() {
-            if j != i {
-                others *= other;
-                distances *= other - value;
+        let mut above = [usize::MAX; LANES];
+        for node in self.first..self.states.count() {
+            let [_, indentation, force] = self.node(node);
+            let reached = targets.sum(Lanes::from_f64(indentation), Lanes::from_f64(force));
+            for (above, reached) in above.iter_mut().zip(&reached.0) {
+                *above = if *reached >= 1.0 { node } else { *above };
             }
         }
-        sum += others / distances;
+        let end = self.states.count() + usize::from(self.space.goes_to_zero());
+        // Nodes on either side, as many as there are, and the bracket among them. Loops, because closures in arrays are not inlined, and
+        // what is not inlined is not compiled for the vectors.
+        let (mut places, mut y) = ([Lanes::<FUSED>::zero(); AROUND], [Lanes::<FUSED>::zero(); AROUND]);
+        let mut forces = [Lanes::<FUSED>::zero(); AROUND];
+        let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            if above[lane] >= end - 1 {
+                above[lane] = usize::MAX;
+                continue;
+            }
+            let own = above[lane];
+            let from = (own + 1).saturating_sub(AROUND / 2).max(self.first).min(end - AROUND);
+            for i in 0..AROUND {
+                [places[i].0[lane], y[i].0[lane], forces[i].0[lane]] = self.node(from + i);
+            }
+            (low[lane], high[lane]) = (self.node(own + 1)[0], self.node(own)[0]);
+        }
+        for (y, force) in y.iter_mut().zip(&forces) {
+            *y = targets.sum(*y, *force).sqrt();
+        }
+        let inverse = Inverse::new(&places, y);
+        let first = inverse.at(Lanes::from_f64(1.0));
+        let mut next = first;
+        // y and q - P(y) of the step before.
+        let mut before: Option<[Lanes<FUSED>; 2]> = None;
+        let mut steps = 0;
+        loop {
+            let is_bisected = steps >= MOST_OF_POLYNOMIALS;
+            let mut place = Lanes::<FUSED>::zero();
+            for lane in 0..LANES {
+                let (low, high, next) = (low[lane], high[lane], next.0[lane]);
+                let is_within = !is_bisected && next >= low && next <= high;
+                place.0[lane] = if is_within { next } else { 0.5 * (low + high) };
+            }
+            let at = self.at(place);
+            let (indentation, force) = at.reduced.load(at.b);
+            let sum = targets.sum(indentation, force);
+            let y = sum.sqrt();
+            let left = place - inverse.at(y);
+            next = first + left;
+            if let Some([y_before, left_before]) = before {
+                next += (left - left_before) * (Lanes::from_f64(1.0) - y) / (y - y_before);
+            }
+            before = Some([y, left]);
+            let (mut has_ended, mut goes_on) = ([false; LANES], false);
+            for lane in 0..LANES {
+                let (place, sum) = (place.0[lane], sum.0[lane]);
+                let is_near = (sum - 1.0).abs() < TOLERANCE;
+                // One that has come to its end stays there.
+                low[lane] = if sum < 1.0 || is_near { place } else { low[lane] };
+                high[lane] = if sum >= 1.0 || is_near { place } else { high[lane] };
+                has_ended[lane] = high[lane] - low[lane] <= NARROWEST * high[lane];
+                let is_sound =
+                    at.reduced.singular.0[lane] > 0.0 && indentation.0[lane] > 0.0 && sum.is_finite();
+                goes_on |= is_sound && !has_ended[lane] && above[lane] != usize::MAX;
+                has_ended[lane] &= is_sound;
+            }
+            steps += 1;
+            if !goes_on || steps > MOST_STEPS {
+                let edge = self.whole(&at).free_edge(at.b, &self.outlines);
+                return Found { b: at.b, edge, above, has_ended };
+            }
+        }
     }
-    sum
 }

@@ -48,12 +48,20 @@ impl Tally {
     fn reach(&mut self, number: i64) -> bool {
         let start = number.div_euclid(BLOCK) * BLOCK;
         let (mut first, mut end) = (start, start + BLOCK);
+        let own_end = self.first + self.near.len() as i64;
         if !self.near.is_empty() {
             first = first.min(self.first);
-            end = end.max(self.first + self.near.len() as i64);
+            end = end.max(own_end);
         }
         if end - first > MOST_NEAR {
             return false;
+        }
+        // Twice as long at least, as long as it may: else it is copied for every block of numbers that come from small to large.
+        let more = (2 * self.near.len() as i64).min(MOST_NEAR) - (end - first);
+        if more > 0 && first < self.first {
+            first -= more
+        } else {
+            end += more.max(0)
         }
         let mut near = vec![0; (end - first) as usize];
         if !self.near.is_empty() {
