@@ -104,6 +104,9 @@ impl Chosen {
 /// Designs of a batch on the processor: enough to fill the lanes of many topologies, few enough to stay small.
 const BATCH: usize = 1024;
 
+/// The same where bodies are interpolated: of the few that are not there are enough to fill lanes and threads.
+const INTERPOLATED_BATCH: usize = 16_384;
+
 /// Designs of the first batch, so that a slow sweep shows its first rows soon.
 const FIRST_BATCH: usize = 64;
 
@@ -151,7 +154,9 @@ pub fn run_digested<T: Send>(
     let mut statistics = Statistics::default();
     let (drawn_sender, drawn) = sync_channel(1);
     let (solved_sender, solved) = sync_channel(1);
-    let batch_size = options.gpu.map_or(BATCH, |gpu| gpu.batch_size());
+    let plan = InterpolationPlan::of_study(study);
+    let on_processor = if plan.is_some() { INTERPOLATED_BATCH } else { BATCH };
+    let batch_size = options.gpu.map_or(on_processor, |gpu| gpu.batch_size());
     std::thread::scope(|scope| {
         let cost = DesignCost::without_interpolation(study);
         let is_soon = move |first: &[DesignCase]| {
@@ -160,7 +165,7 @@ pub fn run_digested<T: Send>(
             options.gpu.is_none() && seconds / 4.0 * batch_size as f64 <= SOON * threads as f64
         };
         let drawer = scope.spawn(move || draw_all(cases, batch_size, is_soon, &drawn_sender));
-        let solver = scope.spawn(move || solve_all(study, options, digest, &pool, &drawn, &solved_sender));
+        let solver = scope.spawn(move || solve_all(study, options, plan, (digest, &pool), &drawn, &solved_sender));
         let mut received = Duration::ZERO;
         let result = receive_all(&solved, receive, &mut statistics, &mut received);
         // Those who still send to nobody end.
@@ -252,13 +257,13 @@ struct Solution {
 fn solve_all<T: Send>(
     study: &Study,
     options: &SweepOptions,
-    digest: &Digest<T>,
-    pool: &rayon::ThreadPool,
+    plan: Option<InterpolationPlan>,
+    (digest, pool): (&Digest<T>, &rayon::ThreadPool),
     drawn: &Receiver<Drawn>,
     solved: &SyncSender<Solved<T>>,
 ) -> Solution {
     let mut fallback = None;
-    let ladder = Ladder::new(study.solve).interpolating(InterpolationPlan::of_study(study));
+    let ladder = Ladder::new(study.solve).interpolating(plan);
     let mut ladder = match options.gpu.map(GpuCondenser::new) {
         None => ladder,
         Some(Ok(condenser)) => ladder.on(Box::new(condenser)),
