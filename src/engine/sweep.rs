@@ -165,7 +165,8 @@ pub fn run_digested<T: Send>(
             options.gpu.is_none() && seconds / 4.0 * batch_size as f64 <= SOON * threads as f64
         };
         let drawer = scope.spawn(move || draw_all(cases, batch_size, is_soon, &drawn_sender));
-        let solver = scope.spawn(move || solve_all(study, options, plan, (digest, &pool), &drawn, &solved_sender));
+        let solver =
+            scope.spawn(move || solve_all(study, options, plan, (digest, &pool), &drawn, &solved_sender));
         let mut received = Duration::ZERO;
         let result = receive_all(&solved, receive, &mut statistics, &mut received);
         // Those who still send to nobody end.
