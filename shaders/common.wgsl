@@ -61,3 +61,10 @@ fn power_of_two(values: wide4) -> wide4 {
     let exponents = bitcast<vec4<u32>>(vec4<f32>(values)) & vec4<u32>(0x7f800000u);
     return wide4(bitcast<vec4<f32>>(max(exponents, vec4<u32>(0x00800000u))));
 }
+
+// Row and column of a packed entry: the first one of a row has sqrt(8 entry + 1) = 2 row + 1. What is added under the root is
+// far more than its rounding, and too little for the next row. A loop would take too many trips (`MOST_TRIPS`).
+fn packed_place(entry: u32) -> vec2<u32> {
+    let row = u32(0.5 * (sqrt(f32(8u * entry + 3u)) - 1.0));
+    return vec2<u32>(row, entry - row * (row + 1u) / 2u);
+}

@@ -86,12 +86,6 @@ fn of_front(row: u32, column: u32) -> u32 {
     return 4u * (high * (high + 1u) / 2u + min(a, b));
 }
 
-// Row and column of a packed entry, as in works.wgsl.
-fn place_of(entry: u32) -> vec2<u32> {
-    let row = u32(0.5 * (sqrt(f32(8u * entry + 3u)) - 1.0));
-    return vec2<u32>(row, entry - row * (row + 1u) / 2u);
-}
-
 fn product(a: wide4, b: wide4) -> wide {
     return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
 }
@@ -229,7 +223,7 @@ fn eliminate(
         }
         workgroupBarrier();
         for (var entry = invocation; entry < below * (below + 1u) / 2u; entry += INVOCATIONS) {
-            let place = place_of(entry);
+            let place = packed_place(entry);
             let at = of_front(pivot + 1u + place.x, pivot + 1u + place.y);
             let b0 = panel[4u * place.y];
             let b1 = panel[4u * place.y + 1u];
@@ -254,7 +248,7 @@ fn eliminate(
     let own = group.x * parameters.body_size;
     for (var way = 0u; way < ways; way++) {
         for (var entry = invocation; entry < entries; entry += INVOCATIONS) {
-            let place = place_of(entry);
+            let place = packed_place(entry);
             works[own + WORKS_HEADER + way * entries + entry] = work(way, place.x, place.y);
         }
     }

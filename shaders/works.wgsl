@@ -36,13 +36,6 @@ const BEYOND = wide(1e30);
 
 var<workgroup> products: array<wide, TILE_ROWS * MOST_MODES>;
 
-// Row and column of a packed entry: the first one of a row has sqrt(8 entry + 1) = 2 row + 1. What is added under the root is
-// far more than its rounding, and too little for the next row. A loop would take too many trips (`MOST_TRIPS`).
-fn place_of(entry: u32) -> vec2<u32> {
-    let row = u32(0.5 * (sqrt(f32(8u * entry + 3u)) - 1.0));
-    return vec2<u32>(row, entry - row * (row + 1u) / 2u);
-}
-
 // The greatest |b - K x|/|b| of a body's systems; BEYOND where one of them has failed.
 fn worst_residual(body: u32) -> wide {
     var worst = wide(0.0);
@@ -93,7 +86,7 @@ fn sum_works(
         for (var own = 0u; own < OWN; own++) {
             let entry = invocation + own * INVOCATIONS;
             if entry < entries {
-                let place = place_of(entry);
+                let place = packed_place(entry);
                 var sum = sums[own];
                 for (var row = 0u; row < rows; row++) {
                     let at = pushed + (first + row) * modes;

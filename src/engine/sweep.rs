@@ -302,7 +302,8 @@ fn solve_all<T: Send>(
     stages.push(("table", digestion.time));
     Solution {
         stages,
-        worst_residual: device.map(|device| device.worst_residual()),
+        // Nothing where all was eliminated.
+        worst_residual: device.map(|device| device.worst_residual()).filter(|residual| *residual > 0.0),
         solves: device.map_or(0, |device| device.solves()),
         fallback,
     }

@@ -42,11 +42,11 @@ fn every_file_is_there_and_its_figures_are_sane() {
 
     let precisions = work.table("figures/precisions.csv");
     assert_eq!(precisions.column("precision"), ["f32"]);
-    for name in
-        ["wall_s", "designs_per_s", "solves", "solves_per_s", "worst_residual", "condensation_on_the_gpu_s"]
-    {
+    for name in ["wall_s", "designs_per_s", "condensation_on_the_gpu_s"] {
         positive(&precisions, name);
     }
+    // Bodies are eliminated.
+    assert_eq!(precisions.column("solves"), ["0"]);
     let difference = positive(&precisions, "worst_difference")[0];
     assert!(difference < 1e-4, "{difference:e}");
 
@@ -56,8 +56,6 @@ fn every_file_is_there_and_its_figures_are_sane() {
     assert!((of("designs_per_s") * of("wall_s") - 100.0).abs() < 0.1);
     assert!((of("gpu_over_cpu") * of("wall_s") / of("cpu_wall_s") - 1.0).abs() < 1e-3);
     assert!(of("with_table_s") > 0.0 && of("table_bytes") > 100.0 * 10.0 * 100.0);
-    // Two bodies a design on two meshes each, and at least three columns a ring.
-    assert!(of("solves") >= 100.0 * 2.0 * 2.0 * 3.0);
 
     let kernels = work.table("figures/kernels.csv");
     let expected = ["assemble", "pcg", "refine", "condense", "works"];

@@ -429,10 +429,12 @@ impl LaneWork for OnHole<'_> {
                 behind = behind * distance(*place);
             }
             // The last group begins where it ends with the entries.
-            let last = values.len() / count - ABREAST;
+            let entries = values.len() / count;
+            let last = entries.saturating_sub(ABREAST);
             for entry in (0..=last).step_by(ABREAST).chain((!last.is_multiple_of(ABREAST)).then_some(last)) {
+                // Of few trial pressures there are fewer entries than go abreast.
                 let own: [&[f64]; ABREAST] =
-                    std::array::from_fn(|place| &values[(entry + place) * count..][..count]);
+                    std::array::from_fn(|place| &values[(entry + place).min(entries - 1) * count..][..count]);
                 let mut sums = [Lanes::<FUSED>::zero(); ABREAST];
                 for node in 0..count {
                     for (sum, own) in sums.iter_mut().zip(own) {

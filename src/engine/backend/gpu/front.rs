@@ -110,7 +110,7 @@ impl FrontLayout {
         }
     }
 
-    /// What it takes, here and on a device in f64.
+    /// What it takes here.
     pub fn bytes(&self) -> u64 {
         let lists = [&self.source_starts, &self.sources, &self.tile_starts, &self.places];
         let lists: usize = lists.iter().map(|list| size_of_val(&list[..])).sum();
