@@ -1,22 +1,4 @@
-//! Which device condenses bodies, and how.
-
-use crate::engine::backend::gpu::context::GpuDevice;
-use crate::engine::backend::precision::Precision;
-
-/// A device, the numbers to compute in, and by what.
-#[derive(Clone, Copy)]
-pub struct GpuChoice<'a> {
-    pub device: &'a GpuDevice,
-    pub precision: Precision,
-    pub solver: DeviceSolver,
-}
-
-impl<'a> GpuChoice<'a> {
-    /// By the solver that suits each mesh.
-    pub fn new(device: &'a GpuDevice, precision: Precision) -> GpuChoice<'a> {
-        GpuChoice { device, precision, solver: DeviceSolver::Auto }
-    }
-}
+//! How a device condenses bodies.
 
 /// By elimination or by iteration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

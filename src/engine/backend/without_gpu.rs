@@ -55,12 +55,26 @@ pub mod solver {
     use std::convert::Infallible;
     use std::time::Duration;
 
-    use super::context::GpuError;
+    use super::context::{GpuDevice, GpuError};
+    use super::kernels::Precision;
     use crate::engine::backend::Device;
-    pub use crate::engine::backend::device_solver::{DeviceSolver, GpuChoice};
+    pub use crate::engine::backend::device_solver::DeviceSolver;
     use crate::engine::body_request::Group;
 
-    impl GpuChoice<'_> {
+    /// A device, the numbers to compute in, and by what.
+    #[derive(Clone, Copy)]
+    pub struct GpuChoice<'a> {
+        pub device: &'a GpuDevice,
+        pub precision: Precision,
+        pub solver: DeviceSolver,
+    }
+
+    impl<'a> GpuChoice<'a> {
+        /// By the solver that suits each mesh.
+        pub fn new(device: &'a GpuDevice, precision: Precision) -> GpuChoice<'a> {
+            GpuChoice { device, precision, solver: DeviceSolver::Auto }
+        }
+
         pub fn batch_size(&self) -> usize {
             match self.device.none {}
         }

@@ -13,6 +13,9 @@ use crate::mechanics::compliance::ring_modes::{Push, RingModes};
 use crate::mechanics::mesh::{Grading, RingTopology};
 use crate::mechanics::solve::band::{BandStructure, TILE};
 
+/// Numbers of a body before its works: whether it is sound, and its worst true residual or the greatest loss of a pivot.
+pub const WORKS_HEADER: usize = 2;
+
 /// What a workgroup of `eliminate` works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Front {
@@ -93,7 +96,7 @@ impl FrontLayout {
             border_count: border_count as u32,
             mode_count: modes.count as u32,
             value_count: places.len() as u32,
-            body_size: (super::kernels::WORKS_HEADER + pushes.len() * packed_count(modes.count)) as u32,
+            body_size: (WORKS_HEADER + pushes.len() * packed_count(modes.count)) as u32,
         };
         let assembly =
             AssembleParameters { value_count: places.len() as u32, system_count: 1, ..mesh.parameters };

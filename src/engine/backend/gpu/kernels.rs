@@ -8,6 +8,7 @@ use wgpu::ShaderStages;
 use super::batch::{KernelFacts, OnChip};
 use super::context::{GpuDevice, GpuError};
 use super::front::Front;
+pub use super::front::WORKS_HEADER;
 pub use crate::engine::backend::precision::Precision;
 use crate::mechanics::compliance::ring_modes::MOST_MODES;
 
@@ -85,9 +86,6 @@ pub const CONDENSE: KernelFile = KernelFile {
     written: &[false, true],
     summand: None,
 };
-
-/// Numbers of a body before its works: whether it is sound, and its worst true residual.
-pub const WORKS_HEADER: usize = 2;
 
 pub const WORKS: KernelFile = KernelFile {
     name: "works",

@@ -6,22 +6,35 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
-use super::context::{AdapterKind, GpuError};
+use super::context::{AdapterKind, GpuDevice, GpuError};
 use super::elimination::{Counts, Elimination, FrontTopology, Job};
 use super::front::FrontLayout;
-use super::kernels::Kernels;
+use super::kernels::{Kernels, Precision};
 use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::backend::Device;
-pub use crate::engine::backend::device_solver::{DeviceSolver, GpuChoice};
+pub use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
 use crate::mechanics::mesh::{Grading, RingTopology};
 use crate::mechanics::solve::refine::RefineSettings;
 
-impl GpuChoice<'_> {
+/// A device, the numbers to compute in, and by what.
+#[derive(Clone, Copy)]
+pub struct GpuChoice<'a> {
+    pub device: &'a GpuDevice,
+    pub precision: Precision,
+    pub solver: DeviceSolver,
+}
+
+impl<'a> GpuChoice<'a> {
+    /// By the solver that suits each mesh.
+    pub fn new(device: &'a GpuDevice, precision: Precision) -> GpuChoice<'a> {
+        GpuChoice { device, precision, solver: DeviceSolver::Auto }
+    }
+
     /// Designs of a batch that keeps the device busy.
     pub fn batch_size(&self) -> usize {
         if self.device.facts.kind == AdapterKind::Software { SOFTWARE_BATCH } else { BATCH }
