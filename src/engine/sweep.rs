@@ -107,6 +107,9 @@ const BATCH: usize = 1024;
 /// The same where bodies are interpolated: of the few that are not there are enough to fill lanes and threads.
 const INTERPOLATED_BATCH: usize = 16_384;
 
+/// The most rows of a batch: designs of many loads come in smaller ones.
+const MOST_ROWS: u64 = 10 * INTERPOLATED_BATCH as u64;
+
 /// Designs of the first batch, so that a slow sweep shows its first rows soon.
 const FIRST_BATCH: usize = 64;
 
@@ -156,7 +159,8 @@ pub fn run_digested<T: Send>(
     let (solved_sender, solved) = sync_channel(1);
     let plan = InterpolationPlan::of_study(study);
     let on_processor = if plan.is_some() { INTERPOLATED_BATCH } else { BATCH };
-    let batch_size = options.gpu.map_or(on_processor, |gpu| gpu.batch_size());
+    let most = options.gpu.map_or(on_processor, |gpu| gpu.batch_size());
+    let batch_size = most.min(designs_of_rows(study.steps_per_design()));
     std::thread::scope(|scope| {
         let cost = DesignCost::without_interpolation(study);
         let is_soon = move |first: &[DesignCase]| {
@@ -204,6 +208,11 @@ struct Portion<T> {
     content: T,
 }
 
+/// The most designs of a batch whose designs have so many rows each.
+fn designs_of_rows(rows: u64) -> usize {
+    (MOST_ROWS / rows.max(1)).max(1) as usize
+}
+
 /// Draws the designs in batches, up to the first that cannot be read.
 fn draw_all(
     mut cases: impl Iterator<Item = Result<DesignCase, Error>>,
@@ -212,7 +221,7 @@ fn draw_all(
     drawn: &SyncSender<Drawn>,
 ) -> Distinct {
     let mut distinct = Distinct::default();
-    let mut first: Drawn = cases.by_ref().take(FIRST_BATCH).collect();
+    let mut first: Drawn = cases.by_ref().take(FIRST_BATCH.min(batch_size)).collect();
     if let Ok(designs) = &mut first
         && is_soon(designs)
     {
@@ -440,5 +449,12 @@ mod tests {
         };
         assert_eq!(sizes(false), [64, 1024, 1024, 388]);
         assert_eq!(sizes(true), [1024, 1024, 452]);
+    }
+
+    /// Ten loads leave batches as they are; a hundred thousand do not make one of a thousand designs.
+    #[test]
+    fn designs_of_many_loads_come_in_small_batches() {
+        assert_eq!([0, 1, 10].map(designs_of_rows).into_iter().min(), Some(INTERPOLATED_BATCH));
+        assert_eq!([1_000, 100_000, u64::MAX].map(designs_of_rows), [163, 1, 1]);
     }
 }
