@@ -18,7 +18,7 @@ use crate::engine::outcome::{Answer, BackendKind, DesignOutcome};
 use crate::engine::plan::JointPlan;
 use crate::engine::refusal::Refusal;
 use crate::engine::row::{all_failed, closed_form};
-use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::engine::spaces::Spaces;
 use crate::engine::status::Failure;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
@@ -34,8 +34,6 @@ pub struct Ladder<'a> {
     options: SolveOptions,
     pub library: BodyLibrary<'a>,
     spaces: Spaces,
-    /// Spaces that will be asked for soon.
-    foreseen: Vec<SpaceKey>,
     pub interpolation: Option<Interpolation>,
     times: LadderTimes,
 }
@@ -53,7 +51,6 @@ impl<'a> Ladder<'a> {
             options,
             library: BodyLibrary::default(),
             spaces: Spaces::default(),
-            foreseen: Vec::new(),
             interpolation: None,
             times: LadderTimes::default(),
         }
@@ -67,11 +64,6 @@ impl<'a> Ladder<'a> {
     /// With bodies condensed on a device as long as that lasts.
     pub fn on(self, device: Box<dyn Device + 'a>) -> Ladder<'a> {
         Ladder { library: BodyLibrary::on(device), ..self }
-    }
-
-    /// Tells spaces that will be asked for soon: they are made while the next bodies are solved.
-    pub fn foresee(&mut self, spaces: Vec<SpaceKey>) {
-        self.foreseen = spaces;
     }
 
     /// Outcomes of `cases`, in their order.
@@ -114,16 +106,9 @@ impl<'a> Ladder<'a> {
     /// One attempt at each of some designs, by its number and plan.
     fn climb(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
         let requests: Vec<BodyRequest> = open.iter().flat_map(|(_, plan)| plan.requests()).collect();
-        let Ladder { library, spaces, foreseen, .. } = self;
-        let keys: Vec<SpaceKey> = open.iter().map(|(_, plan)| plan.space).chain(foreseen.drain(..)).collect();
-        let make = || {
-            let started = Instant::now();
-            spaces.make(keys);
-            started.elapsed()
-        };
-        let ((), made) = rayon::join(|| library.solve(&requests), make);
-        self.times.spaces += made;
+        self.library.solve(&requests);
         let started = Instant::now();
+        let Ladder { library, spaces, .. } = self;
         let bodies = open.iter().flat_map(|(_, plan)| plan.requests().map(|request| (plan.space, request)));
         spaces.prepare(bodies.map(|(space, request)| (space, &*library.solved(&request).compliance)));
         self.times.spaces += started.elapsed();

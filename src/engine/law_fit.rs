@@ -4,14 +4,11 @@ use rayon::prelude::*;
 
 use crate::engine::ladder::Ladder;
 use crate::engine::outcome::{Answer, DesignLaws, DesignOutcome, StepOutcome};
-use crate::engine::plan::JointPlan;
-use crate::engine::spaces::SpaceKey;
 use crate::mechanics::laws::calibrated::samples::sampled_at;
 use crate::mechanics::laws::calibrated::{
     FittedLaw, Sample, Samples, Sizes, fitted_laws, power, recommended,
 };
 use crate::mechanics::material::effective_modulus;
-use crate::study::config::SolveOptions;
 use crate::study::design::{DesignCase, Load};
 
 /// Over the clearance: large enough that the fit is neat.
@@ -28,16 +25,6 @@ pub fn law_case(case: &DesignCase, (low, high): (f64, f64)) -> DesignCase {
         sampled.chain([LARGE]).map(|ratio| Load::Indentation(ratio * clearance)).collect()
     };
     DesignCase { index: case.index, joint: *joint, steps }
-}
-
-/// The spaces that laws of designs are solved in, as the largest of their loads decides.
-pub fn law_spaces(cases: &[DesignCase], SolveOptions { method, accuracy }: SolveOptions) -> Vec<SpaceKey> {
-    let space = |case: &DesignCase| {
-        let largest = LARGE * case.joint.radial_clearance;
-        let case = DesignCase { steps: vec![Load::Indentation(largest)], ..case.clone() };
-        Some(JointPlan::cheapest(&case, method, accuracy).ok()?.space)
-    };
-    cases.iter().filter_map(space).collect()
 }
 
 /// The least and the greatest indentation that was answered, mm.
@@ -119,37 +106,4 @@ pub fn laws_of_all(ladder: &mut Ladder, designs: &[(&DesignCase, Option<(f64, f6
         None => DesignLaws { missing: Some("no answer under load"), ..DesignLaws::default() },
     };
     designs.par_iter().zip(answers).map(of_design).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::study::config::Study;
-    use std::path::Path;
-
-    /// Beside walls of all kinds, with little and much clearance.
-    #[test]
-    fn spaces_of_laws_are_foreseen() {
-        let config = r#"
-            [joint]
-            idealization     = "plane-stress"
-            hole_radius      = "10 mm"
-            radial_clearance = ["0.01 mm", "1 mm"]
-            thickness        = "8 mm"
-            pin   = { model = "rigid-midplane", youngs_modulus = "210 GPa", poissons_ratio = 0.3 }
-            plate = { model = "annulus", outer_radius_ratio = [1.1, 1.3, 3], youngs_modulus = "210 GPa", poissons_ratio = 0.3 }
-            [load]
-            indentation = "0.001 mm"
-            [solve]
-            accuracy = "0.1 %"
-        "#;
-        let study = Study::from_text(Path::new("config"), config.to_string()).unwrap();
-        let cases: Vec<DesignCase> = study.cases().unwrap().collect::<Result<_, _>>().unwrap();
-        let SolveOptions { method, accuracy } = study.solve;
-        let asked = |case: &DesignCase| JointPlan::cheapest(case, method, accuracy).unwrap().space;
-        let of_laws: Vec<SpaceKey> = cases.iter().map(|case| asked(&law_case(case, (1e-3, 1e-3)))).collect();
-        assert_eq!(law_spaces(&cases, study.solve), of_laws);
-        // The loads of the table alone would not tell them.
-        assert!(cases.iter().map(asked).ne(of_laws) && cases.len() == 6);
-    }
 }

@@ -1,6 +1,6 @@
 //! The pressure spaces of joints: how many trial pressures, at how many nodes of a curve. Each is made once and kept.
 
-use foldhash::{HashMap, HashSet};
+use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::mechanics::body::{Body, THINNEST_RING};
@@ -122,16 +122,6 @@ impl Spaces {
         &self.spaces[&key]
     }
 
-    /// Makes spaces, as far as they are not there yet.
-    pub fn make(&mut self, keys: impl IntoIterator<Item = SpaceKey>) {
-        let new: HashSet<SpaceKey> = keys.into_iter().filter(|key| !self.spaces.contains_key(key)).collect();
-        let made: Vec<(SpaceKey, CurveSpace)> = new
-            .into_par_iter()
-            .map(|key| (key, CurveSpace::new(key.variable, key.terms, key.nodes, key.limit())))
-            .collect();
-        self.spaces.extend(made);
-    }
-
     /// Makes spaces with what these bodies need in them, as far as it is not there yet.
     pub fn prepare<'a>(&mut self, bodies: impl Iterator<Item = (SpaceKey, &'a BodyCompliance)>) {
         // Of each space the body with the highest mode, and one of each kind of ring modes.
@@ -144,11 +134,18 @@ impl Spaces {
                 None => own.push(body),
             }
         }
-        self.make(needs.keys().copied());
-        let needed = self.spaces.iter_mut().filter_map(|(key, space)| Some((space, needs.remove(key)?)));
-        needed.collect::<Vec<_>>().into_par_iter().for_each(|(space, bodies)| {
-            bodies.iter().for_each(|body| space.pressures.prepare(body));
-        });
+        let open = needs.into_iter().map(|(key, bodies)| (key, bodies, self.spaces.remove(&key)));
+        let made: Vec<(SpaceKey, CurveSpace)> = open
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|(key, bodies, known)| {
+                let mut space =
+                    known.unwrap_or_else(|| CurveSpace::new(key.variable, key.terms, key.nodes, key.limit()));
+                bodies.iter().for_each(|body| space.pressures.prepare(body));
+                (key, space)
+            })
+            .collect();
+        self.spaces.extend(made);
     }
 }
 

@@ -12,7 +12,7 @@ use crate::engine::cost::DesignCost;
 use crate::engine::distinct::Distinct;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
-use crate::engine::law_fit::{add_laws, law_spaces};
+use crate::engine::law_fit::add_laws;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::error::Error;
 use crate::study::config::Study;
@@ -285,9 +285,6 @@ fn solve_all<T: Send>(
     let mut digestion = Digestion::new(digest, pool);
     for batch in drawn {
         let portions = batch.map(|batch| {
-            if study.fits_laws() {
-                ladder.foresee(law_spaces(&batch, study.solve));
-            }
             let answers = pool.install(|| ladder.answers(&batch));
             let outcomes = batch.into_iter().zip(answers);
             let mut outcomes: Vec<_> =
