@@ -31,7 +31,8 @@ use jointsweep::internals::mechanics::compliance::lane_condensation::Condensatio
 use jointsweep::internals::mechanics::compliance::pressure_space::{JointCompliance, Tilt};
 use jointsweep::internals::mechanics::compliance::ring_modes::RingModes;
 use jointsweep::internals::mechanics::compliance::{BodyCompliance, Boundary};
-use jointsweep::internals::mechanics::contact::curve::{ContactCurve, CurveSpace, Variable};
+use jointsweep::internals::mechanics::contact::curve::ContactCurve;
+use jointsweep::internals::mechanics::contact::curve_space::{CurveSpace, Variable};
 use jointsweep::internals::mechanics::contact::outlines::Outlines;
 use jointsweep::internals::mechanics::material::Idealization;
 use jointsweep::internals::mechanics::real::LANES;

@@ -2,9 +2,10 @@
 
 use clap::{Args, ValueEnum};
 use jointsweep::Error;
+use jointsweep::internals::engine::backend::choice::GpuChoice;
+use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
-use jointsweep::internals::engine::backend::gpu::solver::{DeviceSolver, GpuChoice};
 use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
 use jointsweep::internals::study::config::Study;
 

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant, SystemTime};
 use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::agreement::worst_difference;
+use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::gpu::context::{
     AdapterChoice, AdapterKind, Adapters, GpuDevice, GpuError,
 };
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
-use jointsweep::internals::engine::backend::gpu::solver::GpuChoice;
 use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
 use jointsweep::internals::engine::outcome::DesignOutcome;
 use jointsweep::internals::engine::sweep::{self, Digest, Statistics, SweepOptions};

@@ -7,7 +7,7 @@ use crate::mechanics::body::{Body, THINNEST_RING};
 use crate::mechanics::compliance::arc::TERM_CHOICES;
 use crate::mechanics::compliance::ring_modes::LARGEST_HELD;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
-use crate::mechanics::contact::curve::{CurveSpace, Variable};
+use crate::mechanics::contact::curve_space::{CurveSpace, MOST_NODES, Variable};
 
 /// Which pressure space a joint is solved in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,7 +22,7 @@ pub struct SpaceKey {
 }
 
 /// Counts of nodes.
-pub const NODE_CHOICES: [usize; 6] = [16, 24, 32, 48, 64, 96];
+pub const NODE_CHOICES: [usize; 6] = [16, 24, 32, 48, 64, MOST_NODES];
 
 /// Beside beds.
 const NODES_OF_BEDS: usize = 64;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use crate::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
+use crate::engine::backend::choice::GpuChoice;
 use crate::engine::cost::DesignCost;
 use crate::engine::distinct::Distinct;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
@@ -274,7 +274,7 @@ fn solve_all<T: Send>(
 ) -> Solution {
     let mut fallback = None;
     let ladder = Ladder::new(study.solve).interpolating(plan);
-    let mut ladder = match options.gpu.map(GpuCondenser::new) {
+    let mut ladder = match options.gpu.map(|gpu| gpu.condenser()) {
         None => ladder,
         Some(Ok(condenser)) => ladder.on(Box::new(condenser)),
         Some(Err(error)) => {

@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
-use crate::engine::backend::gpu::solver::GpuChoice;
+use crate::engine::backend::choice::GpuChoice;
 use crate::engine::sweep::Statistics;
 use crate::error::Error;
 use crate::output::counts::Counts;

@@ -9,12 +9,13 @@ mod common {
 }
 
 use common::draws;
+use jointsweep::internals::engine::backend::choice::GpuChoice;
+use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::elimination::{Elimination, FrontTopology, Job};
 use jointsweep::internals::engine::backend::gpu::front::FrontLayout;
 use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Precision};
 use jointsweep::internals::engine::backend::gpu::layout::MeshLayout;
-use jointsweep::internals::engine::backend::gpu::solver::{DeviceSolver, GpuChoice, GpuCondenser};
 use jointsweep::internals::engine::body_request::mesh_class;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::BackendKind;
@@ -86,8 +87,7 @@ fn iteration_is_left_to_the_processor(gpu: &GpuDevice) {
         joint.plate.parameters[0] = 2.9 + 1e-4 * index as f64;
     }
     let condenser =
-        GpuCondenser::new(GpuChoice { solver: DeviceSolver::Pcg, ..GpuChoice::new(gpu, Precision::F64) })
-            .unwrap();
+        GpuChoice { solver: DeviceSolver::Pcg, ..GpuChoice::new(gpu, Precision::F64) }.condenser().unwrap();
     let mut ladder = Ladder::new(options).on(Box::new(condenser));
     // All kernels are made, all threads started.
     let before = ladder.solve(&few);

@@ -1,6 +1,7 @@
 //! Whole designs on a device and on the processor.
 
-use jointsweep::internals::engine::backend::gpu::solver::{DeviceSolver, GpuChoice, GpuCondenser};
+use jointsweep::internals::engine::backend::choice::GpuChoice;
+use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
@@ -26,7 +27,7 @@ fn by(
     options: SolveOptions,
     cases: &[DesignCase],
 ) -> Vec<DesignOutcome> {
-    let condenser = GpuCondenser::new(GpuChoice { solver, ..GpuChoice::new(gpu, precision) }).unwrap();
+    let condenser = GpuChoice { solver, ..GpuChoice::new(gpu, precision) }.condenser().unwrap();
     let mut ladder = Ladder::new(options).on(Box::new(condenser));
     let outcomes = ladder.solve(cases);
     assert_eq!(ladder.library.lost(), None);
@@ -241,7 +242,7 @@ fn lose_a_device(solver: DeviceSolver) {
     // Not the one that the other tests share.
     let own = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap();
     let choice = GpuChoice { solver, ..GpuChoice::new(&own, Precision::F32) };
-    let condenser = GpuCondenser::new(choice).unwrap();
+    let condenser = choice.condenser().unwrap();
     let mut ladder = Ladder::new(options).on(Box::new(condenser));
     let first = ladder.solve(&cases[..2]);
     assert_eq!(ladder.library.lost(), None);

@@ -1,7 +1,8 @@
 //! The works of ring modes against the processor: the kernel alone, from a body's numbers on, and as a sweep asks for them.
 
 use jointsweep::internals::engine::backend::Device;
-use jointsweep::internals::engine::backend::gpu::solver::{DeviceSolver, GpuChoice, GpuCondenser};
+use jointsweep::internals::engine::backend::choice::GpuChoice;
+use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::backend::gpu::works::{BodyWorks, ModeLoads};
 use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity, Group, TopologyKey};
 use jointsweep::internals::mechanics::compliance::RingCompliance;
@@ -269,9 +270,9 @@ fn how_bodies_are_cut_into_batches_changes_no_bit() {
     // Mixed where it is to be had: it has numbers of both sizes.
     if let Some((precision, _)) = precisions().pop() {
         let condense = |gpu: &GpuDevice, groups: &[Group]| {
-            let mut condenser =
-                GpuCondenser::new(GpuChoice { solver: DeviceSolver::Pcg, ..GpuChoice::new(gpu, precision) })
-                    .unwrap();
+            let mut condenser = GpuChoice { solver: DeviceSolver::Pcg, ..GpuChoice::new(gpu, precision) }
+                .condenser()
+                .unwrap();
             let works = condenser.condense(groups).unwrap();
             (works, condenser.report)
         };

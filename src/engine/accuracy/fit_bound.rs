@@ -5,7 +5,7 @@ use crate::mechanics::body::Body;
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::body_fit::ROUNDED;
 use crate::mechanics::compliance::pressure_space::Tilt;
-use crate::mechanics::contact::curve::CurveSpace;
+use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::edge::EdgeStates;
 use crate::mechanics::contact::outlines::Outlines;
 

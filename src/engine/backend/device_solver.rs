@@ -1,10 +1,9 @@
 //! How a device condenses bodies.
 
 /// By elimination or by iteration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviceSolver {
     /// Elimination; conjugate gradients where a mesh is too fine for it.
-    #[default]
     Auto,
     /// Elimination; the processor where a mesh is too fine for it.
     Eliminate,

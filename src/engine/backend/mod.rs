@@ -7,6 +7,7 @@ pub mod device_solver;
 pub mod gpu;
 #[cfg(not(feature = "gpu"))]
 pub mod without_gpu;
+pub mod choice;
 
 use std::time::Duration;
 

@@ -53,43 +53,25 @@ pub mod speed {
 
 pub mod solver {
     use std::convert::Infallible;
+    use std::marker::PhantomData;
     use std::time::Duration;
 
     use super::context::{GpuDevice, GpuError};
     use super::kernels::Precision;
     use crate::engine::backend::Device;
-    pub use crate::engine::backend::device_solver::DeviceSolver;
+    use crate::engine::backend::device_solver::DeviceSolver;
     use crate::engine::body_request::Group;
 
-    /// A device, the numbers to compute in, and by what.
-    #[derive(Clone, Copy)]
-    pub struct GpuChoice<'a> {
-        pub device: &'a GpuDevice,
-        pub precision: Precision,
-        pub solver: DeviceSolver,
-    }
-
-    impl<'a> GpuChoice<'a> {
-        /// By the solver that suits each mesh.
-        pub fn new(device: &'a GpuDevice, precision: Precision) -> GpuChoice<'a> {
-            GpuChoice { device, precision, solver: DeviceSolver::Auto }
-        }
-
-        pub fn batch_size(&self) -> usize {
-            match self.device.none {}
-        }
-    }
-
     /// There is none.
-    pub struct GpuCondenser(Infallible);
+    pub struct GpuCondenser<'a>(Infallible, PhantomData<&'a GpuDevice>);
 
-    impl GpuCondenser {
-        pub fn new(choice: GpuChoice) -> Result<GpuCondenser, GpuError> {
-            match choice.device.none {}
+    impl<'a> GpuCondenser<'a> {
+        pub fn new(gpu: &'a GpuDevice, _: Precision, _: DeviceSolver) -> Result<GpuCondenser<'a>, GpuError> {
+            match gpu.none {}
         }
     }
 
-    impl Device for GpuCondenser {
+    impl Device for GpuCondenser<'_> {
         fn condense(&mut self, _: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
             match self.0 {}
         }

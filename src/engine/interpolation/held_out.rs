@@ -14,7 +14,7 @@ use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::body_fit::{BodyFit, FitScratch};
 use crate::mechanics::compliance::{BodyCompliance, infinite};
-use crate::mechanics::contact::curve::Variable;
+use crate::mechanics::contact::curve_space::Variable;
 
 /// The space that errors are told in.
 fn judging_space(half_ring: bool) -> SpaceKey {

@@ -3,12 +3,13 @@
 use std::collections::{BTreeMap, HashMap};
 use std::time::Duration;
 
+use crate::engine::backend::choice::GpuChoice;
 use crate::engine::backend::gpu::batch::{Batch, KernelFacts, adapted, batches};
 use crate::engine::backend::gpu::context::{AdapterKind, GpuError};
 use crate::engine::backend::gpu::dispatch::{Dispatch, Pass};
 use crate::engine::backend::gpu::kernels::{Kernels, Precision, Stage};
 use crate::engine::backend::gpu::layout::SystemState;
-use crate::engine::backend::gpu::solver::{GpuChoice, INVOCATIONS, Topology};
+use crate::engine::backend::gpu::solver::{INVOCATIONS, Topology};
 use crate::engine::backend::gpu::speed::run;
 use crate::engine::backend::gpu::stages::{Rounds, SystemBatch};
 use crate::engine::body_request::{BodyRequest, TopologyKey, mesh_size};

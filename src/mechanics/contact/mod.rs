@@ -4,8 +4,11 @@
 pub mod load;
 pub mod outlines;
 pub mod state;
+pub mod reduced;
 pub mod edge;
+pub mod curve_space;
 pub mod curve;
+pub mod curve_error;
 pub mod arc_pressure;
 pub mod search;
 pub mod node_contact;

@@ -6,8 +6,8 @@
 //! is P(1) and what it is wrong by at y = 1, to first order in y by the last two.
 
 use super::curve::ContactCurve;
-use super::edge::FreeEdge;
 use super::load::{DimensionlessLoad, NoState, Target};
+use super::reduced::FreeEdge;
 use super::state::ContactState;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};

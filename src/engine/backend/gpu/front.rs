@@ -3,7 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::batch::{KernelFacts, MOST_TRIPS};
+use super::batch::MOST_TRIPS;
 use super::context::DeviceLimits;
 use super::layout::{AssembleParameters, MeshLayout};
 use crate::mechanics::assembly::Assembly;
@@ -122,11 +122,11 @@ impl FrontLayout {
 
     /// What a kernel must have room for: in the workgroup's own memory if that is large enough. `None` where an invocation would make too
     /// many loop trips. There are kernels for whole multiples of the smallest front.
-    pub fn front(&self, kernel: &KernelFacts, limits: &DeviceLimits) -> Option<Front> {
+    pub fn front(&self, wide: u64, invocations: u64, limits: &DeviceLimits) -> Option<Front> {
         let rows = self.front_rows.next_multiple_of(Front::SMALLEST.rows);
         let fits = |front: &Front| {
-            front.workgroup_bytes(kernel.bytes_per_wide) <= u64::from(limits.workgroup_bytes)
-                && self.trips(kernel.invocations) <= MOST_TRIPS
+            front.workgroup_bytes(wide) <= u64::from(limits.workgroup_bytes)
+                && self.trips(invocations) <= MOST_TRIPS
         };
         [true, false].map(|is_on_chip| Front { rows, is_on_chip }).into_iter().find(fits)
     }

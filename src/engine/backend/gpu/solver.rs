@@ -6,40 +6,20 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
-use super::context::{AdapterKind, GpuDevice, GpuError};
-use super::elimination::{Counts, Elimination, FrontTopology, Job};
+use super::context::{GpuDevice, GpuError};
+use super::elimination::{Elimination, FrontTopology, Job};
 use super::front::FrontLayout;
 use super::kernels::{Kernels, Precision};
 use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::backend::Device;
-pub use crate::engine::backend::device_solver::DeviceSolver;
+use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
 use crate::mechanics::mesh::{Grading, RingTopology};
 use crate::mechanics::solve::refine::RefineSettings;
-
-/// A device, the numbers to compute in, and by what.
-#[derive(Clone, Copy)]
-pub struct GpuChoice<'a> {
-    pub device: &'a GpuDevice,
-    pub precision: Precision,
-    pub solver: DeviceSolver,
-}
-
-impl<'a> GpuChoice<'a> {
-    /// By the solver that suits each mesh.
-    pub fn new(device: &'a GpuDevice, precision: Precision) -> GpuChoice<'a> {
-        GpuChoice { device, precision, solver: DeviceSolver::Auto }
-    }
-
-    /// Designs of a batch that keeps the device busy.
-    pub fn batch_size(&self) -> usize {
-        if self.device.facts.kind == AdapterKind::Software { SOFTWARE_BATCH } else { BATCH }
-    }
-}
 
 /// Condenses bodies on a device; keeps what those of a topology share.
 pub struct GpuCondenser<'a> {
@@ -85,12 +65,6 @@ pub const INVOCATIONS: u32 = 64;
 /// Time of an iteration of one body before any was measured, s: short for a processor and long for a large GPU.
 pub(crate) const FIRST_GUESS: f64 = 1e-5;
 
-/// Designs of a batch: enough for thousands of bodies of a topology, few enough to stay small here.
-const BATCH: usize = 16_384;
-
-/// The same on software, whose user waits.
-const SOFTWARE_BATCH: usize = 256;
-
 /// What the bodies of topologies share, here and on the device, is dropped beyond these many bytes before more is made.
 const KEPT_BYTES: u64 = 256 << 20;
 
@@ -102,10 +76,14 @@ const STEPS_PER_ROOT: f64 = 8.0;
 const MOST_STEPS_PER_ROOT: f64 = 100.0;
 
 impl<'a> GpuCondenser<'a> {
-    pub fn new(choice: GpuChoice<'a>) -> Result<GpuCondenser<'a>, GpuError> {
+    pub fn new(
+        device: &'a GpuDevice,
+        precision: Precision,
+        solver: DeviceSolver,
+    ) -> Result<GpuCondenser<'a>, GpuError> {
         Ok(GpuCondenser {
-            kernels: Kernels::new(choice.device, choice.precision, INVOCATIONS)?,
-            solver: choice.solver,
+            kernels: Kernels::new(device, precision, INVOCATIONS)?,
+            solver,
             topologies: HashMap::new(),
             elimination: Elimination::default(),
             report: GpuReport::default(),
@@ -177,11 +155,6 @@ impl GpuCondenser<'_> {
             works[place] = found;
         }
         Ok(works)
-    }
-
-    /// What elimination has asked of the device so far.
-    pub fn counts(&self) -> Counts {
-        self.elimination.counts
     }
 }
 

@@ -3,9 +3,9 @@
 
 use std::time::{Duration, Instant};
 
+use crate::engine::backend::choice::GpuChoice;
 use crate::engine::backend::gpu::context::{GpuDevice, GpuError};
 use crate::engine::backend::gpu::kernels::Precision;
-use crate::engine::backend::gpu::solver::{GpuChoice, GpuCondenser};
 use crate::engine::ladder::Ladder;
 use crate::engine::outcome::DesignOutcome;
 use crate::lab::tradeoff::answer::State;
@@ -42,7 +42,7 @@ fn solve(
 ) -> Result<Solution, GpuError> {
     let started = Instant::now();
     let options = SolveOptions { accuracy, method: MethodChoice::Fe };
-    let condenser = GpuCondenser::new(GpuChoice::new(device, precision))?;
+    let condenser = GpuChoice::new(device, precision).condenser()?;
     let mut ladder = Ladder::new(options).on(Box::new(condenser));
     ladder.solve(cases);
     let first = started.elapsed();

@@ -1,0 +1,38 @@
+//! Which device condenses bodies, in which numbers, and by what.
+
+use crate::engine::backend::adapter::{AdapterKind, GpuError};
+use crate::engine::backend::device_solver::DeviceSolver;
+use crate::engine::backend::gpu::context::GpuDevice;
+use crate::engine::backend::gpu::solver::GpuCondenser;
+use crate::engine::backend::precision::Precision;
+
+/// A device and how it computes.
+#[derive(Clone, Copy)]
+pub struct GpuChoice<'a> {
+    pub device: &'a GpuDevice,
+    pub precision: Precision,
+    pub solver: DeviceSolver,
+}
+
+/// Designs of a batch: enough for thousands of bodies of a topology, few enough to stay small here.
+const BATCH: usize = 16_384;
+
+/// The same on software, whose user waits.
+const SOFTWARE_BATCH: usize = 256;
+
+impl<'a> GpuChoice<'a> {
+    /// By the solver that suits each mesh.
+    pub fn new(device: &'a GpuDevice, precision: Precision) -> GpuChoice<'a> {
+        GpuChoice { device, precision, solver: DeviceSolver::Auto }
+    }
+
+    /// Designs of a batch that keeps the device busy.
+    pub fn batch_size(&self) -> usize {
+        if self.device.facts.kind == AdapterKind::Software { SOFTWARE_BATCH } else { BATCH }
+    }
+
+    /// The device with its kernels.
+    pub fn condenser(&self) -> Result<GpuCondenser<'a>, GpuError> {
+        GpuCondenser::new(self.device, self.precision, self.solver)
+    }
+}

@@ -1,0 +1,279 @@
+//! The nodes of curves: arcs up to a limit, what a curve's functions are polynomials of, and the polynomials at the nodes.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::outlines::Outlines;
+use crate::mechanics::body::Side;
+use crate::mechanics::compliance::BodyCompliance;
+use crate::mechanics::compliance::arc::ContactArc;
+use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
+use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace, Tilt};
+use crate::mechanics::compliance::thin_wall::bed_matrix;
+use crate::mechanics::real::{LANES, Lanes, Real};
+
+/// What the functions of a curve are polynomials of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Variable {
+    /// z.
+    Root,
+    /// ln b, down to `NARROWEST` of its limit.
+    Logarithm,
+}
+
+/// The most nodes of a space.
+pub const MOST_NODES: usize = 96;
+
+/// The narrowest contact beside beds over the widest.
+const NARROWEST: f64 = 1e-9;
+
+/// The arcs of curves up to a limit: Chebyshev nodes in a variable.
+pub struct CurveSpace {
+    /// On arcs of the pin.
+    pub pressures: PressureSpace,
+    /// The largest contact half angle of the pin, rad.
+    pub limit: f64,
+    variable: Variable,
+    /// tan(limit/4), or ln tan(limit/2).
+    widest: f64,
+    /// z^2, or b, at the nodes: where loads are searched.
+    pub(super) places: Vec<f64>,
+    /// Logarithms of z, or of b.
+    pub(super) logarithms: Vec<f64>,
+    /// What functions are polynomials of, from 0 to 1, at the nodes, x_i, and 1/product of all x_i - x_j.
+    weighted: Vec<(f64, f64)>,
+    /// T_degree(x) of the Chebyshev nodes x > 0: `[degree / LANES][node]`, as many degrees as there are lanes. Even degrees before odd
+    /// ones, each in whole chunks.
+    pub(super) chebyshev: Vec<Vec<[f64; LANES]>>,
+}
+
+impl CurveSpace {
+    /// `terms` trial pressures at so many nodes, a multiple of `LANES`, up to a half angle, rad.
+    pub fn new(variable: Variable, terms: usize, nodes: usize, limit: f64) -> CurveSpace {
+        let angle = |node: usize| std::f64::consts::PI * (node as f64 + 0.5) / nodes as f64;
+        // From 0 to 1.
+        let unit = |node: usize| 0.5 * (1.0 + angle(node).cos());
+        // The product of all x - x_j is a Chebyshev polynomial: its slope at a node is known.
+        let size = 4.0_f64.powi(nodes as i32 - 1) / nodes as f64;
+        let weight = |node: usize| {
+            let weight = size * angle(node).sin();
+            if node.is_multiple_of(2) { weight } else { -weight }
+        };
+        let units = (0..nodes).map(unit);
+        let widest = match variable {
+            Variable::Root => (0.25 * limit).tan(),
+            Variable::Logarithm => (0.5 * limit).tan().ln(),
+        };
+        let logarithms: Vec<f64> = match variable {
+            Variable::Root => units.map(f64::ln).collect(),
+            Variable::Logarithm => units.map(|unit| widest + (1.0 - unit) * NARROWEST.ln()).collect(),
+        };
+        let chebyshev = (0..2 * chunks_of_parity(nodes)).map(|chunk| {
+            let degree = |lane: usize| degree_at(nodes, chunk, lane) as f64;
+            (0..nodes / 2)
+                .map(|node| std::array::from_fn(|lane| (degree(lane) * angle(node)).cos()))
+                .collect()
+        });
+        let half_angle = |logarithm: &f64| match variable {
+            Variable::Root => 4.0 * (widest * (2.0 * logarithm).exp()).atan(),
+            Variable::Logarithm => 2.0 * logarithm.exp().atan(),
+        };
+        CurveSpace {
+            pressures: PressureSpace::new(
+                terms,
+                logarithms.iter().map(|logarithm| ContactArc::new(half_angle(logarithm))).collect(),
+            ),
+            limit,
+            variable,
+            widest,
+            places: match variable {
+                Variable::Root => (0..nodes).map(|node| unit(node) * unit(node)).collect(),
+                Variable::Logarithm => logarithms.iter().map(|logarithm| logarithm.exp()).collect(),
+            },
+            logarithms,
+            weighted: (0..nodes).map(|node| (unit(node), weight(node))).collect(),
+            chebyshev: chebyshev.collect(),
+        }
+    }
+
+    /// The arcs of the nodes, descending.
+    pub fn arcs(&self) -> &[ContactArc] {
+        &self.pressures.arcs
+    }
+
+    /// The part of a joint's compliance of bodies of one side with their shares, as `PressureSpace::joint` has them: a pin's under its
+    /// tilt, a plate's on the hole's arcs.
+    pub fn part(
+        &self,
+        side: Side,
+        bodies: &[(&BodyCompliance, f64)],
+        outlines: &Outlines,
+    ) -> JointCompliance<'static> {
+        match side {
+            Side::Pin => self.pressures.joint(bodies, outlines.tilt()),
+            Side::Plate => {
+                let (plate, mut moved) = (self.pressures.joint(bodies, Tilt::NONE), Vec::new());
+                self.to_hole(&plate, outlines, &mut moved);
+                JointCompliance { values: moved.into(), ..plate }
+            }
+        }
+    }
+
+    /// The values of a plate's compliance on the hole's arcs that meet the pin's, from those on the arcs of the space.
+    pub fn to_hole(&self, plate: &JointCompliance, outlines: &Outlines, moved: &mut Vec<f64>) {
+        if outlines.ratio() == 1.0 {
+            moved.clear();
+            moved.extend_from_slice(&plate.values);
+            return;
+        }
+        let count = self.arcs().len();
+        moved.resize(plate.values.len(), 0.0);
+        if plate.bed == 0.0 {
+            in_lanes(OnHole { space: self, ratio: outlines.ratio(), values: &plate.values, moved });
+        } else {
+            for (place, arc) in self.arcs().iter().enumerate() {
+                let matrix = bed_matrix(arc.b / outlines.ratio(), self.pressures.terms);
+                for (entry, value) in matrix.into_iter().enumerate() {
+                    moved[entry * count + place] = plate.bed * value;
+                }
+            }
+        }
+        // What is left out of entry (0, 0) goes with the pin's b, not the hole's.
+        let logarithm = FRAC_PI_2 * plate.even * outlines.ratio().ln();
+        moved[..count].iter_mut().for_each(|value| *value += logarithm);
+    }
+
+    /// T_degree at a node.
+    pub(super) fn chebyshev_at(&self, degree: usize, node: usize) -> f64 {
+        let (count, is_far) = (self.arcs().len(), node >= self.arcs().len() / 2);
+        let near = if is_far { count - 1 - node } else { node };
+        let value = self.chebyshev[chunk_of(count, degree)][near][degree / 2 % LANES];
+        if is_far && degree % 2 == 1 { -value } else { value }
+    }
+
+    /// Whether a curve goes on below its narrowest node, to the angle zero.
+    pub(super) fn goes_to_zero(&self) -> bool {
+        self.variable == Variable::Root
+    }
+
+    /// From places to what polynomials are of, from 0 to 1, b, and logarithms.
+    #[inline(always)]
+    pub(super) fn at_places<const FUSED: bool>(&self, places: Lanes<FUSED>) -> [Lanes<FUSED>; 3] {
+        let number = Lanes::<FUSED>::from_f64;
+        match self.variable {
+            Variable::Root => {
+                let quarter = number(self.widest) * places;
+                let b = (quarter + quarter) / number(1.0).minus_product(quarter, quarter);
+                [places.sqrt(), b, number(0.5) * places.ln()]
+            }
+            Variable::Logarithm => {
+                let logarithms = places.ln();
+                let scale = number(1.0 / NARROWEST.ln());
+                [number(1.0).minus_product(scale, logarithms - number(self.widest)), places, logarithms]
+            }
+        }
+    }
+
+    /// The first of these from b, as far as the polynomials reach down.
+    #[inline(always)]
+    pub(super) fn place<const FUSED: bool>(&self, b: Lanes<FUSED>) -> Lanes<FUSED> {
+        let number = Lanes::<FUSED>::from_f64;
+        match self.variable {
+            // tan(eps/4) from tan(eps/2).
+            Variable::Root => {
+                let root = number(1.0) + (number(1.0) + b * b).sqrt();
+                (b / (root * number(self.widest))).sqrt()
+            }
+            // Below the narrowest contact nothing but the bed changes.
+            Variable::Logarithm => {
+                let place = number(1.0) - (b.ln() - number(self.widest)) * number(1.0 / NARROWEST.ln());
+                -(-place).least(number(-self.weighted[self.weighted.len() - 1].0))
+            }
+        }
+    }
+
+    /// What of S is left out of its polynomials goes with this times the logarithm: a logarithm is a polynomial of itself.
+    pub(super) fn logarithm_share(&self, even: f64) -> f64 {
+        match self.variable {
+            Variable::Root => std::f64::consts::PI * even,
+            Variable::Logarithm => 0.0,
+        }
+    }
+}
+
+/// From values on the arcs of a space, `[packed entry][arc]`, to those on arcs whose b is smaller by a ratio, by the polynomials
+/// through them.
+struct OnHole<'a> {
+    space: &'a CurveSpace,
+    ratio: f64,
+    values: &'a [f64],
+    moved: &'a mut [f64],
+}
+
+impl LaneWork for OnHole<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let OnHole { space, ratio, values, moved } = self;
+        let number = Lanes::<FUSED>::from_f64;
+        let count = space.weighted.len();
+        let mut weights = [Lanes::<FUSED>::zero(); MOST_NODES];
+        let weights = &mut weights[..count];
+        for chunk in 0..count / LANES {
+            let mut b = Lanes::<FUSED>::zero();
+            for (b, arc) in b.0.iter_mut().zip(&space.arcs()[chunk * LANES..]) {
+                *b = arc.b;
+            }
+            // Lagrange's polynomials: products of the distances to all nodes before, then to all behind.
+            let wanted = space.place(b * number(1.0 / ratio));
+            let distance = |place: f64| wanted - number(place);
+            let mut before = number(1.0);
+            for (own, (place, weight)) in weights.iter_mut().zip(&space.weighted) {
+                *own = before * number(*weight);
+                before = before * distance(*place);
+            }
+            let mut behind = number(1.0);
+            for (own, (place, _)) in weights.iter_mut().zip(&space.weighted).rev() {
+                *own = *own * behind;
+                behind = behind * distance(*place);
+            }
+            // The last group begins where it ends with the entries.
+            let entries = values.len() / count;
+            let last = entries.saturating_sub(ABREAST);
+            for entry in (0..=last).step_by(ABREAST).chain((!last.is_multiple_of(ABREAST)).then_some(last)) {
+                // Of few trial pressures there are fewer entries than go abreast.
+                let own: [&[f64]; ABREAST] =
+                    std::array::from_fn(|place| &values[(entry + place).min(entries - 1) * count..][..count]);
+                let mut sums = [Lanes::<FUSED>::zero(); ABREAST];
+                for node in 0..count {
+                    for (sum, own) in sums.iter_mut().zip(own) {
+                        *sum = sum.minus_product(-weights[node], Lanes::from_f64(own[node]));
+                    }
+                }
+                for (sum, moved) in sums.iter().zip(moved[entry * count..].chunks_exact_mut(count)) {
+                    moved[chunk * LANES..][..LANES].copy_from_slice(&sum.0);
+                }
+            }
+        }
+    }
+}
+
+/// Entries that are combined side by side: each waits for itself alone.
+const ABREAST: usize = 7;
+
+/// Chunks that even degrees take, below a count, and odd ones.
+fn chunks_of_parity(count: usize) -> usize {
+    (count / 2).div_ceil(LANES)
+}
+
+/// Where a degree below a count is, in lane degree / 2.
+#[inline(always)]
+pub(super) fn chunk_of(count: usize, degree: usize) -> usize {
+    degree % 2 * chunks_of_parity(count) + degree / 2 / LANES
+}
+
+/// The reverse.
+fn degree_at(count: usize, chunk: usize, lane: usize) -> usize {
+    let chunks = chunks_of_parity(count);
+    2 * (chunk % chunks * LANES + lane) + chunk / chunks
+}
