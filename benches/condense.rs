@@ -27,7 +27,14 @@ fn bodies() -> [Body; LANES] {
         parameters[0] = 3.0 - 0.01 * lane as f64;
         let poissons_ratio = 0.2 + 0.03 * lane as f64;
         let idealization = Idealization::PlaneStress;
-        Body { shape: &annulus::SHAPE, parameters, support: 0, poissons_ratio, idealization }
+        Body {
+            lining: Default::default(),
+            shape: &annulus::SHAPE,
+            parameters,
+            support: 0,
+            poissons_ratio,
+            idealization,
+        }
     })
 }
 

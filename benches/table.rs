@@ -15,6 +15,7 @@ fn outcome(index: u64, step_count: usize) -> DesignOutcome {
     // Numbers with all their digits, as a random sweep has them.
     let wild = |scale: f64, salt: u64| scale * (1.0 + ((index * 16 + salt) as f64).sin().abs());
     let part = |shape, ratio, salt| Part {
+        layers: Default::default(),
         shape,
         parameters: [ratio, 0.0, 0.0],
         support: 0,
@@ -34,6 +35,7 @@ fn outcome(index: u64, step_count: usize) -> DesignOutcome {
             force: wild(5e3, step as u64),
             tangent_stiffness: wild(1e5, step as u64),
             contact_half_angle: Some(wild(0.4, step as u64)),
+            peak_pressure_angle: None,
             peak_pressure: Some(wild(80.0, step as u64)),
             energy: Some(wild(25.0, step as u64)),
             force_error: wild(1e-3, step as u64),

@@ -65,12 +65,12 @@ fn draw(random: &mut Random) -> Body {
         _ => (&block::SHAPE, [side(random), side(random), side(random)]),
     };
     let support = (random.unit() * shape.supports.len() as f64) as usize;
-    Body { shape, parameters, support, poissons_ratio, idealization }
+    Body { lining: Default::default(), shape, parameters, support, poissons_ratio, idealization }
 }
 
 /// A body with all its meshes that are not too large.
 fn measured(body: Body) -> Measured {
-    let request = |level| BodyRequest { body, fidelity: Fidelity::Mesh { level } };
+    let request = |level| BodyRequest { body: body.clone(), fidelity: Fidelity::Mesh { level } };
     let bounded = (0..LEVEL_COUNT).map(request).take_while(is_bounded);
     let mut meshes: Vec<Fidelity> = bounded.map(|request| request.fidelity).collect();
     let finest = if body.shape.concentric { None } else { meshes.pop() };
@@ -80,7 +80,7 @@ fn measured(body: Body) -> Measured {
 /// Bodies of a trust. No mesh judges another where films are squeezed.
 fn drawn(random: &mut Random, trust: Trust) -> Vec<Measured> {
     let is_of_trust = |body: &Body| {
-        let request = BodyRequest { body: *body, fidelity: Fidelity::Mesh { level: 0 } };
+        let request = BodyRequest { body: body.clone(), fidelity: Fidelity::Mesh { level: 0 } };
         let has_judge = trust != Trust::SqueezedFilm || body.shape.concentric;
         Refusal::of_mesh(body).is_none() && Trust::of(&request) == trust && has_judge
     };

@@ -66,14 +66,18 @@ fn draw(random: &mut Random, group: Group, stiffness: Stiffness, depths: [f64; 2
             (&block::SHAPE, sides, usize::from(group == Group::BlockHeldAround))
         }
     };
-    Body { shape, parameters, support, poissons_ratio, idealization }
+    Body { lining: Default::default(), shape, parameters, support, poissons_ratio, idealization }
 }
 
 /// A body with the levels that are to be known and what they are measured against.
 fn measured(body: Body) -> Measured {
     let meshes = (0..KNOWN_LEVELS).map(|level| Fidelity::Mesh { level }).collect();
     let finest = Fidelity::Mesh { level: LEVEL_COUNT - 1 };
-    Measured { body, meshes, judge: if body.shape.concentric { Fidelity::Series } else { finest } }
+    Measured {
+        body: body.clone(),
+        meshes,
+        judge: if body.shape.concentric { Fidelity::Series } else { finest },
+    }
 }
 
 fn main() {
@@ -94,7 +98,7 @@ fn main() {
                     Kind::of(body).filter(|kind| kind.group == group && DEPTHS[kind.depth] == depths[0])
                 };
                 let of_kind = bodies.iter().filter(|body| kind(body).is_some());
-                let bodies: Vec<Measured> = of_kind.copied().map(measured).collect();
+                let bodies: Vec<Measured> = of_kind.cloned().map(measured).collect();
                 let mut found: [Vec<Vec<f64>>; COLUMNS.len() + 1] = [const { Vec::new() }; 4];
                 for bodies in bodies.chunks(64) {
                     library.solve(&bodies.iter().flat_map(Measured::requests).collect::<Vec<BodyRequest>>());

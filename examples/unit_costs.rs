@@ -245,7 +245,8 @@ fn spreads() -> Vec<Measured> {
 fn curves() -> Vec<Measured> {
     let of_space = |key: SpaceKey| {
         let mut space = made(key);
-        let bodies = [cored_discs()[2], annuli()[2]].map(|body| concentric(&body).compliance());
+        let bodies =
+            [cored_discs()[2].clone(), annuli()[2].clone()].map(|body| concentric(&body).compliance());
         bodies.iter().for_each(|body| space.pressures.prepare(body));
         let outlines = Outlines::new(0.01);
         let [pin, plate] = bodies.each_ref().map(|body| space.pressures.joint(&[(body, 1.0)], Tilt::NONE));
@@ -262,7 +263,14 @@ fn curves() -> Vec<Measured> {
 }
 
 fn body(shape: &'static jointsweep::internals::mechanics::body::Shape, parameters: [f64; 3]) -> Body {
-    Body { shape, parameters, support: 0, poissons_ratio: 0.3, idealization: Idealization::PlaneStrain }
+    Body {
+        lining: Default::default(),
+        shape,
+        parameters,
+        support: 0,
+        poissons_ratio: 0.3,
+        idealization: Idealization::PlaneStrain,
+    }
 }
 
 fn annuli() -> Vec<Body> {
@@ -278,7 +286,7 @@ fn bodies() -> Vec<Body> {
     let sides = [[1.06, 1.5, 1.1], [1.2, 1.5, 1.5], [2.0, 3.0, 1.6], [5.0, 5.0, 5.0]];
     let blocks = sides.into_iter().flat_map(|sides| {
         let base = body(&block::SHAPE, sides);
-        [base, Body { support: 1, ..base }]
+        [base.clone(), Body { support: 1, ..base }]
     });
     let half_disc = body(&half_disc::SHAPE, [0.0; 3]);
     annuli().into_iter().chain(cored_discs()).chain([half_disc]).chain(blocks).collect()
@@ -289,14 +297,14 @@ fn meshes() -> [Vec<Measured>; 2] {
     let (mut topologies, mut batches) = (Vec::new(), Vec::new());
     for body in bodies() {
         for level in 0..LEVELS {
-            if !is_bounded(&BodyRequest { body, fidelity: Fidelity::Mesh { level } }) {
+            if !is_bounded(&BodyRequest { body: body.clone(), fidelity: Fidelity::Mesh { level } }) {
                 continue;
             }
             let (class, size) = (mesh_class(&body, level), mesh_size(&body, level));
             let modes = RingModes::of(&class);
             let plan = || CondensationPlan::new(&body, class.grading(body.shape.end_angle), modes);
             topologies.push(Measured::new(&[&topology(size, modes.count).0], time_once(plan)));
-            let (plan, lanes) = (plan(), [body; LANES]);
+            let (plan, lanes) = (plan(), std::array::from_fn::<_, LANES, _>(|_| body.clone()));
             let seconds = time(|| plan.condense(&lanes));
             batches.push(Measured::new(&[&batch(size).0], seconds));
         }

@@ -9,7 +9,7 @@ use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::{JointDesign, Load, Part};
 
 /// A joint that can be: every constructor has checked it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Joint(JointDesign);
 
 /// Sizes of a joint, mm.
@@ -76,7 +76,7 @@ pub struct Curve(JointCurve);
 
 impl Curve {
     pub fn joint(&self) -> Joint {
-        Joint(*self.0.joint())
+        Joint(self.0.joint().clone())
     }
 
     /// Answers with their status to loads, as rows of a table have them.

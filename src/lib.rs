@@ -36,4 +36,5 @@ pub use joint::{Curve, Dimensions, Joint, Options, solve};
 pub use mechanics::material::{Idealization, Material};
 pub use study::config::MethodChoice;
 pub use study::design::{DesignCase, Load, Part};
+pub use study::layers::Layer;
 pub use sweep::Sweep;

@@ -27,7 +27,7 @@ pub type OfArc = (f64, Vec<f64>, Vec<f64>);
 impl Measured {
     pub fn requests(&self) -> impl Iterator<Item = BodyRequest> {
         let fidelities = self.meshes.iter().chain([&self.judge]);
-        fidelities.map(|fidelity| BodyRequest { body: self.body, fidelity: *fidelity })
+        fidelities.map(|fidelity| BodyRequest { body: self.body.clone(), fidelity: *fidelity })
     }
 
     /// On each arc up to the neat fit. The library has solved the requests.

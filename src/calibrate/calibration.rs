@@ -93,9 +93,9 @@ pub fn calibrate(
             "radial_clearance: cannot be fitted from 0; give the config a clearance to start from".into(),
         );
     }
-    let start = Setup { joint: *joint.design(), support_compliance: 0.0, zero_offset: 0.0 };
+    let start = Setup { joint: joint.design().clone(), support_compliance: 0.0, zero_offset: 0.0 };
     let options = Options { accuracy: options.accuracy.min(LEAST_ACCURACY), ..options };
-    let mut fit = Fit::new(start, unknowns, options, points);
+    let mut fit = Fit::new(start.clone(), unknowns, options, points);
     let scaled_start = fit.scaled_start();
     let minimum = match minimum(&mut fit, &scaled_start) {
         Ok(minimum) => minimum,

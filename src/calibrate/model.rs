@@ -13,7 +13,7 @@ use crate::study::design::{JointDesign, Load};
 use crate::study::measured::MeasuredPoint;
 
 /// A joint with what is around it in the measurement.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Setup {
     pub joint: JointDesign,
     /// C, mm/N.
@@ -24,7 +24,7 @@ pub struct Setup {
 
 impl Setup {
     pub fn get(&self, unknown: Unknown) -> f64 {
-        let mut setup = *self;
+        let mut setup = self.clone();
         *setup.slot(unknown)
     }
 
@@ -40,7 +40,7 @@ impl Setup {
 
     /// The joint's curve, after that of another setup: bodies that both have are not solved again.
     pub fn curve_after(&self, before: Option<Curve>, options: Options) -> Result<Curve, Error> {
-        Joint::try_from(self.joint)?.curve_after(before, options)
+        Joint::try_from(self.joint.clone())?.curve_after(before, options)
     }
 
     /// What the joint answers at measured indentations; an error where there is no answer. Before first touch there is nothing.
@@ -177,7 +177,7 @@ impl<'a> Fit<'a> {
     }
 
     pub fn setup(&self, scaled: &[f64]) -> Setup {
-        let mut setup = self.start;
+        let mut setup = self.start.clone();
         for (unknown, scaled) in self.unknowns.iter().zip(scaled) {
             *setup.slot(*unknown) = self.value(*unknown, *scaled);
         }
@@ -235,7 +235,7 @@ impl Problem for Fit<'_> {
                 Some(_) => vec![0.0; loads.len()],
                 None => {
                     let mut sides = [1.0, -1.0].into_iter().map(|sign: f64| {
-                        let mut moved = *setup;
+                        let mut moved = setup.clone();
                         *moved.slot(*unknown) *= (sign * STEP).exp();
                         let curve = moved.curve_after(before.take(), self.options).ok()?;
                         let steps = before.insert(curve).answers(&loads).ok()?;

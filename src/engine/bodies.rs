@@ -87,7 +87,7 @@ impl<'a> BodyLibrary<'a> {
         let mut asked = HashSet::default();
         for request in requests {
             if asked.insert(request.key()) && !self.solved.contains_key(&request.key()) {
-                missing.push(*request);
+                missing.push(request.clone());
             }
         }
         if missing.is_empty() {
@@ -102,7 +102,8 @@ impl<'a> BodyLibrary<'a> {
             .into_par_iter()
             .map(|request| {
                 let started = Instant::now();
-                (request, concentric(&request.body).compliance(), started.elapsed())
+                let compliance = concentric(&request.body).compliance();
+                (request, compliance, started.elapsed())
             })
             .collect();
         for (request, compliance, time) in exact {
@@ -125,7 +126,7 @@ impl<'a> BodyLibrary<'a> {
             let class = key.class;
             group
                 .iter()
-                .map(|request| request.body)
+                .map(|request| request.body.clone())
                 .collect::<Vec<Body>>()
                 .into_iter()
                 .flat_map(move |body| NearFieldClass::around(&body, class).0)
@@ -198,12 +199,12 @@ impl<'a> BodyLibrary<'a> {
         let plan_time = started.elapsed();
         let condense = |batch: &[BodyRequest]| {
             let started = Instant::now();
-            let bodies: Vec<Body> = batch.iter().map(|request| request.body).collect();
+            let bodies: Vec<Body> = batch.iter().map(|request| request.body.clone()).collect();
             let works = plan.condense(&bodies).into_iter();
             let solved = batch
                 .iter()
                 .zip(works)
-                .map(|(request, works)| (*request, self.corrected(&key, &request.body, works)));
+                .map(|(request, works)| (request.clone(), self.corrected(&key, &request.body, works)));
             (solved.collect(), started.elapsed())
         };
         let batches = group.par_chunks(LANES).map(condense).collect();
@@ -227,7 +228,7 @@ struct SolvedGroup {
 fn portions(requests: &[BodyRequest]) -> Vec<Vec<Group>> {
     let mut groups: HashMap<TopologyKey, Vec<BodyRequest>> = HashMap::default();
     for request in requests {
-        groups.entry(TopologyKey::of(request)).or_default().push(*request);
+        groups.entry(TopologyKey::of(request)).or_default().push(request.clone());
     }
     let mut portions: Vec<Vec<Group>> = Vec::new();
     let mut portion = Vec::new();
@@ -257,6 +258,7 @@ mod tests {
     fn what_is_kept_is_bounded() {
         let request = |index: usize| BodyRequest {
             body: Body {
+                lining: Default::default(),
                 shape: &annulus::SHAPE,
                 parameters: [(0.05 + 0.05 * index as f64).exp(), 0.0, 0.0],
                 support: 0,

@@ -17,7 +17,7 @@ pub enum Fidelity {
 }
 
 /// A body to solve.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct BodyRequest {
     pub body: Body,
     pub fidelity: Fidelity,

@@ -261,8 +261,8 @@ impl DesignCost<'_> {
                 let case = law_case(&case, working_range_of(&case));
                 let unknowns = needs.unknowns;
                 if let Ok(first) = JointPlan::cheapest(&case, method, accuracy) {
-                    needs.climb(&case, first, accuracy);
                     let of_design = joint_seconds(&first) + design(case.steps.len() as f64).seconds();
+                    needs.climb(&case, first, accuracy);
                     needs.seconds += of_design + Unit::Laws.seconds();
                 }
                 needs.unknowns = unknowns;

@@ -19,7 +19,7 @@ impl ExpectedContact {
     pub fn of(case: &DesignCase) -> ExpectedContact {
         let joint = &case.joint;
         let [pin, plate] =
-            [&joint.pin, &joint.plate].map(|part| part.material.plane_modulus(joint.idealization));
+            [&joint.pin, &joint.plate].map(|part| part.contact_material().plane_modulus(joint.idealization));
         let of_pin = plate / (pin + plate);
         // Those of the greatest loads: it grows with the load.
         let (mut indentation, mut force) = (0.0_f64, 0.0_f64);
@@ -45,7 +45,11 @@ pub fn half_angle(joint: &JointDesign, load: Load) -> f64 {
         Load::Indentation(delta) => (radial_clearance / (radial_clearance + delta)).acos(),
         // Persson's narrow contact, tan(eps/2)^2 = F/(pi E* dR).
         Load::Force(force) => {
-            let modulus = effective_modulus(&joint.pin.material, &joint.plate.material, joint.idealization);
+            let modulus = effective_modulus(
+                &joint.pin.contact_material(),
+                &joint.plate.contact_material(),
+                joint.idealization,
+            );
             let half_tangent = (force / joint.thickness / (PI * modulus * radial_clearance)).sqrt();
             (2.0 * half_tangent.atan()).min(FRAC_PI_2)
         }

@@ -73,7 +73,7 @@ impl<'a> Explainer<'a> {
         let method = self.study.solve.method;
         let rows = case.steps.len() as f64;
         let mut ruled_out = Vec::new();
-        if method == MethodChoice::ClosedForm {
+        if method == MethodChoice::ClosedForm && !case.joint.is_lined() {
             return Explanation {
                 chosen: "closed form".into(),
                 why: "`method = \"closed-form\"` asks for Johnson's law".into(),
@@ -104,6 +104,7 @@ impl<'a> Explainer<'a> {
     fn not_interpolated(&self, case: &DesignCase) -> Option<String> {
         match &self.interpolation {
             Some(plan) if plan.covers(&case.joint) => None,
+            _ if case.joint.is_lined() => Some("knows no layers".into()),
             Some(_) => {
                 Some("a body is outside of what is fitted: a thin wall, a singular Poisson's ratio".into())
             }
@@ -145,7 +146,7 @@ impl<'a> Explainer<'a> {
         let levels = if plan.estimate == Estimate::Known { plan.level } else { KNOWN_LEVELS };
         let is_meshed = plan.estimate != Estimate::Exact;
         for level in (0..levels).filter(|_| is_meshed) {
-            let alone = JointPlan { level, ..plan };
+            let alone = JointPlan { level, ..plan.clone() };
             ruled_out
                 .push((format!("mesh level {level} alone"), not_known_enough(&alone, &expected, accuracy)));
         }
@@ -197,7 +198,7 @@ impl<'a> Explainer<'a> {
 
 /// Of the bodies on meshes the worst at a half angle, rad.
 fn worst_known(plan: &JointPlan, half_angle: f64) -> Option<f64> {
-    let known = |request: BodyRequest| known_error(&request.body, plan.level, half_angle);
+    let known = |request: &BodyRequest| known_error(&request.body, plan.level, half_angle);
     plan.meshed().map(known).try_fold(0.0, |worst: f64, error| Some(worst.max(error?)))
 }
 

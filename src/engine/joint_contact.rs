@@ -16,14 +16,15 @@ use crate::mechanics::contact::curve::ContactCurve;
 use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::outlines::Outlines;
-use crate::study::design::{DesignCase, JointDesign};
+use crate::study::design::{DesignCase, JointDesign, Part};
 
 /// Joints with one of these have a curve in common: sizes and loads are left.
 pub type JointKey = (RequestKey, RequestKey, [u64; 3], SpaceKey, Estimate);
 
 /// Of a design with its plan.
 pub fn joint_key(plan: &JointPlan, case: &DesignCase) -> JointKey {
-    let [pin, plate] = [&case.joint.pin, &case.joint.plate].map(|part| part.material.youngs_modulus);
+    let [pin, plate] =
+        [&case.joint.pin, &case.joint.plate].map(|part| part.contact_material().youngs_modulus);
     let numbers = [pin, plate, JointScale::of(&case.joint).outlines.radial_clearance].map(f64::to_bits);
     (plan.pin.key(), plan.plate.key(), numbers, plan.space, plan.estimate)
 }
@@ -57,7 +58,7 @@ fn judged_bodies<'a>(
         if solved.backend == BackendKind::Gpu {
             backend = BackendKind::Gpu;
         }
-        let (compliance, share) = (&*solved.compliance, 1.0 / part.material.youngs_modulus);
+        let (compliance, share) = (&*solved.compliance, 1.0 / part.contact_material().youngs_modulus);
         let source = match (request.fidelity, plan.coarser(request)) {
             (Fidelity::Series, _) if matches!(compliance.boundary, Boundary::Bed(_)) => ErrorSource::Bed,
             (Fidelity::Series, _) => ErrorSource::Exact,
@@ -119,11 +120,15 @@ pub fn solve_joint<'a>(
     let errors = BodyErrors::new(&curve, bodies, trust);
     let of_curve = curve.error(solving.method == Method::Series);
     let answer = |case: &DesignCase| {
+        let may_peak_aside = [&case.joint.pin, &case.joint.plate].into_iter().any(Part::is_stiff_on_soft);
         let scale = JointScale::of(&case.joint);
         let of_outlines = OutlineError::of(&case.joint, &outlines);
         let states = curve.states(scale.loads_in_contact(&case.steps));
         let states = states.into_iter().map(|state| {
-            let (state, node) = state?;
+            let (mut state, node) = state?;
+            if may_peak_aside {
+                state = curve.peaked(state, node);
+            }
             let of_bodies = errors.at(state.half_angle, node);
             Ok((state, ForceError::new(&state, of_curve, of_bodies, of_outlines.at(state.half_angle))))
         });

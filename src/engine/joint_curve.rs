@@ -58,7 +58,7 @@ impl JointCurve {
         } else {
             LOOKED_AT.map(|ratio| Load::Indentation(ratio * joint.radial_clearance)).into()
         };
-        let case = DesignCase { index: 0, joint: *joint, steps };
+        let case = DesignCase { index: 0, joint: joint.clone(), steps };
         let mut plan = JointPlan::cheapest(&case, method, accuracy).map_err(Failure::Refused)?;
         loop {
             let requests: Vec<_> = plan.requests().collect();
@@ -69,7 +69,7 @@ impl JointCurve {
             let want = answers.first().map_or(Want::Nothing, |(_, want)| *want);
             match plan.next(want) {
                 Some(next) => plan = next,
-                None => return Ok(JointCurve { joint: *joint, accuracy, library, spaces, plan }),
+                None => return Ok(JointCurve { joint: joint.clone(), accuracy, library, spaces, plan }),
             }
         }
     }
@@ -85,7 +85,7 @@ impl JointCurve {
 
     /// What a row of a table says under each of these loads (mm or N, not negative).
     pub fn answers(&self, loads: &[Load]) -> Vec<StepOutcome> {
-        let case = DesignCase { index: 0, joint: self.joint, steps: loads.to_vec() };
+        let case = DesignCase { index: 0, joint: self.joint.clone(), steps: loads.to_vec() };
         let answers =
             solve_designs(&self.library, &self.spaces, &self.plan, std::iter::once(&case), self.accuracy);
         answers.into_iter().next().map_or(Vec::new(), |(answer, _)| answer.steps)

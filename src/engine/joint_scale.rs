@@ -63,6 +63,7 @@ impl JointScale {
             tangent_stiffness: self.thickness * state.tangent_stiffness,
             contact_half_angle: Some(state.half_angle),
             peak_pressure: Some(offset * state.peak_pressure),
+            peak_pressure_angle: Some(state.peak_angle),
             energy: Some(scale * length * state.energy),
             force_error,
             linearity_error: None,

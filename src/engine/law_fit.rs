@@ -24,7 +24,7 @@ pub fn law_case(case: &DesignCase, (low, high): (f64, f64)) -> DesignCase {
         let sampled = sampled_at((low / clearance, high / clearance));
         sampled.chain([LARGE]).map(|ratio| Load::Indentation(ratio * clearance)).collect()
     };
-    DesignCase { index: case.index, joint: *joint, steps }
+    DesignCase { index: case.index, joint: joint.clone(), steps }
 }
 
 /// The least and the greatest indentation that was answered, mm.
@@ -42,7 +42,8 @@ pub fn laws_of(case: &DesignCase, answer: &Answer, (low, high): (f64, f64)) -> D
     let missing = |why| DesignLaws { missing: Some(why), ..DesignLaws::default() };
     let Some((last, sampled)) = answer.steps.split_last() else { return missing("no load") };
     let stiffness =
-        effective_modulus(&joint.pin.material, &joint.plate.material, joint.idealization) * joint.thickness;
+        effective_modulus(&joint.pin.contact_material(), &joint.plate.contact_material(), joint.idealization)
+            * joint.thickness;
     let stiffness_of_large_loads = last.response.map(|response| response.tangent_stiffness);
     let clearance = joint.radial_clearance;
     if clearance == 0.0 {

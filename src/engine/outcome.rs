@@ -54,8 +54,10 @@ pub struct Response {
     pub tangent_stiffness: f64,
     /// Where the pressure vanishes, at the hole's centre, from the load line, rad; `None` where the method does not say.
     pub contact_half_angle: Option<f64>,
-    /// MPa, at the load line, per area of the hole; `None` where the method does not say.
+    /// The greatest, MPa, per area of the hole; `None` where the method does not say.
     pub peak_pressure: Option<f64>,
+    /// Where that is, at the hole's centre from the load line, rad; `None` where the method does not say.
+    pub peak_pressure_angle: Option<f64>,
     /// Strain energy of both bodies, mJ; `None` where the method does not say.
     pub energy: Option<f64>,
     /// Estimated relative error of the force, displacements being small.

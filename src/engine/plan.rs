@@ -14,7 +14,7 @@ use crate::study::config::MethodChoice;
 use crate::study::design::DesignCase;
 
 /// What a design is solved with, at one rung of the ladder of resolutions.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct JointPlan {
     pub pin: BodyRequest,
     pub plate: BodyRequest,
@@ -54,7 +54,7 @@ impl JointPlan {
             Estimate::Change(trust) => trust.error(plan.level, 0.0) <= accuracy,
             _ => true,
         };
-        plan = std::iter::successors(Some(plan), JointPlan::finer).find(can_do).unwrap_or(plan);
+        plan = std::iter::successors(Some(plan.clone()), JointPlan::finer).find(can_do).unwrap_or(plan);
         while !plan.is_bounded() && plan.level > 1 {
             plan = plan.on_level(plan.level - 1);
         }
@@ -67,20 +67,20 @@ impl JointPlan {
 
     /// Whether no mesh takes too much memory or time.
     fn is_bounded(&self) -> bool {
-        self.meshed().all(|request| is_bounded(&request))
+        self.meshed().all(is_bounded)
     }
 
     /// What is known of the meshes, each body by its share of the work; `None` where nothing is known.
     pub fn foreseen_error(&self, expected: &ExpectedContact) -> Option<f64> {
-        let bodies = [self.pin, self.plate].into_iter().zip(expected.shares);
+        let bodies = [&self.pin, &self.plate].into_iter().zip(expected.shares);
         let meshed = bodies.filter(|(request, _)| request.fidelity != Fidelity::Series);
-        let known = |request: BodyRequest| known_error(&request.body, self.level, expected.half_angle);
+        let known = |request: &BodyRequest| known_error(&request.body, self.level, expected.half_angle);
         meshed.map(|(request, share)| Some(share * known(request)?)).sum()
     }
 
     /// What a design is solved with next, `None` where it wants nothing or there is no more.
     pub fn next(&self, want: Want) -> Option<JointPlan> {
-        let in_space = |space: Option<SpaceKey>| Some(JointPlan { space: space?, ..*self });
+        let in_space = |space: Option<SpaceKey>| Some(JointPlan { space: space?, ..self.clone() });
         match want {
             Want::Nothing => None,
             Want::MoreTerms => in_space(self.space.with_more_terms()).or_else(|| self.finer()),
@@ -101,7 +101,7 @@ impl JointPlan {
         if level == LEVEL_COUNT {
             return None;
         }
-        let is_known = |request: BodyRequest| known_error(&request.body, level, 0.0).is_some();
+        let is_known = |request: &BodyRequest| known_error(&request.body, level, 0.0).is_some();
         let finer = match self.estimate {
             Estimate::Exact => return None,
             Estimate::Known if self.meshed().all(is_known) => {
@@ -113,11 +113,11 @@ impl JointPlan {
     }
 
     fn on_level(&self, level: usize) -> JointPlan {
-        let on_level = |request: BodyRequest| match request.fidelity {
-            Fidelity::Series => request,
-            Fidelity::Mesh { .. } => BodyRequest { fidelity: Fidelity::Mesh { level }, ..request },
+        let on_level = |request: &BodyRequest| match request.fidelity {
+            Fidelity::Series => request.clone(),
+            Fidelity::Mesh { .. } => BodyRequest { fidelity: Fidelity::Mesh { level }, ..request.clone() },
         };
-        JointPlan::of([on_level(self.pin), on_level(self.plate)], self.space, level)
+        JointPlan::of([on_level(&self.pin), on_level(&self.plate)], self.space, level)
     }
 
     /// For a design at a mesh level, the error told by the next coarser one (so from 1 on).
@@ -128,6 +128,9 @@ impl JointPlan {
         level: usize,
     ) -> Result<JointPlan, Refusal> {
         let joint = &case.joint;
+        if let Some(refusal) = Refusal::of_layers(joint, method) {
+            return Err(refusal);
+        }
         let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
         if method == MethodChoice::Series && !(pin.shape.concentric && plate.shape.concentric) {
             return Err(Refusal::NotConcentric);
@@ -141,37 +144,35 @@ impl JointPlan {
             BodyRequest { body, fidelity }
         };
         let plan = JointPlan::of([request(pin), request(plate)], space, level);
-        match plan.meshed().find_map(|request| Refusal::of_mesh(&request.body)) {
-            None => Ok(plan),
-            Some(refusal) => Err(refusal),
-        }
+        let refusal = plan.meshed().find_map(|request| Refusal::of_mesh(&request.body));
+        refusal.map_or(Ok(plan), Err)
     }
 
     fn of([pin, plate]: [BodyRequest; 2], space: SpaceKey, level: usize) -> JointPlan {
         let mut plan = JointPlan { pin, plate, space, level, estimate: Estimate::Exact };
         // The lesser trust of the bodies on meshes.
-        if let Some(trust) = plan.meshed().map(|request| Trust::of(&request)).max() {
+        if let Some(trust) = plan.meshed().map(Trust::of).max() {
             plan.estimate = Estimate::Change(trust);
         }
         plan
     }
 
     /// The bodies on meshes.
-    pub fn meshed(&self) -> impl Iterator<Item = BodyRequest> {
-        [self.pin, self.plate].into_iter().filter(|request| request.fidelity != Fidelity::Series)
+    pub fn meshed(&self) -> impl Iterator<Item = &BodyRequest> {
+        [&self.pin, &self.plate].into_iter().filter(|request| request.fidelity != Fidelity::Series)
     }
 
     /// The bodies to solve.
     pub fn requests(&self) -> impl Iterator<Item = BodyRequest> {
-        let with_coarser = |request: BodyRequest| [Some(request), self.coarser(&request)];
-        [self.pin, self.plate].into_iter().flat_map(with_coarser).flatten()
+        let with_coarser = |request: &BodyRequest| [Some(request.clone()), self.coarser(request)];
+        [&self.pin, &self.plate].into_iter().flat_map(with_coarser).flatten()
     }
 
     /// The body on the next coarser mesh, where the change since then is what tells the error.
     pub fn coarser(&self, request: &BodyRequest) -> Option<BodyRequest> {
         match (request.fidelity, self.estimate) {
             (Fidelity::Mesh { level }, Estimate::Change(_)) => {
-                Some(BodyRequest { fidelity: Fidelity::Mesh { level: level - 1 }, ..*request })
+                Some(BodyRequest { fidelity: Fidelity::Mesh { level: level - 1 }, ..request.clone() })
             }
             _ => None,
         }

@@ -4,14 +4,25 @@
 use std::fmt;
 
 use crate::engine::body_request::{BodyRequest, Fidelity, mesh_size};
-use crate::mechanics::body::{Body, DEEPEST_MESHED, Side};
+use crate::mechanics::body::{Body, DEEPEST_MESHED, Side, THINNEST_RING};
 use crate::mechanics::real::LANES;
+use crate::study::columns::side_name;
+use crate::study::config::MethodChoice;
+use crate::study::design::JointDesign;
 
 /// Why a design is not solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refusal {
     /// `series` was asked for bodies it has no modes of.
     NotConcentric,
+    /// A part's layers leave nothing of its own material: their thickness and that of the wall, mm.
+    ThickLayers { part: &'static str, layers: f64, wall: f64 },
+    /// A lined part that no exact modes carry; `has_modes` where `series` would.
+    LayersOnMesh { part: &'static str, has_modes: bool },
+    /// A lined wall so thin that modes do not carry it.
+    ThinLinedWall { part: &'static str },
+    /// Closed forms know one material a part.
+    LayersInClosedForm,
     /// A place of a body on a mesh is thinner than meshes carry; `has_modes` where `series` needs no mesh.
     ThinWall { name: &'static str, wall: f64, thinnest: f64, has_modes: bool },
     /// The far boundary is farther from the ring than meshes carry, as a ratio of radii above 1.
@@ -19,9 +30,35 @@ pub enum Refusal {
 }
 
 impl Refusal {
+    /// Of a joint with layers under which none can be solved by this method.
+    pub fn of_layers(joint: &JointDesign, method: MethodChoice) -> Option<Refusal> {
+        [&joint.pin, &joint.plate].into_iter().find_map(|part| {
+            if part.layers.is_empty() {
+                return None;
+            }
+            let name = side_name(part.shape.side);
+            match joint.wall(part) {
+                _ if method == MethodChoice::ClosedForm => Some(Refusal::LayersInClosedForm),
+                _ if method == MethodChoice::Fe || !part.shape.concentric => {
+                    Refusal::of_mesh(&joint.body(part))
+                }
+                wall if part.layers.thickness() >= wall => {
+                    Some(Refusal::ThickLayers { part: name, layers: part.layers.thickness(), wall })
+                }
+                _ if joint.body(part).depth_range().0 < THINNEST_RING => {
+                    Some(Refusal::ThinLinedWall { part: name })
+                }
+                _ => None,
+            }
+        })
+    }
+
     /// Of a body that is to be meshed.
     pub fn of_mesh(body: &Body) -> Option<Refusal> {
         let shape = body.shape;
+        if !body.lining.is_bare() {
+            return Some(Refusal::LayersOnMesh { part: side_name(shape.side), has_modes: shape.concentric });
+        }
         let (least, greatest) = body.depth_range();
         if least < shape.thinnest_meshed {
             let thickness = |depth: f64| match shape.side {
@@ -43,6 +80,24 @@ impl fmt::Display for Refusal {
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
         match *self {
             Refusal::NotConcentric => write!(out, "series needs a rigid-core pin in an annulus"),
+            Refusal::ThickLayers { part, layers, wall } => {
+                let (layers, wall) = beside(layers, wall, "as much as");
+                write!(out, "the layers of the {part} are {layers} mm thick; its wall is {wall} mm")
+            }
+            Refusal::LayersOnMesh { part, has_modes: true } => {
+                write!(
+                    out,
+                    "meshes carry no layers, and the {part} has some; method auto needs no mesh for it"
+                )
+            }
+            Refusal::LayersOnMesh { part, has_modes: false } => {
+                write!(out, "the {part} has layers, which only a rigid-core pin and an annulus can have")
+            }
+            Refusal::ThinLinedWall { part } => {
+                let thinnest = one_digit(100.0 * THINNEST_RING);
+                write!(out, "the {part} has layers in a wall below {thinnest} % of the radius")
+            }
+            Refusal::LayersInClosedForm => write!(out, "closed forms know no layers"),
             Refusal::ThinWall { name, wall, thinnest, has_modes } => {
                 let (wall, thinnest) = beside(100.0 * wall, 100.0 * thinnest, "just under");
                 let way_out = if has_modes { "; method auto needs no mesh for it" } else { "" };

@@ -5,10 +5,12 @@ use crate::engine::accuracy::geometry_error::{LARGE_DISPLACEMENT, WIDEST_CLEARAN
 use crate::engine::accuracy::{ForceError, Want};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind, Method, Response, StepOutcome};
+use crate::engine::refusal::Refusal;
 use crate::engine::status::{Failure, Remark, Remarks, Status};
 use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::state::ContactState;
 use crate::mechanics::laws;
+use crate::study::config::MethodChoice;
 use crate::study::design::{DesignCase, Load};
 
 /// How a design was solved.
@@ -80,6 +82,7 @@ fn unloaded(method: Method) -> StepOutcome {
         tangent_stiffness: 0.0,
         contact_half_angle: Some(0.0),
         peak_pressure: Some(0.0),
+        peak_pressure_angle: Some(0.0),
         energy: Some(0.0),
         force_error: 0.0,
         linearity_error: Some(0.0),
@@ -91,6 +94,9 @@ fn unloaded(method: Method) -> StepOutcome {
 /// Johnson's law. It knows nothing of the plate's extent, so it is right to a factor of two at best.
 pub fn closed_form(case: &DesignCase) -> Answer {
     let joint = &case.joint;
+    if let Some(refusal) = Refusal::of_layers(joint, MethodChoice::ClosedForm) {
+        return all_failed(case, BackendKind::Cpu, Failure::Refused(refusal));
+    }
     let curve = joint.pair().and_then(|pair| laws::johnson::LAW.curve(&pair));
     let step = |load: &Load| -> Result<StepOutcome, laws::LawError> {
         let curve = curve?;
@@ -104,6 +110,7 @@ pub fn closed_form(case: &DesignCase) -> Answer {
             tangent_stiffness: joint.thickness * curve.tangent_stiffness_per_thickness(indentation)?,
             contact_half_angle: None,
             peak_pressure: None,
+            peak_pressure_angle: None,
             energy: None,
             force_error: 1.0,
             linearity_error: None,

@@ -41,7 +41,9 @@ impl SpaceKey {
     /// The layer between contact and far boundary must be resolved, too. What few trial pressures leave of contacts up to a
     /// half angle is measured in `tests/mechanics/series.rs`, what few nodes leave in `tests/mechanics/curves.rs`.
     pub fn coarsest(pin: &Body, plate: &Body, accuracy: f64, half_angle: f64) -> SpaceKey {
-        let thinnest = pin.depth_range().0.min(plate.depth_range().0);
+        // Layers give way at their far side: no more is needed for thin ones than for walls that are just not thin.
+        let nearest = |body: &Body| body.depth_range().0.min(body.nearest_depth().max(1.01 * THIN));
+        let thinnest = nearest(pin).min(nearest(plate));
         SpaceKey::beside(thinnest, pin.shape.end_angle < std::f64::consts::PI, accuracy, half_angle)
     }
 

@@ -181,7 +181,14 @@ mod tests {
     use crate::mechanics::material::Idealization;
 
     fn body(shape: &'static crate::mechanics::body::Shape, parameters: [f64; 3]) -> Body {
-        Body { shape, parameters, support: 0, poissons_ratio: 0.3, idealization: Idealization::PlaneStress }
+        Body {
+            lining: Default::default(),
+            shape,
+            parameters,
+            support: 0,
+            poissons_ratio: 0.3,
+            idealization: Idealization::PlaneStress,
+        }
     }
 
     /// Bodies of all shapes, ratios from 1.001 to 1e4 in uneven steps.
@@ -286,7 +293,7 @@ mod tests {
         });
         assert_eq!(blocks, 200 * 7);
         let soft = Body { idealization: Idealization::PlaneStrain, ..body(&block::SHAPE, [3.0, 2.0, 2.0]) };
-        let stiff = Body { poissons_ratio: 0.45, ..soft };
+        let stiff = Body { poissons_ratio: 0.45, ..soft.clone() };
         let [soft, stiff] = [soft, stiff]
             .map(|body| [0, 3, 5].map(|level| last(&GradingClass::of(&body, ElementKind::Quad8, level))));
         // Two layers more, each 0.4 of what it would be.

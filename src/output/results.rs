@@ -11,6 +11,7 @@ use crate::study::columns::{DESIGN, FORCE, INDENTATION, Quantity, joint_columns}
 use crate::study::config::Asked;
 use crate::study::design::JointDesign;
 use crate::study::designs_file::{OpenText, Rows, open_plain};
+use crate::study::layers::LayerCounts;
 use crate::study::output_options::column_names;
 
 /// The folder of a run that went to its end.
@@ -106,11 +107,11 @@ impl Results {
             TABLE_PARQUET => parquet_text::open_text,
             _ => open_plain,
         };
-        let mut rows = Rows::open_columns(&self.table(), open, &column_names())?;
+        let mut rows = Rows::open_columns(&self.table(), open, &column_names(LayerCounts::MOST))?;
         for (name, cell) in &self.origin.constants {
             rows.add_constant(name, cell.clone());
         }
-        let inputs = joint_columns().into_iter().map(|column| column.name());
+        let inputs = joint_columns(LayerCounts::NONE).into_iter().map(|column| column.name());
         let quantities = needed.iter().map(|quantity| quantity.name().to_string());
         let needed = std::iter::once(DESIGN.to_string()).chain(inputs).chain(quantities);
         let missing: Vec<String> = needed.filter(|name| rows.place(name).is_none()).collect();
@@ -157,6 +158,11 @@ impl TableRows {
     /// The joint of the row gone on to.
     pub fn joint(&self) -> Result<JointDesign, Error> {
         self.rows.joint()
+    }
+
+    /// The most layers of pin and plate.
+    pub fn layer_counts(&self) -> LayerCounts {
+        self.rows.layer_counts()
     }
 
     /// Where a column stands, for those who read many rows; `None` where the table does not have it.

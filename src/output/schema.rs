@@ -8,6 +8,7 @@ use crate::engine::outcome::{BackendKind, Response, StepOutcome};
 use crate::study::columns::{self, Cell, Column, Quantity, joint_columns};
 use crate::study::config::Study;
 use crate::study::design::Load;
+use crate::study::layers::LayerCounts;
 
 /// A column, documented.
 #[derive(Clone, Debug)]
@@ -60,6 +61,9 @@ pub fn kind(quantity: Quantity) -> Kind {
             Kind::Result(|response| response.contact_half_angle.map(f64::to_degrees))
         }
         Quantity::PeakPressure => Kind::Result(|response| response.peak_pressure),
+        Quantity::PeakPressureAngle => {
+            Kind::Result(|response| response.peak_pressure_angle.map(f64::to_degrees))
+        }
         Quantity::Energy => Kind::Result(|response| response.energy),
         Quantity::ForceError => Kind::Result(|response| Some(response.force_error)),
         Quantity::LinearityError => Kind::Result(|response| response.linearity_error),
@@ -102,7 +106,10 @@ pub fn law_columns() -> [(&'static str, &'static str, &'static str); 20] {
 /// The columns that the table of a study has.
 pub fn columns_of(study: &Study) -> Vec<TableColumn> {
     let constants = study.constants();
-    table_columns().into_iter().filter(|column| study.output.has(&column.name, &constants)).collect()
+    table_columns(study.layer_counts())
+        .into_iter()
+        .filter(|column| study.output.has(&column.name, &constants))
+        .collect()
 }
 
 /// The inputs that are the same in all designs of a study and not in its table.
@@ -141,24 +148,24 @@ pub fn non_finite(columns: &[TableColumn], response: &Response) -> Option<&'stat
 /// The columns that hold what comes of a load step.
 pub fn result_columns() -> Vec<TableColumn> {
     let is_result = |column: &TableColumn| !matches!(column.kind, Kind::Design | Kind::Input(_));
-    table_columns().into_iter().filter(is_result).collect()
+    table_columns(LayerCounts::MOST).into_iter().filter(is_result).collect()
 }
 
-/// All columns, in their order.
-pub fn table_columns() -> Vec<TableColumn> {
+/// All columns of joints with so many layers, in their order.
+pub fn table_columns(layers: LayerCounts) -> Vec<TableColumn> {
     let design = TableColumn {
         name: columns::DESIGN.into(),
         unit: "-",
         about: "number of the design, from 0".into(),
         kind: Kind::Design,
     };
-    let inputs = joint_columns().into_iter().map(|column| TableColumn {
+    let inputs = joint_columns(layers).into_iter().map(|column| TableColumn {
         name: column.name().into(),
         unit: column.unit(),
         about: column.about(),
         kind: Kind::Input(column),
     });
-    let results = Quantity::ALL.map(|quantity| TableColumn {
+    let results = Quantity::of_tables(layers).map(|quantity| TableColumn {
         name: quantity.name().into(),
         unit: quantity.unit(),
         about: quantity.about().into(),
@@ -169,7 +176,7 @@ pub fn table_columns() -> Vec<TableColumn> {
 
 /// The columns of `table.csv` as a table in Markdown.
 pub fn documentation() -> String {
-    let columns = table_columns();
+    let columns = table_columns(LayerCounts { pin: 1, plate: 1 });
     markdown(columns.iter().map(|column| (&*column.name, column.unit, &*column.about)))
 }
 

@@ -11,6 +11,7 @@ use crate::output::sink::Sink;
 use crate::study::columns::Cell;
 use crate::study::config::Study;
 use crate::study::design::{DesignCase, Load};
+use crate::study::layers::LayerCounts;
 
 /// Writes outcomes as rows.
 pub struct Table {
@@ -19,9 +20,10 @@ pub struct Table {
     input_count: usize,
 }
 
+/// Of all columns of bare joints.
 impl Default for Table {
     fn default() -> Table {
-        Table::with(table_columns())
+        Table::with(table_columns(LayerCounts::NONE))
     }
 }
 
@@ -59,7 +61,7 @@ impl Table {
         Table::with(columns_of(study))
     }
 
-    fn with(columns: Vec<TableColumn>) -> Table {
+    pub fn with(columns: Vec<TableColumn>) -> Table {
         let is_input = |column: &&TableColumn| matches!(column.kind, Kind::Design | Kind::Input(_));
         let input_count = columns.iter().take_while(is_input).count();
         Table { columns, input_count }
@@ -138,12 +140,13 @@ fn is_within_bounds(response: &Response) -> bool {
         tangent_stiffness,
         contact_half_angle,
         peak_pressure,
+        peak_pressure_angle,
         energy,
         force_error,
         linearity_error,
         method: _,
     } = *response;
-    let optional = [contact_half_angle, peak_pressure, energy, linearity_error];
+    let optional = [contact_half_angle, peak_pressure, peak_pressure_angle, energy, linearity_error];
     let is_small = |value: f64| value.abs() < 1e300;
     [indentation, force, tangent_stiffness, force_error].into_iter().all(is_small)
         && optional.into_iter().all(|value| is_small(value.unwrap_or(0.0)))
@@ -183,6 +186,7 @@ mod tests {
         tangent_stiffness: 144_700.0,
         contact_half_angle: Some(std::f64::consts::FRAC_PI_4),
         peak_pressure: None,
+        peak_pressure_angle: None,
         energy: Some(2e-7),
         force_error: 0.0012,
         linearity_error: Some(0.02),
@@ -191,7 +195,8 @@ mod tests {
 
     fn rows(loads: &[Load], steps: Vec<StepOutcome>) -> String {
         let material = Material { youngs_modulus: 200e3, poissons_ratio: 0.3 };
-        let part = |shape, parameters| Part { shape, parameters, support: 0, material };
+        let part =
+            |shape, parameters| Part { layers: Default::default(), shape, parameters, support: 0, material };
         let joint = JointDesign {
             idealization: Idealization::PlaneStress,
             hole_radius: 100.0,

@@ -4,6 +4,7 @@
 use crate::mechanics::body::{Shape, Side};
 use crate::mechanics::material::Idealization;
 use crate::study::design::{JointDesign, Part};
+use crate::study::layers::{Layer, LayerCounts};
 
 /// One input of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +19,52 @@ pub enum Column {
     Support(Side),
     YoungsModulus(Side),
     PoissonsRatio(Side),
+    /// Of a layer, counted from 0.
+    Layer(Side, usize, LayerQuantity),
+}
+
+/// What a layer is told by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LayerQuantity {
+    Thickness,
+    YoungsModulus,
+    PoissonsRatio,
+}
+
+impl LayerQuantity {
+    pub const ALL: [LayerQuantity; 3] =
+        [LayerQuantity::Thickness, LayerQuantity::YoungsModulus, LayerQuantity::PoissonsRatio];
+
+    /// In columns, with its unit.
+    pub fn name(self) -> &'static str {
+        match self {
+            LayerQuantity::Thickness => "thickness_mm",
+            LayerQuantity::YoungsModulus => "youngs_modulus_mpa",
+            LayerQuantity::PoissonsRatio => "poissons_ratio",
+        }
+    }
+
+    pub fn of(self, layer: &Layer) -> f64 {
+        match self {
+            LayerQuantity::Thickness => layer.thickness,
+            LayerQuantity::YoungsModulus => layer.material.youngs_modulus,
+            LayerQuantity::PoissonsRatio => layer.material.poissons_ratio,
+        }
+    }
+}
+
+/// How many layers columns of these names are for.
+pub fn layers_in<'a>(names: impl Iterator<Item = &'a str>) -> LayerCounts {
+    let mut counts = LayerCounts::NONE;
+    // Few columns are of layers.
+    for name in names.filter(|name| name.contains("_layer")) {
+        match joint_columns(LayerCounts::MOST).into_iter().find(|column| column.name() == name) {
+            Some(Column::Layer(Side::Pin, layer, _)) => counts.pin = counts.pin.max(layer + 1),
+            Some(Column::Layer(Side::Plate, layer, _)) => counts.plate = counts.plate.max(layer + 1),
+            _ => {}
+        }
+    }
+    counts
 }
 
 /// The columns of the two loads; a row of a list of designs fills one of them.
@@ -35,6 +82,7 @@ pub enum Quantity {
     TangentStiffness,
     ContactHalfAngle,
     PeakPressure,
+    PeakPressureAngle,
     Energy,
     ForceError,
     LinearityError,
@@ -45,12 +93,13 @@ pub enum Quantity {
 
 impl Quantity {
     /// In the order of the table.
-    pub const ALL: [Quantity; 11] = [
+    pub const ALL: [Quantity; 12] = [
         Quantity::Indentation,
         Quantity::Force,
         Quantity::TangentStiffness,
         Quantity::ContactHalfAngle,
         Quantity::PeakPressure,
+        Quantity::PeakPressureAngle,
         Quantity::Energy,
         Quantity::ForceError,
         Quantity::LinearityError,
@@ -58,6 +107,14 @@ impl Quantity {
         Quantity::Backend,
         Quantity::Status,
     ];
+
+    /// Those in tables of joints with so many layers: bare ones press most at the load line.
+    pub fn of_tables(layers: LayerCounts) -> impl Iterator<Item = Quantity> {
+        let is_there = move |quantity: &Quantity| {
+            layers != LayerCounts::NONE || *quantity != Quantity::PeakPressureAngle
+        };
+        Quantity::ALL.into_iter().filter(is_there)
+    }
 
     /// The column's header, with its unit.
     pub fn name(self) -> &'static str {
@@ -113,7 +170,15 @@ impl Quantity {
                 "deg",
                 "where the pressure ends, at the hole's centre, from the load line",
             ),
-            Quantity::PeakPressure => ("peak_pressure_mpa", "MPa", "at the load line, per area of the hole"),
+            Quantity::PeakPressure => {
+                ("peak_pressure_mpa", "MPa", "greatest contact pressure, per area of the hole")
+            }
+            Quantity::PeakPressureAngle => (
+                "peak_pressure_angle_deg",
+                "deg",
+                "where that is, at the hole's centre, from the load line: 0 but for stiff layers on soft ones; only in tables of \
+                 joints with layers",
+            ),
             Quantity::Energy => ("energy_mj", "mJ", "strain energy of both bodies"),
             Quantity::ForceError => {
                 ("force_error", "-", "estimated relative error of the force, displacements being small")
@@ -145,8 +210,8 @@ pub enum Cell {
     Empty,
 }
 
-/// The columns of a joint, in their order; the load follows them.
-pub fn joint_columns() -> Vec<Column> {
+/// The columns of a joint with so many layers at most, in their order; the load follows them.
+pub fn joint_columns(layers: LayerCounts) -> Vec<Column> {
     let mut columns =
         vec![Column::HoleRadius, Column::RadialClearance, Column::Thickness, Column::Idealization];
     for side in [Side::Pin, Side::Plate] {
@@ -161,6 +226,9 @@ pub fn joint_columns() -> Vec<Column> {
             columns.push(Column::Support(side));
         }
         columns.extend([Column::YoungsModulus(side), Column::PoissonsRatio(side)]);
+        for layer in 0..layers.of(side) {
+            columns.extend(LayerQuantity::ALL.map(|quantity| Column::Layer(side, layer, quantity)));
+        }
     }
     columns
 }
@@ -186,6 +254,9 @@ impl Column {
             Column::Support(side) => format!("{}_support", side_name(side)),
             Column::YoungsModulus(side) => format!("{}_youngs_modulus_mpa", side_name(side)),
             Column::PoissonsRatio(side) => format!("{}_poissons_ratio", side_name(side)),
+            Column::Layer(side, layer, quantity) => {
+                format!("{}_layer{}_{}", side_name(side), layer + 1, quantity.name())
+            }
         }
     }
 
@@ -198,7 +269,8 @@ impl Column {
     pub fn unit(&self) -> &'static str {
         match self {
             Column::HoleRadius | Column::RadialClearance | Column::Thickness => "mm",
-            Column::YoungsModulus(_) => "MPa",
+            Column::Layer(_, _, LayerQuantity::Thickness) => "mm",
+            Column::YoungsModulus(_) | Column::Layer(_, _, LayerQuantity::YoungsModulus) => "MPa",
             _ => "-",
         }
     }
@@ -236,6 +308,14 @@ impl Column {
             }
             Column::YoungsModulus(side) => format!("Young's modulus of the {}", side_name(side)),
             Column::PoissonsRatio(side) => format!("Poisson's ratio of the {}", side_name(side)),
+            Column::Layer(side, layer, quantity) => {
+                let what = match quantity {
+                    LayerQuantity::Thickness => "thickness",
+                    LayerQuantity::YoungsModulus => "Young's modulus",
+                    LayerQuantity::PoissonsRatio => "Poisson's ratio",
+                };
+                format!("{what} of layer {} of the {}, counted from the contact", layer + 1, side_name(side))
+            }
         }
     }
 
@@ -257,6 +337,10 @@ impl Column {
             Column::Support(side) => part(side).support_name().map_or(Cell::Empty, Cell::Word),
             Column::YoungsModulus(side) => Cell::Number(part(side).material.youngs_modulus),
             Column::PoissonsRatio(side) => Cell::Number(part(side).material.poissons_ratio),
+            Column::Layer(side, layer, quantity) => {
+                let layer = part(side).layers.list().get(layer);
+                layer.map_or(Cell::Empty, |layer| Cell::Number(quantity.of(layer)))
+            }
         }
     }
 }
@@ -267,7 +351,7 @@ mod tests {
 
     #[test]
     fn columns_are_those_of_the_contract() {
-        let names: Vec<String> = joint_columns().iter().map(Column::name).collect();
+        let names: Vec<String> = joint_columns(LayerCounts::NONE).iter().map(Column::name).collect();
         assert_eq!(
             names.join(","),
             "hole_radius_mm,radial_clearance_mm,thickness_mm,idealization,pin_model,core_radius_ratio,\
@@ -279,7 +363,7 @@ mod tests {
     /// A pin and a plate shape that name a ratio alike would share a header.
     #[test]
     fn no_two_columns_share_a_name() {
-        let mut names: Vec<String> = joint_columns().iter().map(Column::name).collect();
+        let mut names: Vec<String> = joint_columns(LayerCounts::MOST).iter().map(Column::name).collect();
         let count = names.len();
         names.sort();
         names.dedup();

@@ -8,6 +8,7 @@ use crate::study::design::{DesignCase, Limits, Load};
 use crate::study::designs_file::{DesignsFile, Rows};
 use crate::study::expression::Expression;
 use crate::study::fingerprint::Fingerprint;
+use crate::study::layers::LayerCounts;
 use crate::study::output_options::OutputOptions;
 use crate::study::recipe::Recipe;
 use crate::study::reduce::{Reduce, read_select};
@@ -91,6 +92,13 @@ impl Designs {
             Designs::Listed(file) => file.constants().to_vec(),
         }
     }
+
+    fn layer_counts(&self) -> LayerCounts {
+        match self {
+            Designs::Sampled { recipe, .. } => recipe.layer_counts(),
+            Designs::Listed(file) => file.layer_counts(),
+        }
+    }
 }
 
 impl Study {
@@ -151,7 +159,7 @@ impl Study {
             }
         };
         if let Some(table) = &output_table {
-            output.check(table, &designs.constants())?;
+            output.check(table, &designs.constants(), designs.layer_counts())?;
         }
         Ok(Study { title, solve, interpolation, select, reduce, output, designs, source })
     }
@@ -240,6 +248,11 @@ impl Study {
     /// The inputs that are the same in all designs, in the order of the table's columns.
     pub fn constants(&self) -> Vec<(Column, Cell)> {
         self.designs.constants()
+    }
+
+    /// The most layers of pin and plate.
+    pub fn layer_counts(&self) -> LayerCounts {
+        self.designs.layer_counts()
     }
 
     /// Whether the rows themselves are written: as asked, or where nothing is asked of all rows together.

@@ -3,9 +3,11 @@
 use std::fmt;
 
 use crate::error::{Error, shortened, suggest};
+use crate::mechanics::body::lining::{Interface, Lining};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, SHAPES, Shape, ShapeParameter, Side};
 use crate::mechanics::laws::{LawError, Pair};
 use crate::mechanics::material::{Idealization, Material};
+use crate::study::layers::{Layer, LayerCounts, Layers, MOST_LAYERS};
 
 /// The values a quantity may take: from `low`, itself allowed or not, to below `high`.
 #[derive(Clone, Copy, Debug)]
@@ -49,14 +51,16 @@ impl Limits {
 }
 
 /// One half of a joint: its shape with ratios to the ring's radius, and its material (MPa).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Part {
     pub shape: &'static Shape,
     /// Values of `shape.parameters`, in order; the rest is zero.
     pub parameters: [f64; MAX_PARAMETERS],
     /// Index into `shape.supports`; 0 when there is only one.
     pub support: usize,
+    /// Beyond all layers.
     pub material: Material,
+    pub layers: Layers,
 }
 
 impl Part {
@@ -64,6 +68,22 @@ impl Part {
     pub fn parameter(&self, name: &str) -> Option<f64> {
         let position = self.shape.parameters.iter().position(|parameter| parameter.name == name)?;
         self.parameters.get(position).copied()
+    }
+
+    /// That of the layer that touches, or its own.
+    pub fn contact_material(&self) -> Material {
+        self.layers.list().first().map_or(self.material, |layer| layer.material)
+    }
+
+    /// Whether its contact material is stiffer than one beyond: such a layer presses most where it bends most.
+    pub fn is_stiff_on_soft(&self) -> bool {
+        self.least_modulus() < self.contact_material().youngs_modulus
+    }
+
+    /// Young's modulus of its softest material, MPa.
+    pub fn least_modulus(&self) -> f64 {
+        let of_layers = self.layers.list().iter().map(|layer| layer.material.youngs_modulus);
+        of_layers.fold(self.material.youngs_modulus, f64::min)
     }
 
     /// The name of the way it is held; `None` when there is only one.
@@ -114,7 +134,35 @@ impl Part {
         };
         check("youngs_modulus", material.youngs_modulus, Limits::POSITIVE)?;
         check("poissons_ratio", material.poissons_ratio, Limits::POISSONS_RATIO)?;
-        Ok(Part { shape, parameters, support, material })
+        Ok(Part { shape, parameters, support, material, layers: Layers::NONE })
+    }
+}
+
+impl Part {
+    /// The same part with bonded layers, from the contact into it: mm and MPa.
+    pub fn with_layers(self, layers: &[Layer]) -> Result<Part, Error> {
+        let part = Part { layers: Layers::new(layers.to_vec()), ..self };
+        part.check_layers()?;
+        Ok(part)
+    }
+
+    /// Whether there can be such layers, whatever the wall.
+    fn check_layers(&self) -> Result<(), Error> {
+        let layers = self.layers.list();
+        let refuse = |problem: String| Err(Error::Joint { quantity: "layers".into(), problem });
+        if !layers.is_empty() && !self.shape.concentric {
+            return refuse(format!("model `{}` cannot have layers", self.shape.name));
+        }
+        if layers.len() > MOST_LAYERS {
+            return refuse(format!("{} layers; at most {MOST_LAYERS} are allowed", layers.len()));
+        }
+        for (number, layer) in (1..).zip(layers) {
+            let of = |quantity: &str| format!("layer {number}: {quantity}");
+            check(&of("thickness"), layer.thickness, Limits::POSITIVE)?;
+            check(&of("youngs_modulus"), layer.material.youngs_modulus, Limits::POSITIVE)?;
+            check(&of("poissons_ratio"), layer.material.poissons_ratio, Limits::POISSONS_RATIO)?;
+        }
+        Ok(())
     }
 }
 
@@ -124,7 +172,7 @@ fn check(quantity: &str, value: f64, limits: Limits) -> Result<(), Error> {
 }
 
 /// A pin in a hole with clearance.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct JointDesign {
     pub idealization: Idealization,
     /// R2, mm.
@@ -158,14 +206,23 @@ impl JointDesign {
             }
             check("youngs_modulus", part.material.youngs_modulus, Limits::POSITIVE)?;
             check("poissons_ratio", part.material.poissons_ratio, Limits::POISSONS_RATIO)?;
+            part.check_layers()?;
+            if !part.layers.is_empty() && part.layers.thickness() >= self.wall(part) {
+                let (layers, wall) = (part.layers.thickness(), self.wall(part));
+                return refuse(
+                    "layers",
+                    format!("{layers} mm of the {what}: must be below its wall, {wall} mm"),
+                );
+            }
         }
         Ok(())
     }
 
     /// The joint as the closed forms see it.
     pub fn pair(&self) -> Result<Pair, LawError> {
-        let JointDesign { idealization, hole_radius, radial_clearance, thickness, pin, plate } = *self;
-        Pair::new(hole_radius, radial_clearance, thickness, &pin.material, &plate.material, idealization)
+        let JointDesign { idealization, hole_radius, radial_clearance, thickness, .. } = *self;
+        let [pin, plate] = [&self.pin, &self.plate].map(Part::contact_material);
+        Pair::new(hole_radius, radial_clearance, thickness, &pin, &plate, idealization)
     }
 
     /// The dimensionless body of one half.
@@ -174,9 +231,52 @@ impl JointDesign {
             shape: part.shape,
             parameters: part.parameters,
             support: part.support,
-            poissons_ratio: part.material.poissons_ratio,
+            poissons_ratio: part.contact_material().poissons_ratio,
             idealization: self.idealization,
+            lining: self.lining(part),
         }
+    }
+
+    pub fn layer_counts(&self) -> LayerCounts {
+        LayerCounts { pin: self.pin.layers.list().len(), plate: self.plate.layers.list().len() }
+    }
+
+    /// Whether a part has layers.
+    pub fn is_lined(&self) -> bool {
+        !(self.pin.layers.is_empty() && self.plate.layers.is_empty())
+    }
+
+    /// How deep a concentric part is below the contact, mm.
+    pub fn wall(&self, part: &Part) -> f64 {
+        (part.parameters[0] - 1.0).abs() * self.contact_radius(part)
+    }
+
+    /// The radius of a part at the contact, mm.
+    fn contact_radius(&self, part: &Part) -> f64 {
+        match part.shape.side {
+            Side::Pin => self.hole_radius - self.radial_clearance,
+            Side::Plate => self.hole_radius,
+        }
+    }
+
+    /// The layers of a part without sizes. Radii are rounded to 2^-44, so that joints of another size have the same bodies.
+    fn lining(&self, part: &Part) -> Lining {
+        const FINENESS: f64 = (1_u64 << 44) as f64;
+        let layers = part.layers.list();
+        let Some(first) = layers.first() else { return Lining::BARE };
+        let outward = if part.shape.side == Side::Plate { 1.0 } else { -1.0 };
+        let beyond = layers[1..].iter().map(|layer| layer.material).chain([part.material]);
+        let mut depth = 0.0;
+        let interface = |(layer, beyond): (&Layer, Material)| {
+            depth += layer.thickness;
+            let radius_ratio = 1.0 + outward * depth / self.contact_radius(part);
+            Interface {
+                radius_ratio: (radius_ratio * FINENESS).round() / FINENESS,
+                modulus_ratio: beyond.youngs_modulus / first.material.youngs_modulus,
+                poissons_ratio: beyond.poissons_ratio,
+            }
+        };
+        Lining::new(layers.iter().zip(beyond).map(interface).collect())
     }
 }
 

@@ -9,9 +9,10 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use crate::error::{Error, shortened, suggest};
 use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
 use crate::mechanics::material::{Idealization, Material};
-use crate::study::columns::{Cell, Column, FORCE, INDENTATION, joint_columns};
+use crate::study::columns::{Cell, Column, FORCE, INDENTATION, LayerQuantity, joint_columns, layers_in};
 use crate::study::design::{DesignCase, JointDesign, Limits, Load, Part};
 use crate::study::fingerprint::{Fingerprint, Fingerprinted};
+use crate::study::layers::{Layer, LayerCounts, Layers};
 use crate::study::line_guard::LineGuard;
 
 /// A list of designs that has been read once and found good.
@@ -22,6 +23,7 @@ pub struct DesignsFile {
     fingerprint: Fingerprint,
     /// Inputs that are the same in all rows.
     constants: Vec<(Column, Cell)>,
+    layers: LayerCounts,
 }
 
 impl DesignsFile {
@@ -30,12 +32,11 @@ impl DesignsFile {
         let mut rows = Rows::open(&path, None)?;
         let mut row_count = 0;
         let mut constants = Vec::new();
+        let columns = joint_columns(rows.layers);
         for case in rows.by_ref() {
             let joint = case?.joint;
             match row_count {
-                0 => {
-                    constants.extend(joint_columns().into_iter().map(|column| (column, column.cell(&joint))))
-                }
+                0 => constants.extend(columns.iter().map(|column| (*column, column.cell(&joint)))),
                 _ => constants.retain(|(column, cell)| column.cell(&joint) == *cell),
             }
             row_count += 1;
@@ -43,7 +44,7 @@ impl DesignsFile {
         if row_count == 0 {
             return Err(rows.error(Some(1), "", "there is no row below the header".to_string()));
         }
-        Ok(DesignsFile { fingerprint: rows.fingerprint(), path, row_count, constants })
+        Ok(DesignsFile { fingerprint: rows.fingerprint(), path, row_count, constants, layers: rows.layers })
     }
 
     pub fn path(&self) -> &Path {
@@ -57,6 +58,11 @@ impl DesignsFile {
     /// The inputs that are the same in all rows, in the order of the table's columns.
     pub fn constants(&self) -> &[(Column, Cell)] {
         &self.constants
+    }
+
+    /// How many layers its columns are for.
+    pub fn layer_counts(&self) -> LayerCounts {
+        self.layers
     }
 
     /// Of the file as it was when it was checked.
@@ -88,17 +94,23 @@ pub struct Rows {
     places: Vec<(String, Option<usize>)>,
     /// Cells that are the same in all rows and stand in none.
     constants: Vec<String>,
+    layers: LayerCounts,
     next: u64,
     /// What the file was when it was checked.
     checked: Option<DesignsFile>,
     failed: bool,
 }
 
+/// Whether a column is that of a layer.
+fn is_of_layer(name: &str) -> bool {
+    layers_in(std::iter::once(name)) != LayerCounts::NONE
+}
+
 type Guarded = LineGuard<Fingerprinted<Box<dyn Read + Send>>>;
 
 impl Rows {
     fn open(path: &Path, checked: Option<DesignsFile>) -> Result<Rows, Error> {
-        let mut names: Vec<String> = joint_columns().iter().map(Column::name).collect();
+        let mut names: Vec<String> = joint_columns(LayerCounts::MOST).iter().map(Column::name).collect();
         names.extend([INDENTATION.to_string(), FORCE.to_string()]);
         Ok(Rows { checked, ..Rows::open_columns(path, open_plain, &names)? })
     }
@@ -132,14 +144,21 @@ impl Rows {
                 return Err(refuse(found, "the column stands there twice".to_string()));
             }
         }
+        let layers = layers_in(header.iter());
         let place = |name: &String| (name.clone(), header.iter().position(|found| found == name));
         Ok(Rows {
             path: path.to_path_buf(),
             open,
             reader,
             record: StringRecord::new(),
-            places: names.iter().map(place).collect(),
+            // Few lists have layers, and none has all.
+            places: names
+                .iter()
+                .map(place)
+                .filter(|(name, place)| place.is_some() || !is_of_layer(name))
+                .collect(),
             constants: Vec::new(),
+            layers,
             next: 0,
             checked: None,
             failed: false,
@@ -153,6 +172,7 @@ impl Rows {
         if let Some((_, place)) = self.places.iter_mut().find(|(own, place)| own == name && place.is_none()) {
             *place = Some(columns + self.constants.len());
             self.constants.push(cell);
+            self.layers = self.layers.and(layers_in(std::iter::once(name)));
         }
     }
 
@@ -234,7 +254,38 @@ impl Rows {
             youngs_modulus: self.number(&Column::YoungsModulus(side).name(), Limits::POSITIVE)?,
             poissons_ratio: self.number(&Column::PoissonsRatio(side).name(), Limits::POISSONS_RATIO)?,
         };
-        Ok(Part { shape, parameters, support, material })
+        let layers = self.part_layers(side, shape)?;
+        Ok(Part { shape, parameters, support, material, layers })
+    }
+
+    /// The layers of a part, from the contact on: those whose cells are filled.
+    fn part_layers(&self, side: Side, shape: &Shape) -> Result<Layers, Error> {
+        let mut layers = Vec::new();
+        let mut empty: Option<String> = None;
+        for layer in 0..self.layers.of(side) {
+            let names = LayerQuantity::ALL.map(|quantity| Column::Layer(side, layer, quantity).name());
+            let Some(filled) = names.iter().find(|name| self.cell(name).is_some()) else {
+                empty.get_or_insert(names[0].clone());
+                continue;
+            };
+            if !shape.concentric {
+                return Err(self.complain(filled, unused(self.cell(filled).unwrap_or_default(), shape)));
+            }
+            if let Some(empty) = empty {
+                let problem =
+                    format!("`{empty}` is empty: layers are counted from the contact without a gap");
+                return Err(self.complain(filled, problem));
+            }
+            let [thickness, youngs_modulus, poissons_ratio] = &names;
+            layers.push(Layer {
+                thickness: self.number(thickness, Limits::POSITIVE)?,
+                material: Material {
+                    youngs_modulus: self.number(youngs_modulus, Limits::POSITIVE)?,
+                    poissons_ratio: self.number(poissons_ratio, Limits::POISSONS_RATIO)?,
+                },
+            });
+        }
+        Ok(Layers::new(layers))
     }
 
     fn load(&self) -> Result<Load, Error> {
@@ -249,6 +300,11 @@ impl Rows {
                 Err(self.complain(INDENTATION, format!("the row needs either this or `{FORCE}`")))
             }
         }
+    }
+
+    /// How many layers the columns are for.
+    pub fn layer_counts(&self) -> LayerCounts {
+        self.layers
     }
 
     /// The cell of the current row; `None` when it is empty or its column was left out.

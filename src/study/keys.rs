@@ -8,6 +8,7 @@ use crate::mechanics::material::Idealization;
 use crate::study::columns::side_name;
 use crate::study::config::{MAX_STEPS, MethodChoice};
 use crate::study::design::Limits;
+use crate::study::layers::MOST_LAYERS;
 use crate::study::output_options::{Format, Inputs};
 use crate::study::sampling::{MAX_DESIGNS, Scheme};
 use crate::study::units::Dimension;
@@ -107,6 +108,7 @@ pub fn config_keys() -> Vec<ConfigKey> {
     ];
     for side in [Side::Pin, Side::Plate] {
         keys.extend(part_keys(side));
+        keys.extend(layer_keys(side));
     }
     let schemes = words(&Scheme::NAMES);
     let counts = format!("whole numbers from 1 to {MAX_DESIGNS}");
@@ -238,6 +240,32 @@ fn part_keys(side: Side) -> Vec<ConfigKey> {
     keys
 }
 
+/// Of a table of `layers`.
+fn layer_keys(side: Side) -> Vec<ConfigKey> {
+    let table = format!("joint.{}.layers", side_name(side));
+    let shape = Shape::of_side(side).find(|shape| shape.concentric).map_or("", |shape| shape.name);
+    let about = format!(
+        "thickness of a layer of `{shape}`, bonded to the next; [[{table}]] stands once for each layer, from the contact into the \
+         {}, at most {MOST_LAYERS} times",
+        side_name(side)
+    );
+    vec![
+        key(&table, "thickness", &about, LENGTH, &range(Limits::POSITIVE), "\"1 mm\"")
+            .needed("needed, or `thickness_ratio`"),
+        key(
+            &table,
+            "thickness_ratio",
+            "the same over the radius at the contact",
+            "-",
+            &range(Limits::POSITIVE),
+            "0.1",
+        )
+        .needed("instead of `thickness`"),
+        key(&table, "youngs_modulus", "of the layer", STRESS, &range(Limits::POSITIVE), "\"3 GPa\""),
+        key(&table, "poissons_ratio", "of the layer", "-", &range(Limits::POISSONS_RATIO), "0.4"),
+    ]
+}
+
 fn words(words: &[&str]) -> String {
     words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }
@@ -257,6 +285,7 @@ pub fn documentation() -> String {
             let heading = match key.table.as_str() {
                 "" => "At the top".to_string(),
                 RANGE => "In a range `{ }`".to_string(),
+                table if table.ends_with("layers") => format!("`[[{table}]]`"),
                 table => format!("`[{table}]`"),
             };
             text += &format!(

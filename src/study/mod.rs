@@ -1,6 +1,7 @@
 pub mod fingerprint;
 mod line_guard;
 pub mod units;
+pub mod layers;
 pub mod design;
 pub mod columns;
 pub mod expression;

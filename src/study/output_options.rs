@@ -2,6 +2,7 @@
 
 use crate::error::{Error, suggest};
 use crate::study::columns::{Cell, Column, DESIGN, Quantity, joint_columns};
+use crate::study::layers::LayerCounts;
 use crate::study::source::Section;
 
 /// Which inputs stand in the table.
@@ -75,7 +76,7 @@ impl OutputOptions {
             options.format = Format::ALL[item.word(&Format::ALL.map(Format::name))?];
         }
         if let Some(item) = table.find("columns") {
-            let names = column_names();
+            let names = column_names(LayerCounts::MOST);
             let known: Vec<&str> = names.iter().map(String::as_str).collect();
             let asked = item.array()?.ok_or_else(|| item.wrong_type("a list of the table's columns"))?;
             let mut is_asked = vec![false; names.len()];
@@ -101,10 +102,20 @@ impl OutputOptions {
         is_asked && (self.inputs == Inputs::All || !is_constant())
     }
 
-    /// Refuses a table without any column; `table` is what the options were read from.
-    pub fn check(&self, table: &Section, constants: &[(Column, Cell)]) -> Result<(), Error> {
+    /// Refuses a table without any column, and columns of layers that no design has; `table` is what the options were read from.
+    pub fn check(
+        &self,
+        table: &Section,
+        constants: &[(Column, Cell)],
+        layers: LayerCounts,
+    ) -> Result<(), Error> {
+        let names = column_names(layers);
+        let missing = self.columns.iter().flatten().find(|asked| !names.contains(asked));
         match table.find("columns") {
-            Some(item) if !column_names().iter().any(|name| self.has(name, constants)) => Err(item.error(
+            Some(item) if let Some(missing) = missing => {
+                Err(item.error(format!("`{missing}`: no design of this config has such a layer")))
+            }
+            Some(item) if !names.iter().any(|name| self.has(name, constants)) => Err(item.error(
                 "no column is left: these inputs are the same in all designs, and `inputs = \"varying\"` leaves them out",
             )),
             _ => Ok(()),
@@ -112,9 +123,9 @@ impl OutputOptions {
     }
 }
 
-/// The names of all columns of the table, in their order.
-pub fn column_names() -> Vec<String> {
-    let inputs = joint_columns().into_iter().map(|column| column.name());
-    let results = Quantity::ALL.into_iter().map(|quantity| quantity.name().to_string());
+/// The names of all columns of the table of joints with so many layers, in their order.
+pub fn column_names(layers: LayerCounts) -> Vec<String> {
+    let inputs = joint_columns(layers).into_iter().map(|column| column.name());
+    let results = Quantity::of_tables(layers).map(|quantity| quantity.name().to_string());
     std::iter::once(DESIGN.to_string()).chain(inputs).chain(results).collect()
 }

@@ -5,8 +5,9 @@ use std::ops::Not;
 use crate::error::{Error, quoted};
 use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
 use crate::mechanics::material::{Idealization, Material};
-use crate::study::columns::{Cell, Column, joint_columns, side_name};
+use crate::study::columns::{Cell, Column, LayerQuantity, joint_columns, side_name};
 use crate::study::design::{JointDesign, Limits, Part};
+use crate::study::layers::{Layer, LayerCounts, Layers, MOST_LAYERS};
 use crate::study::sampling::{Axis, Sampler, Scheme};
 use crate::study::source::{Item, Section};
 use crate::study::units::Dimension;
@@ -44,6 +45,16 @@ struct PartRecipe {
     shape: &'static Shape,
     parameters: Vec<Quantity>,
     support: Choice<usize>,
+    youngs_modulus: Quantity,
+    poissons_ratio: Quantity,
+    layers: Vec<LayerRecipe>,
+}
+
+#[derive(Clone, Debug)]
+struct LayerRecipe {
+    thickness: Quantity,
+    /// Whether the thickness is over the radius at the contact.
+    is_ratio: bool,
     youngs_modulus: Quantity,
     poissons_ratio: Quantity,
 }
@@ -158,20 +169,27 @@ impl Recipe {
 
     /// Design number `design` of the sweep.
     pub fn joint(&self, design: u64) -> JointDesign {
+        let hole_radius = self.value(&self.hole_radius, design);
+        let radial_clearance = self.value(&self.radial_clearance, design);
         JointDesign {
             idealization: self.option(&self.idealization, design),
-            hole_radius: self.value(&self.hole_radius, design),
-            radial_clearance: self.value(&self.radial_clearance, design),
+            hole_radius,
+            radial_clearance,
             thickness: self.value(&self.thickness, design),
-            pin: self.part(&self.pin, design),
-            plate: self.part(&self.plate, design),
+            pin: self.part(&self.pin, hole_radius - radial_clearance, design),
+            plate: self.part(&self.plate, hole_radius, design),
         }
+    }
+
+    /// Layers of pin and plate.
+    pub fn layer_counts(&self) -> LayerCounts {
+        LayerCounts { pin: self.pin.layers.len(), plate: self.plate.layers.len() }
     }
 
     /// The inputs that no list or range varies, in the order of the table's columns.
     pub fn constants(&self) -> Vec<(Column, Cell)> {
         let joint = self.joint(0);
-        let constant = joint_columns().into_iter().filter(|column| !self.varies(column));
+        let constant = joint_columns(self.layer_counts()).into_iter().filter(|column| !self.varies(column));
         constant.map(|column| (column, column.cell(&joint))).collect()
     }
 
@@ -194,14 +212,33 @@ impl Recipe {
             Column::Support(side) => part(side).support.varies(),
             Column::YoungsModulus(side) => part(side).youngs_modulus.varies(),
             Column::PoissonsRatio(side) => part(side).poissons_ratio.varies(),
+            Column::Layer(side, layer, quantity) => part(side).layers.get(layer).is_some_and(|layer| {
+                let with_radius = || {
+                    let of_pin = side == Side::Pin && self.radial_clearance.varies();
+                    layer.is_ratio && (self.hole_radius.varies() || of_pin)
+                };
+                match quantity {
+                    LayerQuantity::Thickness => layer.thickness.varies() || with_radius(),
+                    LayerQuantity::YoungsModulus => layer.youngs_modulus.varies(),
+                    LayerQuantity::PoissonsRatio => layer.poissons_ratio.varies(),
+                }
+            }),
         }
     }
 
-    fn part(&self, part: &PartRecipe, design: u64) -> Part {
+    /// A part with its radius at the contact, mm.
+    fn part(&self, part: &PartRecipe, radius: f64, design: u64) -> Part {
         let mut parameters = [0.0; MAX_PARAMETERS];
         for (slot, quantity) in parameters.iter_mut().zip(&part.parameters) {
             *slot = self.value(quantity, design);
         }
+        let layer = |layer: &LayerRecipe| Layer {
+            thickness: self.value(&layer.thickness, design) * if layer.is_ratio { radius } else { 1.0 },
+            material: Material {
+                youngs_modulus: self.value(&layer.youngs_modulus, design),
+                poissons_ratio: self.value(&layer.poissons_ratio, design),
+            },
+        };
         Part {
             shape: part.shape,
             parameters,
@@ -210,6 +247,7 @@ impl Recipe {
                 youngs_modulus: self.value(&part.youngs_modulus, design),
                 poissons_ratio: self.value(&part.poissons_ratio, design),
             },
+            layers: Layers::new(part.layers.iter().map(layer).collect()),
         }
     }
 
@@ -264,7 +302,7 @@ impl PartRecipe {
         let shape = shapes[model.word(&names)?];
 
         refuse_foreign(&part, shape, &shapes)?;
-        let mut keys = vec!["model", "youngs_modulus", "poissons_ratio"];
+        let mut keys = vec!["model", "youngs_modulus", "poissons_ratio", "layers"];
         keys.extend(shape.parameters.iter().map(|parameter| parameter.name));
         keys.extend(shape.supports.is_empty().not().then_some("support"));
         part.allow(&keys)?;
@@ -287,7 +325,51 @@ impl PartRecipe {
         let youngs_modulus =
             reader.quantity(&part.need("youngs_modulus")?, Some(Dimension::Stress), Limits::POSITIVE)?;
         let poissons_ratio = reader.quantity(&part.need("poissons_ratio")?, None, Limits::POISSONS_RATIO)?;
-        Ok(PartRecipe { shape, parameters, support, youngs_modulus, poissons_ratio })
+        let layers = match part.find("layers") {
+            Some(item) => LayerRecipe::read_all(&item, shape, reader)?,
+            None => Vec::new(),
+        };
+        Ok(PartRecipe { shape, parameters, support, youngs_modulus, poissons_ratio, layers })
+    }
+}
+
+impl LayerRecipe {
+    /// Reads [[joint.pin.layers]] or [[joint.plate.layers]].
+    fn read_all<'a>(
+        item: &Item<'a>,
+        shape: &Shape,
+        reader: &mut Reader<'a>,
+    ) -> Result<Vec<LayerRecipe>, Error> {
+        let tables = item.tables()?;
+        if !shape.concentric {
+            let can =
+                Shape::of_side(shape.side).find(|shape| shape.concentric).map_or("", |shape| shape.name);
+            let name = shape.name;
+            return Err(item.error(format!("model `{name}` cannot have layers; model `{can}` can")));
+        }
+        if tables.len() > MOST_LAYERS {
+            return Err(item.error(format!("{} layers; at most {MOST_LAYERS} are allowed", tables.len())));
+        }
+        tables.iter().map(|table| LayerRecipe::read(table, reader)).collect()
+    }
+
+    fn read<'a>(table: &Section<'a>, reader: &mut Reader<'a>) -> Result<LayerRecipe, Error> {
+        table.allow(&["thickness", "thickness_ratio", "youngs_modulus", "poissons_ratio"])?;
+        let (thickness, is_ratio) = match (table.find("thickness"), table.find("thickness_ratio")) {
+            (Some(item), None) => (reader.quantity(&item, Some(Dimension::Length), Limits::POSITIVE)?, false),
+            (None, Some(item)) => (reader.quantity(&item, None, Limits::POSITIVE)?, true),
+            (Some(_), Some(item)) => {
+                return Err(item.error("`thickness` is given, too; only one of the two is allowed"));
+            }
+            (None, None) => {
+                let problem = "the key `thickness` (or `thickness_ratio`) is missing";
+                return Err(table.error(problem.to_string()));
+            }
+        };
+        let youngs_modulus =
+            reader.quantity(&table.need("youngs_modulus")?, Some(Dimension::Stress), Limits::POSITIVE)?;
+        let poissons_ratio = reader.quantity(&table.need("poissons_ratio")?, None, Limits::POISSONS_RATIO)?;
+        Ok(LayerRecipe { thickness, is_ratio, youngs_modulus, poissons_ratio })
     }
 }
 

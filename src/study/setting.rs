@@ -49,15 +49,30 @@ impl Setting {
         let mut table: &mut dyn TableLike = document.as_table_mut();
         // Inside an inline table only inline tables can be.
         let mut is_inline = false;
-        for (depth, key) in above.iter().enumerate() {
+        let mut above = above.iter();
+        let mut dotted = String::new();
+        while let Some(key) = above.next() {
+            dotted += if dotted.is_empty() { "" } else { "." };
+            dotted += key;
+            let refuse = |problem: String| Err(complaint(self.place, &self.key(), problem));
             let item = table.entry(key).or_insert_with(|| new_table(is_inline));
-            is_inline = item.is_inline_table();
+            is_inline = item.is_inline_table() || item.is_array();
+            if item.is_array_of_tables() || item.is_array() {
+                // Tables of a list are numbered from 1.
+                let Some(number) = above.next() else {
+                    return refuse(format!("`{dotted}` is a list: a number must follow, and a key"));
+                };
+                let count = table_count(item);
+                table = match numbered(item, number) {
+                    Some(table) => table,
+                    None => return refuse(format!("`{dotted}` has {count} tables, and no number {number}")),
+                };
+                dotted = format!("{dotted}.{number}");
+                continue;
+            }
             table = match item.as_table_like_mut() {
                 Some(table) => table,
-                None => {
-                    let problem = format!("`{}` is a value, not a table", above[..=depth].join("."));
-                    return Err(complaint(self.place, &self.key(), problem));
-                }
+                None => return refuse(format!("`{dotted}` is a value, not a table")),
             };
         }
         let mut value = self.value.clone();
@@ -70,6 +85,27 @@ impl Setting {
             None => _ = table.insert(last, Item::Value(value)),
         }
         Ok(())
+    }
+}
+
+/// A table of a list of tables by its number, from 1.
+fn numbered<'a>(list: &'a mut Item, number: &str) -> Option<&'a mut dyn TableLike> {
+    let place = number.parse::<usize>().ok()?.checked_sub(1)?;
+    match list {
+        Item::ArrayOfTables(tables) => tables.get_mut(place).map(|table| table as &mut dyn TableLike),
+        Item::Value(Value::Array(values)) => {
+            let table = values.get_mut(place)?.as_inline_table_mut()?;
+            Some(table as &mut dyn TableLike)
+        }
+        _ => None,
+    }
+}
+
+fn table_count(list: &Item) -> usize {
+    match list {
+        Item::ArrayOfTables(tables) => tables.len(),
+        Item::Value(Value::Array(values)) => values.iter().filter(|value| value.is_inline_table()).count(),
+        _ => 0,
     }
 }
 
@@ -122,6 +158,15 @@ mod tests {
     }
 
     #[test]
+    fn tables_of_a_list_are_numbered() {
+        let text =
+            "[[joint.pin.layers]]\nthickness = \"1 mm\"\n\n[[joint.pin.layers]]\nthickness = \"2 mm\"\n";
+        assert_eq!(set(text, &["joint.pin.layers.2.thickness=3 mm"]), text.replace("2 mm", "3 mm"));
+        let inline = "joint = { pin = { layers = [{ thickness = \"1 mm\" }] } }\n";
+        assert_eq!(set(inline, &["joint.pin.layers.1.thickness=3 mm"]), inline.replace("1 mm", "3 mm"));
+    }
+
+    #[test]
     fn values_are_toml_or_text() {
         for (value, written) in [
             ("70 GPa", "\"70 GPa\""),
@@ -150,6 +195,14 @@ mod tests {
             assert!(said.contains(problem), "{text}: {said}");
         }
         let mut document: DocumentMut = "title = \"t\"\n".parse().unwrap();
+        let mut layers: DocumentMut = "[[joint.pin.layers]]\nthickness = 1\n".parse().unwrap();
+        for (key, problem) in [
+            ("joint.pin.layers.2.thickness", "`joint.pin.layers` has 1 tables, and no number 2"),
+            ("joint.pin.layers.thickness", "`joint.pin.layers` is a list: a number must follow, and a key"),
+        ] {
+            let said = Setting::parse(&format!("{key}=2"), "--set").unwrap().apply(&mut layers).unwrap_err();
+            assert_eq!(said.to_string(), format!("--set: {key}: {problem}"));
+        }
         let said =
             Setting::parse("title.x=1", "--set").unwrap().apply(&mut document).unwrap_err().to_string();
         assert_eq!(said, "--set: title.x: `title` is a value, not a table");

@@ -303,6 +303,18 @@ impl<'a> Item<'a> {
         Ok(Some(array.iter().map(element).collect()))
     }
 
+    /// The tables of a list of tables, their keys numbered from 1.
+    pub fn tables(&self) -> Result<Vec<Section<'a>>, Error> {
+        let wrong = |item: &Item<'a>| item.wrong_type(&format!("a list of tables, [[{}]],", self.key));
+        let array = self.value.as_array().ok_or_else(|| wrong(self))?;
+        let section = |(place, value): (usize, &'a Spanned<DeValue<'a>>)| {
+            let key = format!("{}.{}", self.key, place + 1);
+            let item = Item { source: self.source, key, span: value.span(), value: value.get_ref() };
+            if item.is_table() { item.section() } else { Err(wrong(&item)) }
+        };
+        array.iter().enumerate().map(section).collect()
+    }
+
     pub fn is_table(&self) -> bool {
         self.value.is_table()
     }

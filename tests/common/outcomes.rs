@@ -48,6 +48,7 @@ fn outcome(random: &mut Random, load: Load) -> StepOutcome {
         force,
         tangent_stiffness: random.log(1e3, 1e6),
         contact_half_angle: known(random.linear(0.0, 1.5), random),
+        peak_pressure_angle: Some(0.0),
         peak_pressure: known(pressure, random),
         energy: known(random.log(1e-6, 1e3), random),
         force_error: random.log(1e-6, 1e-1),

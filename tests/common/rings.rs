@@ -16,7 +16,14 @@ pub fn shape(name: &str) -> &'static Shape {
 pub fn body(name: &str, ratios: &[f64], idealization: Idealization, poissons_ratio: f64) -> Body {
     let mut parameters = [0.0; MAX_PARAMETERS];
     parameters[..ratios.len()].copy_from_slice(ratios);
-    Body { shape: shape(name), parameters, support: 0, poissons_ratio, idealization }
+    Body {
+        lining: Default::default(),
+        shape: shape(name),
+        parameters,
+        support: 0,
+        poissons_ratio,
+        idealization,
+    }
 }
 
 /// A body with its mesh.

@@ -11,6 +11,16 @@ pub struct Ring {
     pub youngs_modulus: f64,
     pub poissons_ratio: f64,
     pub idealization: Idealization,
+    /// Other materials beyond the one at the edge, from there on.
+    pub beyond: &'static [Beyond],
+}
+
+/// A bonded layer from a radius on.
+#[derive(Clone, Copy, Debug)]
+pub struct Beyond {
+    pub radius_ratio: f64,
+    pub youngs_modulus: f64,
+    pub poissons_ratio: f64,
 }
 
 type Matrix = [[f64; 4]; 4];
@@ -21,8 +31,8 @@ const DEEP: f64 = 30.0;
 impl Ring {
     /// Displacement of the ring's edge away from the other body, over the pressure cos(n phi) that makes it.
     pub fn mode(&self, n: usize) -> f64 {
-        let wall = self.fixed_radius_ratio.ln();
-        let (shear, lame) = self.lame();
+        let wall = self.beyond.first().map_or(self.fixed_radius_ratio, |first| first.radius_ratio).ln();
+        let (shear, lame) = self.lame(self.youngs_modulus, self.poissons_ratio);
         if n as f64 * wall.abs() > DEEP {
             // Flamant's half-plane with the curvature of the edge.
             let (m, side) = (n as f64, wall.signum());
@@ -37,26 +47,39 @@ impl Ring {
     pub fn compliance(&self, n: usize) -> [[f64; 2]; 2] {
         // From the held side to the edge, in steps of ln r that are short for the mode; no deeper than it reaches.
         let deepest = DEEP / n.max(1) as f64;
-        let wall = self.fixed_radius_ratio.ln().clamp(-deepest, deepest);
-        let steps = (8.0 * (n as f64 + 2.0) * wall.abs()).ceil().max(4.0);
-        let step = exponential(&scaled(&self.generator(n as f64), -wall / steps));
-        let block = |rows: usize, columns: usize| -> [[f64; 2]; 2] {
-            std::array::from_fn(|i| std::array::from_fn(|j| step[2 * rows + i][2 * columns + j]))
-        };
-        let (uu, ut, tu, tt) = (block(0, 0), block(0, 1), block(1, 0), block(1, 1));
+        let depth = |radius_ratio: f64| radius_ratio.ln().clamp(-deepest, deepest);
         // Displacement over traction, 2 by 2.
         let mut compliance = [[0.0; 2]; 2];
-        for _ in 0..steps as usize {
-            let displacement = add(&times(&uu, &compliance), &ut);
-            let traction = add(&times(&tu, &compliance), &tt);
-            compliance = times(&displacement, &inverse(&traction));
+        let mut far = depth(self.fixed_radius_ratio);
+        let own = Beyond {
+            radius_ratio: 1.0,
+            youngs_modulus: self.youngs_modulus,
+            poissons_ratio: self.poissons_ratio,
+        };
+        for layer in self.beyond.iter().rev().chain([&own]) {
+            let near = depth(layer.radius_ratio);
+            let wall = far - near;
+            far = near;
+            if wall == 0.0 {
+                continue;
+            }
+            let steps = (8.0 * (n as f64 + 2.0) * wall.abs()).ceil().max(4.0);
+            let step = exponential(&scaled(&self.generator(n as f64, layer), -wall / steps));
+            let block = |rows: usize, columns: usize| -> [[f64; 2]; 2] {
+                std::array::from_fn(|i| std::array::from_fn(|j| step[2 * rows + i][2 * columns + j]))
+            };
+            let (uu, ut, tu, tt) = (block(0, 0), block(0, 1), block(1, 0), block(1, 1));
+            for _ in 0..steps as usize {
+                let displacement = add(&times(&uu, &compliance), &ut);
+                let traction = add(&times(&tu, &compliance), &tt);
+                compliance = times(&displacement, &inverse(&traction));
+            }
         }
         compliance
     }
 
     /// Shear modulus and Lame's constant of the plane.
-    fn lame(&self) -> (f64, f64) {
-        let (e, nu) = (self.youngs_modulus, self.poissons_ratio);
+    fn lame(&self, e: f64, nu: f64) -> (f64, f64) {
         let (shear, lame) = (e / (2.0 * (1.0 + nu)), e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)));
         match self.idealization {
             Idealization::PlaneStrain => (shear, lame),
@@ -65,8 +88,8 @@ impl Ring {
     }
 
     /// d/d(ln r) of (u_r, u_theta, r sigma_r, r sigma_r_theta), cos and sin of n phi taken out: Hooke's law and equilibrium.
-    fn generator(&self, n: f64) -> Matrix {
-        let (shear, lame) = self.lame();
+    fn generator(&self, n: f64, layer: &Beyond) -> Matrix {
+        let (shear, lame) = self.lame(layer.youngs_modulus, layer.poissons_ratio);
         let stiff = lame + 2.0 * shear;
         let hoop = 4.0 * shear * (lame + shear) / stiff;
         let share = lame / stiff;

@@ -19,7 +19,13 @@ pub fn joint(
     outer_radius_ratio: f64,
     radial_clearance: f64,
 ) -> JointDesign {
-    let part = |shape, ratio: f64| Part { shape, parameters: [ratio, 0.0, 0.0], support: 0, material: STEEL };
+    let part = |shape, ratio: f64| Part {
+        layers: Default::default(),
+        shape,
+        parameters: [ratio, 0.0, 0.0],
+        support: 0,
+        material: STEEL,
+    };
     JointDesign {
         idealization: Idealization::PlaneStress,
         hole_radius: HOLE_RADIUS,

@@ -59,6 +59,7 @@ fn extreme(random: &mut Random, index: u64) -> DesignCase {
     let core = if random.unit() < 0.5 { random.log(0.01, 0.95) } else { 1.0 - thin(random, 0.05, 0.9) };
     let wall = if random.unit() < 0.5 { 1.0 + thin(random, 0.02, 1.0) } else { random.log(1.02, 1e4) };
     let part = |random: &mut Random, shape, ratio, youngs_modulus| Part {
+        layers: Default::default(),
         shape,
         parameters: [ratio, 0.0, 0.0],
         support: 0,
@@ -196,7 +197,7 @@ fn check(cases: &[DesignCase], found: &[DesignOutcome], exact: &[DesignOutcome],
 fn interpolated_joints_are_right_or_say_so() {
     let mut random = Random::new(72);
     let cases: Vec<DesignCase> = (0..draws() as u64 / 4).map(|index| extreme(&mut random, index)).collect();
-    let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint).collect();
+    let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint.clone()).collect();
     let exact = solve(&cases, MethodChoice::Series, 0.01);
     let of_meshes = Seen { compared: 0.737, failed: 0.228, warned: 0.032, bounded: 0.998 };
     let of_series = Seen { compared: 0.974, failed: 0.006, warned: 0.019, bounded: 0.998 };

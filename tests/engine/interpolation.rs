@@ -33,7 +33,13 @@ fn often_an_end_log(random: &mut Random, from: f64, to: f64) -> f64 {
 fn part(random: &mut Random, shape: &'static Shape, parameters: [f64; 3], support: usize) -> Part {
     let youngs_modulus = random.log(1e3, 5e5);
     let poissons_ratio = often_an_end(random, 0.1, 0.45);
-    Part { shape, parameters, support, material: Material { youngs_modulus, poissons_ratio } }
+    Part {
+        layers: Default::default(),
+        shape,
+        parameters,
+        support,
+        material: Material { youngs_modulus, poissons_ratio },
+    }
 }
 
 fn disc_in_ring(random: &mut Random) -> [Part; 2] {
@@ -79,7 +85,7 @@ fn draw(seed: u64, count: u64, shapes: Shapes) -> Vec<DesignCase> {
 }
 
 fn plan(options: SolveOptions, cases: &[DesignCase]) -> Option<InterpolationPlan> {
-    let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint).collect();
+    let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint.clone()).collect();
     InterpolationPlan::new(&options, COUNT, &joints)
 }
 
@@ -390,7 +396,7 @@ fn wide_clearances_are_interpolated_as_well() {
 #[test]
 fn a_fit_that_costs_more_than_it_saves_is_not_made() {
     let cases = draw(14, 300, disc_in_ring);
-    let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint).collect();
+    let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint.clone()).collect();
     let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
     let is_planned = |options: SolveOptions, count: u64, joints: &[JointDesign]| {
         InterpolationPlan::new(&options, count, joints).is_some()

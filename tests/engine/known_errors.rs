@@ -20,12 +20,12 @@ const COUNT: u64 = 60;
 /// Of each level that is known, on arcs of many sizes, the other body being rigid: the error of the work, and what is said of it.
 fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
     let key = SpaceKey::coarsest(body, body, 1e-6, PI);
-    let request = |fidelity| BodyRequest { body: *body, fidelity };
+    let request = |fidelity| BodyRequest { body: body.clone(), fidelity };
     let finest = Fidelity::Mesh { level: LEVEL_COUNT - 1 };
     let judge = request(if body.shape.concentric { Fidelity::Series } else { finest });
     let levels = (0..KNOWN_LEVELS).filter(|level| worst_known_error(body, *level).is_some());
     let meshes: Vec<BodyRequest> = levels.map(|level| request(Fidelity::Mesh { level })).collect();
-    library.solve(&[&meshes[..], &[judge]].concat());
+    library.solve(&[&meshes[..], &[judge.clone()]].concat());
     let compliance = |request: &BodyRequest| &*library.solved(request).compliance;
     let mut spaces = Spaces::default();
     spaces.prepare(meshes.iter().chain([&judge]).map(|request| (key, compliance(request))));
@@ -58,7 +58,7 @@ fn what_is_known_of_a_level_bounds_its_error() {
     ] {
         let cases = draw(61, COUNT, shapes);
         let bodies = cases.iter().map(|case| {
-            let part = if name == "half disc" { case.joint.pin } else { case.joint.plate };
+            let part = if name == "half disc" { case.joint.pin.clone() } else { case.joint.plate.clone() };
             case.joint.body(&part)
         });
         let mut all: Vec<Vec<(f64, f64)>> = vec![Vec::new(); KNOWN_LEVELS];

@@ -7,6 +7,7 @@ mod common {
     pub mod greatest;
     pub mod stepped_ring;
     pub mod nodal_ring;
+    pub mod true_outlines;
     pub mod plain_mesh;
     pub mod study_joint;
 }
@@ -23,4 +24,5 @@ mod thin_walls;
 mod extremes;
 mod properties;
 mod joint;
+mod layers;
 mod liu2007;

@@ -36,7 +36,7 @@ use std::cell::RefCell;
 const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
 
 fn part(shape: &'static Shape, parameters: [f64; 3]) -> Part {
-    Part { shape, parameters, support: 0, material: STEEL }
+    Part { layers: Default::default(), shape, parameters, support: 0, material: STEEL }
 }
 
 fn half() -> Part {
@@ -79,13 +79,13 @@ fn statuses(joint: JointDesign, method: MethodChoice, accuracy: f64, steps: &[Lo
 fn large_displacements_are_said() {
     let loose = JointDesign { radial_clearance: 0.4, ..joint(disc(), ring(3.0)) };
     let steps = [0.0495, 0.0505].map(Load::Indentation);
-    let outcomes = alone(&case(loose, &steps), MethodChoice::Auto, 0.01);
+    let outcomes = alone(&case(loose.clone(), &steps), MethodChoice::Auto, 0.01);
     for (outcome, expected) in outcomes.iter().zip([0.0099, 0.0101]) {
         let told = outcome.response.and_then(|response| response.linearity_error).unwrap();
         assert!((told / expected - 1.0).abs() < 1e-12, "{told}");
     }
     // Who asks for less is not told of it.
-    assert_eq!(statuses(loose, MethodChoice::Auto, 0.02, &steps), ["ok"; 2]);
+    assert_eq!(statuses(loose.clone(), MethodChoice::Auto, 0.02, &steps), ["ok"; 2]);
     let said: Vec<String> = outcomes.iter().map(|step| step.status.to_string()).collect();
     assert_eq!(said, ["ok", "large displacement"]);
     let forces: Vec<Load> = outcomes.iter().map(|step| Load::Force(step.response.unwrap().force)).collect();
@@ -139,7 +139,7 @@ fn bodies_beyond_what_meshes_carry_are_refused() {
 fn a_failed_step_leaves_the_others() {
     let [fine, nothing, wide] = [0.05, 0.0, 50.0].map(Load::Indentation);
     let joint = joint(half(), ring(1.2));
-    let expected = alone(&case(joint, &[fine]), MethodChoice::Auto, 0.01).remove(0);
+    let expected = alone(&case(joint.clone(), &[fine]), MethodChoice::Auto, 0.01).remove(0);
     let outcomes = alone(&case(joint, &[wide, nothing, fine, wide, fine]), MethodChoice::Auto, 0.01);
     // A half disc's contact ends short of its held face, at 1.54 rad.
     let refused = outcomes[0];
@@ -152,7 +152,7 @@ fn a_failed_step_leaves_the_others() {
 #[test]
 fn series_refuses_what_it_has_no_modes_of() {
     let plate = part(&block::SHAPE, [2.0, 3.0, 2.0]);
-    for joint in [joint(disc(), plate), joint(half(), ring(2.0)), joint(half(), plate)] {
+    for joint in [joint(disc(), plate.clone()), joint(half(), ring(2.0)), joint(half(), plate)] {
         let said = statuses(joint, MethodChoice::Series, 0.01, &[Load::Indentation(0.05), Load::Force(0.0)]);
         assert_eq!(said, ["failed: series needs a rigid-core pin in an annulus"; 2]);
     }
@@ -168,7 +168,7 @@ fn methods_are_told_with_their_errors() {
     let concentric = joint(disc(), ring(2.0));
     // At 1 % `auto` takes fewer trial pressures.
     for (method, most) in [(MethodChoice::Series, 1e-5), (MethodChoice::Auto, 2e-5)] {
-        let (method, error) = told(concentric, method);
+        let (method, error) = told(concentric.clone(), method);
         assert!(method == Method::Series && (1e-8..most).contains(&error), "{error:e}");
     }
     // One mesh makes a row of finite elements.
@@ -182,12 +182,12 @@ fn methods_are_told_with_their_errors() {
 #[test]
 fn the_closed_form_is_for_the_whole_joint() {
     let whole = joint(disc(), ring(2.0));
-    let thin = JointDesign { thickness: 1.0, ..whole };
+    let thin = JointDesign { thickness: 1.0, ..whole.clone() };
     let at = |joint, load| {
         let outcome = alone(&case(joint, &[load]), MethodChoice::ClosedForm, 0.01).remove(0);
         outcome.response.unwrap()
     };
-    let (a, b) = (at(whole, Load::Indentation(0.01)), at(thin, Load::Indentation(0.01)));
+    let (a, b) = (at(whole.clone(), Load::Indentation(0.01)), at(thin, Load::Indentation(0.01)));
     assert!((a.force / b.force / 8.0 - 1.0).abs() < 1e-14);
     assert!((a.tangent_stiffness / b.tangent_stiffness / 8.0 - 1.0).abs() < 1e-14);
     assert!((at(whole, Load::Force(a.force)).indentation / 0.01 - 1.0).abs() < 1e-12);
@@ -212,8 +212,8 @@ fn the_accuracy_decides_where_to_begin() {
 fn what_is_known_of_a_mesh_saves_the_second() {
     let loads = [Load::Indentation(0.05)];
     let cheapest = |joint: &JointDesign, accuracy| {
-        let plan = JointPlan::cheapest(&case(*joint, &loads), MethodChoice::Auto, accuracy).unwrap();
-        (plan, plan.requests().count())
+        let plan = JointPlan::cheapest(&case(joint.clone(), &loads), MethodChoice::Auto, accuracy).unwrap();
+        (plan.clone(), plan.requests().count())
     };
     let half_disc = joint(half(), ring(2.0));
     let (plan, requests) = cheapest(&half_disc, 0.01);
@@ -232,13 +232,13 @@ fn what_is_known_of_a_mesh_saves_the_second() {
     assert_eq!((plan.estimate, requests), (Estimate::Exact, 2));
     assert!(plan.finer().is_none());
     // A body that takes a thousandth of the work may be a hundred times worse.
-    let mut soft_plate = half_disc;
+    let mut soft_plate = half_disc.clone();
     soft_plate.plate.material.youngs_modulus *= 1e-3;
-    let levels = [half_disc, soft_plate].map(|joint| cheapest(&joint, 1e-4).0.level);
+    let levels = [half_disc.clone(), soft_plate].map(|joint| cheapest(&joint, 1e-4).0.level);
     assert_eq!(levels, [4, 0]);
     // So may the stiffer body of a joint that touches hardly at all.
     let narrow =
-        JointPlan::cheapest(&case(half_disc, &[Load::Indentation(1e-4)]), MethodChoice::Auto, 1.9e-4);
+        JointPlan::cheapest(&case(half_disc.clone(), &[Load::Indentation(1e-4)]), MethodChoice::Auto, 1.9e-4);
     assert_eq!((narrow.unwrap().level, cheapest(&half_disc, 1.9e-4).0.level), (1, 2));
     // A nearly incompressible body is not known.
     let mut soft = half_disc;
@@ -261,7 +261,8 @@ fn thin_bodies_get_more_trial_pressures() {
     ] {
         let fewer = |choices: [usize; 3]| choices[(terms - 10) / 6];
         // The radial clearance is 0.05 mm.
-        let [narrow, wide] = [0.05, 2.0].map(|load| case(joint(pin, plate), &[Load::Indentation(load)]));
+        let [narrow, wide] =
+            [0.05, 2.0].map(|load| case(joint(pin.clone(), plate.clone()), &[Load::Indentation(load)]));
         for (accuracy, of_narrow, of_wide) in [
             (1e-5, terms, terms),
             (1e-3, fewer([6, 6, 16]), fewer([10, 10, 16])),
@@ -280,7 +281,7 @@ fn thin_bodies_get_more_trial_pressures() {
 #[test]
 fn finer_meshes_are_taken_where_they_are_needed() {
     let slender = joint(disc(), part(&block::SHAPE, [1.5, 6.0, 1.5]));
-    let mut stiff = slender;
+    let mut stiff = slender.clone();
     stiff.plate.material.youngs_modulus *= 100.0;
     let [slender, stiff] = [slender, stiff].map(|joint| case(joint, &[1e-3, 0.2].map(Load::Indentation)));
     let worst = |steps: &[StepOutcome]| greatest(steps.iter().map(|step| step.response.unwrap().force_error));
@@ -318,7 +319,7 @@ fn a_batch_is_what_its_designs_are_alone() {
             Material { youngs_modulus: random.log(1e4, 1e6), poissons_ratio: random.linear(-0.5, 0.49) };
         let pin = if index % 2 == 0 { half() } else { disc() };
         let joint = JointDesign { idealization: Idealization::ALL[index / 2 % 2], ..joint(pin, plate) };
-        cases.push(case(joint, &[Load::Indentation(random.log(1e-3, 0.3))]));
+        cases.push(case(joint.clone(), &[Load::Indentation(random.log(1e-3, 0.3))]));
         // The same but for one of: the pin and with it the widest contact, support, idealization, one ratio, nu.
         let mut other = joint;
         match index % 6 {
@@ -367,7 +368,7 @@ fn forgetting_bodies_changes_nothing() {
 fn no_load_on_a_neat_fit_is_no_force() {
     let neat = JointDesign { radial_clearance: 0.0, ..joint(half(), ring(2.0)) };
     for load in [Load::Indentation(0.0), Load::Force(0.0)] {
-        let outcome = alone(&case(neat, &[load]), MethodChoice::Auto, 0.01).remove(0);
+        let outcome = alone(&case(neat.clone(), &[load]), MethodChoice::Auto, 0.01).remove(0);
         let Response { force, indentation, tangent_stiffness, method, .. } = outcome.response.unwrap();
         assert_eq!((force, indentation, method), (0.0, 0.0, Method::Fe));
         assert!(tangent_stiffness > 0.0);
@@ -458,7 +459,7 @@ impl Device for GivesUp {
         }
         assert!(self.0 < 2, "asked again after it gave up");
         let condense = |(key, requests): &Group| {
-            let bodies: Vec<Body> = requests.iter().map(|request| request.body).collect();
+            let bodies: Vec<Body> = requests.iter().map(|request| request.body.clone()).collect();
             let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), RingModes::of(&key.class));
             let mut works: Vec<_> = plan.condense(&bodies).into_iter().map(Some).collect();
             // The last of each group is left to the processor.
@@ -548,7 +549,7 @@ fn what_trial_pressures_leave_is_answered_with_more() {
     let level = rough.level;
     let terms = [(6, 24), (10, 24), (16, 24), (24, 24)];
     assert_eq!(
-        to_the_end(rough, Want::MoreTerms)[..5],
+        to_the_end(rough.clone(), Want::MoreTerms)[..5],
         [terms.map(|sizes| (sizes, level)).to_vec(), vec![((24, 24), level + 1)]].concat()
     );
     let nodes = [(6, 24), (6, 32), (6, 48)];
@@ -557,7 +558,8 @@ fn what_trial_pressures_leave_is_answered_with_more() {
         [nodes.map(|sizes| (sizes, level)).to_vec(), vec![((6, 48), level + 1)]].concat()
     );
     let exact = plan(disc(), ring(2.0), 0.01);
-    let of_sizes = |want| to_the_end(exact, want).into_iter().map(|(sizes, _)| sizes).collect::<Vec<_>>();
+    let of_sizes =
+        |want| to_the_end(exact.clone(), want).into_iter().map(|(sizes, _)| sizes).collect::<Vec<_>>();
     assert_eq!(of_sizes(Want::MoreTerms), terms);
     assert_eq!(of_sizes(Want::MoreNodes), [(6, 24), (6, 32), (6, 48), (6, 64), (6, 96)]);
     assert!(exact.next(Want::FinerMesh).is_none());

@@ -79,13 +79,13 @@ fn no_mesh_is_finer_than_is_foreseen_to_be_needed() {
         let expected = ExpectedContact::of(case);
         for accuracy in [0.1, 1e-2, 1e-3, 1e-4] {
             let plan = JointPlan::cheapest(case, MethodChoice::Auto, accuracy).unwrap();
-            for request in [plan.pin, plan.plate] {
+            for request in [&plan.pin, &plan.plate] {
                 let is_exact = request.fidelity == Fidelity::Series;
                 assert_eq!(is_exact, request.body.shape.concentric, "{accuracy}: {request:?}");
             }
             // What is known of a body, by the share of the work that its modulus lets expect.
             let is_enough = |level: usize| {
-                let bodies = [plan.pin, plan.plate].into_iter().zip(expected.shares);
+                let bodies = [&plan.pin, &plan.plate].into_iter().zip(expected.shares);
                 let errors =
                     bodies.filter(|(request, _)| !request.body.shape.concentric).map(|(request, share)| {
                         Some(share * known_error(&request.body, level, expected.half_angle)?)

@@ -14,7 +14,7 @@ const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
 const ALUMINIUM: Material = Material { youngs_modulus: 70e3, poissons_ratio: 0.34 };
 
 fn part(shape: &'static Shape, parameters: [f64; 3], material: Material) -> Part {
-    Part { shape, parameters, support: 0, material }
+    Part { layers: Default::default(), shape, parameters, support: 0, material }
 }
 
 fn joint(pin: Part, plate: Part) -> JointDesign {
@@ -35,14 +35,14 @@ fn joints() -> [(JointDesign, MethodChoice); 3] {
     let half = part(&half_disc::SHAPE, [0.0; 3], STEEL);
     let block = part(&block::SHAPE, [2.0, 3.0, 1.8], ALUMINIUM);
     [
-        (joint(disc, ring), MethodChoice::Series),
+        (joint(disc.clone(), ring.clone()), MethodChoice::Series),
         (joint(half, ring), MethodChoice::Auto),
         (joint(disc, block), MethodChoice::Fe),
     ]
 }
 
 fn solve(joint: &JointDesign, method: MethodChoice, steps: Vec<Load>) -> Vec<Response> {
-    let case = DesignCase { index: 0, joint: *joint, steps };
+    let case = DesignCase { index: 0, joint: joint.clone(), steps };
     let outcomes = Ladder::new(SolveOptions { accuracy: 0.01, method }).solve(&[case]);
     outcomes[0].steps.iter().map(|step| step.response.unwrap_or_else(|| panic!("{}", step.status))).collect()
 }
@@ -108,7 +108,7 @@ fn energy_is_the_work_of_the_force() {
 fn loading_by_force_undoes_loading_by_indentation() {
     for (joint, method) in joints() {
         for clearance in [joint.radial_clearance, 0.0] {
-            let joint = JointDesign { radial_clearance: clearance, ..joint };
+            let joint = JointDesign { radial_clearance: clearance, ..joint.clone() };
             for delta in INDENTATIONS {
                 let pressed = at(&joint, method, Load::Indentation(delta));
                 let loaded = at(&joint, method, Load::Force(pressed.force));
@@ -129,7 +129,7 @@ fn lengths_moduli_and_thickness_scale() {
     for (joint, method) in joints() {
         let here = at(&joint, method, Load::Indentation(0.02));
         let (length, modulus, thickness) = (250.0, 1e-3, 7.0);
-        let mut other = joint;
+        let mut other = joint.clone();
         other.hole_radius *= length;
         other.radial_clearance *= length;
         other.thickness *= thickness;
@@ -211,7 +211,7 @@ fn auxetic_bodies_meet_the_accuracy() {
         let disc = part(&cored_disc::SHAPE, [0.3, 0.0, 0.0], foam);
         let ring = part(&annulus::SHAPE, [2.0, 0.0, 0.0], foam);
         for idealization in Idealization::ALL {
-            let joint = JointDesign { idealization, ..joint(disc, ring) };
+            let joint = JointDesign { idealization, ..joint(disc.clone(), ring.clone()) };
             for delta in INDENTATIONS {
                 let [exact, meshed] = [MethodChoice::Series, MethodChoice::Fe]
                     .map(|method| at(&joint, method, Load::Indentation(delta)).force);

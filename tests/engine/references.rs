@@ -145,6 +145,7 @@ fn plain_meshes_meet_the_references() {
 #[test]
 fn the_engine_has_the_true_geometry() {
     let block = Part {
+        layers: Default::default(),
         shape: &block::SHAPE,
         parameters: [2.0, 1.7, 2.4],
         support: 0,
@@ -153,7 +154,7 @@ fn the_engine_has_the_true_geometry() {
     let mut compared = 0;
     for (name, pin, plate) in [
         ("half disc in annulus", &half_disc::SHAPE, None),
-        ("half disc in block", &half_disc::SHAPE, Some(block)),
+        ("half disc in block", &half_disc::SHAPE, Some(block.clone())),
         ("disc in block", &cored_disc::SHAPE, Some(block)),
     ] {
         for (eta, shares, of_pin) in [
@@ -166,13 +167,13 @@ fn the_engine_has_the_true_geometry() {
             (0.08, [0.3, 3.0], 100.0),
         ] {
             let mut joint = joint(pin, 0.2, 2.5, eta * HOLE_RADIUS);
-            joint.plate = plate.unwrap_or(joint.plate);
+            joint.plate = plate.clone().unwrap_or(joint.plate);
             joint.pin.material.youngs_modulus *= of_pin;
             for share in shares {
                 let load = Load::Indentation(share * joint.radial_clearance);
                 let accuracy = if eta <= 0.01 { 1e-4 } else { 1e-3 };
                 let options = SolveOptions { accuracy, method: MethodChoice::Auto };
-                let case = DesignCase { index: 0, joint, steps: vec![load] };
+                let case = DesignCase { index: 0, joint: joint.clone(), steps: vec![load] };
                 let engine = Ladder::new(options).solve(&[case]).remove(0).steps[0].response.unwrap();
                 let angle = engine.contact_half_angle.unwrap();
                 let mean = 0.5 * (angle + Outlines::new(eta).of_pin(angle));
@@ -205,8 +206,14 @@ fn the_engine_equals_plain_meshes() {
     let mut dissimilar = joint(&cored_disc::SHAPE, 0.2, 3.0, 0.2);
     dissimilar.pin.material.poissons_ratio = 0.1;
     dissimilar.plate.material = aluminium;
-    let strain = JointDesign { idealization: Idealization::PlaneStrain, ..dissimilar };
-    let plate = Part { shape: &block::SHAPE, parameters: [2.0, 1.7, 2.4], support: 0, material: aluminium };
+    let strain = JointDesign { idealization: Idealization::PlaneStrain, ..dissimilar.clone() };
+    let plate = Part {
+        layers: Default::default(),
+        shape: &block::SHAPE,
+        parameters: [2.0, 1.7, 2.4],
+        support: 0,
+        material: aluminium,
+    };
     let in_block = JointDesign { plate, ..joint(&half_disc::SHAPE, 0.0, 2.0, 0.2) };
     for (name, joint, accuracy) in [
         ("dissimilar", dissimilar, ACCURACY),
@@ -215,7 +222,7 @@ fn the_engine_equals_plain_meshes() {
         ("block", in_block, 1e-3),
     ] {
         for indentation in [0.02, 0.2] {
-            let engine = Solver::new(accuracy).solve(joint, Load::Indentation(indentation));
+            let engine = Solver::new(accuracy).solve(joint.clone(), Load::Indentation(indentation));
             let angle = engine.contact_half_angle.unwrap();
             let plain = meshed(&joint, indentation, angle, Pairing::AtTouch);
             let (force, peak) =
@@ -240,7 +247,7 @@ fn the_engine_equals_plain_meshes() {
 fn narrow_contacts_of_a_half_disc_are_within_a_fifth_of_a_percent() {
     for indentation in [4e-8, 3.3e-7, 2.6e-6] {
         let joint = joint(&half_disc::SHAPE, 0.0, 2.0, 1e-3);
-        let engine = Solver::new(2.5e-3).solve(joint, Load::Indentation(indentation));
+        let engine = Solver::new(2.5e-3).solve(joint.clone(), Load::Indentation(indentation));
         let angle = engine.contact_half_angle.unwrap();
         let plain = meshed(&joint, indentation, angle, Pairing::AtTouch);
         let (force, peak) =

@@ -292,6 +292,7 @@ fn no_mesh_has_more_modes_than_the_kernel() {
             for ratio in [1.001, 1.2, 3.0, 50.0, 1e4] {
                 let parameters = if shape.side == Side::Pin { [1.0 / ratio; 3] } else { [ratio; 3] };
                 let body = Body {
+                    lining: Default::default(),
                     shape,
                     parameters,
                     support: 0,

@@ -35,6 +35,7 @@ struct Joint {
 impl Joint {
     fn outcomes(&self, deltas: &[f64]) -> Vec<(String, Option<Response>)> {
         let part = |shape, ratio, youngs_modulus| Part {
+            layers: Default::default(),
             shape,
             parameters: [ratio, 0.0, 0.0],
             support: 0,
@@ -62,6 +63,7 @@ impl Joint {
 
     fn nodal(&self, delta: f64, reach: f64, panels: usize) -> NodalState {
         let ring = |fixed_radius_ratio, youngs_modulus| Ring {
+            beyond: &[],
             fixed_radius_ratio,
             youngs_modulus,
             poissons_ratio: self.poissons_ratio,

@@ -96,15 +96,15 @@ fn a_thousand_random_designs_of_few_bodies_by_iteration() {
     // Each in the plane state that it was drawn in.
     let mut pick = |of: Idealization| {
         let of: Vec<&DesignCase> = drawn.iter().filter(|case| case.joint.idealization == of).collect();
-        of[(random.unit() * of.len() as f64) as usize].joint
+        of[(random.unit() * of.len() as f64) as usize].joint.clone()
     };
     let cases: Vec<DesignCase> = draw(23, 1000, concentric)
         .into_iter()
         .map(|mut case| {
             let joint = &mut case.joint;
             let (pin, plate) = (pick(joint.idealization).pin, pick(joint.idealization).plate);
-            joint.pin = Part { material: with_ratio(joint.pin, pin), ..pin };
-            joint.plate = Part { material: with_ratio(joint.plate, plate), ..plate };
+            joint.pin = Part { material: with_ratio(joint.pin.clone(), pin.clone()), ..pin };
+            joint.plate = Part { material: with_ratio(joint.plate.clone(), plate.clone()), ..plate };
             case
         })
         .collect();

@@ -252,7 +252,7 @@ fn groups() -> Vec<Group> {
         .map(|(_, bodies)| {
             let fidelity = Fidelity::Mesh { level: bodies.level };
             let requests: Vec<BodyRequest> =
-                bodies.bodies.iter().map(|&body| BodyRequest { body, fidelity }).collect();
+                bodies.bodies.iter().map(|body| BodyRequest { body: body.clone(), fidelity }).collect();
             assert!(requests.iter().all(|request| TopologyKey::of(request) == TopologyKey::of(&requests[0])));
             (TopologyKey::of(&requests[0]), requests)
         })
@@ -286,7 +286,7 @@ fn how_bodies_are_cut_into_batches_changes_no_bit() {
         assert_eq!((report.bodies, report.solves), (9, columns));
         assert!(report.worst_residual > 0.0 && report.worst_residual <= precision.settings().goal);
         for ((key, requests), works) in groups.iter().zip(&together) {
-            let bodies: Vec<Body> = requests.iter().map(|request| request.body).collect();
+            let bodies: Vec<Body> = requests.iter().map(|request| request.body.clone()).collect();
             let modes = RingModes::of(&key.class);
             let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), modes);
             for (found, expected) in works.iter().zip(plan.condense(&bodies)) {

@@ -164,7 +164,7 @@ fn special_joints_have_their_laws() {
     let (case, _) = one();
     let mut ladder = Ladder::new(Options { accuracy: 1e-3, method: MethodChoice::Auto });
     let mut solved = |clearance: f64, loads: &[f64]| {
-        let joint = JointDesign { radial_clearance: clearance, ..case.joint };
+        let joint = JointDesign { radial_clearance: clearance, ..case.joint.clone() };
         let steps = loads.iter().map(|load| Load::Indentation(*load)).collect();
         let mut outcomes = ladder.solve(&[DesignCase { index: 0, joint, steps }]);
         add_laws(&mut ladder, &mut outcomes);

@@ -17,7 +17,7 @@ use jointsweep::internals::mechanics::contact::outlines::Outlines;
 use jointsweep::internals::mechanics::material::Idealization;
 
 fn concentric(fixed_radius_ratio: f64, poissons_ratio: f64, idealization: Idealization) -> ConcentricBody {
-    ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization }
+    ConcentricBody { lining: Default::default(), fixed_radius_ratio, poissons_ratio, idealization }
 }
 
 /// Persson's table: similar materials, the plate of ratio 1e4, a core of 1e-3.
@@ -65,7 +65,14 @@ fn curves_leave_what_is_said() {
             let [pin, plate] = [core, ratio].map(|ratio| concentric(ratio, poissons_ratio, idealization));
             let body = |shape, ratio| {
                 let parameters = [ratio, 0.0, 0.0];
-                Body { shape, parameters, support: 0, poissons_ratio, idealization }
+                Body {
+                    lining: Default::default(),
+                    shape,
+                    parameters,
+                    support: 0,
+                    poissons_ratio,
+                    idealization,
+                }
             };
             let (pin_body, plate_body) = (body(&cored_disc::SHAPE, core), body(&annulus::SHAPE, ratio));
             let key = SpaceKey::coarsest(&pin_body, &plate_body, accuracy, 1.0);

@@ -32,6 +32,7 @@ fn draw_of(
 ) -> Option<Case> {
     let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
     let ring = |random: &mut Random, fixed_radius_ratio| Ring {
+        beyond: &[],
         fixed_radius_ratio,
         youngs_modulus: 1e5 * random.log(0.1, 10.0),
         poissons_ratio: poissons_ratio(random),
@@ -48,6 +49,7 @@ fn draw_of(
 
 fn joint(Case { bodies, clearance, state, .. }: &Case) -> DesignCase {
     let part = |shape, ring: &Ring| Part {
+        layers: Default::default(),
         shape,
         parameters: [ring.fixed_radius_ratio, 0.0, 0.0],
         support: 0,
@@ -175,6 +177,7 @@ fn the_stiffness_is_the_slope_of_the_force() {
 fn wide_clearances_are_told() {
     let case = |clearance: f64| {
         let ring = |fixed_radius_ratio| Ring {
+            beyond: &[],
             fixed_radius_ratio,
             youngs_modulus: 2e5,
             poissons_ratio: 0.3,

@@ -20,6 +20,7 @@ fn indentations() -> Vec<f64> {
 /// What the program says of the same joint, the other body a million times as stiff.
 fn told(scene: &Scene) -> Vec<Response> {
     let part = |shape, ratio, youngs_modulus| Part {
+        layers: Default::default(),
         shape,
         parameters: [ratio, 0.0, 0.0],
         support: 0,

@@ -21,6 +21,8 @@ mod lame;
 mod solvers;
 mod condensation;
 mod series;
+mod layered_rings;
+mod lined_joints;
 mod active_set;
 mod contact_formulations;
 mod curves;

@@ -90,6 +90,7 @@ fn operations(work: impl FnOnce()) -> u64 {
 /// A block, whose band is uneven: one of its sides is held, the others free.
 fn structure(level: usize) -> BandStructure {
     let body = Body {
+        lining: Default::default(),
         shape: &block::SHAPE,
         parameters: [3.0, 4.0, 2.5],
         support: 0,

@@ -39,10 +39,13 @@ fn study(table: &Table) -> Result<Study, String> {
     Study::from_text(&path, table.to_string()).map_err(|error| error.to_string())
 }
 
-/// The table of a dotted key, made where it is missing.
+/// The table of a dotted key, made where it is missing; the first one of a list of tables.
 fn table_of<'a>(document: &'a mut Table, dotted: &str) -> &'a mut Table {
     dotted.split('.').filter(|part| !part.is_empty()).fold(document, |table, part| {
-        table.entry(part).or_insert_with(|| Table::new().into()).as_table_mut().unwrap()
+        match table.entry(part).or_insert_with(|| Table::new().into()) {
+            toml::Value::Array(tables) => tables[0].as_table_mut().unwrap(),
+            table => table.as_table_mut().unwrap(),
+        }
     })
 }
 
@@ -54,12 +57,20 @@ fn value(text: &str) -> toml::Value {
 fn base_for(key: &ConfigKey) -> Table {
     let mut base: Table = toml::from_str(BASE).unwrap();
     let name = key.name.as_str();
-    if name == "outer_radius_ratio" {
+    if name == "outer_radius_ratio" || key.table == "joint.plate.layers" {
         let plate = table_of(&mut base, "joint.plate");
         *plate =
             toml::from_str("model = 'annulus'\nyoungs_modulus = '90 GPa'\npoissons_ratio = 0.2").unwrap();
     }
+    if let Some(part) = key.table.strip_suffix(".layers") {
+        if part == "joint.plate" {
+            table_of(&mut base, part).insert("outer_radius_ratio".into(), 3.into());
+        }
+        let layers = "[{ thickness = '2 mm', youngs_modulus = '5 GPa', poissons_ratio = 0.3 }]";
+        table_of(&mut base, part).insert("layers".into(), value(layers));
+    }
     match (key.table.as_str(), name) {
+        (table, "thickness_ratio") => _ = table_of(&mut base, table).remove("thickness"),
         ("joint", "diametral_clearance") => _ = table_of(&mut base, "joint").remove("radial_clearance"),
         ("load", "force") => _ = table_of(&mut base, "load").remove("indentation"),
         ("designs", _) => base.clear(),

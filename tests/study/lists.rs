@@ -3,6 +3,7 @@
 use std::fs;
 
 use jointsweep::internals::study::columns::{self, Cell, joint_columns};
+use jointsweep::internals::study::layers::LayerCounts;
 
 use crate::{Folder, STEPS, all, row, with};
 
@@ -16,7 +17,7 @@ fn a_list_of_designs_reads_back_what_was_written() {
     let original = all(&folder.study(&with(plate, block).replace(STEPS, r#"force = "1 lbf""#)));
     assert_eq!(original.len(), 4);
 
-    let mut text: Vec<String> = joint_columns().iter().map(|column| column.name()).collect();
+    let mut text: Vec<String> = joint_columns(LayerCounts::NONE).iter().map(|column| column.name()).collect();
     text.push(columns::FORCE.to_string());
     let mut text = text.join(",");
     for case in &original {

@@ -3,6 +3,7 @@
 mod sweeps;
 mod lists;
 mod refusals;
+mod layers;
 
 use std::fs;
 use std::path::PathBuf;
@@ -96,5 +97,5 @@ fn all(study: &Study) -> Vec<DesignCase> {
 
 /// A joint as the cells of its row, which compare with ==.
 fn row(case: &DesignCase) -> Vec<Cell> {
-    joint_columns().iter().map(|column| column.cell(&case.joint)).collect()
+    joint_columns(case.joint.layer_counts()).iter().map(|column| column.cell(&case.joint)).collect()
 }

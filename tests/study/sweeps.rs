@@ -13,6 +13,8 @@ fn shipped_configs_load() {
     let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
     let mut loaded: Vec<&str> = Vec::new();
     for (name, designs, steps) in [
+        ("bush", 24, 240),
+        ("coating", 6, 72),
         ("designs-example", 5, 5),
         ("hypercube", 100_000, 1_000_000),
         ("hypercube-block", 100_000, 1_000_000),

@@ -6,6 +6,7 @@ use crate::engine::accuracy::mesh_change::Trust;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::pressure_space::JointCompliance;
+use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::compliance::thin_wall::bed_error;
 use crate::mechanics::contact::curve::ContactCurve;
 
@@ -20,7 +21,7 @@ pub struct JudgedBody<'a> {
 /// What tells the error of a body.
 #[derive(Clone, Copy)]
 pub enum ErrorSource<'a> {
-    /// There is none.
+    /// There is none, but of layers that are thinner than the waves of all modes.
     Exact,
     /// A wall that is taken for a bed.
     Bed,
@@ -45,6 +46,7 @@ pub struct BodyErrors<'a> {
 /// What the share of a body in the work is to be multiplied by.
 enum OwnError<'a> {
     Nothing,
+    Layers(ConcentricBody),
     Bed(&'a Body),
     Mesh(Known),
     Fit(BodyBound<'a>),
@@ -59,6 +61,9 @@ impl<'a> BodyErrors<'a> {
     ) -> BodyErrors<'a> {
         let pressures = &curve.space.pressures;
         let own_errors = bodies.each_ref().map(|JudgedBody { body, source, .. }| match source {
+            ErrorSource::Exact if !body.lining.is_bare() => {
+                ConcentricBody::of(body).map_or(OwnError::Nothing, OwnError::Layers)
+            }
             ErrorSource::Exact | ErrorSource::MeshBeside { .. } => OwnError::Nothing,
             ErrorSource::Bed => OwnError::Bed(body),
             ErrorSource::Mesh(level) => {
@@ -88,7 +93,7 @@ impl<'a> BodyErrors<'a> {
         BodyErrors { trust, change, bodies: [(pin, of_pin), (plate, of_plate)] }
     }
 
-    /// The relative errors of the force by meshes and fits, and by beds, at a contact half angle, rad, between a node and the next.
+    /// The relative errors of the force by meshes and fits, and by beds and thin layers, at a contact half angle, rad, between a node and the next.
     pub fn at(&self, half_angle: f64, node: usize) -> [f64; 2] {
         let of_change =
             |(trust, level): (Trust, usize)| trust.error(level, ContactCurve::around(node, &self.change));
@@ -98,6 +103,7 @@ impl<'a> BodyErrors<'a> {
             let share = || ContactCurve::around(node, shares);
             match own {
                 OwnError::Nothing => {}
+                OwnError::Layers(body) => of_beds += share() * body.left_out(half_angle),
                 OwnError::Bed(body) => of_beds += share() * bed_error(body, half_angle),
                 OwnError::Mesh(known) => of_bodies += share() * known[column(half_angle)],
                 OwnError::Fit(bound) => of_bodies += share() * bound.at(half_angle),

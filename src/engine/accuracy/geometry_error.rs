@@ -41,18 +41,18 @@ impl OutlineError {
     /// The shares of the work are taken for those of the moduli.
     pub fn of(joint: &JointDesign, outlines: &Outlines) -> OutlineError {
         let [pin, plate] =
-            [&joint.pin, &joint.plate].map(|part| part.material.plane_modulus(joint.idealization));
+            [&joint.pin, &joint.plate].map(|part| part.contact_material().plane_modulus(joint.idealization));
         let of_pin = plate / (pin + plate);
-        let kappa = joint.idealization.kolosov(joint.pin.material.poissons_ratio);
+        let kappa = joint.idealization.kolosov(joint.pin.contact_material().poissons_ratio);
         let resistance = ((kappa + 1.0) / (kappa - 1.0)).min(STIFFEST);
         let body = joint.body(&joint.pin);
-        let depth = body.depth_range().0;
+        let depth = body.nearest_depth();
         let wall = (2.0 * (WALL - depth)).exp().min(1.0);
         let of_wall = of_pin * resistance * wall;
         let (ratio, square) = (outlines.radial_clearance, outlines.square());
         let [all, shear] = if !body.shape.concentric {
             [OF_HELD * of_pin, 0.0]
-        } else if depth < THINNEST_RING {
+        } else if depth < THINNEST_RING && body.lining.is_bare() {
             [0.0, OF_BED * of_wall]
         } else {
             [0.0, ratio * OF_SHEAR * of_wall]
@@ -73,9 +73,9 @@ const OF_STRAIN: f64 = 2.0;
 
 /// Estimated relative difference of the force from laws of finite displacement and strain (docs/theory.md, section 10).
 pub fn linearity_error(joint: &JointDesign, response: &Response) -> f64 {
-    let softer = joint.pin.material.youngs_modulus.min(joint.plate.material.youngs_modulus);
+    let softest = joint.pin.least_modulus().min(joint.plate.least_modulus());
     let displacement = response.indentation / joint.hole_radius;
-    OF_STRAIN * displacement.max(response.peak_pressure.unwrap_or(0.0) / softer)
+    OF_STRAIN * displacement.max(response.peak_pressure.unwrap_or(0.0) / softest)
 }
 
 /// Below this no row remarks on it.

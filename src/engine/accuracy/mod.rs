@@ -37,7 +37,7 @@ pub enum Want {
 pub struct ForceError {
     /// Of meshes, or of interpolation between bodies.
     pub bodies: f64,
-    /// Of walls that are taken for beds: nothing lessens it.
+    /// Of walls that are taken for beds, and of layers thinner than the waves of all modes: nothing lessens it.
     pub beds: f64,
     /// Of trial pressures.
     pub pressure: f64,

@@ -21,14 +21,20 @@ pub struct FamilyKey {
 
 impl FamilyKey {
     /// Of a body; `None` where the error of a mesh is not known well enough to fit many of them, where walls are so thin that
-    /// they ask for more trial pressures than a fit has, and where the far boundary is beyond what meshes carry.
+    /// they ask for more trial pressures than a fit has, where the far boundary is beyond what meshes carry, and where there are layers.
     pub fn of(body: &Body, half_ring: bool) -> Option<FamilyKey> {
         let Body { shape, support, poissons_ratio, idealization, .. } = *body;
         let range = PoissonRange::of(poissons_ratio, idealization);
         let trusted = !matches!(range, PoissonRange::Incompressible | PoissonRange::Conformal);
         let (least, greatest) = body.depth_range();
         let thick = least > THIN && greatest < DEEPEST_MESHED;
-        (trusted && thick).then_some(FamilyKey { shape: shape.name, support, idealization, range, half_ring })
+        (trusted && thick && body.lining.is_bare()).then_some(FamilyKey {
+            shape: shape.name,
+            support,
+            idealization,
+            range,
+            half_ring,
+        })
     }
 }
 
@@ -61,7 +67,7 @@ pub fn coordinates(body: &Body) -> Point {
 
 /// The reverse of `coordinates`, for a body like `example`.
 pub fn body_at(example: &Body, point: &[f64]) -> Body {
-    let mut body = *example;
+    let mut body = example.clone();
     let count = example.shape.parameters.len();
     for i in 0..count {
         let depth = if example.shape.concentric { point[i].exp() } else { point[i] };

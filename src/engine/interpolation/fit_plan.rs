@@ -112,13 +112,13 @@ impl InterpolationPlan {
             let place = match pairs.iter().position(|(known, _)| *known == both) {
                 Some(place) => place,
                 None => {
-                    pairs.push((both, [Members::new(pin.1), Members::new(plate.1)]));
+                    pairs.push((both, [Members::new(pin.1.clone()), Members::new(plate.1.clone())]));
                     pairs.len() - 1
                 }
             };
             for ((key, body), of_pair) in [pin, plate].iter().zip(&mut pairs[place].1) {
                 of_pair.meet(body);
-                members.entry(*key).or_insert_with(|| Members::new(*body)).meet(body);
+                members.entry(*key).or_insert_with(|| Members::new(body.clone())).meet(body);
             }
         }
         // What is not looked at may lie a little outside of what is.
@@ -129,7 +129,7 @@ impl InterpolationPlan {
                 .map(|(low, high)| (low - margin * (high - low), high + margin * (high - low)))
                 .collect();
             let exact = members.example.shape.concentric && solve.method != MethodChoice::Fe;
-            Family { key, example: members.example, ranges, exact }
+            Family { key, example: members.example.clone(), ranges, exact }
         };
         let families: HashMap<FamilyKey, Family> =
             members.iter().map(|(key, members)| (*key, family(*key, members))).collect();
@@ -138,14 +138,14 @@ impl InterpolationPlan {
             InterpolationPlan { accuracy: solve.accuracy, families: Vec::new(), pairs: HashSet::default() };
         for (both, of_pair) in &pairs {
             let designs = count as f64 * of_pair[0].seen as f64 / joints.len() as f64;
-            let [pin, plate] = of_pair.each_ref().map(|members| members.example);
-            let space = SpaceKey::coarsest(&pin, &plate, solve.accuracy, 0.0);
+            let [pin, plate] = of_pair.each_ref().map(|members| &members.example);
+            let space = SpaceKey::coarsest(pin, plate, solve.accuracy, 0.0);
             let mut saved = designs
                 * (curve(space).seconds() + design(0.0).seconds() - interpolated_design(0.0).seconds());
             let mut cost = 0.0;
             for (key, members) in [both.0, both.1].iter().zip(of_pair) {
                 let Some(family) = families.get(key) else { continue };
-                let request = |fidelity| BodyRequest { body: members.example, fidelity };
+                let request = |fidelity| BodyRequest { body: members.example.clone(), fidelity };
                 let requests = if family.exact {
                     vec![request(Fidelity::Series)]
                 } else if let Some(level) = known_level(&members.example, solve.accuracy) {

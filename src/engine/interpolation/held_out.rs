@@ -81,7 +81,8 @@ impl HeldOut {
         } else {
             (self.bodies.par_iter().zip(&self.expected).zip(&coarse))
                 .map(|((body, fine), coarse)| {
-                    let trust = Trust::of(&BodyRequest { body: *body, fidelity: family.fidelity(level) });
+                    let trust =
+                        Trust::of(&BodyRequest { body: body.clone(), fidelity: family.fidelity(level) });
                     let changes = changes(space, fine, coarse).into_iter();
                     changes.map(|change| trust.error(level, change)).collect()
                 })

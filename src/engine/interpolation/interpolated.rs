@@ -105,7 +105,7 @@ impl Interpolation {
         loop {
             let judged = |side: usize, scratch| -> Option<JudgedBody> {
                 let (body, part) = bodies[side];
-                let share = 1.0 / part.material.youngs_modulus;
+                let share = 1.0 / part.contact_material().youngs_modulus;
                 let part = fits[side].part((body, share), &outlines, (key, spaces), scratch)?;
                 Some(JudgedBody { body, source: ErrorSource::Fit(&fits[side].bound), part })
             };

@@ -90,7 +90,7 @@ impl Family {
     /// Estimated time of one sample, s.
     fn sample_seconds(&self, level: usize) -> f64 {
         let filled = if self.exact { 1.0 } else { LANES_FILLED[self.free()] };
-        body_seconds(&BodyRequest { body: self.example, fidelity: self.fidelity(level) }) / filled
+        body_seconds(&BodyRequest { body: self.example.clone(), fidelity: self.fidelity(level) }) / filled
     }
 
     /// Estimated time of one topology of samples, s.

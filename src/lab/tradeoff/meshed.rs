@@ -73,7 +73,8 @@ impl MeshedPath {
 
         let mut compliances: Vec<Option<BodyCompliance>> = vec![None; joints.bodies.len()];
         for (group, shared) in groups.iter().zip(&shared) {
-            let bodies: Vec<Body> = group.members.iter().map(|&number| joints.bodies[number].0).collect();
+            let bodies: Vec<Body> =
+                group.members.iter().map(|&number| joints.bodies[number].0.clone()).collect();
             let modes = RingModes::of(&class(&bodies[0]));
             let condensed = self.condense(shared, &bodies, &modes);
             for ((&number, body), works) in group.members.iter().zip(&bodies).zip(condensed) {

@@ -18,7 +18,7 @@ pub fn states(
 ) -> Vec<Option<State>> {
     let joint = &case.joint;
     let space = spaces.get(key);
-    let shares = [&joint.pin, &joint.plate].map(|part| 1.0 / part.material.youngs_modulus);
+    let shares = [&joint.pin, &joint.plate].map(|part| 1.0 / part.contact_material().youngs_modulus);
     let scale = JointScale::of(joint);
     let pin = space.part(Side::Pin, &[(pin, shares[0])], &scale.outlines);
     let plate = space.part(Side::Plate, &[(plate, shares[1])], &scale.outlines);

@@ -65,8 +65,8 @@ impl Rings {
             Some(RingBody { topology, compliance: compliance.as_ref()?, youngs_modulus })
         };
         Some([
-            ring(pin, design.pin.material.youngs_modulus)?,
-            ring(plate, design.plate.material.youngs_modulus)?,
+            ring(pin, design.pin.contact_material().youngs_modulus)?,
+            ring(plate, design.plate.contact_material().youngs_modulus)?,
         ])
     }
 }

@@ -3,8 +3,11 @@
 //! In two dimensions a body's compliance times Young's modulus depends on nothing else, so `Body` is the key
 //! under which a sweep solves each distinct body once. A new shape is one new file and one line in `SHAPES`.
 
+use lining::Lining;
+
 use crate::mechanics::material::Idealization;
 
+pub mod lining;
 pub mod half_disc;
 pub mod cored_disc;
 pub mod annulus;
@@ -86,24 +89,32 @@ impl Shape {
 }
 
 /// A body: everything its dimensionless compliance depends on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Body {
     pub shape: &'static Shape,
     /// Values of `shape.parameters`, in order; the rest is zero.
     pub parameters: [f64; MAX_PARAMETERS],
     /// Index into `shape.supports`; 0 when there is only one.
     pub support: usize,
+    /// At the ring.
     pub poissons_ratio: f64,
     pub idealization: Idealization,
+    pub lining: Lining,
 }
 
 /// A body as bits: equal for equal bodies, usable as the key of a map.
-pub type BodyKey = (&'static str, [u64; MAX_PARAMETERS], usize, u64, Idealization);
+pub type BodyKey = (&'static str, [u64; MAX_PARAMETERS], usize, u64, Idealization, Lining);
 
 impl Body {
     /// Depth |ln r| of the thinnest place between the ring and the far boundary, and of the deepest.
     pub fn depth_range(&self) -> (f64, f64) {
         (self.shape.depth_range)(&self.parameters)
+    }
+
+    /// Depth of the nearest place where something changes below the ring: the first interface, or the thinnest wall.
+    pub fn nearest_depth(&self) -> f64 {
+        let of_interface = self.lining.interfaces().first().map(|first| first.radius_ratio.ln().abs());
+        of_interface.unwrap_or(f64::INFINITY).min(self.depth_range().0)
     }
 
     /// Of a concentric body, the radius of the circle that is held over the ring's: its outer or its core radius ratio.
@@ -113,6 +124,13 @@ impl Body {
 
     pub fn key(&self) -> BodyKey {
         let bits = self.parameters.map(f64::to_bits);
-        (self.shape.name, bits, self.support, self.poissons_ratio.to_bits(), self.idealization)
+        (
+            self.shape.name,
+            bits,
+            self.support,
+            self.poissons_ratio.to_bits(),
+            self.idealization,
+            self.lining.clone(),
+        )
     }
 }

@@ -7,6 +7,7 @@ pub mod infinite_body;
 pub mod thin_wall;
 pub mod ring_modes;
 pub mod second_order;
+pub mod layered_ring;
 pub mod series;
 pub mod pressure_space;
 pub mod lane_condensation;

@@ -19,6 +19,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::lane_condensation::CondensationPlan;
 use super::ring_modes::RingModes;
 use super::series::ConcentricBody;
+use crate::mechanics::body::lining::Lining;
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::material::{Compressibility, Idealization};
@@ -170,7 +171,12 @@ impl NearFieldClass {
     pub fn reference(&self) -> ConcentricBody {
         let depth = self.layers().depth_at_growth(self.growth());
         let fixed_radius_ratio = if self.side == Side::Plate { depth.exp() } else { (-depth).exp() };
-        ConcentricBody { fixed_radius_ratio, poissons_ratio: 0.0, idealization: self.idealization }
+        ConcentricBody {
+            fixed_radius_ratio,
+            poissons_ratio: 0.0,
+            idealization: self.idealization,
+            lining: Lining::BARE,
+        }
     }
 }
 
@@ -194,12 +200,14 @@ impl NearField {
             support: 0,
             poissons_ratio: range.poissons_ratio(coordinate),
             idealization,
+            lining: Lining::BARE,
         });
         let end_angle = if half_ring { FRAC_PI_2 } else { PI };
         let plan = CondensationPlan::new(&bodies[0], whole_ring(&class.layers(), end_angle), modes);
         let condensed = plan.condense(&bodies);
-        let exact = bodies
-            .map(|body| ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference }.boundary_modes());
+        let exact = bodies.map(|body| {
+            ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference.clone() }.boundary_modes()
+        });
         let mut works = modes.works_of_modes(side, &exact);
         for (works, mesh) in works.iter_mut().zip(condensed) {
             works.iter_mut().zip(mesh).for_each(|(exact, mesh)| *exact -= mesh);

@@ -359,6 +359,7 @@ mod tests {
         let arcs = (1..=2 * LANES).map(|i| ContactArc::new(0.15 * i as f64)).collect();
         let mut space = PressureSpace::new(6, arcs);
         let body = ConcentricBody {
+            lining: Default::default(),
             fixed_radius_ratio: 2.0,
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStrain,
@@ -383,6 +384,7 @@ mod tests {
         let arcs = (1..=LANES).map(|i| ContactArc::new(0.28 * i as f64)).collect();
         let mut space = PressureSpace::new(6, arcs);
         let body = ConcentricBody {
+            lining: Default::default(),
             fixed_radius_ratio: 2.0,
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStrain,

@@ -11,23 +11,34 @@
 //! plus for a hole and minus for a disc, whose sums are known in closed form (`infinite_body`); what is left of each
 //! mode falls like (ratio of radii)^(-2 n).
 
+use std::f64::consts::PI;
+
+use super::layered_ring::{Fields, Layer, Matrix, ZERO, apply, inverse, product};
 use super::second_order::{Bands, bands};
 use super::thin_wall::bed_compliance;
 use super::{BodyCompliance, Boundary};
+use crate::mechanics::body::lining::Lining;
 use crate::mechanics::body::{Body, Side, THINNEST_RING};
 use crate::mechanics::material::Idealization;
 
 /// A body between the ring (radius 1) and a concentric circle of radius `fixed_radius_ratio` on which it is fixed: above 1
-/// for a plate, below 1 for a pin.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// for a plate, below 1 for a pin. Poisson's ratio is that at the ring, where Young's modulus is 1.
+#[derive(Clone, Debug, PartialEq)]
 pub struct ConcentricBody {
     pub fixed_radius_ratio: f64,
     pub poissons_ratio: f64,
     pub idealization: Idealization,
+    pub lining: Lining,
 }
 
 /// Modes whose finite-size part is below this share of the mode are left out.
 const NEGLIGIBLE: f64 = 1e-13;
+
+/// The same beyond the first layer of a lined body: what a smooth pressure has of modes so high takes it below 1e-8 of the force.
+const NEGLIGIBLE_BEYOND: f64 = 1e-7;
+
+/// No more modes than these: of layers that are thinner than waves so short, `left_out` tells what that leaves.
+const MOST_MODES: usize = 1500;
 
 /// The same of what counts by the clearance ratio squared.
 const NEGLIGIBLE_SECOND: f64 = 1e-3;
@@ -40,11 +51,11 @@ const SHEAR: Stress = [0.0, 1.0];
 impl ConcentricBody {
     /// `None` where no concentric circle bounds the body.
     pub fn of(body: &Body) -> Option<ConcentricBody> {
-        let Body { poissons_ratio, idealization, .. } = *body;
         body.fixed_radius_ratio().map(|fixed_radius_ratio| ConcentricBody {
             fixed_radius_ratio,
-            poissons_ratio,
-            idealization,
+            poissons_ratio: body.poissons_ratio,
+            idealization: body.idealization,
+            lining: body.lining.clone(),
         })
     }
 
@@ -61,52 +72,84 @@ impl ConcentricBody {
         self.idealization.kolosov(self.poissons_ratio)
     }
 
+    /// Where the material at the ring ends: at the first interface, or at the fixed circle.
+    fn near_radius_ratio(&self) -> f64 {
+        self.lining.interfaces().first().map_or(self.fixed_radius_ratio, |interface| interface.radius_ratio)
+    }
+
+    /// What lies beyond the material at the ring, from the fixed circle inwards, joined by `add`: held there.
+    fn beyond<T>(&self, held: T, add: impl Fn(Layer, T) -> T) -> T {
+        let interfaces = self.lining.interfaces();
+        let mut far = self.fixed_radius_ratio;
+        interfaces.iter().rev().fold(held, |beyond, interface| {
+            let layer = Layer {
+                ratio: far / interface.radius_ratio,
+                kolosov: self.idealization.kolosov(interface.poissons_ratio),
+                twice_shear_modulus: interface.modulus_ratio / (1.0 + interface.poissons_ratio),
+            };
+            far = interface.radius_ratio;
+            add(layer, beyond)
+        })
+    }
+
+    /// The material at the ring as a layer before others.
+    fn near_layer(&self) -> Layer {
+        Layer {
+            ratio: self.near_radius_ratio(),
+            kolosov: self.kolosov(),
+            twice_shear_modulus: self.twice_shear_modulus(),
+        }
+    }
+
     /// c, the amplitude of the logarithmic kernel, for Young's modulus 1: 2/E'.
     pub fn amplitude(&self) -> f64 {
         (self.kolosov() + 1.0) / (2.0 * self.twice_shear_modulus())
     }
 
     /// lambda_n, and the amplitude of the displacement along the ring, u_phi = along sin(n phi), or those under shear, each less that of the same body with
-    /// its fixed circle infinitely far (or small), n >= 2, free of cancellation.
+    /// its fixed circle infinitely far (or small) and without layers beyond the one at the ring, n >= 2, free of cancellation.
     ///
-    /// With x the amplitudes of the two fields that fall from the ring, y of the two that fall from the fixed circle, and
-    /// q = (ratio of radii)^n what is left of them at the other circle,
+    /// With x the amplitudes of the two fields that fall from the ring, y of the two that fall from the far circle of the material at
+    /// the ring, q = (ratio of radii)^n what is left of them at the other circle, and Z how that yields (0 where it is held),
     ///
     /// ```text
-    ///   ring:   N x + q M y = t          fixed circle:   q P x + Q y = 0,
+    ///   ring:   N x + q M y = t          far circle:   q (P - Z Np) x + (Q - Z Mp) y = 0,
     /// ```
     ///
-    /// so x = x0 + q^2 (N - q^2 S)^-1 S x0 with N x0 = t and S = M Q^-1 P.
+    /// so x = x0 + q^2 (N - q^2 S)^-1 S x0 with N x0 = t and S = M (Q - Z Mp)^-1 (P - Z Np).
     fn finite_part(&self, n: usize, stress: Stress) -> [f64; 2] {
         let (kappa, m) = (self.kolosov(), n as f64);
         let is_plate = self.side() == Side::Plate;
-        let q = if is_plate { self.fixed_radius_ratio } else { 1.0 / self.fixed_radius_ratio }.powf(-m);
+        let radius = self.near_radius_ratio();
+        let q = if is_plate { radius } else { 1.0 / radius }.powf(-m);
         // Nothing is left, and powers of radii like 1e300 are no numbers.
         if q < 1e-30 {
             return [0.0, 0.0];
         }
-        // Radial and hoop displacement of the fields r^(n+2), r^n and of r^(2-n), r^-n, their powers n taken out.
-        let displacements = |r: f64| {
-            let rising = [[(kappa - m - 1.0) * r, -m / r], [(kappa + m + 1.0) * r, m / r]];
-            let falling = [[(kappa + m - 1.0) * r, m / r], [(m - 1.0 - kappa) * r, m / r]];
-            if is_plate { (falling, rising) } else { (rising, falling) }
+        let fields = |r: f64| {
+            let [rising, falling] = Fields::rising_and_falling(kappa, m, r);
+            if is_plate { [falling, rising] } else { [rising, falling] }
         };
-        // Radial and shear stress on the ring.
-        let rising = [[-(m + 1.0) * (m - 2.0), -m * (m - 1.0)], [m * (m + 1.0), m * (m - 1.0)]];
-        let falling = [[-(m - 1.0) * (m + 2.0), -m * (m + 1.0)], [-m * (m - 1.0), -m * (m + 1.0)]];
-        let (near, far) = if is_plate { (falling, rising) } else { (rising, falling) };
-        let (near_on_ring, far_on_ring) = displacements(1.0);
-        let (near_on_fixed, far_on_fixed) = displacements(self.fixed_radius_ratio);
+        let [near, far] = fields(1.0);
+        let [near_on_circle, far_on_circle] = if self.lining.is_bare() {
+            fields(radius).map(|fields| fields.displacements)
+        } else {
+            let beyond = self.beyond(ZERO, |layer, beyond| layer.compliance(n, beyond));
+            // Displacements times 2 mu, over the ring's radius.
+            let scale = radius * self.twice_shear_modulus();
+            let beyond: Matrix = beyond.map(|row| row.map(|value| scale * value));
+            fields(radius).map(|fields| fields.less(beyond))
+        };
         // y = -q R x.
-        let reflection = product(inverse(far_on_fixed), near_on_fixed);
-        let back = product(far, reflection);
-        let alone = apply(inverse(near), stress);
+        let reflection = product(inverse(far_on_circle), near_on_circle);
+        let back = product(far.stresses, reflection);
+        let alone = apply(inverse(near.stresses), stress);
         let square = q * q;
-        let reduced: [[f64; 2]; 2] =
-            std::array::from_fn(|i| std::array::from_fn(|j| near[i][j] - square * back[i][j]));
+        let reduced: Matrix =
+            std::array::from_fn(|i| std::array::from_fn(|j| near.stresses[i][j] - square * back[i][j]));
         let more = apply(inverse(reduced), apply(back, alone)).map(|value| square * value);
         let reflected = apply(reflection, [alone[0] + more[0], alone[1] + more[1]]);
-        let (near, far) = (apply(near_on_ring, more), apply(far_on_ring, reflected));
+        let (near, far) = (apply(near.displacements, more), apply(far.displacements, reflected));
         self.normal_and_along([near[0] - square * far[0], near[1] - square * far[1]])
     }
 
@@ -132,6 +175,13 @@ impl ConcentricBody {
     /// lambda_1, and the amplitude of u_phi, or those under shear. The fields are r^3, the single-valued point force, 1/r and the translation;
     /// the first three have amplitudes A, L and D, and what the translation adds cancels in u_r + u_phi.
     fn first_mode(&self, stress: Stress) -> [f64; 2] {
+        if !self.lining.is_bare() {
+            let beyond = self.beyond(ZERO, |layer, beyond| layer.first_compliance(beyond));
+            let resultant = 0.5 * (stress[0] - stress[1]);
+            let [sum, difference] = apply(self.near_layer().first_compliance(beyond), [stress[1], resultant]);
+            let own = [0.5 * (sum + difference), 0.5 * (sum - difference)];
+            return self.normal_and_along(own.map(|value| value * self.twice_shear_modulus()));
+        }
         let kappa = self.kolosov();
         // Radial and shear stress on the ring: 2 A + (kappa + 3) L - 2 D and 2 A + (1 - kappa) L - 2 D.
         let point = 0.5 * (stress[0] - stress[1]) / (kappa + 1.0);
@@ -167,6 +217,17 @@ impl ConcentricBody {
         }
     }
 
+    /// lambda_0.
+    fn uniform_mode(&self) -> f64 {
+        if self.lining.is_bare() {
+            return bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization);
+        }
+        let beyond = self.beyond(0.0, |layer, beyond| layer.uniform_compliance(beyond));
+        // A pressure is a negative stress.
+        let pushed = -self.near_layer().uniform_compliance(beyond);
+        if self.side() == Side::Plate { pushed } else { -pushed }
+    }
+
     /// Whether the body is so thin that it is taken for a Winkler bed, which needs no modes.
     fn is_bed(&self) -> bool {
         self.fixed_radius_ratio.ln().abs() < THINNEST_RING
@@ -177,11 +238,28 @@ impl ConcentricBody {
         if self.is_bed() { 0 } else { self.highest_mode() }
     }
 
-    /// The highest mode that the fixed circle still reaches.
+    /// The highest mode that is felt beyond the material at the ring.
     pub fn highest_mode(&self) -> usize {
-        let decay = 2.0 * self.fixed_radius_ratio.ln().abs();
+        let decay = 2.0 * self.near_radius_ratio().ln().abs();
         // The finite-size part falls like n^2 exp(-decay n); the square costs a few modes more.
-        ((-NEGLIGIBLE.ln() + 4.0) / decay).ceil() as usize + 4
+        let needed = |negligible: f64| ((-negligible.ln() + 4.0) / decay).ceil() as usize + 4;
+        if self.lining.is_bare() { needed(NEGLIGIBLE) } else { needed(NEGLIGIBLE_BEYOND).min(MOST_MODES) }
+    }
+
+    /// Relative error of the work that goes into a lined body under a contact of a half angle, rad, by the modes beyond the highest
+    /// being those of the material at the ring alone.
+    ///
+    /// The pressure's share of mode n is (4/pi) (n eps)^-3, so that all beyond N have 4/(3 pi) (N eps)^-3 of the work of the first; what
+    /// lies beyond a layer of depth d counts there like (1 + (n d)^2) exp(-2 n d).
+    pub fn left_out(&self, half_angle: f64) -> f64 {
+        let Some(beyond) = self.lining.interfaces().first() else { return 0.0 };
+        let compliance = |ratio: f64| 1.0 / self.idealization.plane_modulus_ratio(ratio);
+        // A layer that is softer than what it lies on has more compliance of its own than the whole.
+        let own = compliance(self.poissons_ratio) * beyond.modulus_ratio / compliance(beyond.poissons_ratio);
+        let highest = self.highest_mode() as f64;
+        let depth = highest * beyond.radius_ratio.ln().abs();
+        let felt = ((1.0 + depth * depth) * (-2.0 * depth).exp()).min(1.0);
+        4.0 / (3.0 * PI) * own.max(1.0) * felt * (highest * half_angle).max(1.0).powi(-3)
     }
 
     /// How the ring yields, of a thin wall as that of a bed.
@@ -203,24 +281,28 @@ impl ConcentricBody {
         BodyCompliance { even, odd, boundary: Boundary::Modes { normal, along }, second }
     }
 
-    /// What the fixed circle changes of each mode, as far as it is felt: of lambda_n, half of it for n = 0, and of the amplitude of
-    /// u_phi.
+    /// What lies beyond the material at the ring changes of each mode, as far as it is felt: `boundary_mode`.
     pub fn boundary_modes(&self) -> [Vec<f64>; 2] {
         self.modes_below(self.highest_mode() + 1)
     }
 
     /// The first of those.
     fn modes_below(&self, count: usize) -> [Vec<f64>; 2] {
-        let mode = |n: usize| match n {
-            0 => [0.5 * bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization), 0.0],
+        let mode = |n: usize| self.boundary_mode(n).into();
+        let (normal, along) = (0..count).map(mode).unzip();
+        [normal, along]
+    }
+
+    /// What lies beyond the material at the ring changes of lambda_n, half of it for n = 0, and of the amplitude of u_phi.
+    pub fn boundary_mode(&self, n: usize) -> [f64; 2] {
+        match n {
+            0 => [0.5 * self.uniform_mode(), 0.0],
             1 => {
                 let [normal, along] = self.first_mode(PRESSURE);
                 [normal - self.amplitude(), along]
             }
             _ => self.finite_part(n, PRESSURE),
-        };
-        let (normal, along) = (0..count).map(mode).map(|[normal, along]| (normal, along)).unzip();
-        [normal, along]
+        }
     }
 
     /// What the fixed circle of a pin adds to second order; nothing of a bed.
@@ -234,8 +316,8 @@ impl ConcentricBody {
 
     /// As many as `second_order` has.
     pub fn second_order_count(&self) -> usize {
-        let decay = 2.0 * self.fixed_radius_ratio.ln().abs();
-        ((-NEGLIGIBLE_SECOND.ln() + 4.0) / decay).ceil() as usize + 2
+        let decay = 2.0 * self.near_radius_ratio().ln().abs();
+        (((-NEGLIGIBLE_SECOND.ln() + 4.0) / decay).ceil() as usize + 2).min(MOST_MODES)
     }
 
     fn bands(&self, normal: &[f64], along: &[f64]) -> Vec<Bands> {
@@ -248,17 +330,4 @@ impl ConcentricBody {
         let shear: Vec<f64> = (0..count).map(mode).collect();
         bands([normal, along, &shear], count)
     }
-}
-
-fn product(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
-}
-
-fn apply(a: [[f64; 2]; 2], x: [f64; 2]) -> [f64; 2] {
-    a.map(|row| row[0] * x[0] + row[1] * x[1])
-}
-
-fn inverse([[a, b], [c, d]]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    let determinant = a * d - b * c;
-    [[d / determinant, -b / determinant], [-c / determinant, a / determinant]]
 }

@@ -1,11 +1,16 @@
 //! The contact pressure along the arc of a state.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::curve::ContactCurve;
 use super::state::ContactState;
 use crate::mechanics::real::{Lanes, Real};
 
 /// Nodes around a state that its trial pressures are interpolated between.
 const AROUND: usize = 6;
+
+/// Places per trial pressure among which the greatest pressure is looked for: the fastest wave has a dozen a period.
+const PLACES_PER_TERM: usize = 6;
 
 /// The pressure of one state.
 pub struct ArcPressure {
@@ -45,7 +50,60 @@ impl ContactCurve<'_> {
     }
 }
 
+impl ContactCurve<'_> {
+    /// A state with its greatest pressure, which a stiff layer on a soft one has beside the load line.
+    pub fn peaked(&self, state: ContactState, above: usize) -> ContactState {
+        let (peak_angle, peak_pressure) = self.pressure(&state, above).greatest();
+        ContactState { peak_angle, peak_pressure, ..state }
+    }
+}
+
 impl ArcPressure {
+    /// The greatest pressure and its angle; of equal ones that nearest to the load line.
+    fn greatest(&self) -> (f64, f64) {
+        let places = PLACES_PER_TERM * self.coefficients.len();
+        let step = FRAC_PI_2 / places as f64;
+        // tau is pi/2 at the load line, where the places begin, and 0 at the edge, where the pressure ends.
+        let (turn, ahead) = (step.sin(), step.cos());
+        let (mut sine, mut cosine) = (1.0, 0.0);
+        let mut around = [f64::NEG_INFINITY; 3];
+        let (mut best, mut before) = (0, f64::NEG_INFINITY);
+        for place in 0..places {
+            let pressure = self.at_tau(sine, cosine);
+            if pressure > around[1] {
+                (best, around) = (place, [before, pressure, f64::NAN]);
+            } else if place == best + 1 {
+                around[2] = pressure;
+            }
+            before = pressure;
+            (sine, cosine) = (sine * ahead - cosine * turn, cosine * ahead + sine * turn);
+        }
+        if best == 0 {
+            return (0.0, self.at(0.0));
+        }
+        // The parabola through the places around, the last of which has a pressure of zero beyond it.
+        let [before, most, after] = around.map(|pressure| if pressure.is_nan() { 0.0 } else { pressure });
+        let curvature = before - 2.0 * most + after;
+        let shift = if curvature < 0.0 { 0.5 * (before - after) / curvature } else { 0.0 };
+        let near = [best as f64 + shift, best as f64];
+        let [found, known] = near.map(|place| {
+            let angle = 2.0 * (self.b * (place * step).sin()).atan();
+            (angle, self.at(angle))
+        });
+        if found.1 > known.1 { found } else { known }
+    }
+
+    /// The same as `at`, but next to the edge, from the sine and the cosine of tau.
+    fn at_tau(&self, sine: f64, cosine: f64) -> f64 {
+        let turn = 2.0 * (2.0 * cosine * cosine - 1.0);
+        let (mut current, mut previous) = (0.0, 0.0);
+        for coefficient in self.coefficients[1..].iter().rev() {
+            (current, previous) = (coefficient + turn * current - previous, current);
+        }
+        let sum = self.coefficients[0] + 0.5 * turn * current - previous;
+        0.5 * sum / sine * (1.0 + (self.b * cosine).powi(2)) / self.b
+    }
+
     /// Over e, in the unit of the moduli, per area of the hole, at an angle of the hole from the load line, rad; zero beyond
     /// the arc.
     ///

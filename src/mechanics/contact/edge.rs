@@ -148,6 +148,7 @@ impl EdgeStates {
             tangent_stiffness: of_arc(tangent_stiffness),
             energy: of_arc(energy),
             peak_pressure: of_arc(peak_pressure),
+            peak_angle: 0.0,
             truncation: self.truncation(place),
             pressure_is_positive: self.pressure_is_positive(place),
         };

@@ -101,6 +101,7 @@ impl<const FUSED: bool> Found<FUSED> {
             tangent_stiffness: self.edge.tangent_stiffness.0[lane],
             energy: self.edge.energy.0[lane],
             peak_pressure: self.edge.peak_pressure.0[lane],
+            peak_angle: 0.0,
             truncation: states.truncation(above).max(states.truncation(below)),
             pressure_is_positive: states.pressure_is_positive(above) && states.pressure_is_positive(below),
         };

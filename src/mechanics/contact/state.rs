@@ -14,8 +14,10 @@ pub struct ContactState {
     pub tangent_stiffness: f64,
     /// Strain energy of both bodies over e^2.
     pub energy: f64,
-    /// Contact pressure over e at the load line, per area of the hole.
+    /// Contact pressure over e at the load line, per area of the hole; where it is greatest once that is known (`ContactCurve::peaked`).
     pub peak_pressure: f64,
+    /// Where that is, at the hole's centre from the load line, rad.
+    pub peak_angle: f64,
     /// What is left out of the trial pressures, as the last four tell: its square over the largest, or its share of the work. Of that
     /// order is what it costs in the force.
     pub truncation: f64,

@@ -145,7 +145,7 @@ pub fn head(
         all => format!("{} designs", all.len()),
     };
     let mut scene = format!("Scene ({designs}):");
-    for column in joint_columns() {
+    for column in joint_columns(joint.layer_counts()) {
         let unit = match column.unit() {
             "-" => String::new(),
             unit => format!(" {unit}"),

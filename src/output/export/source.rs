@@ -107,7 +107,7 @@ impl Source {
 const NEEDED: [Quantity; 3] = [Quantity::Indentation, Quantity::Force, Quantity::Status];
 
 fn member(design: u64, rows: Vec<TableRow>) -> Member {
-    Member { design, joint: rows[0].joint, rows }
+    Member { design, joint: rows[0].joint.clone(), rows }
 }
 
 fn only(results: &Results) -> Result<Member, Error> {
@@ -129,12 +129,12 @@ fn only(results: &Results) -> Result<Member, Error> {
 
 /// All designs of a result that differ in their radial clearance only; rows of the same joint become one member.
 fn family(results: &Results) -> Result<Vec<Member>, Error> {
-    let others: Vec<Column> =
-        joint_columns().into_iter().filter(|column| *column != Column::RadialClearance).collect();
-    let cells =
-        |joint: &JointDesign| -> Vec<Cell> { others.iter().map(|column| column.cell(joint)).collect() };
     let (mut members, mut differing): (Vec<Member>, Vec<usize>) = (Vec::new(), Vec::new());
     let mut rows = results.rows(&NEEDED)?;
+    let all = joint_columns(rows.layer_counts());
+    let others: Vec<Column> = all.into_iter().filter(|column| *column != Column::RadialClearance).collect();
+    let cells =
+        |joint: &JointDesign| -> Vec<Cell> { others.iter().map(|column| column.cell(joint)).collect() };
     while let Some(design) = rows.advance()? {
         let row = rows.row()?;
         if let Some(first) = members.first() {
@@ -151,7 +151,7 @@ fn family(results: &Results) -> Result<Vec<Member>, Error> {
         let clearance = row.joint.radial_clearance;
         match members.iter_mut().rev().find(|member| member.joint.radial_clearance == clearance) {
             Some(member) => member.rows.push(row),
-            None => members.push(Member { design, joint: row.joint, rows: vec![row] }),
+            None => members.push(Member { design, joint: row.joint.clone(), rows: vec![row] }),
         }
     }
     if !differing.is_empty() {
@@ -246,8 +246,8 @@ fn ring_compliance(joint: &JointDesign) -> Result<f64, Error> {
             return refuse("reference ring-mean", problem);
         }
         let body = concentric(&joint.body(part));
-        sum +=
-            body.mean_ring_motion() / (std::f64::consts::PI * joint.thickness * part.material.youngs_modulus);
+        sum += body.mean_ring_motion()
+            / (std::f64::consts::PI * joint.thickness * part.contact_material().youngs_modulus);
     }
     Ok(sum)
 }

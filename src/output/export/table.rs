@@ -146,7 +146,7 @@ pub fn tabulate(
         for pair in source.members.windows(2) {
             let [low, high] = [pair[0].joint.radial_clearance, pair[1].joint.radial_clearance];
             let middle = if low > 0.0 { (low * high).sqrt() } else { 0.5 * (low + high) };
-            let joint = JointDesign { radial_clearance: middle, ..pair[0].joint };
+            let joint = JointDesign { radial_clearance: middle, ..pair[0].joint.clone() };
             // A third of the places, the first of them odd.
             let some: Vec<usize> = (1..PLACES).step_by(9).collect();
             let asked: Vec<f64> = some.iter().map(|i| places[*i]).collect();

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::line::Line;
-use super::{Reduction, RowNumbers, table_header};
+use super::{Reduction, RowNumbers};
 use crate::study::expression::Expression;
 use crate::study::reduce::{Objective, Order};
 
@@ -154,13 +154,13 @@ impl Reduction for Front {
         }
     }
 
-    fn push_header(&self, out: &mut Vec<u8>) {
+    fn push_header(&self, table_header: &str, out: &mut Vec<u8>) {
         let mut line = Line::default();
         for Objective { of, order } in &self.objectives {
             line.text(&format!("{} {}", order.name(), of.text()));
         }
         line.text("step");
-        line.end_with(&table_header(), out);
+        line.end_with(table_header, out);
     }
 
     fn push_rows(&self, out: &mut Vec<u8>) {

@@ -166,7 +166,7 @@ impl Reduction for Histogram {
         columns[0].iter().for_each(|value| self.count(*value));
     }
 
-    fn push_header(&self, out: &mut Vec<u8>) {
+    fn push_header(&self, _table_header: &str, out: &mut Vec<u8>) {
         out.extend_from_slice(b"histogram,of,unit,from,to,count\n");
     }
 

@@ -18,11 +18,13 @@ use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::error::Error;
 use crate::output::filter::{RowPlace, row_at};
 use crate::output::row_value::{Formula, Row};
+use crate::output::schema::table_columns;
 use crate::output::sink::Sink;
 use crate::output::table::Table;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
 use crate::study::expression::Expression;
+use crate::study::layers::LayerCounts;
 use crate::study::reduce::Reduce;
 use front::Front;
 use histogram::Histogram;
@@ -48,8 +50,8 @@ pub trait Reduction {
     /// Has the lines of the table made for the rows that were added and stay; `line` makes one.
     fn make_lines(&mut self, _line: &dyn Fn(RowNumbers) -> String) {}
 
-    /// Appends what the file begins with.
-    fn push_header(&self, out: &mut Vec<u8>);
+    /// Appends what the file begins with; some have the columns of the table, too.
+    fn push_header(&self, table_header: &str, out: &mut Vec<u8>);
 
     /// Appends its own lines.
     fn push_rows(&self, out: &mut Vec<u8>);
@@ -109,6 +111,8 @@ impl Kind {
 #[serde(try_from = "State")]
 pub struct Reductions {
     reductions: Vec<Kind>,
+    /// Of the table, lines of which some answers have.
+    layers: LayerCounts,
     /// The same for all parts of a run.
     #[serde(skip)]
     work: Arc<Work>,
@@ -118,6 +122,7 @@ pub struct Reductions {
 #[derive(Deserialize)]
 struct State {
     reductions: Vec<Kind>,
+    layers: LayerCounts,
 }
 
 /// What rows are read with.
@@ -133,7 +138,7 @@ struct Work {
 const ROWS: usize = 512;
 
 impl Work {
-    fn new(reductions: &[Kind]) -> Work {
+    fn new(reductions: &[Kind], layers: LayerCounts) -> Work {
         let mut quantities: Vec<&Expression> = Vec::new();
         let mut places = Vec::with_capacity(reductions.len());
         for kind in reductions {
@@ -148,14 +153,14 @@ impl Work {
             places.push(own);
         }
         let formulas = quantities.into_iter().map(Formula::of).collect();
-        Work { formulas, places, table: Table::default() }
+        Work { formulas, places, table: Table::with(table_columns(layers)) }
     }
 }
 
 impl TryFrom<State> for Reductions {
     type Error = String;
 
-    fn try_from(State { reductions }: State) -> Result<Reductions, String> {
+    fn try_from(State { reductions, layers }: State) -> Result<Reductions, String> {
         let is_sound = |kind: &Kind| match kind {
             Kind::Statistics(own) => own.is_sound(),
             Kind::Histogram(own) => own.is_sound(),
@@ -165,7 +170,7 @@ impl TryFrom<State> for Reductions {
         if !reductions.iter().all(is_sound) {
             return Err("the answers so far are not what a run has left".to_string());
         }
-        Ok(Reductions::with(reductions))
+        Ok(Reductions::with(reductions, layers))
     }
 }
 
@@ -178,12 +183,13 @@ impl Reductions {
         let front = (!pareto.is_empty()).then(|| Kind::Front(Front::new(pareto)));
         let histograms =
             (1..).zip(histograms).map(|(number, one)| Kind::Histogram(Histogram::new(number, one)));
-        Some(Reductions::with(statistics.chain(rankings).chain(front).chain(histograms).collect()))
+        let reductions = statistics.chain(rankings).chain(front).chain(histograms).collect();
+        Some(Reductions::with(reductions, study.layer_counts()))
     }
 
-    fn with(reductions: Vec<Kind>) -> Reductions {
-        let work = Arc::new(Work::new(&reductions));
-        Reductions { reductions, work }
+    fn with(reductions: Vec<Kind>, layers: LayerCounts) -> Reductions {
+        let work = Arc::new(Work::new(&reductions, layers));
+        Reductions { reductions, layers, work }
     }
 
     /// Adds the kept rows of designs that follow each other.
@@ -225,12 +231,14 @@ impl Reductions {
     /// The files that tell the answers, with their names.
     pub fn files(&self) -> Vec<(&'static str, Vec<u8>)> {
         let mut files: Vec<(&'static str, Vec<u8>)> = Vec::new();
+        // As the table's first line has them.
+        let table_header = String::from_utf8_lossy(&self.work.table.header()).trim_end().to_string();
         for kind in &self.reductions {
             let reduction = kind.reduction();
             let name = reduction.file_name();
             if files.last().is_none_or(|(last, _)| *last != name) {
                 let mut text = Vec::new();
-                reduction.push_header(&mut text);
+                reduction.push_header(&table_header, &mut text);
                 files.push((name, text));
             }
             if let Some((_, text)) = files.last_mut() {
@@ -250,15 +258,10 @@ impl Reductions {
     }
 }
 
-/// The columns of the table, as its first line has them.
-fn table_header() -> String {
-    String::from_utf8_lossy(&Table::default().header()).trim_end().to_string()
-}
-
 /// The row as a line of the table, without the line's end.
 fn table_line(table: &Table, row: &Row) -> String {
     let Row { case, step, outcome, backend } = *row;
-    let case = DesignCase { index: case.index, joint: case.joint, steps: vec![case.steps[step]] };
+    let case = DesignCase { index: case.index, joint: case.joint.clone(), steps: vec![case.steps[step]] };
     let line = table.rows(&[DesignOutcome::new(case, Answer { backend, steps: vec![*outcome] })]);
     String::from_utf8_lossy(&line).trim_end().to_string()
 }

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use serde::{Deserialize, Serialize};
 
 use super::line::Line;
-use super::{Reduction, RowNumbers, table_header};
+use super::{Reduction, RowNumbers};
 use crate::study::expression::Expression;
 use crate::study::reduce::{Best, Order};
 
@@ -96,9 +96,9 @@ impl Reduction for Ranking {
         }
     }
 
-    fn push_header(&self, out: &mut Vec<u8>) {
+    fn push_header(&self, table_header: &str, out: &mut Vec<u8>) {
         out.extend_from_slice(b"by,order,rank,value,unit,step,");
-        out.extend_from_slice(table_header().as_bytes());
+        out.extend_from_slice(table_header.as_bytes());
         out.push(b'\n');
     }
 

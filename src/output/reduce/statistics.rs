@@ -113,7 +113,7 @@ impl Reduction for Statistics {
         }
     }
 
-    fn push_header(&self, out: &mut Vec<u8>) {
+    fn push_header(&self, _table_header: &str, out: &mut Vec<u8>) {
         out.extend_from_slice(b"of,unit,statistic,value,relative_error,design,step\n");
     }
 

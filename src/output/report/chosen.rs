@@ -123,7 +123,7 @@ impl Chosen {
             return Err(self.design.failure.clone().unwrap_or_else(|| "no row has an answer".into()));
         };
         let first = self.answered().next().unwrap_or(last);
-        let own = Joint::try_from(self.design.joint).and_then(|joint| joint.curve(options));
+        let own = Joint::try_from(self.design.joint.clone()).and_then(|joint| joint.curve(options));
         let (own, problem) = match own {
             Ok(curve) => (Some(curve), None),
             Err(error) => (None, Some(error.to_string())),

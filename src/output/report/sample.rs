@@ -144,7 +144,7 @@ mod tests {
             plate: Part::new("annulus", &[("outer_radius_ratio", 2.0)], None, steel).unwrap(),
         };
         for count in [1, 2, 127, 128, 129, 130, 257, 1000, 100_000] {
-            let mut design = SampledDesign::new(0, joint, Vec::new());
+            let mut design = SampledDesign::new(0, joint.clone(), Vec::new());
             for step in 0..count {
                 design.add(Row { indentation: f64::from(step), force: 0.0, answer: None }, None);
             }

@@ -74,7 +74,10 @@ impl Scan {
             rows: 0,
             answered: 0,
             remarked: 0,
-            inputs: joint_columns().iter().map(|column| Input::new(column, &rows)).collect(),
+            inputs: joint_columns(rows.layer_counts())
+                .iter()
+                .map(|column| Input::new(column, &rows))
+                .collect(),
             steps: (u64::MAX, 0),
             indentation: Extremes::default(),
             force: Extremes::default(),

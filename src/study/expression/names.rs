@@ -6,6 +6,7 @@ use crate::mechanics::material::Idealization;
 use crate::study::columns::{Column, DESIGN, Quantity, joint_columns};
 use crate::study::expression::program::{NumberColumn, WordColumn};
 use crate::study::expression::unit::Unit;
+use crate::study::layers::LayerCounts;
 
 /// What a name stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +22,7 @@ pub const STEP: &str = "step";
 fn columns() -> Vec<(String, String, Named)> {
     let plain = |name: &str, column| (name.to_string(), name.to_string(), Named::Number(column, Unit::NONE));
     let mut all = vec![plain(DESIGN, NumberColumn::Design), plain(STEP, NumberColumn::Step)];
-    for column in joint_columns() {
+    for column in joint_columns(LayerCounts::MOST) {
         let named = match column {
             Column::Idealization => Named::Words(WordColumn::Idealization),
             Column::Model(side) => Named::Words(WordColumn::Model(side)),

@@ -109,7 +109,7 @@ impl Device for GpuCondenser<'_> {
         for ((key, requests), condensed) in groups.iter().zip(&mut condensed) {
             match self.topologies.get_mut(key) {
                 Some(OnDevice::Iterated(topology)) => {
-                    let bodies: Vec<Body> = requests.iter().map(|request| request.body).collect();
+                    let bodies: Vec<Body> = requests.iter().map(|request| request.body.clone()).collect();
                     *condensed = condense(&self.kernels, topology, &bodies, &mut self.report)?;
                 }
                 Some(OnDevice::Eliminated(..)) => {}

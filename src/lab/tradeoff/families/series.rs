@@ -39,11 +39,11 @@ pub fn solve_bodies(terms: Terms, fidelity: impl Fn(&Body) -> Fidelity, cases: &
     };
     let solved: Vec<DesignCase> = cases.iter().filter(|case| can(case)).cloned().collect();
     let joints = Joints::new(&solved, |_, _| ());
-    let request = |(body, ()): (Body, ())| BodyRequest { body, fidelity: fidelity(&body) };
+    let request = |(body, ()): &(Body, ())| BodyRequest { body: body.clone(), fidelity: fidelity(body) };
     let mut library = BodyLibrary::default();
-    library.solve(&joints.bodies.iter().copied().map(request).collect::<Vec<_>>());
+    library.solve(&joints.bodies.iter().map(request).collect::<Vec<_>>());
     let with_bodies = solved.iter().zip(&joints.of_case).map(|(case, bodies)| {
-        let compliance = |number: usize| &*library.solved(&request(joints.bodies[number])).compliance;
+        let compliance = |number: usize| &*library.solved(&request(&joints.bodies[number])).compliance;
         (case, terms.space(&case.joint), bodies.map(compliance))
     });
     let of_spaces = Instant::now();

@@ -1,0 +1,69 @@
+//! Bonded layers of a part, as they are made: bushes, liners, coatings, sleeves.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::mechanics::body::Side;
+use crate::mechanics::material::Material;
+
+/// The most layers of a part.
+pub const MOST_LAYERS: usize = 8;
+
+/// One layer: its thickness, mm, and its material, MPa.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer {
+    pub thickness: f64,
+    pub material: Material,
+}
+
+/// The layers of a part from the contact into it, perfectly bonded; what is left of the part is of the part's own material.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layers(Option<Arc<[Layer]>>);
+
+impl Layers {
+    pub const NONE: Layers = Layers(None);
+
+    /// The first one touches.
+    pub fn new(layers: Vec<Layer>) -> Layers {
+        Layers((!layers.is_empty()).then(|| layers.into()))
+    }
+
+    pub fn list(&self) -> &[Layer] {
+        self.0.as_deref().unwrap_or_default()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_none()
+    }
+
+    /// Of all layers together, mm.
+    pub fn thickness(&self) -> f64 {
+        self.list().iter().map(|layer| layer.thickness).sum()
+    }
+}
+
+/// How many layers pin and plate have at most.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LayerCounts {
+    pub pin: usize,
+    pub plate: usize,
+}
+
+impl LayerCounts {
+    pub const NONE: LayerCounts = LayerCounts { pin: 0, plate: 0 };
+    /// All that there can be.
+    pub const MOST: LayerCounts = LayerCounts { pin: MOST_LAYERS, plate: MOST_LAYERS };
+
+    pub fn of(self, side: Side) -> usize {
+        match side {
+            Side::Pin => self.pin,
+            Side::Plate => self.plate,
+        }
+    }
+
+    /// Those of two together.
+    pub fn and(self, other: LayerCounts) -> LayerCounts {
+        LayerCounts { pin: self.pin.max(other.pin), plate: self.plate.max(other.plate) }
+    }
+}

@@ -1,0 +1,175 @@
+//! Joints with layers as the engine takes them: thin layers, pressures that peak beside the load line, and what is refused.
+
+use crate::common::random::Random;
+use crate::common::stepped_ring::{Beyond, Ring};
+use crate::common::true_outlines::true_state;
+use jointsweep::internals::engine::explain::Explainer;
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::StepOutcome;
+use jointsweep::internals::study::config::Study;
+use jointsweep::internals::study::design::{DesignCase, JointDesign};
+use jointsweep::{Dimensions, Idealization, Joint, Layer, Load, Material, MethodChoice, Options, Part};
+use std::path::Path;
+
+const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
+
+fn layer(thickness: f64, youngs_modulus: f64, poissons_ratio: f64) -> Layer {
+    Layer { thickness, material: Material { youngs_modulus, poissons_ratio } }
+}
+
+/// A steel pin of 10 mm in a plate with layers.
+fn joint(clearance: f64, material: Material, layers: &[Layer]) -> JointDesign {
+    let pin = Part::new("rigid-core", &[("core_radius_ratio", 0.2)], None, STEEL).unwrap();
+    let plate = Part::new("annulus", &[("outer_radius_ratio", 3.0)], None, material).unwrap();
+    let sizes = Dimensions { hole_radius: 10.0, radial_clearance: clearance, thickness: 1.0 };
+    let plate = plate.with_layers(layers).unwrap();
+    Joint::new(sizes, Idealization::PlaneStrain, pin, plate).unwrap().design().clone()
+}
+
+fn solved(joint: JointDesign, method: MethodChoice, accuracy: f64, load: Load) -> StepOutcome {
+    let case = DesignCase { index: 0, joint, steps: vec![load] };
+    Ladder::new(Options { accuracy, method }).solve(&[case]).remove(0).steps[0]
+}
+
+/// Coatings of a hundredth down to a ten-thousandth of the radius, softer and stiffer than what they lie on, against references with
+/// all modes: what is said of them holds, and where nothing is said they are right.
+#[test]
+fn thin_layers_are_right_or_say_so() {
+    let mut random = Random::new(181);
+    let (mut compared, mut bounded, mut worst_met) = (0, 0, 0.0_f64);
+    for _ in 0..40 {
+        let thickness = random.log(1e-4, 1e-2);
+        let modulus = 210e3 * random.log(0.01, 10.0);
+        let poissons_ratio = random.linear(0.0, 0.45);
+        let beyond = Beyond { radius_ratio: 1.0 + thickness, youngs_modulus: 210e3, poissons_ratio: 0.3 };
+        let steel = |fixed_radius_ratio| Ring {
+            fixed_radius_ratio,
+            youngs_modulus: 210e3,
+            poissons_ratio: 0.3,
+            idealization: Idealization::PlaneStrain,
+            beyond: &[],
+        };
+        let plate =
+            Ring { youngs_modulus: modulus, poissons_ratio, beyond: vec![beyond].leak(), ..steel(3.0) };
+        let half_angle = random.log(0.05, 1.2);
+        let state = true_state([steel(0.2), plate], 1e-3, half_angle);
+        let joint = joint(0.01, STEEL, &[layer(10.0 * thickness, modulus, poissons_ratio)]);
+        let found = solved(joint, MethodChoice::Auto, 1e-3, Load::Indentation(10.0 * state.indentation));
+        let response = found.response.unwrap_or_else(|| panic!("{}", found.status));
+        // The reference's force is per thickness, over the radius; E in MPa.
+        let off = (response.force / (10.0 * state.force) - 1.0).abs();
+        println!(
+            "t {thickness:.1e}, E {modulus:.1e}, eps {half_angle:.2}: off {off:.1e}, said {:.1e}, {}",
+            response.force_error, found.status
+        );
+        compared += 1;
+        bounded += usize::from(off <= response.force_error);
+        if response.force_error <= 1e-3 {
+            worst_met = worst_met.max(off);
+        }
+    }
+    println!("{bounded} of {compared} bounded; worst of those that need no warning {worst_met:.1e}");
+    assert!(compared == 40 && 100 * bounded >= 95 * compared, "{bounded} of {compared}");
+    assert!(worst_met > 0.0 && worst_met < 1e-3, "{worst_met:e}");
+}
+
+/// A stiff sleeve on a soft layer presses most beside the load line, and the row says how much and where.
+#[test]
+fn a_sleeve_on_a_soft_layer_presses_most_aside() {
+    let soft = Material { youngs_modulus: 200.0, poissons_ratio: 0.4 };
+    let joint = joint(0.02, soft, &[layer(0.5, 210e3, 0.3)]);
+    let curve = Joint::try_from(joint.clone())
+        .unwrap()
+        .curve(Options { accuracy: 1e-3, ..Options::default() })
+        .unwrap();
+    let load = Load::Indentation(0.02);
+    let state = curve.at(load).unwrap();
+    let (angle, peak) = (state.peak_pressure_angle.unwrap(), state.peak_pressure.unwrap());
+    let pressures = curve.pressure(load, 4000).unwrap();
+    let most = pressures.iter().fold((0.0, 0.0), |most, point| if point.1 > most.1 { *point } else { most });
+    println!("{peak} MPa at {} deg; {} at the load line, {most:?}", angle.to_degrees(), pressures[0].1);
+    assert!(angle > 0.8 && peak > 1.3 * pressures[0].1, "{angle} {peak}");
+    assert!((most.0 - angle).abs() < 0.02 && (most.1 / peak - 1.0).abs() < 1e-3, "{most:?} {angle} {peak}");
+    // The bare joint has its peak at the load line.
+    let bare = joint_of(&joint, &[]);
+    let state = solved(bare, MethodChoice::Auto, 1e-3, load).response.unwrap();
+    assert_eq!(state.peak_pressure_angle, Some(0.0));
+}
+
+fn joint_of(joint: &JointDesign, layers: &[Layer]) -> JointDesign {
+    JointDesign { plate: joint.plate.clone().with_layers(layers).unwrap(), ..joint.clone() }
+}
+
+/// Half a disc in a lined plate takes a mesh for the one and modes for the other.
+#[test]
+fn a_half_disc_runs_in_a_lined_plate() {
+    let lined = joint(0.05, STEEL, &[layer(1.0, 3e3, 0.4)]);
+    let half_disc = Part::new("rigid-midplane", &[], None, STEEL).unwrap();
+    let at =
+        |joint: JointDesign| solved(joint, MethodChoice::Auto, 1e-3, Load::Force(100.0)).response.unwrap();
+    let whole = at(lined.clone());
+    let half = at(JointDesign { pin: half_disc.clone(), ..lined.clone() });
+    // The liner is most of what yields, so that the pins differ little; the bare plate is far stiffer.
+    assert!((half.indentation / whole.indentation - 1.0).abs() < 0.05, "{half:?} {whole:?}");
+    let bare = at(JointDesign { pin: half_disc, ..joint_of(&lined, &[]) });
+    assert!(bare.indentation < 0.5 * half.indentation, "{bare:?} {half:?}");
+}
+
+#[test]
+fn what_no_layers_can_have_is_refused() {
+    let lined = joint(0.05, STEEL, &[layer(1.0, 3e3, 0.4)]);
+    let load = Load::Force(100.0);
+    let said = |joint: JointDesign, method| solved(joint, method, 1e-2, load).status.to_string();
+    assert_eq!(
+        said(lined.clone(), MethodChoice::Fe),
+        "failed: meshes carry no layers, and the plate has some; method auto needs no mesh for it"
+    );
+    assert_eq!(said(lined.clone(), MethodChoice::ClosedForm), "failed: closed forms know no layers");
+    assert_eq!(said(lined.clone(), MethodChoice::Series), "large displacement");
+    // The sizes of a sweep may leave nothing of the wall.
+    let mut thick = lined.clone();
+    thick.plate.parameters[0] = 1.1;
+    assert_eq!(
+        said(thick, MethodChoice::Auto),
+        "failed: the layers of the plate are as much as 1 mm thick; its wall is 1 mm"
+    );
+    let wall = |part: &Part| {
+        Joint::new(
+            Dimensions { hole_radius: 10.0, radial_clearance: 0.05, thickness: 1.0 },
+            Idealization::PlaneStrain,
+            Part::new("rigid-core", &[], None, STEEL).unwrap(),
+            part.clone(),
+        )
+    };
+    let too_thick = Part::new("annulus", &[("outer_radius_ratio", 1.05)], None, STEEL).unwrap();
+    let said =
+        wall(&too_thick.clone().with_layers(&[layer(0.6, 3e3, 0.4)]).unwrap()).unwrap_err().to_string();
+    assert!(said.contains("layers: 0.6 mm of the plate: must be below its wall, 0.5"), "{said}");
+    let said = too_thick.clone().with_layers(&[layer(0.0, 3e3, 0.4)]).unwrap_err().to_string();
+    assert!(said.contains("layer 1: thickness: 0: must be above 0"), "{said}");
+    let block = Part::new(
+        "block",
+        &[("half_width_ratio", 2.0), ("depth_ratio", 2.0), ("height_ratio", 2.0)],
+        None,
+        STEEL,
+    );
+    let said = block.unwrap().with_layers(&[layer(0.1, 3e3, 0.4)]).unwrap_err().to_string();
+    assert!(said.contains("layers: model `block` cannot have layers"), "{said}");
+}
+
+/// A sweep large enough to interpolate leaves lined joints to their modes, and says so.
+#[test]
+fn lined_joints_are_not_interpolated() {
+    let text = std::fs::read_to_string("configs/hypercube.toml").unwrap();
+    let layers = "\n[[joint.plate.layers]]\nthickness_ratio = 0.05\nyoungs_modulus = \"3 GPa\"\npoissons_ratio = 0.4\n\n[load]";
+    let study = Study::from_text(
+        Path::new("lined.toml"),
+        text.replacen("[load]", layers, 1).replace("\"fe\"", "\"auto\""),
+    )
+    .unwrap();
+    let case = study.cases().unwrap().next().unwrap().unwrap();
+    let explained = Explainer::new(&study).explain(&case);
+    assert_eq!(explained.chosen, "series");
+    let why = explained.ruled_out.iter().find(|(what, _)| what == "interpolation across bodies").unwrap();
+    assert_eq!(why.1, "knows no layers");
+}

@@ -1,0 +1,128 @@
+//! Joints with layers against references that expand nothing and know no fields of layers (tests/common/true_outlines.rs, stepped_ring.rs).
+
+use crate::common::random::Random;
+use crate::common::stepped_ring::{Beyond, Ring};
+use crate::common::true_outlines::{TrueState, true_state};
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::Response;
+use jointsweep::internals::mechanics::body::{annulus, cored_disc};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::study::layers::{Layer, Layers};
+
+struct Lined {
+    pin: Ring,
+    plate: Ring,
+    clearance: f64,
+    half_angle: f64,
+    state: TrueState,
+}
+
+/// A ring with one to three layers, the first of them from `thinnest` to 0.2 thick.
+fn ring(random: &mut Random, outward: bool, thinnest: f64, idealization: Idealization) -> Ring {
+    let mut radius_ratio = 1.0;
+    let count = 1 + (random.unit() * 3.0) as usize;
+    let beyond: Vec<Beyond> = (0..count)
+        .map(|layer| {
+            let thickness = random.log(if layer == 0 { thinnest } else { 0.05 }, 0.2);
+            radius_ratio *= if outward { 1.0 + thickness } else { 1.0 - thickness };
+            Beyond {
+                radius_ratio,
+                youngs_modulus: 1e5 * random.log(0.03, 30.0),
+                poissons_ratio: random.linear(0.0, 0.45),
+            }
+        })
+        .collect();
+    let wall = random.linear(0.2, 1.0);
+    Ring {
+        fixed_radius_ratio: if outward {
+            radius_ratio * (1.0 + wall)
+        } else {
+            radius_ratio * (1.0 - 0.8 * wall)
+        },
+        youngs_modulus: 1e5 * random.log(0.03, 30.0),
+        poissons_ratio: random.linear(0.0, 0.45),
+        idealization,
+        beyond: beyond.leak(),
+    }
+}
+
+/// A joint of lined parts, the contact at least so many times as wide as the thinnest layer is thick.
+fn draw(random: &mut Random, clearance: f64) -> Option<Lined> {
+    let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
+    let pin = ring(random, false, 0.03, idealization);
+    let plate = ring(random, true, 0.03, idealization);
+    let half_angle = random.linear(8.0, 80.0).to_radians();
+    let state = true_state([pin, plate], clearance, half_angle);
+    let share = state.indentation / clearance;
+    (0.05..3.0).contains(&share).then_some(Lined { pin, plate, clearance, half_angle, state })
+}
+
+fn joint(lined: &Lined) -> DesignCase {
+    let part = |shape, ring: &Ring, radius: f64| {
+        let material = |youngs_modulus, poissons_ratio| Material { youngs_modulus, poissons_ratio };
+        let mut materials = vec![material(ring.youngs_modulus, ring.poissons_ratio)];
+        materials
+            .extend(ring.beyond.iter().map(|layer| material(layer.youngs_modulus, layer.poissons_ratio)));
+        let mut near = 1.0;
+        let layers = ring.beyond.iter().zip(&materials).map(|(layer, material)| {
+            let thickness = radius * (layer.radius_ratio - near).abs();
+            near = layer.radius_ratio;
+            Layer { thickness, material: *material }
+        });
+        Part {
+            shape,
+            parameters: [ring.fixed_radius_ratio, 0.0, 0.0],
+            support: 0,
+            layers: Layers::new(layers.collect()),
+            material: materials[ring.beyond.len()],
+        }
+    };
+    let joint = JointDesign {
+        idealization: lined.pin.idealization,
+        hole_radius: 1.0,
+        radial_clearance: lined.clearance,
+        thickness: 1.0,
+        pin: part(&cored_disc::SHAPE, &lined.pin, 1.0 - lined.clearance),
+        plate: part(&annulus::SHAPE, &lined.plate, 1.0),
+    };
+    DesignCase { index: 0, joint, steps: vec![Load::Indentation(lined.state.indentation)] }
+}
+
+fn solved(lined: &Lined, accuracy: f64) -> Response {
+    let options = SolveOptions { accuracy, method: MethodChoice::Auto };
+    let outcome = Ladder::new(options).solve(&[joint(lined)]).remove(0);
+    outcome.steps[0].response.unwrap_or_else(|| panic!("{}", outcome.steps[0].status))
+}
+
+/// Clearance ratios with what force and half angle, deg, are held to: as bare joints.
+const LIMITS: [(f64, f64, f64); 3] = [(1e-6, 2e-7, 0.002), (0.01, 1e-5, 0.003), (0.05, 3e-4, 0.03)];
+
+#[test]
+fn lined_joints_are_those_of_the_true_outlines() {
+    let mut random = Random::new(180);
+    let (mut compared, mut bounded) = (0, 0);
+    for (clearance, of_force, of_angle) in LIMITS {
+        let mut worst = [0.0_f64; 2];
+        for lined in (0..24).filter_map(|_| draw(&mut random, clearance)) {
+            let found = solved(&lined, 1e-5);
+            let off = (found.force / lined.state.force - 1.0).abs();
+            let angle = (found.contact_half_angle.unwrap() - lined.half_angle).to_degrees().abs();
+            assert!(
+                off < of_force && angle < of_angle,
+                "{clearance}: {off:e}, {angle} deg, {:?}",
+                joint(&lined)
+            );
+            worst = [worst[0].max(off), worst[1].max(angle)];
+            let loose = solved(&lined, 1e-3);
+            let true_error = (loose.force / lined.state.force - 1.0).abs();
+            assert!(true_error < 1e-3, "{clearance}: {true_error:e}");
+            compared += 1;
+            bounded += usize::from(loose.force_error >= true_error);
+        }
+        println!("dR/R2 {clearance}: force off by {:.1e}, half angle by {:.4} deg", worst[0], worst[1]);
+    }
+    println!("{bounded} of {compared} bounded by force_error");
+    assert!(compared > 30 && 100 * bounded >= 95 * compared, "{bounded} of {compared}");
+}

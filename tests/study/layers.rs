@@ -1,0 +1,158 @@
+//! Layers of parts: how they are read, swept, listed and refused.
+
+use jointsweep::internals::study::columns::{Cell, FORCE, joint_columns};
+use jointsweep::internals::study::setting::Setting;
+
+use crate::{BASE, Folder, RADIUS, all, row, with};
+
+/// A bush of two thicknesses over another layer.
+const LAYERS: &str = r#"
+[[joint.plate.layers]]
+thickness      = ["1 mm", "2 mm"]
+youngs_modulus = "3 GPa"
+poissons_ratio = 0.4
+[[joint.plate.layers]]
+thickness_ratio = 0.05
+youngs_modulus  = { from = "50 GPa", to = "70 GPa", count = 3 }
+poissons_ratio  = 0.33
+[load]
+"#;
+
+fn lined(layers: &str) -> String {
+    with("[load]\n", layers)
+}
+
+#[test]
+fn layers_sweep_like_everything_else() {
+    let folder = Folder::new("layers");
+    let radii = r#"hole_radius      = ["100 mm", "200 mm"]"#;
+    let study = folder.study(&lined(LAYERS).replace(RADIUS, radii));
+    let designs = all(&study);
+    assert_eq!(designs.len(), 12);
+    let last = &designs[11].joint;
+    assert!(last.pin.layers.is_empty());
+    let layers = last.plate.layers.list();
+    assert_eq!((layers.len(), layers[0].thickness, layers[1].thickness), (2, 2.0, 10.0));
+    assert_eq!((layers[0].material.youngs_modulus, layers[1].material.youngs_modulus), (3000.0, 70e3));
+    assert_eq!(last.plate.contact_material().poissons_ratio, 0.4);
+    assert_eq!(study.factors(), ["hole_radius", "plate.layers.1.thickness", "plate.layers.2.youngs_modulus"]);
+    // A body has no size: that of the same ratios in a hole twice as large is the same.
+    let [small, large] = [&designs[0].joint, &designs[9].joint].map(|joint| joint.body(&joint.plate));
+    assert_eq!(large.lining.interfaces().len(), 2);
+    assert_eq!(small.key(), large.key());
+    let constants: Vec<String> = study.constants().iter().map(|(column, _)| column.name()).collect();
+    let is_constant = |name: &str| constants.iter().any(|own| own == name);
+    // A ratio is another thickness in another hole.
+    assert!(!is_constant("plate_layer2_thickness_mm") && !is_constant("plate_layer1_thickness_mm"));
+    assert!(is_constant("plate_layer2_poissons_ratio") && is_constant("plate_layer1_youngs_modulus_mpa"));
+
+    let mut source = folder.write("config.toml", lined(LAYERS));
+    let setting = Setting::parse("joint.plate.layers.1.thickness=4 mm", "--set").unwrap();
+    let study = jointsweep::internals::study::config::Study::load_with(&source, &[setting]).unwrap();
+    assert_eq!(all(&study).len(), 3);
+    source.clear();
+}
+
+#[test]
+fn a_list_of_lined_designs_reads_back_what_was_written() {
+    let folder = Folder::new("layers-list");
+    let original = all(&folder.study(&lined(LAYERS)));
+    let columns = joint_columns(original[0].joint.layer_counts());
+    let mut text: Vec<String> = columns.iter().map(|column| column.name()).collect();
+    text.push(FORCE.to_string());
+    let mut text = text.join(",");
+    for case in &original {
+        let cells = row(case).into_iter().map(|cell| match cell {
+            Cell::Number(number) => number.to_string(),
+            Cell::Word(word) => word.to_string(),
+            Cell::Empty => String::new(),
+        });
+        text += &format!("\n{},100", cells.collect::<Vec<_>>().join(","));
+    }
+    folder.write("designs.csv", &text);
+    let study = folder.study("[designs]\nfile = \"designs.csv\"\n");
+    let read = all(&study);
+    assert_eq!(read.len(), 6);
+    assert_eq!((study.layer_counts().pin, study.layer_counts().plate), (0, 2));
+    for (read, original) in read.iter().zip(&original) {
+        assert_eq!(row(read), row(original));
+    }
+    // A row with the first layer alone, and one with none.
+    let second = "1,3000,0.4,5,50000,0.33";
+    assert!(text.contains(second));
+    folder.write("designs.csv", text.replacen(second, "1,3000,0.4,,,", 1).replacen(second, ",,,,,", 1));
+    let counts: Vec<usize> = all(&folder.study("[designs]\nfile = \"designs.csv\"\n"))
+        .iter()
+        .map(|case| case.joint.plate.layers.list().len())
+        .collect();
+    assert_eq!(counts[0], 1);
+    for (broken, problem) in [
+        (
+            text.replacen(second, ",,,5,50000,0.33", 1),
+            "plate_layer2_thickness_mm: `plate_layer1_thickness_mm` is empty",
+        ),
+        (
+            text.replacen(second, "1,,0.4,5,50000,0.33", 1),
+            "plate_layer1_youngs_modulus_mpa: the cell is empty",
+        ),
+        (
+            text.replacen(second, "1,3000,0.5,5,50000,0.33", 1),
+            "plate_layer1_poissons_ratio: `0.5`: must be above -1",
+        ),
+        (
+            text.replacen("plate_layer1_thickness_mm", "plate_layer9_thickness_mm", 1),
+            "unknown column; did you mean",
+        ),
+    ] {
+        folder.write("designs.csv", broken);
+        let said = folder.refusal("[designs]\nfile = \"designs.csv\"\n");
+        assert!(said.contains(problem), "{said}");
+    }
+}
+
+#[test]
+fn bad_layers_are_refused_by_line_and_key() {
+    let folder = Folder::new("layers-bad");
+    #[rustfmt::skip]
+    let edits = [
+        ("thickness_ratio = 0.05", "thicknes_ratio = 0.05", ":22: joint.plate.layers.2.thicknes_ratio: unknown key; did you mean `thickness_ratio`?"),
+        ("thickness_ratio = 0.05", "# none", ":21: joint.plate.layers.2: the key `thickness` (or `thickness_ratio`) is missing"),
+        ("thickness_ratio = 0.05", "thickness = '1 mm'\nthickness_ratio = 0.05", ":23: joint.plate.layers.2.thickness_ratio: `thickness` is given, too"),
+        ("thickness_ratio = 0.05", "thickness_ratio = 0", ":22: joint.plate.layers.2.thickness_ratio: `0`: must be above 0"),
+        ("\"1 mm\"", "\"1 N\"", "joint.plate.layers.1.thickness: `\"1 N\"`"),
+        ("poissons_ratio  = 0.33", "", "joint.plate.layers.2: the key `poissons_ratio` is missing"),
+    ];
+    for (old, new, problem) in edits {
+        let config = lined(LAYERS);
+        assert_eq!(config.matches(old).count(), 1, "{old}");
+        let said = folder.refusal(config.replace(old, new));
+        assert!(said.contains(problem), "{new}: {said}");
+    }
+    let one =
+        "\n[[joint.plate.layers]]\nthickness = \"1 mm\"\nyoungs_modulus = \"3 GPa\"\npoissons_ratio = 0.4\n";
+    let said = folder.refusal(lined(&format!("{}[load]\n", one.repeat(9))));
+    assert!(said.contains("joint.plate.layers: 9 layers; at most 8 are allowed"), "{said}");
+    assert_eq!(all(&folder.study(&lined(&format!("{}[load]\n", one.repeat(8))))).len(), 1);
+    let block = "model = \"block\"\nhalf_width_ratio = 2\ndepth_ratio = 2\nheight_ratio = 2\n";
+    let annulus = "model              = \"annulus\"\nouter_radius_ratio = 2.0\n";
+    let said = folder.refusal(lined(LAYERS).replace(annulus, block));
+    assert!(
+        said.contains("joint.plate.layers: model `block` cannot have layers; model `annulus` can"),
+        "{said}"
+    );
+    let said = folder.refusal(BASE.replace("[joint.plate]", "[joint.plate]\nlayers = \"1 mm\""));
+    assert!(
+        said.contains(
+            "joint.plate.layers: `\"1 mm\"`: a list of tables, [[joint.plate.layers]], is needed here"
+        ),
+        "{said}"
+    );
+    let columns = "[output]\ncolumns = [\"design\", \"plate_layer3_thickness_mm\"]\n[load]\n";
+    let said = folder.refusal(lined(LAYERS).replace("[load]\n", columns));
+    assert!(
+        said.contains(
+            "output.columns: `plate_layer3_thickness_mm`: no design of this config has such a layer"
+        ),
+        "{said}"
+    );
+}
