@@ -28,12 +28,12 @@ fn bodies() -> [Body; LANES] {
         let poissons_ratio = 0.2 + 0.03 * lane as f64;
         let idealization = Idealization::PlaneStress;
         Body {
-            lining: Default::default(),
             shape: &annulus::SHAPE,
             parameters,
             support: 0,
             poissons_ratio,
             idealization,
+            lining: Default::default(),
         }
     })
 }

@@ -32,10 +32,10 @@ impl Joint {
         let bodies = [0.3, 3.0].map(|fixed_radius_ratio| {
             let idealization = Idealization::PlaneStress;
             let body = ConcentricBody {
-                lining: Default::default(),
                 fixed_radius_ratio,
                 poissons_ratio: 0.3,
                 idealization,
+                lining: Default::default(),
             };
             let side = if fixed_radius_ratio < 1.0 { Side::Pin } else { Side::Plate };
             let [works] = modes.works_of_modes(side, &[body.boundary_modes()]);

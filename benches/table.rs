@@ -15,11 +15,11 @@ fn outcome(index: u64, step_count: usize) -> DesignOutcome {
     // Numbers with all their digits, as a random sweep has them.
     let wild = |scale: f64, salt: u64| scale * (1.0 + ((index * 16 + salt) as f64).sin().abs());
     let part = |shape, ratio, salt| Part {
-        layers: Default::default(),
         shape,
         parameters: [ratio, 0.0, 0.0],
         support: 0,
         material: Material { youngs_modulus: wild(1e5, salt), poissons_ratio: wild(0.2, salt + 1) },
+        layers: Default::default(),
     };
     let joint = JointDesign {
         idealization: Idealization::PlaneStrain,

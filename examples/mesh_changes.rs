@@ -65,7 +65,7 @@ fn draw(random: &mut Random) -> Body {
         _ => (&block::SHAPE, [side(random), side(random), side(random)]),
     };
     let support = (random.unit() * shape.supports.len() as f64) as usize;
-    Body { lining: Default::default(), shape, parameters, support, poissons_ratio, idealization }
+    Body { shape, parameters, support, poissons_ratio, idealization, lining: Default::default() }
 }
 
 /// A body with all its meshes that are not too large.

@@ -264,12 +264,12 @@ fn curves() -> Vec<Measured> {
 
 fn body(shape: &'static jointsweep::internals::mechanics::body::Shape, parameters: [f64; 3]) -> Body {
     Body {
-        lining: Default::default(),
         shape,
         parameters,
         support: 0,
         poissons_ratio: 0.3,
         idealization: Idealization::PlaneStrain,
+        lining: Default::default(),
     }
 }
 
@@ -398,7 +398,7 @@ fn designs(is_interpolated: bool, known: &[(Unit, f64)]) -> Vec<Measured> {
         let case = many.cases().expect("designs").next().expect("a design").expect("a design");
         let plan = JointPlan::cheapest(&case, many.solve.method, many.solve.accuracy).expect("a plan");
         let amounts = plan.meshed().flat_map(|BodyRequest { body, .. }| {
-            spread_ring_modes(plan.space, RingModes::of(&mesh_class(&body, plan.level)).count).0
+            spread_ring_modes(plan.space, RingModes::of(&mesh_class(body, plan.level)).count).0
         });
         for (unit, amount) in amounts.chain(curve(plan.space).0) {
             seconds -= amount * known.iter().find(|(own, _)| *own == unit).map_or(0.0, |(_, value)| *value);

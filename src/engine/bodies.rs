@@ -258,12 +258,12 @@ mod tests {
     fn what_is_kept_is_bounded() {
         let request = |index: usize| BodyRequest {
             body: Body {
-                lining: Default::default(),
                 shape: &annulus::SHAPE,
                 parameters: [(0.05 + 0.05 * index as f64).exp(), 0.0, 0.0],
                 support: 0,
                 poissons_ratio: if index.is_multiple_of(2) { 0.3 } else { -0.3 },
                 idealization: Idealization::PlaneStress,
+                lining: Default::default(),
             },
             fidelity: Fidelity::Mesh { level: index % 4 },
         };

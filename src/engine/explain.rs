@@ -212,7 +212,14 @@ fn not_known_enough(plan: &JointPlan, expected: &ExpectedContact, accuracy: f64)
 fn describe(request: &BodyRequest, terms: usize) -> String {
     let name = request.body.shape.name;
     match request.fidelity {
-        Fidelity::Series => format!("{name}: exact modes, {terms} trial pressures"),
+        Fidelity::Series => {
+            let layers = match request.body.lining.interfaces().len() {
+                0 => String::new(),
+                1 => " through 1 layer".into(),
+                count => format!(" through {count} layers"),
+            };
+            format!("{name}: exact modes{layers}, {terms} trial pressures")
+        }
         Fidelity::Mesh { level } => {
             let unknowns = mesh_size(&request.body, level).unknowns;
             format!("{name}: mesh level {level}, {unknowns} unknowns, {terms} trial pressures")

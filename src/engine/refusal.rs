@@ -42,7 +42,7 @@ impl Refusal {
                 _ if method == MethodChoice::Fe || !part.shape.concentric => {
                     Refusal::of_mesh(&joint.body(part))
                 }
-                wall if part.layers.thickness() >= wall => {
+                wall if !joint.has_room_for_layers(part) => {
                     Some(Refusal::ThickLayers { part: name, layers: part.layers.thickness(), wall })
                 }
                 _ if joint.body(part).depth_range().0 < THINNEST_RING => {

@@ -182,12 +182,12 @@ mod tests {
 
     fn body(shape: &'static crate::mechanics::body::Shape, parameters: [f64; 3]) -> Body {
         Body {
-            lining: Default::default(),
             shape,
             parameters,
             support: 0,
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStress,
+            lining: Default::default(),
         }
     }
 

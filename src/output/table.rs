@@ -196,7 +196,7 @@ mod tests {
     fn rows(loads: &[Load], steps: Vec<StepOutcome>) -> String {
         let material = Material { youngs_modulus: 200e3, poissons_ratio: 0.3 };
         let part =
-            |shape, parameters| Part { layers: Default::default(), shape, parameters, support: 0, material };
+            |shape, parameters| Part { shape, parameters, support: 0, material, layers: Default::default() };
         let joint = JointDesign {
             idealization: Idealization::PlaneStress,
             hole_radius: 100.0,

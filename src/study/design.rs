@@ -207,7 +207,7 @@ impl JointDesign {
             check("youngs_modulus", part.material.youngs_modulus, Limits::POSITIVE)?;
             check("poissons_ratio", part.material.poissons_ratio, Limits::POISSONS_RATIO)?;
             part.check_layers()?;
-            if !part.layers.is_empty() && part.layers.thickness() >= self.wall(part) {
+            if !part.layers.is_empty() && !self.has_room_for_layers(part) {
                 let (layers, wall) = (part.layers.thickness(), self.wall(part));
                 return refuse(
                     "layers",
@@ -244,6 +244,11 @@ impl JointDesign {
     /// Whether a part has layers.
     pub fn is_lined(&self) -> bool {
         !(self.pin.layers.is_empty() && self.plate.layers.is_empty())
+    }
+
+    /// Whether the layers of a concentric part leave something of its own material, to rounding.
+    pub fn has_room_for_layers(&self, part: &Part) -> bool {
+        part.layers.thickness() < (1.0 - 1e-9) * self.wall(part)
     }
 
     /// How deep a concentric part is below the contact, mm.

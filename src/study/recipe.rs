@@ -302,9 +302,10 @@ impl PartRecipe {
         let shape = shapes[model.word(&names)?];
 
         refuse_foreign(&part, shape, &shapes)?;
-        let mut keys = vec!["model", "youngs_modulus", "poissons_ratio", "layers"];
+        let mut keys = vec!["model", "youngs_modulus", "poissons_ratio"];
         keys.extend(shape.parameters.iter().map(|parameter| parameter.name));
         keys.extend(shape.supports.is_empty().not().then_some("support"));
+        keys.push("layers");
         part.allow(&keys)?;
 
         let mut parameters = Vec::new();

@@ -17,12 +17,12 @@ pub fn body(name: &str, ratios: &[f64], idealization: Idealization, poissons_rat
     let mut parameters = [0.0; MAX_PARAMETERS];
     parameters[..ratios.len()].copy_from_slice(ratios);
     Body {
-        lining: Default::default(),
         shape: shape(name),
         parameters,
         support: 0,
         poissons_ratio,
         idealization,
+        lining: Default::default(),
     }
 }
 

@@ -20,11 +20,11 @@ pub fn joint(
     radial_clearance: f64,
 ) -> JointDesign {
     let part = |shape, ratio: f64| Part {
-        layers: Default::default(),
         shape,
         parameters: [ratio, 0.0, 0.0],
         support: 0,
         material: STEEL,
+        layers: Default::default(),
     };
     JointDesign {
         idealization: Idealization::PlaneStress,

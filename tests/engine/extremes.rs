@@ -59,11 +59,11 @@ fn extreme(random: &mut Random, index: u64) -> DesignCase {
     let core = if random.unit() < 0.5 { random.log(0.01, 0.95) } else { 1.0 - thin(random, 0.05, 0.9) };
     let wall = if random.unit() < 0.5 { 1.0 + thin(random, 0.02, 1.0) } else { random.log(1.02, 1e4) };
     let part = |random: &mut Random, shape, ratio, youngs_modulus| Part {
-        layers: Default::default(),
         shape,
         parameters: [ratio, 0.0, 0.0],
         support: 0,
         material: Material { youngs_modulus, poissons_ratio: poissons_ratio(random) },
+        layers: Default::default(),
     };
     let pin = part(random, &cored_disc::SHAPE, core, moduli[0]);
     let plate = part(random, &annulus::SHAPE, wall, moduli[1]);

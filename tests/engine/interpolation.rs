@@ -34,11 +34,11 @@ fn part(random: &mut Random, shape: &'static Shape, parameters: [f64; 3], suppor
     let youngs_modulus = random.log(1e3, 5e5);
     let poissons_ratio = often_an_end(random, 0.1, 0.45);
     Part {
-        layers: Default::default(),
         shape,
         parameters,
         support,
         material: Material { youngs_modulus, poissons_ratio },
+        layers: Default::default(),
     }
 }
 

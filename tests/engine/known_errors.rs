@@ -25,7 +25,7 @@ fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
     let judge = request(if body.shape.concentric { Fidelity::Series } else { finest });
     let levels = (0..KNOWN_LEVELS).filter(|level| worst_known_error(body, *level).is_some());
     let meshes: Vec<BodyRequest> = levels.map(|level| request(Fidelity::Mesh { level })).collect();
-    library.solve(&[&meshes[..], &[judge.clone()]].concat());
+    library.solve(&[&meshes[..], std::slice::from_ref(&judge)].concat());
     let compliance = |request: &BodyRequest| &*library.solved(request).compliance;
     let mut spaces = Spaces::default();
     spaces.prepare(meshes.iter().chain([&judge]).map(|request| (key, compliance(request))));

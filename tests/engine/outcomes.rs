@@ -36,7 +36,7 @@ use std::cell::RefCell;
 const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
 
 fn part(shape: &'static Shape, parameters: [f64; 3]) -> Part {
-    Part { layers: Default::default(), shape, parameters, support: 0, material: STEEL }
+    Part { shape, parameters, support: 0, material: STEEL, layers: Default::default() }
 }
 
 fn half() -> Part {

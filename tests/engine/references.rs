@@ -145,11 +145,11 @@ fn plain_meshes_meet_the_references() {
 #[test]
 fn the_engine_has_the_true_geometry() {
     let block = Part {
-        layers: Default::default(),
         shape: &block::SHAPE,
         parameters: [2.0, 1.7, 2.4],
         support: 0,
         material: Material { youngs_modulus: 200e3, poissons_ratio: 0.3 },
+        layers: Default::default(),
     };
     let mut compared = 0;
     for (name, pin, plate) in [
@@ -208,11 +208,11 @@ fn the_engine_equals_plain_meshes() {
     dissimilar.plate.material = aluminium;
     let strain = JointDesign { idealization: Idealization::PlaneStrain, ..dissimilar.clone() };
     let plate = Part {
-        layers: Default::default(),
         shape: &block::SHAPE,
         parameters: [2.0, 1.7, 2.4],
         support: 0,
         material: aluminium,
+        layers: Default::default(),
     };
     let in_block = JointDesign { plate, ..joint(&half_disc::SHAPE, 0.0, 2.0, 0.2) };
     for (name, joint, accuracy) in [

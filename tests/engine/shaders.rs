@@ -292,12 +292,12 @@ fn no_mesh_has_more_modes_than_the_kernel() {
             for ratio in [1.001, 1.2, 3.0, 50.0, 1e4] {
                 let parameters = if shape.side == Side::Pin { [1.0 / ratio; 3] } else { [ratio; 3] };
                 let body = Body {
-                    lining: Default::default(),
                     shape,
                     parameters,
                     support: 0,
                     poissons_ratio: 0.3,
                     idealization: Idealization::PlaneStrain,
+                    lining: Default::default(),
                 };
                 let class = GradingClass::of(&body, ElementKind::Quad8, level);
                 most = most.max(RingModes::of(&class).count);

@@ -35,11 +35,11 @@ struct Joint {
 impl Joint {
     fn outcomes(&self, deltas: &[f64]) -> Vec<(String, Option<Response>)> {
         let part = |shape, ratio, youngs_modulus| Part {
-            layers: Default::default(),
             shape,
             parameters: [ratio, 0.0, 0.0],
             support: 0,
             material: Material { youngs_modulus, poissons_ratio: self.poissons_ratio },
+            layers: Default::default(),
         };
         let joint = JointDesign {
             idealization: self.idealization,
@@ -63,11 +63,11 @@ impl Joint {
 
     fn nodal(&self, delta: f64, reach: f64, panels: usize) -> NodalState {
         let ring = |fixed_radius_ratio, youngs_modulus| Ring {
-            beyond: &[],
             fixed_radius_ratio,
             youngs_modulus,
             poissons_ratio: self.poissons_ratio,
             idealization: self.idealization,
+            beyond: &[],
         };
         let bodies = [ring(self.core, self.moduli[0]), ring(self.ratio, self.moduli[1])];
         nodal_state(bodies, CLEARANCE, CLEARANCE + delta, reach, panels)

@@ -38,12 +38,12 @@ fn a_device_without_memory_loses_no_design() {
 fn elimination_goes_on_with_smaller_buffers(gpu: &GpuDevice) {
     let kernels = Kernels::new(gpu, Precision::F64, 64).unwrap();
     let plate = |index: usize| Body {
-        lining: Default::default(),
         shape: &annulus::SHAPE,
         parameters: [2.9 + 1e-4 * index as f64, 0.0, 0.0],
         support: 0,
         poissons_ratio: 0.3,
         idealization: Idealization::PlaneStress,
+        lining: Default::default(),
     };
     let bodies: Vec<Body> = (0..MANY).map(plate).collect();
     let class = mesh_class(&bodies[0], 1);

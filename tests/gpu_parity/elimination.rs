@@ -88,7 +88,7 @@ fn what_f32_cannot_carry_is_left_to_the_processor() {
             let topology = FrontTopology::new(kernels, &mesh, front).unwrap().expect("room for a body");
             let jobs = [Job { topology: &topology, numbers: mesh.body_numbers(&body) }];
             let found = Elimination::default().condense(kernels, &jobs).unwrap().remove(0).remove(0);
-            let expected = CondensationPlan::new(&body, grading, modes).condense(&[body.clone()]);
+            let expected = CondensationPlan::new(&body, grading, modes).condense(std::slice::from_ref(&body));
             match found {
                 Some(found) => {
                     worst = worst.max(difference(&found, &expected[0]));

@@ -31,7 +31,7 @@ fn the_lanes_give_what_the_general_path_gives() {
         ] {
             let body = body(name, ratios, Idealization::PlaneStrain, 0.4);
             let class = GradingClass::of(&body, element, 1);
-            let fast = plan(&body, &class).condense(&[body.clone()]).remove(0);
+            let fast = plan(&body, &class).condense(std::slice::from_ref(&body)).remove(0);
             let meshed = MeshedBody::new(&body, &class.grading(body.shape.end_angle));
             let ring = meshed.condense();
             let works = |push: &Push| RingModes::of(&class).works_on_ring(*push, &ring, &meshed.topology);
@@ -56,7 +56,7 @@ fn company_does_not_matter() {
     let together = plan.condense(&bodies);
     assert_eq!(together.len(), bodies.len());
     for (body, works) in bodies.iter().zip(&together) {
-        assert_eq!(plan.condense(&[body.clone()])[0], *works);
+        assert_eq!(plan.condense(std::slice::from_ref(body))[0], *works);
     }
 }
 
@@ -98,14 +98,14 @@ fn the_near_field_removes_the_error_of_the_ring() {
     for (name, ratio) in [("annulus", 2.3), ("rigid-core", 0.4)] {
         let body = body(name, &[ratio], Idealization::PlaneStress, 0.3);
         let concentric = ConcentricBody {
-            lining: Default::default(),
             fixed_radius_ratio: ratio,
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStress,
+            lining: Default::default(),
         };
         let class = GradingClass::of(&body, ElementKind::Quad8, 1);
         let modes = RingModes::of(&class);
-        let condensed = plan(&body, &class).condense(&[body.clone()]).remove(0);
+        let condensed = plan(&body, &class).condense(std::slice::from_ref(&body)).remove(0);
         let mut corrected = condensed.clone();
         let (around, between) = NearFieldClass::around(&body, class);
         let near_fields = around.map(|class| NearField::new(&class));
@@ -194,10 +194,10 @@ fn the_near_field_makes_its_own_reference_exact() {
             let mut corrected = plan.condense(&[of(ratio, poissons_ratio)]).remove(0);
             NearField::correct([&near_field, &near_field], 0.0, poissons_ratio, &mut corrected);
             let concentric = ConcentricBody {
-                lining: Default::default(),
                 fixed_radius_ratio: ratio,
                 poissons_ratio,
                 idealization,
+                lining: Default::default(),
             };
             let side = if ratio < 1.0 { Side::Pin } else { Side::Plate };
             let [exact] = modes.works_of_modes(side, &[concentric.boundary_modes()]);

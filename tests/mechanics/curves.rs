@@ -17,7 +17,7 @@ use jointsweep::internals::mechanics::contact::outlines::Outlines;
 use jointsweep::internals::mechanics::material::Idealization;
 
 fn concentric(fixed_radius_ratio: f64, poissons_ratio: f64, idealization: Idealization) -> ConcentricBody {
-    ConcentricBody { lining: Default::default(), fixed_radius_ratio, poissons_ratio, idealization }
+    ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization, lining: Default::default() }
 }
 
 /// Persson's table: similar materials, the plate of ratio 1e4, a core of 1e-3.
@@ -66,12 +66,12 @@ fn curves_leave_what_is_said() {
             let body = |shape, ratio| {
                 let parameters = [ratio, 0.0, 0.0];
                 Body {
-                    lining: Default::default(),
                     shape,
                     parameters,
                     support: 0,
                     poissons_ratio,
                     idealization,
+                    lining: Default::default(),
                 }
             };
             let (pin_body, plate_body) = (body(&cored_disc::SHAPE, core), body(&annulus::SHAPE, ratio));

@@ -32,11 +32,11 @@ fn draw_of(
 ) -> Option<Case> {
     let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
     let ring = |random: &mut Random, fixed_radius_ratio| Ring {
-        beyond: &[],
         fixed_radius_ratio,
         youngs_modulus: 1e5 * random.log(0.1, 10.0),
         poissons_ratio: poissons_ratio(random),
         idealization,
+        beyond: &[],
     };
     let [core, outer] = walls(random);
     let pin = ring(random, core);
@@ -49,11 +49,11 @@ fn draw_of(
 
 fn joint(Case { bodies, clearance, state, .. }: &Case) -> DesignCase {
     let part = |shape, ring: &Ring| Part {
-        layers: Default::default(),
         shape,
         parameters: [ring.fixed_radius_ratio, 0.0, 0.0],
         support: 0,
         material: Material { youngs_modulus: ring.youngs_modulus, poissons_ratio: ring.poissons_ratio },
+        layers: Default::default(),
     };
     let joint = JointDesign {
         idealization: bodies[0].idealization,
@@ -177,11 +177,11 @@ fn the_stiffness_is_the_slope_of_the_force() {
 fn wide_clearances_are_told() {
     let case = |clearance: f64| {
         let ring = |fixed_radius_ratio| Ring {
-            beyond: &[],
             fixed_radius_ratio,
             youngs_modulus: 2e5,
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStress,
+            beyond: &[],
         };
         let state = TrueState { indentation: 1e-3 * clearance, force: f64::NAN, peak_pressure: f64::NAN };
         joint(&Case { bodies: [ring(0.2), ring(3.0)], clearance, state, half_angle: f64::NAN })

@@ -20,11 +20,11 @@ fn indentations() -> Vec<f64> {
 /// What the program says of the same joint, the other body a million times as stiff.
 fn told(scene: &Scene) -> Vec<Response> {
     let part = |shape, ratio, youngs_modulus| Part {
-        layers: Default::default(),
         shape,
         parameters: [ratio, 0.0, 0.0],
         support: 0,
         material: Material { youngs_modulus, poissons_ratio: scene.poissons_ratio },
+        layers: Default::default(),
     };
     let (pin, plate) = match scene.soft {
         Soft::Pin => ((scene.fixed_radius_ratio, 1.0), (3.0, 1e6)),

@@ -90,12 +90,12 @@ fn operations(work: impl FnOnce()) -> u64 {
 /// A block, whose band is uneven: one of its sides is held, the others free.
 fn structure(level: usize) -> BandStructure {
     let body = Body {
-        lining: Default::default(),
         shape: &block::SHAPE,
         parameters: [3.0, 4.0, 2.5],
         support: 0,
         poissons_ratio: 0.3,
         idealization: Idealization::PlaneStress,
+        lining: Default::default(),
     };
     let class = GradingClass::of(&body, ElementKind::Quad8, level);
     BandStructure::new(&RingTopology::new(&body, &class.grading(PI)))

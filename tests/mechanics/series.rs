@@ -31,7 +31,7 @@ fn draw(random: &mut Random) -> Joint {
     let ratio = random.log(1.2, 50.0);
     let mut body = |fixed_radius_ratio: f64| {
         let poissons_ratio = random.linear(0.0, 0.49);
-        ConcentricBody { lining: Default::default(), fixed_radius_ratio, poissons_ratio, idealization }
+        ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization, lining: Default::default() }
     };
     let (pin, plate) = (body(core), body(ratio));
     Joint { pin, plate, modulus: random.log(0.01, 100.0), indentation: random.log(0.01, 100.0) }
@@ -132,17 +132,17 @@ fn modes_are_those_of_a_wall_stepped_through() {
         for idealization in Idealization::ALL {
             for poissons_ratio in [-0.5, 0.0, 0.3, 0.49] {
                 let body = ConcentricBody {
-                    lining: Default::default(),
                     fixed_radius_ratio,
                     poissons_ratio,
                     idealization,
+                    lining: Default::default(),
                 };
                 let ring = Ring {
-                    beyond: &[],
                     fixed_radius_ratio,
                     youngs_modulus: 1.0,
                     poissons_ratio,
                     idealization,
+                    beyond: &[],
                 };
                 let [found, along] = body.boundary_modes();
                 for n in 0..12.min(found.len()) {
@@ -173,10 +173,10 @@ fn far_circles_are_no_circles() {
     let of = |fixed_radius_ratio| {
         let idealization = Idealization::PlaneStrain;
         let body = ConcentricBody {
-            lining: Default::default(),
             fixed_radius_ratio,
             poissons_ratio: 0.3,
             idealization,
+            lining: Default::default(),
         };
         let [modes, _] = body.boundary_modes();
         modes

@@ -119,7 +119,7 @@ fn bad_layers_are_refused_by_line_and_key() {
         ("thickness_ratio = 0.05", "# none", ":21: joint.plate.layers.2: the key `thickness` (or `thickness_ratio`) is missing"),
         ("thickness_ratio = 0.05", "thickness = '1 mm'\nthickness_ratio = 0.05", ":23: joint.plate.layers.2.thickness_ratio: `thickness` is given, too"),
         ("thickness_ratio = 0.05", "thickness_ratio = 0", ":22: joint.plate.layers.2.thickness_ratio: `0`: must be above 0"),
-        ("\"1 mm\"", "\"1 N\"", "joint.plate.layers.1.thickness: `\"1 N\"`"),
+        ("[\"1 mm\"", "[\"1 N\"", "joint.plate.layers.1.thickness: `\"1 N\"`"),
         ("poissons_ratio  = 0.33", "", "joint.plate.layers.2: the key `poissons_ratio` is missing"),
     ];
     for (old, new, problem) in edits {

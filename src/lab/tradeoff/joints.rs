@@ -93,11 +93,11 @@ mod tests {
     fn case(ratio: f64, clearance: f64, steps: &[Load]) -> DesignCase {
         let material = Material { youngs_modulus: 200e3, poissons_ratio: 0.3 };
         let part = |shape, ratio: f64| Part {
-            layers: Default::default(),
             shape,
             parameters: [ratio, 0.0, 0.0],
             support: 0,
             material,
+            layers: Default::default(),
         };
         let joint = JointDesign {
             idealization: Idealization::PlaneStress,

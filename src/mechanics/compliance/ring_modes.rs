@@ -359,10 +359,10 @@ mod tests {
         let arcs = (1..=2 * LANES).map(|i| ContactArc::new(0.15 * i as f64)).collect();
         let mut space = PressureSpace::new(6, arcs);
         let body = ConcentricBody {
-            lining: Default::default(),
             fixed_radius_ratio: 2.0,
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStrain,
+            lining: Default::default(),
         };
         let exact = body.compliance();
         space.prepare(&exact);
@@ -384,10 +384,10 @@ mod tests {
         let arcs = (1..=LANES).map(|i| ContactArc::new(0.28 * i as f64)).collect();
         let mut space = PressureSpace::new(6, arcs);
         let body = ConcentricBody {
-            lining: Default::default(),
             fixed_radius_ratio: 2.0,
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStrain,
+            lining: Default::default(),
         };
         let (coarse, fine) = (RingModes::whole(4, 8), RingModes::whole(6, 32));
         let [works] = coarse.works_of_modes(Side::Plate, &[body.boundary_modes()]);

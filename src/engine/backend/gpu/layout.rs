@@ -411,12 +411,12 @@ mod tests {
         let of = |shape, parameters, level| {
             let (idealization, poissons_ratio) = (Idealization::PlaneStrain, 0.3);
             let body = Body {
-                lining: Default::default(),
                 shape,
                 parameters,
                 support: 0,
                 poissons_ratio,
                 idealization,
+                lining: Default::default(),
             };
             let class = GradingClass::of(&body, ElementKind::Quad8, level);
             let layout = MeshLayout::new(&body, &class.grading(shape.end_angle)).unwrap();
