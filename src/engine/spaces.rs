@@ -44,7 +44,12 @@ impl SpaceKey {
         // Layers give way at their far side: no more is needed for thin ones than for walls that are just not thin.
         let nearest = |body: &Body| body.depth_range().0.min(body.nearest_depth().max(1.01 * THIN));
         let thinnest = nearest(pin).min(nearest(plate));
-        SpaceKey::beside(thinnest, pin.shape.end_angle < std::f64::consts::PI, accuracy, half_angle)
+        let space =
+            SpaceKey::beside(thinnest, pin.shape.end_angle < std::f64::consts::PI, accuracy, half_angle);
+        if pin.nearest_depth().min(plate.nearest_depth()) < THINNEST_RING {
+            return SpaceKey { nodes: NODES_OF_BEDS, variable: Variable::Logarithm, ..space };
+        }
+        space
     }
 
     /// The same for a depth of the thinnest wall.

@@ -256,7 +256,8 @@ impl ConcentricBody {
         let compliance = |ratio: f64| 1.0 / self.idealization.plane_modulus_ratio(ratio);
         // A layer that is softer than what it lies on has more compliance of its own than the whole.
         let own = compliance(self.poissons_ratio) * beyond.modulus_ratio / compliance(beyond.poissons_ratio);
-        let highest = self.highest_mode() as f64;
+        // Where they fade out, half of the modes count whole.
+        let highest = if self.highest_mode() == MOST_MODES { 0.5 } else { 1.0 } * self.highest_mode() as f64;
         let depth = highest * beyond.radius_ratio.ln().abs();
         let felt = ((1.0 + depth * depth) * (-2.0 * depth).exp()).min(1.0);
         4.0 / (3.0 * PI) * own.max(1.0) * felt * (highest * half_angle).max(1.0).powi(-3)
@@ -288,9 +289,17 @@ impl ConcentricBody {
 
     /// The first of those.
     fn modes_below(&self, count: usize) -> [Vec<f64>; 2] {
-        let mode = |n: usize| self.boundary_mode(n).into();
+        let mode = |n: usize| self.boundary_mode(n).map(|value| self.taper(n) * value).into();
         let (normal, along) = (0..count).map(mode).unzip();
         [normal, along]
+    }
+
+    /// 1, but for a layer so thin that modes end before they are negligible. There they fade out: an end of a sudden would make the
+    /// compliance of wider and wider arcs go up and down.
+    fn taper(&self, n: usize) -> f64 {
+        let over = n as f64 / MOST_MODES as f64;
+        let is_cut = !self.lining.is_bare() && self.highest_mode() == MOST_MODES;
+        if is_cut && over > 0.5 { (PI * (over - 0.5)).cos().powi(2) } else { 1.0 }
     }
 
     /// What lies beyond the material at the ring changes of lambda_n, half of it for n = 0, and of the amplitude of u_phi.
