@@ -97,9 +97,8 @@ impl Curve {
     /// The state under a load; an error where there is none.
     pub fn at(&self, load: Load) -> Result<Response, Error> {
         let step = self.answers(&[load])?.pop();
-        let status = step.map_or(Status::OK, |step| step.status);
-        let failed = || Error::Joint { quantity: format!("{load}"), problem: status.to_string() };
-        step.and_then(|step| step.response).ok_or_else(failed)
+        let (response, status) = step.map_or((None, Status::OK), |step| (step.response, step.status));
+        response.ok_or_else(|| Error::Joint { quantity: format!("{load}"), problem: status.to_string() })
     }
 
     /// N, at an indentation in mm.

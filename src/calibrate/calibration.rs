@@ -130,8 +130,9 @@ pub fn calibrate(
         statuses.add(&step.status);
         model_error = model_error.max(step.response.map_or(0.0, |response| response.force_error));
     }
-    let force =
-        |place: usize| answers[place].and_then(|step| step.response).map_or(0.0, |response| response.force);
+    let force = |place: usize| {
+        answers[place].as_ref().and_then(|step| step.response).map_or(0.0, |response| response.force)
+    };
     let points: Vec<FittedPoint> = points
         .iter()
         .enumerate()

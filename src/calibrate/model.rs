@@ -194,7 +194,8 @@ impl<'a> Fit<'a> {
         let answers = setup.answers(&curve, &self.indentations);
         self.curve = Some(curve);
         let answers = answers?;
-        let responses: Vec<_> = answers.iter().map(|step| step.and_then(|step| step.response)).collect();
+        let responses: Vec<_> =
+            answers.iter().map(|step| step.as_ref().and_then(|step| step.response)).collect();
         let forces =
             responses.iter().map(|response| response.map_or(0.0, |response| response.force)).collect();
         self.last = Some(Solved { scaled: scaled.to_vec(), setup, responses });

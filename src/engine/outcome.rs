@@ -68,7 +68,7 @@ pub struct Response {
 }
 
 /// One row of the table: a response with remarks, or why there is none.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StepOutcome {
     /// `None` where the status is a failure, and only there.
     pub response: Option<Response>,
@@ -77,7 +77,7 @@ pub struct StepOutcome {
 
 impl StepOutcome {
     pub fn failed(failure: Failure) -> StepOutcome {
-        StepOutcome { response: None, status: Status::Failed(failure) }
+        StepOutcome { response: None, status: Status::Failed(failure.into()) }
     }
 }
 

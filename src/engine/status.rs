@@ -42,7 +42,7 @@ impl Remark {
 }
 
 /// Why there is no answer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Failure {
     /// Known beforehand: nothing was solved.
     Refused(Refusal),
@@ -75,11 +75,11 @@ impl fmt::Display for Failure {
     }
 }
 
-/// What has become of a load step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What has become of a load step. Failures are rare and large: elsewhere, so that the many answers are small.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Status {
     Answered(Remarks),
-    Failed(Failure),
+    Failed(Box<Failure>),
 }
 
 /// Those of `Remark::ALL` that apply.
@@ -112,8 +112,8 @@ impl Status {
 /// "ok", remarks with "; " between them, or "failed: " and why.
 impl fmt::Display for Status {
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
-        match *self {
-            Status::OK => out.write_str("ok"),
+        match self {
+            &Status::OK => out.write_str("ok"),
             Status::Answered(remarks) => {
                 let said = Remark::ALL.into_iter().filter(|remark| remarks.has(*remark));
                 for (place, remark) in said.enumerate() {
@@ -194,7 +194,7 @@ mod tests {
         let status = Status::Answered(both);
         assert_eq!(status.to_string(), "large displacement; accuracy not met");
         assert!(status.has(Remark::AccuracyNotMet) && !status.has(Remark::PressureNotPositive));
-        let failed = Status::Failed(Failure::NoState(NoState::ContactTooWide, 1.54));
+        let failed = Status::Failed(Failure::NoState(NoState::ContactTooWide, 1.54).into());
         let mut counts = StatusCounts::default();
         [Status::OK, status, failed, Status::OK].iter().for_each(|status| counts.add(status));
         let expected = [

@@ -68,6 +68,35 @@ impl Formula {
         Formula { actions: operations.iter().map(action).collect(), depth: depth(operations) }
     }
 
+    /// The same of many rows, in their order: each action is done for all of them before the next. `stack` is overwritten.
+    pub fn values<'a>(&self, rows: &[Row], stack: &'a mut Vec<Vec<f64>>) -> &'a [f64] {
+        if stack.len() < self.depth {
+            stack.resize(self.depth, Vec::new());
+        }
+        let mut top = 0;
+        for action in &self.actions {
+            match *action {
+                Action::Unary(operation) => {
+                    stack[top - 1].iter_mut().for_each(|a| *a = unary(operation, *a));
+                }
+                Action::Binary(operation) => {
+                    top -= 1;
+                    let (below, above) = stack.split_at_mut(top);
+                    below[top - 1]
+                        .iter_mut()
+                        .zip(&above[0])
+                        .for_each(|(a, b)| *a = binary(operation, *a, *b));
+                }
+                _ => {
+                    stack[top].clear();
+                    stack[top].extend(rows.iter().map(|row| number(action, row)));
+                    top += 1;
+                }
+            }
+        }
+        &stack[0]
+    }
+
     /// NaN where a value is missing that would decide it. A condition is 1 where it holds and 0 where it does not.
     pub fn value(&self, row: &Row) -> f64 {
         match &self.actions[..] {

@@ -28,7 +28,7 @@ fn joint(clearance: f64, material: Material, layers: &[Layer]) -> JointDesign {
 
 fn solved(joint: JointDesign, method: MethodChoice, accuracy: f64, load: Load) -> StepOutcome {
     let case = DesignCase { index: 0, joint, steps: vec![load] };
-    Ladder::new(Options { accuracy, method }).solve(&[case]).remove(0).steps[0]
+    Ladder::new(Options { accuracy, method }).solve(&[case]).remove(0).steps[0].clone()
 }
 
 /// Coatings of a hundredth down to a ten-thousandth of the radius, softer and stiffer than what they lie on, against references with

@@ -219,7 +219,7 @@ fn bodies_beyond_what_is_supported_cost_nothing_and_change_nothing() {
     let solve = |study: &Study| {
         let mut outcomes = Vec::new();
         sweep::run(study, &SweepOptions::default(), &mut |outcome| {
-            outcomes.push(outcome.steps[0]);
+            outcomes.push(outcome.steps[0].clone());
             Ok(ControlFlow::Continue(()))
         })
         .unwrap();

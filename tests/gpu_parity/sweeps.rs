@@ -49,7 +49,7 @@ fn compare(found: &[DesignOutcome], expected: &[DesignOutcome], backend: Backend
                 assert_eq!(found, expected);
                 continue;
             };
-            assert_eq!((a.method, found.status), (b.method, expected.status));
+            assert_eq!((a.method, &found.status), (b.method, &expected.status));
             differences.push(greatest([relative(a.force, b.force), relative(a.indentation, b.indentation)]));
         }
     }

@@ -53,10 +53,11 @@ fn solved(joint: &JointDesign, solve: SolveOptions, before: Option<JointCurve>) 
 
 fn answer(curve: &JointCurve, load: Load) -> Result<Response, Error> {
     let step = curve.answers(&[load]).pop();
-    match step.and_then(|step| step.response) {
+    let (response, status) = step.map_or((None, None), |step| (step.response, Some(step.status)));
+    match response {
         Some(response) => Ok(response),
         None => {
-            let status = step.map_or(String::new(), |step| step.status.to_string());
+            let status = status.map_or(String::new(), |status| status.to_string());
             refuse(load.to_string(), format!("{status}: end the range before it (`up-to`)"))
         }
     }

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::error::Error;
-use crate::output::filter::{RowPlace, row_at};
+use crate::output::filter::{ROWS, RowPlace, row_at};
 use crate::output::row_value::{Formula, Row};
 use crate::output::schema::table_columns;
 use crate::output::sink::Sink;
@@ -134,9 +134,6 @@ struct Work {
     table: Table,
 }
 
-/// Rows whose values are made together: they stay in the processor's nearest memory.
-const ROWS: usize = 512;
-
 impl Work {
     fn new(reductions: &[Kind], layers: LayerCounts) -> Work {
         let mut quantities: Vec<&Expression> = Vec::new();
@@ -197,10 +194,12 @@ impl Reductions {
         let Work { formulas, places, table } = &*self.work;
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); formulas.len()];
         let mut numbers = Vec::new();
+        let mut stack = Vec::new();
         for kept in kept.chunks(ROWS) {
+            let rows: Vec<Row> = kept.iter().map(|place| row_at(outcomes, *place)).collect();
             for (column, formula) in columns.iter_mut().zip(formulas) {
                 column.clear();
-                column.extend(kept.iter().map(|place| formula.value(&row_at(outcomes, *place))));
+                column.extend_from_slice(formula.values(&rows, &mut stack));
             }
             numbers.clear();
             numbers.extend(kept.iter().map(|(place, step)| (outcomes[*place].case.index, *step as u64)));
@@ -262,6 +261,6 @@ impl Reductions {
 fn table_line(table: &Table, row: &Row) -> String {
     let Row { case, step, outcome, backend } = *row;
     let case = DesignCase { index: case.index, joint: case.joint.clone(), steps: vec![case.steps[step]] };
-    let line = table.rows(&[DesignOutcome::new(case, Answer { backend, steps: vec![*outcome] })]);
+    let line = table.rows(&[DesignOutcome::new(case, Answer { backend, steps: vec![outcome.clone()] })]);
     String::from_utf8_lossy(&line).trim_end().to_string()
 }
