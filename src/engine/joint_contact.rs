@@ -12,7 +12,7 @@ use crate::engine::plan::JointPlan;
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::compliance::Boundary;
-use crate::mechanics::contact::curve::ContactCurve;
+use crate::mechanics::contact::curve::{ContactCurve, CurveRoom};
 use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::outlines::Outlines;
@@ -95,7 +95,7 @@ pub fn solve_designs<'a>(
         Estimate::Change(trust) => Some((trust, plan.level)),
         Estimate::Exact | Estimate::Known => None,
     };
-    solve_joint(space, &members, outlines, trust, solving, cases)
+    solve_joint(space, &members, outlines, trust, solving, cases, &mut CurveRoom::default())
 }
 
 /// The same of designs whose joint is one of these bodies, with these outlines, in a space; with a trust and a level where their
@@ -107,8 +107,10 @@ pub fn solve_joint<'a>(
     trust: Option<(Trust, usize)>,
     solving: Solving,
     cases: impl Iterator<Item = &'a DesignCase>,
+    room: &mut CurveRoom,
 ) -> Vec<(Answer, Want)> {
-    let Some(curve) = ContactCurve::new(space, bodies.each_ref().map(|body| &body.part), outlines) else {
+    let parts = bodies.each_ref().map(|body| &body.part);
+    let Some(curve) = ContactCurve::in_room(space, parts, outlines, room) else {
         let is_too_wide = outlines.radial_clearance >= WIDEST_CLEARANCE;
         let (reason, want) = if is_too_wide {
             (NoState::ClearanceTooWide, Want::Nothing)
@@ -134,5 +136,7 @@ pub fn solve_joint<'a>(
         });
         solving.respond(case, states)
     };
-    cases.map(answer).collect()
+    let answers = cases.map(answer).collect();
+    *room = curve.into_room();
+    answers
 }

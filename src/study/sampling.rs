@@ -67,6 +67,8 @@ struct Role {
     /// Grid: how many designs go by before the axis moves on, and its number of values.
     stride: u64,
     count: u64,
+    /// Latin hypercube: of the axis's random numbers.
+    key: u64,
 }
 
 impl Sampler {
@@ -74,10 +76,13 @@ impl Sampler {
     pub fn new(scheme: Scheme, axes: &[Axis]) -> Result<Sampler, (usize, String)> {
         let mut order: Vec<usize> = (0..axes.len()).collect();
         order.sort_by_key(|&axis| axes[axis].start);
-        let mut roles = vec![Role { rank: 0, stride: 1, count: 1 }; axes.len()];
+        let mut roles = vec![Role { rank: 0, stride: 1, count: 1, key: 0 }; axes.len()];
         for (rank, &axis) in order.iter().enumerate() {
             roles[axis].rank = rank as u32;
             roles[axis].count = axes[axis].count.unwrap_or(1).max(1);
+            if let Scheme::LatinHypercube { seed, .. } = scheme {
+                roles[axis].key = key(rank as u32, seed);
+            }
         }
         let design_count = match scheme {
             Scheme::Grid => {
@@ -125,7 +130,7 @@ impl Sampler {
         match self.scheme {
             Scheme::Grid => Pick::Index(design / role.stride % role.count),
             Scheme::Zip => Pick::Index(design),
-            Scheme::LatinHypercube { count, seed } => Pick::Fraction(slice(design, count, role.rank, seed)),
+            Scheme::LatinHypercube { count, .. } => Pick::Fraction(slice(design, count, role.key)),
             Scheme::Sobol { seed, .. } => Pick::Fraction(sobol(design, role.rank, seed)),
             Scheme::Saltelli { seed, .. } => {
                 let axes = self.roles.len();
@@ -163,9 +168,13 @@ fn too_many(order: &[usize], axes: &[Axis]) -> String {
     format!("the grid has {} designs; at most {MAX_DESIGNS} are allowed", counts.join(" x "))
 }
 
-/// A random point of the slice that design number `design` has on axis `rank`.
-fn slice(design: u64, count: u64, rank: u32, seed: u64) -> f64 {
-    let key = mix(mix(seed) ^ u64::from(rank));
+/// What the random numbers of axis `rank` begin with.
+fn key(rank: u32, seed: u64) -> u64 {
+    mix(mix(seed) ^ u64::from(rank))
+}
+
+/// A random point of the slice that design number `design` has on an axis with a key.
+fn slice(design: u64, count: u64, key: u64) -> f64 {
     let jitter = (mix(key ^ mix(!design)) >> 11) as f64 / (1u64 << 53) as f64;
     (permute(design, count, key) as f64 + jitter) / count as f64
 }
@@ -241,7 +250,7 @@ mod tests {
     fn latin_hypercube_uses_each_slice_once() {
         let count = 1000;
         let column = |rank| -> Vec<u64> {
-            (0..count).map(|design| (slice(design, count, rank, 5) * count as f64) as u64).collect()
+            (0..count).map(|design| (slice(design, count, key(rank, 5)) * count as f64) as u64).collect()
         };
         let (first, second) = (column(0), column(1));
         for slices in [&first, &second] {
@@ -306,10 +315,10 @@ mod tests {
     /// Designs of a seed must stay what they are: results are compared across machines and versions.
     #[test]
     fn seeds_are_repeatable() {
-        let lhs: Vec<f64> = (0..3).map(|design| slice(design, 10, 1, 42)).collect();
+        let lhs: Vec<f64> = (0..3).map(|design| slice(design, 10, key(1, 42))).collect();
         let points: Vec<f64> = (0..3).map(|design| sobol(design, 1, 42)).collect();
         assert_eq!(lhs, [0.42367826434415967, 0.751426082340774, 0.5506829722340166]);
         assert_eq!(points, [0.3734736442565918, 0.9232496023178101, 0.056551456451416016]);
-        assert_ne!(slice(0, 10, 1, 42), slice(0, 10, 1, 43));
+        assert_ne!(slice(0, 10, key(1, 42)), slice(0, 10, key(1, 43)));
     }
 }

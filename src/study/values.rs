@@ -47,8 +47,8 @@ pub struct Range {
     to: f64,
     /// `None` when a sampler decides.
     count: Option<u64>,
-    /// For logarithmic spacing: 1 and (to/from)^(1/2), 1 and (to/from)^(1/4) ...
-    roots: Option<Box<[[f64; 2]; ROOTS]>>,
+    /// For logarithmic spacing: (to/from)^(1/2), (to/from)^(1/4) ...
+    roots: Option<Box<[f64; ROOTS]>>,
 }
 
 /// The bits of a fraction.
@@ -159,7 +159,7 @@ impl Range {
             Box::new(std::array::from_fn(|_| {
                 let current = root;
                 root = root.sqrt();
-                [1.0, current]
+                current
             }))
         });
         Range { from, to, count, roots }
@@ -183,13 +183,16 @@ impl Range {
         let Some(roots) = &self.roots else {
             return self.from * (1.0 - fraction) + self.to * fraction;
         };
-        // By the bits of the fraction, and without a branch: no processor can tell which way one would go. A fraction that
-        // was rounded up to 1 is the one before.
+        // By the bits of the fraction that are set, the highest first. A fraction that was rounded up to 1 is the one before.
         const WHOLE: u64 = 1 << ROOTS;
-        let bits = ((fraction * WHOLE as f64) as u64).min(WHOLE - 1);
-        let bit = |place: usize| (bits >> (ROOTS - 1 - place) & 1) as usize;
-        let factors = roots.iter().enumerate().map(|(place, factors)| factors[bit(place)]);
-        factors.fold(self.from, |value, factor| value * factor)
+        let mut bits = ((fraction * WHOLE as f64) as u64).min(WHOLE - 1) << (u64::BITS as usize - ROOTS);
+        let mut value = self.from;
+        while bits != 0 {
+            let place = bits.leading_zeros();
+            value *= roots[place as usize];
+            bits &= !(1 << (u64::BITS - 1 - place));
+        }
+        value
     }
 }
 

@@ -18,6 +18,7 @@ use crate::engine::outcome::{Answer, BackendKind, Method};
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::compliance::body_fit::FitScratch;
+use crate::mechanics::contact::curve::CurveRoom;
 use crate::study::design::DesignCase;
 
 /// Designs that a thread takes at a time.
@@ -92,7 +93,7 @@ impl Interpolation {
         &self,
         spaces: &Spaces,
         case: &DesignCase,
-        scratch: &mut [FitScratch; 2],
+        (scratch, room): &mut ([FitScratch; 2], CurveRoom),
     ) -> Option<Answer> {
         let InterpolationPlan { accuracy, pairs, .. } = &self.plan;
         let [pin, plate] = pair(&case.joint)?;
@@ -116,7 +117,7 @@ impl Interpolation {
             let solving =
                 Solving { backend, method, limit: outlines.of_hole(space.limit), accuracy: *accuracy };
             let (outcome, want) =
-                solve_joint(space, &judged, outlines, None, solving, [case].into_iter()).pop()?;
+                solve_joint(space, &judged, outlines, None, solving, [case].into_iter(), room).pop()?;
             match want {
                 Want::Nothing => {
                     let is_whole = outcome.steps.iter().all(|step| step.response.is_some());

@@ -62,11 +62,11 @@ impl WithSimd for Weighted<'_> {
         let sizes = self.weights.iter().zip(sizes).map(|(weight, size)| weight.abs() * size);
         let least = self.negligible * sizes.clone().next().unwrap_or(0.0);
         let mut needed = (0..).zip(sizes).filter(|(_, size)| *size > least).map(|(row, _)| row);
-        let mut kept = [(0_usize, 0.0_f32); TOGETHER];
+        let mut kept = [(0_u32, 0.0_f32); TOGETHER];
         loop {
             let mut count = 0;
             for (kept, row) in kept.iter_mut().zip(needed.by_ref()) {
-                *kept = (row * stride, self.weights[row]);
+                *kept = ((row * stride) as u32, self.weights[row]);
                 count += 1;
             }
             let mut from = 0;
@@ -87,11 +87,11 @@ impl WithSimd for Weighted<'_> {
 
 impl Weighted<'_> {
     #[inline(always)]
-    fn block<S: Simd, const COUNT: usize>(&mut self, simd: S, from: usize, kept: &[(usize, f32)]) {
+    fn block<S: Simd, const COUNT: usize>(&mut self, simd: S, from: usize, kept: &[(u32, f32)]) {
         let length = COUNT * S::F32_LANES;
         let mut registers = [simd.splat_f32s(0.0); COUNT];
         for (row, weight) in kept {
-            let (values, _) = S::as_simd_f32s(&self.rows.values[row + from..][..length]);
+            let (values, _) = S::as_simd_f32s(&self.rows.values[*row as usize + from..][..length]);
             let weight = simd.splat_f32s(*weight);
             for place in 0..COUNT {
                 registers[place] = simd.mul_add_e_f32s(weight, values[place], registers[place]);

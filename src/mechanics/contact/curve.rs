@@ -30,14 +30,37 @@ pub struct ContactCurve<'a> {
     pub(super) first: usize,
 }
 
+/// Room for a curve, kept from one to the next.
+#[derive(Default)]
+pub struct CurveRoom {
+    coefficients: Vec<Functions>,
+    states: EdgeStates,
+}
+
 impl<'a> ContactCurve<'a> {
+    /// The room it takes, for the next one.
+    pub fn into_room(self) -> CurveRoom {
+        CurveRoom { coefficients: self.coefficients, states: self.states }
+    }
+
     /// Of a joint's compliance in the space, which is the sum of its parts. `None` where it is not positive definite.
     pub fn new<const PARTS: usize>(
         space: &'a CurveSpace,
         parts: [&JointCompliance; PARTS],
         outlines: Outlines,
     ) -> Option<ContactCurve<'a>> {
-        let mut states = EdgeStates::new(&space.pressures, parts, &outlines);
+        ContactCurve::in_room(space, parts, outlines, &mut CurveRoom::default())
+    }
+
+    /// The same in the room of another one, which is taken where there is a curve.
+    pub fn in_room<const PARTS: usize>(
+        space: &'a CurveSpace,
+        parts: [&JointCompliance; PARTS],
+        outlines: Outlines,
+        room: &mut CurveRoom,
+    ) -> Option<ContactCurve<'a>> {
+        let CurveRoom { coefficients, states } = std::mem::take(room);
+        let mut states = states.again(&space.pressures, parts, &outlines);
         let even: f64 = parts.iter().map(|part| part.even).sum();
         let bed: f64 = parts.iter().map(|part| part.bed).sum();
         // Up to the first beyond a neat fit, and no further than the contact grows with the load: the pressure is the sum of what
@@ -73,7 +96,7 @@ impl<'a> ContactCurve<'a> {
                 return None;
             }
         }
-        let coefficients = in_lanes(Transform { rows: &space.chebyshev, states: &states });
+        let coefficients = in_lanes(Transform { rows: &space.chebyshev, states: &states, coefficients });
         Some(ContactCurve { space, outlines, even, bed, coefficients, states, first })
     }
 
@@ -167,6 +190,8 @@ fn scale<T: Real>(even: f64, bed: f64, b: T) -> T {
 struct Transform<'a> {
     rows: &'a [Vec<[f64; LANES]>],
     states: &'a EdgeStates,
+    /// All of it is overwritten.
+    coefficients: Vec<Functions>,
 }
 
 impl LaneWork for Transform<'_> {
@@ -174,10 +199,10 @@ impl LaneWork for Transform<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<Functions> {
-        let Transform { rows, states } = self;
+        let Transform { rows, states, mut coefficients } = self;
         let count = states.count();
         let (even, odd) = rows.split_at(rows.len() / 2);
-        let mut coefficients = vec![[[0.0; LANES]; FUNCTIONS]; rows.len()];
+        coefficients.resize(rows.len(), [[0.0; LANES]; FUNCTIONS]);
         // Of degree 0 half as much.
         let share = Lanes::<FUSED>::from_f64(2.0 / count as f64);
         for chunk in 0..even.len() {

@@ -214,10 +214,21 @@ impl LaneWork for OnHole<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
+        // Most spaces have few nodes, and room for many takes longer to clear than they take.
+        match self.space.weighted.len() {
+            ..=FEW_NODES => self.run_with::<FUSED, FEW_NODES>(),
+            _ => self.run_with::<FUSED, MOST_NODES>(),
+        }
+    }
+}
+
+impl OnHole<'_> {
+    #[inline(always)]
+    fn run_with<const FUSED: bool, const ROOM: usize>(self) {
         let OnHole { space, ratio, values, moved } = self;
         let number = Lanes::<FUSED>::from_f64;
         let count = space.weighted.len();
-        let mut weights = [Lanes::<FUSED>::zero(); MOST_NODES];
+        let mut weights = [Lanes::<FUSED>::zero(); ROOM];
         let weights = &mut weights[..count];
         for chunk in 0..count / LANES {
             let mut b = Lanes::<FUSED>::zero();
@@ -257,6 +268,9 @@ impl LaneWork for OnHole<'_> {
         }
     }
 }
+
+/// Nodes of most spaces at most.
+const FEW_NODES: usize = 24;
 
 /// Entries that are combined side by side: each waits for itself alone.
 const ABREAST: usize = 7;

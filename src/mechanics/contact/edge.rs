@@ -76,6 +76,7 @@ impl Edges {
 }
 
 /// The joint at the arcs of a space.
+#[derive(Default)]
 pub struct EdgeStates {
     edges: Vec<Edges>,
     /// Coefficients of the trial pressures over e b^2: `[arc / LANES][k]`, an arc a lane.
@@ -89,7 +90,17 @@ impl EdgeStates {
         parts: [&JointCompliance; PARTS],
         outlines: &Outlines,
     ) -> EdgeStates {
-        in_lanes_with_terms(space.terms, Solve { space, parts, outlines })
+        EdgeStates::default().again(space, parts, outlines)
+    }
+
+    /// The same where others were before.
+    pub(super) fn again<const PARTS: usize>(
+        self,
+        space: &PressureSpace,
+        parts: [&JointCompliance; PARTS],
+        outlines: &Outlines,
+    ) -> EdgeStates {
+        in_lanes_with_terms(space.terms, Solve { space, parts, outlines, found: self })
     }
 
     /// How many arcs there are.
@@ -172,16 +183,19 @@ struct Solve<'a, const PARTS: usize> {
     space: &'a PressureSpace,
     parts: [&'a JointCompliance<'a>; PARTS],
     outlines: &'a Outlines,
+    /// All of it is overwritten.
+    found: EdgeStates,
 }
 
 impl<const PARTS: usize> TermWork for Solve<'_, PARTS> {
     type Output = EdgeStates;
 
     #[inline(always)]
-    fn run<const FUSED: bool, const TERMS: usize>(self) -> EdgeStates {
+    fn run<const FUSED: bool, const TERMS: usize>(mut self) -> EdgeStates {
         let chunks = self.space.arcs.len() / LANES;
-        let mut found =
-            EdgeStates { edges: vec![Edges::ZERO; chunks], pressure: vec![[0.0; LANES]; TERMS * chunks] };
+        let mut found = std::mem::take(&mut self.found);
+        found.edges.resize(chunks, Edges::ZERO);
+        found.pressure.resize(TERMS * chunks, [0.0; LANES]);
         for chunk in 0..chunks {
             self.run_chunk::<FUSED, TERMS>(chunk, &mut found);
         }
@@ -216,7 +230,7 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
 
     #[inline(always)]
     fn run_chunk<const FUSED: bool, const TERMS: usize>(&self, chunk: usize, found: &mut EdgeStates) {
-        let Solve { space: PressureSpace { arcs, turns, .. }, parts, outlines } = *self;
+        let Solve { space: PressureSpace { arcs, turns, .. }, parts, outlines, .. } = *self;
         let even: f64 = parts.iter().map(|part| part.even).sum();
         let (zero, one) = (Lanes::<FUSED>::zero(), Lanes::<FUSED>::from_f64(1.0));
         let at = chunk * LANES;
