@@ -12,9 +12,10 @@ use crate::engine::backend::adapter::GpuError;
 use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
 use crate::engine::near_fields::NearFieldLibrary;
 use crate::engine::outcome::BackendKind;
+use crate::engine::ring_loads::RingLoads;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
-use crate::mechanics::compliance::near_field::NearFieldClass;
+use crate::mechanics::compliance::near_field::{LoadedRing, NearFieldClass};
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
 use crate::mechanics::real::LANES;
@@ -22,6 +23,7 @@ use crate::mechanics::real::LANES;
 /// Solves bodies and remembers them, with everything that many bodies share.
 #[derive(Default)]
 pub struct BodyLibrary<'a> {
+    ring_loads: RingLoads,
     near_fields: NearFieldLibrary,
     plans: HashMap<TopologyKey, CondensationPlan>,
     solved: HashMap<RequestKey, SolvedBody>,
@@ -122,38 +124,60 @@ impl<'a> BodyLibrary<'a> {
 
     fn solve_meshed(&mut self, mut groups: Vec<Group>) {
         let started = Instant::now();
-        let around = |(key, group): &Group| {
-            let class = key.class;
-            group
-                .iter()
-                .map(|request| request.body.clone())
-                .collect::<Vec<Body>>()
-                .into_iter()
-                .flat_map(move |body| NearFieldClass::around(&body, class).0)
-        };
-        self.near_fields.prepare(groups.iter().flat_map(around));
+        let classes: HashSet<NearFieldClass> = near_fields_of(&groups).collect();
+        let of_near_fields = classes.iter().filter(|class| !self.near_fields.has(class));
+        let of_bodies = groups.iter().map(|(key, group)| LoadedRing::of(group[0].body.shape, &key.class));
+        self.ring_loads.prepare(of_near_fields.map(LoadedRing::of_near_field).chain(of_bodies));
         self.times.shared += started.elapsed();
-        if let Some(device) = self.device.as_mut().filter(|_| self.lost.is_none()) {
-            match device.condense(&groups) {
-                Ok(works) => groups = self.take(groups, works),
-                Err(error) => self.lost = Some(error),
-            }
+        if self.device.is_some() && self.lost.is_none() {
+            groups = self.solve_on_device(groups, &classes);
         }
         let bytes: usize = self.plans.values().map(CondensationPlan::bytes).sum();
         if bytes > KEPT_PLANS / 2 {
             self.plans.clear();
         }
         let room = AtomicUsize::new(KEPT_PLANS / 2);
-        let solved: Vec<SolvedGroup> =
-            groups.into_par_iter().map(|group| self.solve_group(group, &room)).collect();
-        for SolvedGroup { key, plan, plan_time, batches } in solved {
+        let groups = of_either_idealization(groups);
+        // Where there are few bodies, their near fields are made beside them.
+        let BodyLibrary { near_fields, plans, ring_loads, .. } = self;
+        let prepare = || {
+            let started = Instant::now();
+            near_fields.prepare(classes.into_iter(), ring_loads);
+            started.elapsed()
+        };
+        let condense = |group| condense_group(plans, ring_loads, group, &room);
+        let (near_field_time, condensed): (_, Vec<CondensedGroup>) =
+            rayon::join(prepare, || groups.into_par_iter().map(condense).collect());
+        self.times.shared += near_field_time;
+        for CondensedGroup { key, plan, plan_time, batches } in condensed {
             self.times.shared += plan_time;
+            self.times.condense += batches.iter().map(|(_, time)| *time).sum::<Duration>();
+            let started = Instant::now();
+            let works: Vec<Condensed> = batches.into_iter().flat_map(|(works, _)| works).collect();
+            let correct = |(request, works): Condensed| {
+                let compliance = self.corrected(&key, &request.body, works);
+                (request, compliance)
+            };
+            let solved: Vec<_> = works.into_par_iter().map(correct).collect();
+            self.times.condense += started.elapsed();
+            for (request, compliance) in solved {
+                self.keep(&request, compliance, BackendKind::Cpu);
+            }
             self.plans.extend(plan.map(|plan| (key, plan)));
-            for (solved, time) in batches {
-                self.times.condense += time;
-                for (request, compliance) in solved {
-                    self.keep(&request, compliance, BackendKind::Cpu);
-                }
+        }
+    }
+
+    /// Gives back what the device has left.
+    fn solve_on_device(&mut self, groups: Vec<Group>, classes: &HashSet<NearFieldClass>) -> Vec<Group> {
+        let started = Instant::now();
+        self.near_fields.prepare(classes.iter().copied(), &self.ring_loads);
+        self.times.shared += started.elapsed();
+        let Some(device) = &mut self.device else { return groups };
+        match device.condense(&groups) {
+            Ok(works) => self.take(groups, works),
+            Err(error) => {
+                self.lost = Some(error);
+                groups
             }
         }
     }
@@ -184,44 +208,65 @@ impl<'a> BodyLibrary<'a> {
         self.near_fields.correct(body, key.class, &mut works);
         BodyCompliance::new(body, Boundary::RingModes(RingModes::of(&key.class), works))
     }
-
-    /// Bodies of one topology; a plan that is new is kept while there is `room` for it, in bytes.
-    fn solve_group(&self, (key, group): Group, room: &AtomicUsize) -> SolvedGroup {
-        let started = Instant::now();
-        let mut new = None;
-        let plan = match self.plans.get(&key) {
-            Some(known) => known,
-            None => {
-                let body = &group[0].body;
-                new.insert(CondensationPlan::new(body, key.grading(body), RingModes::of(&key.class)))
-            }
-        };
-        let plan_time = started.elapsed();
-        let condense = |batch: &[BodyRequest]| {
-            let started = Instant::now();
-            let bodies: Vec<Body> = batch.iter().map(|request| request.body.clone()).collect();
-            let works = plan.condense(&bodies).into_iter();
-            let solved = batch
-                .iter()
-                .zip(works)
-                .map(|(request, works)| (request.clone(), self.corrected(&key, &request.body, works)));
-            (solved.collect(), started.elapsed())
-        };
-        let batches = group.par_chunks(LANES).map(condense).collect();
-        let fits = |plan: &CondensationPlan| {
-            let take = |left: usize| left.checked_sub(plan.bytes());
-            room.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok()
-        };
-        SolvedGroup { plan: new.filter(fits), key, plan_time, batches }
-    }
 }
 
-struct SolvedGroup {
+/// Bodies of one topology; a plan that is new is kept while there is `room` for it, in bytes.
+fn condense_group(
+    plans: &HashMap<TopologyKey, CondensationPlan>,
+    ring_loads: &RingLoads,
+    (key, group): Group,
+    room: &AtomicUsize,
+) -> CondensedGroup {
+    let started = Instant::now();
+    let mut new = None;
+    let plan = match plans.get(&key) {
+        Some(known) => known,
+        None => {
+            let (body, modes) = (&group[0].body, RingModes::of(&key.class));
+            let loads = ring_loads.of(&LoadedRing::of(body.shape, &key.class));
+            new.insert(CondensationPlan::with_loads(body, key.grading(body), modes, &loads))
+        }
+    };
+    let plan_time = started.elapsed();
+    let condense = |batch: &[BodyRequest]| {
+        let started = Instant::now();
+        let bodies: Vec<Body> = batch.iter().map(|request| request.body.clone()).collect();
+        let works = batch.iter().cloned().zip(plan.condense(&bodies)).collect();
+        (works, started.elapsed())
+    };
+    let batches = group.par_chunks(LANES).map(condense).collect();
+    let fits = |plan: &CondensationPlan| {
+        let take = |left: usize| left.checked_sub(plan.bytes());
+        room.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok()
+    };
+    CondensedGroup { plan: new.filter(fits), key, plan_time, batches }
+}
+
+/// A body with its works, without its near field.
+type Condensed = (BodyRequest, Vec<f64>);
+
+struct CondensedGroup {
     key: TopologyKey,
     /// To be kept.
     plan: Option<CondensationPlan>,
     plan_time: Duration,
-    batches: Vec<(Vec<(BodyRequest, BodyCompliance)>, Duration)>,
+    batches: Vec<(Vec<Condensed>, Duration)>,
+}
+
+/// The near fields that bodies need.
+fn near_fields_of(groups: &[Group]) -> impl Iterator<Item = NearFieldClass> {
+    groups.iter().flat_map(|(key, group)| {
+        group.iter().flat_map(|request| NearFieldClass::around(&request.body, key.class).0)
+    })
+}
+
+/// The groups in lanes, each of which has its own elasticity: fewer, and fuller.
+fn of_either_idealization(groups: Vec<Group>) -> Vec<Group> {
+    let mut joined: HashMap<TopologyKey, Vec<BodyRequest>> = HashMap::default();
+    for (key, group) in groups {
+        joined.entry(key.of_either_idealization()).or_default().extend(group);
+    }
+    joined.into_iter().collect()
 }
 
 /// The requests by topology, in portions each of which ends where it needs more than `PORTION` near fields.

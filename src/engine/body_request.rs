@@ -67,7 +67,8 @@ pub fn mesh_size(body: &Body, level: usize) -> MeshSize {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct TopologyKey {
     shape: &'static str,
-    idealization: Idealization,
+    /// `None` where each body brings its own.
+    idealization: Option<Idealization>,
     held: Vec<bool>,
     pub class: GradingClass,
 }
@@ -90,7 +91,12 @@ impl TopologyKey {
         } else {
             held_columns(body, &class.grading(body.shape.end_angle))
         };
-        TopologyKey { shape: body.shape.name, idealization: body.idealization, held, class }
+        TopologyKey { shape: body.shape.name, idealization: Some(body.idealization), held, class }
+    }
+
+    /// The topology of bodies that are like these but for plane stress and plane strain.
+    pub fn of_either_idealization(self) -> TopologyKey {
+        TopologyKey { idealization: None, ..self }
     }
 
     /// The division of the ring of a body of this topology.

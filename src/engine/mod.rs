@@ -4,6 +4,7 @@ pub mod refusal;
 pub mod status;
 pub mod outcome;
 pub mod agreement;
+pub mod ring_loads;
 pub mod near_fields;
 pub mod accuracy;
 pub mod expected_contact;

@@ -4,8 +4,9 @@ use std::collections::{HashMap, HashSet};
 
 use rayon::prelude::*;
 
+use crate::engine::ring_loads::RingLoads;
 use crate::mechanics::body::Body;
-use crate::mechanics::compliance::near_field::{NearField, NearFieldClass};
+use crate::mechanics::compliance::near_field::{LoadedRing, NearField, NearFieldClass};
 use crate::mechanics::grading::GradingClass;
 
 /// Near fields beyond these many bytes are dropped before the next ones are made.
@@ -29,15 +30,23 @@ impl NearFieldLibrary {
         self.near_fields.values().map(NearField::bytes).sum()
     }
 
+    /// Whether it has one.
+    pub fn has(&self, class: &NearFieldClass) -> bool {
+        self.near_fields.contains_key(class)
+    }
+
     /// Makes near fields, as far as they are not there yet. Others may be gone then.
-    pub fn prepare(&mut self, classes: impl Iterator<Item = NearFieldClass>) {
+    pub fn prepare(&mut self, classes: impl Iterator<Item = NearFieldClass>, ring_loads: &RingLoads) {
         if self.bytes() > KEPT_BYTES {
             self.near_fields.clear();
         }
         let new: HashSet<NearFieldClass> =
             classes.filter(|class| !self.near_fields.contains_key(class)).collect();
-        let made: Vec<(NearFieldClass, NearField)> =
-            new.into_par_iter().map(|class| (class, NearField::new(&class))).collect();
+        let near_field = |class: NearFieldClass| {
+            let loads = ring_loads.of(&LoadedRing::of_near_field(&class));
+            (class, NearField::with_loads(&class, &loads))
+        };
+        let made: Vec<(NearFieldClass, NearField)> = new.into_par_iter().map(near_field).collect();
         self.near_fields.extend(made);
     }
 }

@@ -50,6 +50,13 @@ pub struct Grading {
     pub layers: Layers,
 }
 
+impl Grading {
+    /// Angles of all ring nodes from the load line, mid-side nodes included, rad, ascending from 0.
+    pub fn ring_angles(&self) -> Vec<f64> {
+        half_steps(&self.angles, if self.element == ElementKind::Quad8 { 1 } else { 2 })
+    }
+}
+
 impl RingTopology {
     /// What it takes, but for what is small beside it.
     pub fn bytes(&self) -> usize {
@@ -119,7 +126,7 @@ impl RingTopology {
         let ring_nodes: Vec<u32> = (0..=columns).step_by(step).map(|column| node(0, column)).collect();
         RingTopology {
             element: grading.element,
-            ring_angles: half_steps(&grading.angles, step),
+            ring_angles: grading.ring_angles(),
             layer_count: grading.layers.count,
             node_count: grid.len(),
             connectivity,

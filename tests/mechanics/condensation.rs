@@ -1,12 +1,16 @@
 //! The fast path against the general one: bodies side by side in vector lanes, eliminated down to the ring in a band,
 //! against assembly, sparse Cholesky and the whole compliance of the ring, body by body.
 
+use std::collections::HashSet;
+
 use crate::common::greatest::{difference, greatest};
 use crate::common::rings::{MeshedBody, body};
 use jointsweep::internals::mechanics::body::{Body, Side};
 use jointsweep::internals::mechanics::compliance::arc::{ContactArc, packed_count};
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
-use jointsweep::internals::mechanics::compliance::near_field::{NearField, NearFieldClass, PoissonRange};
+use jointsweep::internals::mechanics::compliance::near_field::{
+    LoadedRing, NearField, NearFieldClass, PoissonRange,
+};
 use jointsweep::internals::mechanics::compliance::pressure_space::{PressureSpace, Tilt};
 use jointsweep::internals::mechanics::compliance::ring_modes::{Push, RingModes};
 use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
@@ -44,12 +48,40 @@ fn the_lanes_give_what_the_general_path_gives() {
     }
 }
 
-/// The works on a body do not depend on what fills the other lanes, nor on how many bodies there are.
+/// Bodies of one class have the loads of its ring, however many layers they have.
+#[test]
+fn loads_of_a_ring_are_those_of_its_bodies() {
+    let bodies = [
+        body("annulus", &[2.8], Idealization::PlaneStress, 0.3),
+        body("annulus", &[30.0], Idealization::PlaneStress, 0.3),
+        body("rigid-core", &[0.3], Idealization::PlaneStrain, 0.4),
+        body("rigid-midplane", &[], Idealization::PlaneStrain, 0.4),
+        body("block", &[2.0, 3.0, 1.6], Idealization::PlaneStrain, 0.4),
+    ];
+    let mut rings = HashSet::new();
+    for body in &bodies {
+        let class = GradingClass::of(body, ElementKind::Quad8, 1);
+        let angles = class.grading(body.shape.end_angle).ring_angles();
+        let expected = RingModes::of(&class).loads(Push::of(body.shape.side), ElementKind::Quad8, &angles);
+        let ring = LoadedRing::of(body.shape, &class);
+        assert_eq!(ring.loads(), expected, "{}", body.shape.name);
+        rings.insert(ring);
+        // Half a ring is continued for its near field, and for that alone.
+        for near_field in NearFieldClass::around(body, class).0 {
+            assert_eq!(LoadedRing::of_near_field(&near_field) == ring, !near_field.half_ring);
+        }
+    }
+    assert_eq!(rings.len(), bodies.len() - 1);
+}
+
+/// The works on a body do not depend on what fills the other lanes, in plane stress or in plane strain, nor on how many bodies there are.
 #[test]
 fn company_does_not_matter() {
-    let bodies: Vec<Body> = (0..11)
-        .map(|i| body("annulus", &[2.8 + 0.02 * i as f64], Idealization::PlaneStress, 0.1 + 0.03 * i as f64))
-        .collect();
+    let one = |i: usize| {
+        let idealization = Idealization::ALL[i % 3 % 2];
+        body("annulus", &[2.8 + 0.02 * i as f64], idealization, 0.1 + 0.03 * i as f64)
+    };
+    let bodies: Vec<Body> = (0..11).map(one).collect();
     let class = GradingClass::of(&bodies[0], ElementKind::Quad8, 1);
     assert!(bodies.iter().all(|body| GradingClass::of(body, ElementKind::Quad8, 1) == class));
     let plan = plan(&bodies[0], &class);

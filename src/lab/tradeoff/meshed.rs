@@ -4,6 +4,7 @@
 use std::time::Instant;
 
 use crate::engine::near_fields::NearFieldLibrary;
+use crate::engine::ring_loads::RingLoads;
 use crate::engine::spaces::Spaces;
 use crate::lab::tradeoff::choice::Solution;
 use crate::lab::tradeoff::joints::{Joints, Terms};
@@ -52,8 +53,8 @@ impl MeshedPath {
             Division::Ladder { element: self.element, level: self.level }.grading(body)
         });
         let mut near_fields = NearFieldLibrary::default();
-        near_fields
-            .prepare(joints.bodies.iter().flat_map(|(body, ())| NearFieldClass::around(body, class(body)).0));
+        let classes = joints.bodies.iter().flat_map(|(body, ())| NearFieldClass::around(body, class(body)).0);
+        near_fields.prepare(classes, &RingLoads::default());
         let shared: Vec<Shared> = groups
             .iter()
             .map(|group| {

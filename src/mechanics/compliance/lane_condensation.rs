@@ -11,6 +11,7 @@ use crate::mechanics::element::MAX_NODES;
 use crate::mechanics::element::stiffness::{
     Elasticity, ElementRule, element_stiffness, stiffness_operations,
 };
+use crate::mechanics::material::Idealization;
 use crate::mechanics::mesh::{Grading, RingTopology, coordinates};
 use crate::mechanics::real::{LANES, Lanes, Real};
 use crate::mechanics::solve::band::{BandStructure, TILE, Tile};
@@ -49,6 +50,17 @@ const BLOCKS: [usize; 2] = [12, 8];
 impl CondensationPlan {
     /// For bodies like `body` (same shape family, supports and class), divided by `grading`.
     pub fn new(body: &Body, grading: Grading, modes: RingModes) -> CondensationPlan {
+        let loads = modes.loads(Push::of(body.shape.side), grading.element, &grading.ring_angles());
+        CondensationPlan::with_loads(body, grading, modes, &loads)
+    }
+
+    /// The same with the loads of the modes on the ring, for bodies of that side.
+    pub fn with_loads(
+        body: &Body,
+        grading: Grading,
+        modes: RingModes,
+        loads: &[Vec<f64>],
+    ) -> CondensationPlan {
         let topology = RingTopology::new(body, &grading);
         let structure = BandStructure::new(&topology);
         let in_order = |unknown_loads: Vec<(usize, Vec<f64>)>| {
@@ -60,8 +72,7 @@ impl CondensationPlan {
             }
             loads
         };
-        let of_pushes = modes.unknown_loads(Push::of(body.shape.side), &topology);
-        let loads = of_pushes.into_iter().map(in_order).collect();
+        let loads = modes.placed(loads, &topology).into_iter().map(in_order).collect();
         let rule = ElementRule::new(grading.element);
         CondensationPlan { grading, topology, structure, rule, modes, loads }
     }
@@ -154,7 +165,7 @@ impl Condense<'_> {
             }
             poissons_ratio.0[lane] = body(lane).poissons_ratio;
         }
-        let elasticity = Elasticity::new(self.bodies[0].idealization, poissons_ratio);
+        let elasticity = self.elasticity(poissons_ratio);
         let count = topology.element.node_count();
         let mut smallest_jacobian = Lanes::from_f64(f64::INFINITY);
         for (element, connectivity) in topology.connectivity.chunks_exact(count).enumerate() {
@@ -167,6 +178,20 @@ impl Condense<'_> {
             structure.add(tiles, element, &stiffness);
         }
         smallest_jacobian
+    }
+
+    /// Of every body in its lane: bodies in plane stress and in plane strain share a topology.
+    #[inline(always)]
+    fn elasticity<const FUSED: bool>(&self, poissons_ratio: Lanes<FUSED>) -> Elasticity<Lanes<FUSED>> {
+        let mut elasticity = Elasticity::new(Idealization::PlaneStress, poissons_ratio);
+        let plane_strain = Elasticity::new(Idealization::PlaneStrain, poissons_ratio);
+        for lane in 0..LANES {
+            if self.bodies[lane.min(self.bodies.len() - 1)].idealization == Idealization::PlaneStrain {
+                elasticity.direct.0[lane] = plane_strain.direct.0[lane];
+                elasticity.cross.0[lane] = plane_strain.cross.0[lane];
+            }
+        }
+        elasticity
     }
 
     /// Products of L^-1 f, in blocks of so many modes.

@@ -17,10 +17,10 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::lane_condensation::CondensationPlan;
-use super::ring_modes::RingModes;
+use super::ring_modes::{Push, RingModes};
 use super::series::ConcentricBody;
 use crate::mechanics::body::lining::Lining;
-use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
+use crate::mechanics::body::{Body, MAX_PARAMETERS, Shape, Side, annulus, cored_disc};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::material::{Compressibility, Idealization};
 use crate::mechanics::mesh::Grading;
@@ -189,6 +189,11 @@ pub struct NearField {
 
 impl NearField {
     pub fn new(class: &NearFieldClass) -> NearField {
+        NearField::with_loads(class, &LoadedRing::of_near_field(class).loads())
+    }
+
+    /// The same with the loads of the modes on the class's ring.
+    pub fn with_loads(class: &NearFieldClass, loads: &[Vec<f64>]) -> NearField {
         let NearFieldClass { side, half_ring, idealization, range, .. } = *class;
         let modes = RingModes::of(&class.grading);
         let reference = class.reference();
@@ -202,8 +207,8 @@ impl NearField {
             idealization,
             lining: Lining::BARE,
         });
-        let end_angle = if half_ring { FRAC_PI_2 } else { PI };
-        let plan = CondensationPlan::new(&bodies[0], whole_ring(&class.layers(), end_angle), modes);
+        let grading = whole_ring(&class.layers(), end_angle(half_ring));
+        let plan = CondensationPlan::with_loads(&bodies[0], grading, modes, loads);
         let condensed = plan.condense(&bodies);
         let exact = bodies.map(|body| {
             ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference.clone() }.boundary_modes()
@@ -242,6 +247,48 @@ impl NearField {
     pub fn bytes(&self) -> usize {
         self.works.iter().map(|works| size_of_val(&works[..])).sum()
     }
+}
+
+/// A ring as loads know it: bodies have the same ring, whatever their layers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LoadedRing {
+    side: Side,
+    half_ring: bool,
+    /// Without what tells layers.
+    grading: GradingClass,
+    /// Whether half a ring is continued by its mirror image, as near fields have it.
+    is_whole: bool,
+}
+
+impl LoadedRing {
+    /// Of bodies of a shape on meshes of a class.
+    pub fn of(shape: &Shape, class: &GradingClass) -> LoadedRing {
+        let grading = GradingClass { layer_count: 0, shrinking: 0, ..*class };
+        LoadedRing { side: shape.side, half_ring: shape.end_angle < PI, grading, is_whole: false }
+    }
+
+    /// Of the references of a class of near fields.
+    pub fn of_near_field(class: &NearFieldClass) -> LoadedRing {
+        let grading = GradingClass { layer_count: 0, shrinking: 0, ..class.grading };
+        let NearFieldClass { side, half_ring, .. } = *class;
+        LoadedRing { side, half_ring, grading, is_whole: half_ring }
+    }
+
+    /// As `RingModes::loads` has them, of its class's modes.
+    pub fn loads(&self) -> Vec<Vec<f64>> {
+        let end_angle = end_angle(self.half_ring);
+        let grading = if self.is_whole {
+            whole_ring(&self.grading, end_angle)
+        } else {
+            self.grading.grading(end_angle)
+        };
+        let modes = RingModes::of(&self.grading);
+        modes.loads(Push::of(self.side), grading.element, &grading.ring_angles())
+    }
+}
+
+fn end_angle(half_ring: bool) -> f64 {
+    if half_ring { FRAC_PI_2 } else { PI }
 }
 
 /// The class's division of a ring that ends at `end_angle`, continued by its mirror image where that is pi/2.

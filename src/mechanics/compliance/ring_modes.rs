@@ -170,14 +170,19 @@ impl RingModes {
 
     /// The loads on the ring's unknowns as they push, of those that move: unknown, from the ring's first on, and `[m]`.
     pub fn unknown_loads(&self, pushes: &[Push], topology: &RingTopology) -> Vec<Vec<(usize, Vec<f64>)>> {
-        let placed = |loads: Vec<f64>| {
+        self.placed(&self.loads(pushes, topology.element, &topology.ring_angles), topology)
+    }
+
+    /// The same from the `loads` of the ring.
+    pub fn placed(&self, loads: &[Vec<f64>], topology: &RingTopology) -> Vec<Vec<(usize, Vec<f64>)>> {
+        let placed = |loads: &Vec<f64>| {
             let placed = loads.chunks_exact(self.count).enumerate().filter_map(|(place, load)| {
                 let unknown = topology.unknowns[2 * topology.ring_nodes[place / 2] as usize + place % 2];
                 (unknown != SUPPORTED).then(|| (unknown as usize - topology.ring_start, load.to_vec()))
             });
             placed.collect()
         };
-        self.loads(pushes, topology.element, &topology.ring_angles).into_iter().map(placed).collect()
+        loads.iter().map(placed).collect()
     }
 
     /// The works of the modes as they push, packed, on a ring whose whole compliance is known.
