@@ -161,6 +161,9 @@ struct Seen {
 /// Above what was seen: room for other roundings, not for a worse fit.
 const MARGIN: f64 = 1.3;
 
+/// More than this an estimate is not over the error, in the mean.
+const MOST_EXCESS: f64 = 10.0;
+
 fn check(what: &str, found: &[DesignOutcome], exact: &[DesignOutcome], seen: &Seen) {
     let Compared { steps, unanswered, force, estimate, stiffness } = compare(found, exact);
     let share = force.len() as f64 / steps as f64;
@@ -188,8 +191,8 @@ fn check(what: &str, found: &[DesignOutcome], exact: &[DesignOutcome], seen: &Se
     );
     assert!(worst_force <= MARGIN * seen.force, "{what}: {worst_force:e}");
     assert!(worst_stiffness <= MARGIN * seen.stiffness, "{what}: {worst_stiffness:e}");
-    assert!(excess <= MARGIN * seen.excess, "{what}: {excess}");
-    // Seen: 0.9988 at the least.
+    assert!(excess <= MARGIN * seen.excess && excess < MOST_EXCESS, "{what}: {excess}");
+    // Seen: 0.9963 at the least.
     assert!(bounded >= 0.98, "{what}: {bounded}");
 }
 
@@ -199,12 +202,12 @@ fn concentric_joints_meet_the_accuracy_against_series() {
     let series = SolveOptions { accuracy: 1e-2, method: MethodChoice::Series };
     let exact = Ladder::new(series).solve(&cases);
     for (method, accuracy, share, force, stiffness, excess) in [
-        (MethodChoice::Fe, 1e-2, 0.99, 1.4e-3, 1.5e-3, 5.8),
-        (MethodChoice::Auto, 1e-2, 0.99, 1.5e-3, 1.6e-3, 11.5),
-        (MethodChoice::Fe, 3e-3, 0.99, 1.5e-3, 1.4e-3, 6.2),
-        (MethodChoice::Auto, 3e-3, 0.99, 1.5e-3, 1.5e-3, 7.9),
-        (MethodChoice::Fe, 1e-3, 0.99, 5.1e-4, 5.2e-4, 6.3),
-        (MethodChoice::Auto, 1e-3, 0.9, 6.5e-4, 7.5e-4, 9.4),
+        (MethodChoice::Fe, 1e-2, 0.99, 1.4e-3, 1.5e-3, 5.6),
+        (MethodChoice::Auto, 1e-2, 0.99, 1.5e-3, 1.6e-3, 9.8),
+        (MethodChoice::Fe, 3e-3, 0.99, 1.5e-3, 1.4e-3, 5.0),
+        (MethodChoice::Auto, 3e-3, 0.99, 1.5e-3, 1.5e-3, 6.5),
+        (MethodChoice::Fe, 1e-3, 0.99, 5.1e-4, 5.2e-4, 4.8),
+        (MethodChoice::Auto, 1e-3, 0.9, 6.5e-4, 7.5e-4, 7.0),
     ] {
         let options = SolveOptions { accuracy, method };
         let found = interpolating(options, &cases).solve(&cases);
@@ -224,7 +227,7 @@ fn other_shapes_meet_the_accuracy_against_finer_meshes() {
         unanswered: 0,
         force: 3.0e-3,
         stiffness: 3.0e-3,
-        excess: 9.8,
+        excess: 8.2,
     };
     let of_half_discs = Seen {
         accuracy,
@@ -233,7 +236,7 @@ fn other_shapes_meet_the_accuracy_against_finer_meshes() {
         unanswered: 4,
         force: 4.1e-3,
         stiffness: 4.2e-3,
-        excess: 9.95,
+        excess: 9.2,
     };
     let shapes: [(&str, Shapes, Seen); 2] = [
         ("disc in block", disc_in_block, of_blocks),

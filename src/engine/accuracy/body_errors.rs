@@ -29,8 +29,8 @@ pub enum ErrorSource<'a> {
     Mesh(usize),
     /// Its mesh, with what the next coarser one would make of the body, and 1/E.
     MeshBeside { fine: &'a BodyCompliance, coarse: &'a BodyCompliance, share: f64 },
-    /// It lies between others.
-    Fit(&'a FitBound),
+    /// It lies between others, inside of their box or near an end of it.
+    Fit { bound: &'a FitBound, is_inside: bool },
 }
 
 /// The errors of a joint's bodies along its curve.
@@ -69,7 +69,7 @@ impl<'a> BodyErrors<'a> {
             ErrorSource::Mesh(level) => {
                 OwnError::Mesh(known_errors(body, *level).copied().unwrap_or([f64::INFINITY; _]))
             }
-            ErrorSource::Fit(bound) => OwnError::Fit(bound.of(body)),
+            ErrorSource::Fit { bound, is_inside } => OwnError::Fit(bound.of(body, *is_inside)),
         });
         // Where nobody asks for shares there are none.
         let mut of_pin = Vec::new();

@@ -9,9 +9,12 @@ use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::edge::EdgeStates;
 use crate::mechanics::contact::outlines::Outlines;
 
-/// Share of the bodies held out whose error is below the bound: each counts by its share in a joint, so more of the joints are
-/// (`tests/engine/interpolation.rs`).
+/// A fit is chosen by what this share of all bodies held out does not exceed.
 const BOUNDED: f64 = 0.97;
+
+/// The bound of a body is what this share of those held out does not exceed that err alike, inside of the box or near an end of it. With
+/// `SAFETY`, and because each body counts by its share in a joint, more of the joints are below (`tests/engine/interpolation.rs`).
+const BOUNDED_ALIKE: f64 = 0.9;
 
 /// The fit's own error is raised by this: bodies held out are not the worst.
 const SAFETY: f64 = 1.5;
@@ -23,23 +26,34 @@ const THIN_END: f64 = 0.2;
 /// Arcs beyond which contact with free edges hardly goes, rad: what a fit does there decides nothing.
 const WIDEST: f64 = 1.8;
 
+/// So near to an end of a coordinate's range, over its width, polynomials are at their worst: bodies held out near ends lie nearer.
+pub const NEAR_END: f64 = 0.05;
+
+/// Fewer bodies than this say nothing of the worst of them.
+const LEAST_ALIKE: usize = 20;
+
+/// Kinds of bodies that have bounds of their own: those inside, others, and thin walls.
+const KINDS: usize = 3;
+
 /// Bound of the relative error of the force that a fit leaves.
 pub struct FitBound {
     /// Contact half angles, descending, rad.
     angles: Vec<f64>,
-    /// At each of them: for walls that are not thin and for those that are. With what the meshes leave, where these are not of a
-    /// `known_level`.
-    bounds: Vec<[f64; 2]>,
+    /// The greater of the bounds around, squared: wider than the first angle, between it and the next one, and so on. With what the
+    /// meshes leave, where these are not of a `known_level`.
+    around: Vec<[f64; KINDS]>,
+    /// At each angle, of all bodies.
+    of_most: Vec<f64>,
     /// Of the meshes the fit was made on, what is known of each body.
     known_level: Option<usize>,
 }
 
 impl FitBound {
-    /// From the relative change that the fit makes of the work of each of the `bodies` held out, `[body][arc]`, and the error of its
-    /// mesh there, where it is not of a `known_level`.
+    /// From the relative change that the fit makes of the work of each of the bodies held out, `[body][arc]`, and the error of its
+    /// mesh there, where it is not of a `known_level`; of each body whether it is inside of the fit's box, not near an end.
     pub fn new(
         space: &CurveSpace,
-        bodies: &[Body],
+        bodies: &[(Body, bool)],
         of_fit: &[Vec<f64>],
         of_mesh: &[Vec<f64>],
         known_level: Option<usize>,
@@ -49,38 +63,53 @@ impl FitBound {
             of_fit.iter().zip(of_mesh).map(|(fit, mesh)| ROUNDED + SAFETY * fit + own(mesh)).collect()
         };
         let errors: Vec<Vec<f64>> = of_fit.iter().zip(of_mesh).map(sum).collect();
-        let thin = bodies.iter().zip(&errors).filter(|(body, _)| is_thin(body)).map(|(_, errors)| errors);
-        let of_most = quantile(&errors);
+        let of_some = |is_asked: &dyn Fn(&Body, bool) -> bool| -> Vec<&Vec<f64>> {
+            let of_bodies =
+                bodies.iter().zip(&errors).filter(|((body, is_inside), _)| is_asked(body, *is_inside));
+            of_bodies.map(|(_, errors)| errors).collect()
+        };
+        let of_most = quantile(&errors.iter().collect::<Vec<_>>(), BOUNDED);
+        let of_alike = |are_inside: bool| {
+            let alike = of_some(&|body, is_inside| is_inside == are_inside && !is_thin(body));
+            if alike.len() < LEAST_ALIKE { of_most.clone() } else { quantile(&alike, BOUNDED_ALIKE) }
+        };
         let mut of_thin = of_most.clone();
-        for errors in thin {
+        for errors in of_some(&|body, _| is_thin(body)) {
             of_thin.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(*error));
         }
-        let bounds = of_most.into_iter().zip(of_thin).map(|(of_most, of_thin)| [of_most, of_thin]);
-        let angles = space.arcs().iter().map(|arc| arc.half_angle);
-        FitBound { angles: angles.collect(), bounds: bounds.collect(), known_level }
+        let kinds = [of_alike(true), of_alike(false), of_thin];
+        let around = (0..=of_most.len()).map(|below| {
+            let arcs = below.saturating_sub(1)..(below + 1).min(of_most.len());
+            kinds.each_ref().map(|of_kind| {
+                of_kind[arcs.clone()].iter().fold(0.0, |worst: f64, own| worst.max(*own)).powi(2)
+            })
+        });
+        let angles = space.arcs().iter().map(|arc| arc.half_angle).collect();
+        FitBound { angles, around: around.collect(), of_most, known_level }
     }
 
-    /// Of a body.
-    pub fn of(&self, body: &Body) -> BodyBound<'_> {
+    /// Of a body, inside of the box or near an end of it.
+    pub fn of(&self, body: &Body, is_inside: bool) -> BodyBound<'_> {
         let known = |level| known_errors(body, level).copied().unwrap_or([f64::INFINITY; _]);
-        BodyBound {
-            of_fit: self,
-            place: usize::from(is_thin(body)),
-            of_mesh: self.known_level.map_or([0.0; _], known),
-        }
+        let kind = match is_inside {
+            _ if is_thin(body) => 2,
+            false => 1,
+            true => 0,
+        };
+        BodyBound { of_fit: self, kind, of_mesh: self.known_level.map_or([0.0; _], known) }
     }
 
-    /// At the arcs that contact comes to, of walls that are not thin, without what is known of the meshes.
+    /// At the arcs that contact comes to, of all bodies, without what is known of the meshes.
     pub fn near(&self) -> impl Iterator<Item = f64> {
-        let near = self.angles.iter().zip(&self.bounds).filter(|(half_angle, _)| **half_angle < WIDEST);
-        near.map(|(_, [of_most, _])| *of_most)
+        let near = self.angles.iter().zip(&self.of_most).filter(|(half_angle, _)| **half_angle < WIDEST);
+        near.map(|(_, of_most)| *of_most)
     }
 }
 
 /// The same of one body.
 pub struct BodyBound<'a> {
     of_fit: &'a FitBound,
-    place: usize,
+    kind: usize,
     /// Of the meshes the fit was made on.
     of_mesh: Known,
 }
@@ -89,13 +118,11 @@ impl BodyBound<'_> {
     /// At a contact half angle, rad: of the fit the greater of the bounds around it. What meshes leave of the samples and what the
     /// fit leaves between them have nothing to do with each other.
     pub fn at(&self, half_angle: f64) -> f64 {
-        let FitBound { angles, bounds, .. } = self.of_fit;
+        let FitBound { angles, around, .. } = self.of_fit;
         // Few as they are, to count is quicker than to search.
         let below = angles.iter().filter(|angle| **angle > half_angle).count();
-        let around = &bounds[below.saturating_sub(1)..(below + 1).min(bounds.len())];
-        let of_fit = around.iter().fold(0.0, |worst: f64, bounds| worst.max(bounds[self.place]));
         let of_mesh = self.of_mesh[column(half_angle)];
-        (of_fit * of_fit + of_mesh * of_mesh).sqrt()
+        (around[below][self.kind] + of_mesh * of_mesh).sqrt()
     }
 }
 
@@ -105,17 +132,21 @@ fn is_thin(body: &Body) -> bool {
 
 /// What few of the bodies exceed at the worst of the arcs that contact comes to; `[body][arc]`.
 pub fn worst_near(space: &CurveSpace, errors: &[Vec<f64>]) -> f64 {
-    let near = space.arcs().iter().zip(quantile(errors)).filter(|(arc, _)| arc.half_angle < WIDEST);
+    let near = space
+        .arcs()
+        .iter()
+        .zip(quantile(&errors.iter().collect::<Vec<_>>(), BOUNDED))
+        .filter(|(arc, _)| arc.half_angle < WIDEST);
     near.fold(0.0, |worst, (_, bound)| worst.max(bound))
 }
 
-/// At each arc what few of the bodies exceed.
-fn quantile(errors: &[Vec<f64>]) -> Vec<f64> {
-    let count = errors.first().map_or(0, Vec::len);
+/// At each arc what a share of the bodies does not exceed.
+fn quantile(errors: &[&Vec<f64>], share: f64) -> Vec<f64> {
+    let count = errors.first().map_or(0, |of_body| of_body.len());
     let of_arc = |arc: usize| {
         let mut of_arc: Vec<f64> = errors.iter().map(|of_body| of_body[arc]).collect();
         of_arc.sort_by(f64::total_cmp);
-        let place = (BOUNDED * of_arc.len() as f64) as usize;
+        let place = (share * of_arc.len() as f64) as usize;
         of_arc.get(place.min(of_arc.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY)
     };
     (0..count).map(of_arc).collect()

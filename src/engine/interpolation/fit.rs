@@ -2,7 +2,8 @@
 
 use foldhash::HashMap;
 
-use crate::engine::accuracy::fit_bound::FitBound;
+use crate::engine::accuracy::body_errors::ErrorSource;
+use crate::engine::accuracy::fit_bound::{FitBound, NEAR_END};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::basis::Basis;
 use crate::engine::interpolation::family::{Family, body_at, coordinate_count, coordinates};
@@ -158,6 +159,12 @@ impl FittedFamily {
             }
             self.in_spaces.insert(key, Rows::new(&rows));
         }
+    }
+
+    /// What tells the error of a body.
+    pub fn error_source(&self, body: &Body) -> ErrorSource<'_> {
+        let point = &coordinates(body)[..coordinate_count(body.shape)];
+        ErrorSource::Fit { bound: &self.bound, is_inside: self.fit.polynomials.is_inside(point, NEAR_END) }
     }
 
     /// The part of a joint's compliance of a body with 1/E, kept in `scratch`; `None` where it is outside of the box, and of spaces that

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::engine::accuracy::fit_bound::{FitBound, changes, worst_near};
+use crate::engine::accuracy::fit_bound::{FitBound, NEAR_END, changes, worst_near};
 use crate::engine::accuracy::known_errors::known_error;
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::bodies::BodyLibrary;
@@ -104,9 +104,11 @@ impl HeldOut {
                 changes(space, expected, &found)
             })
             .collect();
+        let bodies = self.bodies.iter().zip(&self.points);
+        let bodies = bodies.map(|(body, point)| (body.clone(), fit.polynomials.is_inside(point, NEAR_END)));
         FitBound::new(
             space,
-            &self.bodies,
+            &bodies.collect::<Vec<_>>(),
             &of_fit,
             &self.of_mesh,
             (self.known && !self.exact).then_some(level),

@@ -6,7 +6,7 @@ use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
-use crate::engine::accuracy::body_errors::{ErrorSource, JudgedBody};
+use crate::engine::accuracy::body_errors::JudgedBody;
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::expected_contact::ExpectedContact;
 use crate::engine::interpolation::family::FamilyKey;
@@ -108,7 +108,7 @@ impl Interpolation {
                 let (body, part) = bodies[side];
                 let share = 1.0 / part.contact_material().youngs_modulus;
                 let part = fits[side].part((body, share), &outlines, (key, spaces), scratch)?;
-                Some(JudgedBody { body, source: ErrorSource::Fit(&fits[side].bound), part })
+                Some(JudgedBody { body, source: fits[side].error_source(body), part })
             };
             let [of_pin, of_plate] = scratch.each_mut();
             let judged = [judged(0, of_pin)?, judged(1, of_plate)?];

@@ -57,6 +57,14 @@ impl Polynomials {
         self.ranges.iter().zip(point).all(|((low, high), value)| low <= value && value <= high)
     }
 
+    /// Whether a point of the box is farther than this share of its width from each end.
+    pub fn is_inside(&self, point: &[f64], share: f64) -> bool {
+        let is_far = |((low, high), value): (&(f64, f64), &f64)| {
+            low == high || (value - low).min(high - value) > share * (high - low)
+        };
+        self.ranges.iter().zip(point).all(is_far)
+    }
+
     /// The products at a point; `work` is overwritten.
     pub fn values(&self, point: &[f64], work: &mut Vec<f64>, values: &mut Vec<f64>) {
         let row = self.highest + 1;
