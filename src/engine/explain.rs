@@ -213,7 +213,7 @@ fn describe(request: &BodyRequest, terms: usize) -> String {
     let name = request.body.shape.name;
     match request.fidelity {
         Fidelity::Series => {
-            let layers = match request.body.lining.interfaces().len() {
+            let layers = match request.body.lining.list().len() {
                 0 => String::new(),
                 1 => " through 1 layer".into(),
                 count => format!(" through {count} layers"),

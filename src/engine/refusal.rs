@@ -45,7 +45,7 @@ impl Refusal {
                 wall if !joint.has_room_for_layers(part) => {
                     Some(Refusal::ThickLayers { part: name, layers: part.layers.thickness(), wall })
                 }
-                _ if joint.body(part).depth_range().0 < THINNEST_RING => {
+                _ if (part.shape.depth_range)(&part.parameters).0 < THINNEST_RING => {
                     Some(Refusal::ThinLinedWall { part: name })
                 }
                 _ => None,
@@ -56,7 +56,7 @@ impl Refusal {
     /// Of a body that is to be meshed.
     pub fn of_mesh(body: &Body) -> Option<Refusal> {
         let shape = body.shape;
-        if !body.lining.is_bare() {
+        if !body.lining.is_empty() {
             return Some(Refusal::LayersOnMesh { part: side_name(shape.side), has_modes: shape.concentric });
         }
         let (least, greatest) = body.depth_range();

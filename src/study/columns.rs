@@ -55,17 +55,18 @@ impl LayerQuantity {
 
 /// How many layers columns of these names are for.
 pub fn layers_in<'a>(names: impl Iterator<Item = &'a str>) -> LayerCounts {
-    let mut counts = LayerCounts::NONE;
-    // Few columns are of layers.
-    for name in names.filter(|name| name.contains("_layer")) {
-        match joint_columns(LayerCounts::MOST).into_iter().find(|column| column.name() == name) {
-            Some(Column::Layer(Side::Pin, layer, _)) => counts.pin = counts.pin.max(layer + 1),
-            Some(Column::Layer(Side::Plate, layer, _)) => counts.plate = counts.plate.max(layer + 1),
-            _ => {}
-        }
-    }
-    counts
+    let of_name = |name: &str, side: Side| {
+        let number = name.strip_prefix(side_name(side))?.strip_prefix(LAYER)?.split_once('_')?.0;
+        number.parse().ok()
+    };
+    names.fold(LayerCounts::NONE, |counts, name| {
+        let [pin, plate] = [Side::Pin, Side::Plate].map(|side| of_name(name, side).unwrap_or(0));
+        counts.and(LayerCounts { pin, plate })
+    })
 }
+
+/// Between the side and the number of a layer in names of columns.
+const LAYER: &str = "_layer";
 
 /// The columns of the two loads; a row of a list of designs fills one of them.
 pub const INDENTATION: &str = "indentation_mm";
@@ -255,7 +256,7 @@ impl Column {
             Column::YoungsModulus(side) => format!("{}_youngs_modulus_mpa", side_name(side)),
             Column::PoissonsRatio(side) => format!("{}_poissons_ratio", side_name(side)),
             Column::Layer(side, layer, quantity) => {
-                format!("{}_layer{}_{}", side_name(side), layer + 1, quantity.name())
+                format!("{}{LAYER}{}_{}", side_name(side), layer + 1, quantity.name())
             }
         }
     }

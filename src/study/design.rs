@@ -268,7 +268,7 @@ impl JointDesign {
     fn lining(&self, part: &Part) -> Lining {
         const FINENESS: f64 = (1_u64 << 44) as f64;
         let layers = part.layers.list();
-        let Some(first) = layers.first() else { return Lining::BARE };
+        let Some(first) = layers.first() else { return Lining::NONE };
         let outward = if part.shape.side == Side::Plate { 1.0 } else { -1.0 };
         let beyond = layers[1..].iter().map(|layer| layer.material).chain([part.material]);
         let mut depth = 0.0;

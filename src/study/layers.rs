@@ -1,10 +1,9 @@
 //! Bonded layers of a part, as they are made: bushes, liners, coatings, sleeves.
 
-use std::sync::Arc;
-
 use serde::{Deserialize, Serialize};
 
 use crate::mechanics::body::Side;
+use crate::mechanics::body::lining::Stack;
 use crate::mechanics::material::Material;
 
 /// The most layers of a part.
@@ -18,25 +17,9 @@ pub struct Layer {
 }
 
 /// The layers of a part from the contact into it, perfectly bonded; what is left of the part is of the part's own material.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Layers(Option<Arc<[Layer]>>);
+pub type Layers = Stack<Layer>;
 
 impl Layers {
-    pub const NONE: Layers = Layers(None);
-
-    /// The first one touches.
-    pub fn new(layers: Vec<Layer>) -> Layers {
-        Layers((!layers.is_empty()).then(|| layers.into()))
-    }
-
-    pub fn list(&self) -> &[Layer] {
-        self.0.as_deref().unwrap_or_default()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.0.is_none()
-    }
-
     /// Of all layers together, mm.
     pub fn thickness(&self) -> f64 {
         self.list().iter().map(|layer| layer.thickness).sum()

@@ -52,7 +52,7 @@ fn integrated(body: &ConcentricBody, n: usize) -> [f64; 2] {
         Idealization::PlaneStress => (modulus, ratio),
         Idealization::PlaneStrain => (modulus / (1.0 - ratio * ratio), ratio / (1.0 - ratio)),
     };
-    let interfaces = body.lining.interfaces();
+    let interfaces = body.lining.list();
     let mut radii = vec![1.0];
     radii.extend(interfaces.iter().map(|interface| interface.radius_ratio));
     radii.push(body.fixed_radius_ratio);
@@ -146,9 +146,9 @@ fn layers_of_one_material_are_no_layers() {
             poissons_ratio: lined.poissons_ratio,
             radius_ratio: one.radius_ratio,
         };
-        let cut = Lining::new(lined.lining.interfaces().iter().map(interface).collect());
+        let cut = Lining::new(lined.lining.list().iter().map(interface).collect());
         let cut = ConcentricBody { lining: cut, ..lined };
-        let bare = ConcentricBody { lining: Lining::BARE, ..cut.clone() };
+        let bare = ConcentricBody { lining: Lining::NONE, ..cut.clone() };
         let (cut_modes, bare_modes) = (cut.boundary_modes(), bare.boundary_modes());
         for (of_cut, of_bare) in cut_modes.iter().zip(&bare_modes) {
             for (n, (of_cut, of_bare)) in of_cut.iter().zip(of_bare).enumerate() {

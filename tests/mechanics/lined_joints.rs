@@ -19,13 +19,13 @@ struct Lined {
     state: TrueState,
 }
 
-/// A ring with one to three layers, the first of them from `thinnest` to 0.2 thick.
-fn ring(random: &mut Random, outward: bool, thinnest: f64, idealization: Idealization) -> Ring {
+/// A ring with one to three layers of 0.03 or 0.05 to 0.2, the thinner ones at the contact.
+fn ring(random: &mut Random, outward: bool, idealization: Idealization) -> Ring {
     let mut radius_ratio = 1.0;
     let count = 1 + (random.unit() * 3.0) as usize;
     let beyond: Vec<Beyond> = (0..count)
         .map(|layer| {
-            let thickness = random.log(if layer == 0 { thinnest } else { 0.05 }, 0.2);
+            let thickness = random.log(if layer == 0 { 0.03 } else { 0.05 }, 0.2);
             radius_ratio *= if outward { 1.0 + thickness } else { 1.0 - thickness };
             Beyond {
                 radius_ratio,
@@ -48,11 +48,11 @@ fn ring(random: &mut Random, outward: bool, thinnest: f64, idealization: Idealiz
     }
 }
 
-/// A joint of lined parts, the contact at least so many times as wide as the thinnest layer is thick.
+/// A joint of lined parts; `None` where its indentation is not within 0.05 to 3 clearances.
 fn draw(random: &mut Random, clearance: f64) -> Option<Lined> {
     let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
-    let pin = ring(random, false, 0.03, idealization);
-    let plate = ring(random, true, 0.03, idealization);
+    let pin = ring(random, false, idealization);
+    let plate = ring(random, true, idealization);
     let half_angle = random.linear(8.0, 80.0).to_radians();
     let state = true_state([pin, plate], clearance, half_angle);
     let share = state.indentation / clearance;

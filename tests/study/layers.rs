@@ -1,9 +1,9 @@
 //! Layers of parts: how they are read, swept, listed and refused.
 
-use jointsweep::internals::study::columns::{Cell, FORCE, joint_columns};
+use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::setting::Setting;
 
-use crate::{BASE, Folder, RADIUS, all, row, with};
+use crate::{BASE, Folder, RADIUS, all, row, with, written};
 
 /// A bush of two thicknesses over another layer.
 const LAYERS: &str = r#"
@@ -38,7 +38,7 @@ fn layers_sweep_like_everything_else() {
     assert_eq!(study.factors(), ["hole_radius", "plate.layers.1.thickness", "plate.layers.2.youngs_modulus"]);
     // A body has no size: that of the same ratios in a hole twice as large is the same.
     let [small, large] = [&designs[0].joint, &designs[9].joint].map(|joint| joint.body(&joint.plate));
-    assert_eq!(large.lining.interfaces().len(), 2);
+    assert_eq!(large.lining.list().len(), 2);
     assert_eq!(small.key(), large.key());
     let constants: Vec<String> = study.constants().iter().map(|(column, _)| column.name()).collect();
     let is_constant = |name: &str| constants.iter().any(|own| own == name);
@@ -46,29 +46,17 @@ fn layers_sweep_like_everything_else() {
     assert!(!is_constant("plate_layer2_thickness_mm") && !is_constant("plate_layer1_thickness_mm"));
     assert!(is_constant("plate_layer2_poissons_ratio") && is_constant("plate_layer1_youngs_modulus_mpa"));
 
-    let mut source = folder.write("config.toml", lined(LAYERS));
+    let config = folder.write("config.toml", lined(LAYERS));
     let setting = Setting::parse("joint.plate.layers.1.thickness=4 mm", "--set").unwrap();
-    let study = jointsweep::internals::study::config::Study::load_with(&source, &[setting]).unwrap();
+    let study = Study::load_with(&config, &[setting]).unwrap();
     assert_eq!(all(&study).len(), 3);
-    source.clear();
 }
 
 #[test]
 fn a_list_of_lined_designs_reads_back_what_was_written() {
     let folder = Folder::new("layers-list");
     let original = all(&folder.study(&lined(LAYERS)));
-    let columns = joint_columns(original[0].joint.layer_counts());
-    let mut text: Vec<String> = columns.iter().map(|column| column.name()).collect();
-    text.push(FORCE.to_string());
-    let mut text = text.join(",");
-    for case in &original {
-        let cells = row(case).into_iter().map(|cell| match cell {
-            Cell::Number(number) => number.to_string(),
-            Cell::Word(word) => word.to_string(),
-            Cell::Empty => String::new(),
-        });
-        text += &format!("\n{},100", cells.collect::<Vec<_>>().join(","));
-    }
+    let text = written(&original, ",", "100");
     folder.write("designs.csv", &text);
     let study = folder.study("[designs]\nfile = \"designs.csv\"\n");
     let read = all(&study);

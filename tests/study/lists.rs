@@ -2,10 +2,7 @@
 
 use std::fs;
 
-use jointsweep::internals::study::columns::{self, Cell, joint_columns};
-use jointsweep::internals::study::layers::LayerCounts;
-
-use crate::{Folder, STEPS, all, row, with};
+use crate::{Folder, STEPS, all, row, with, written};
 
 /// A sweep written out with the shared columns and read back is the same sweep.
 #[test]
@@ -17,17 +14,7 @@ fn a_list_of_designs_reads_back_what_was_written() {
     let original = all(&folder.study(&with(plate, block).replace(STEPS, r#"force = "1 lbf""#)));
     assert_eq!(original.len(), 4);
 
-    let mut text: Vec<String> = joint_columns(LayerCounts::NONE).iter().map(|column| column.name()).collect();
-    text.push(columns::FORCE.to_string());
-    let mut text = text.join(",");
-    for case in &original {
-        let cells = row(case).into_iter().map(|cell| match cell {
-            Cell::Number(number) => number.to_string(),
-            Cell::Word(word) => word.to_string(),
-            Cell::Empty => String::new(),
-        });
-        text += &format!("\n{},4.4482216152605", cells.collect::<Vec<_>>().join(" , "));
-    }
+    let text = written(&original, " , ", "4.4482216152605");
     // A byte-order mark and blank lines are what spreadsheets leave behind.
     folder.write("designs.csv", format!("\u{feff}{text}\n\n"));
     let read = all(&folder.study("[designs]\nfile = \"designs.csv\"\n"));

@@ -8,7 +8,7 @@ mod layers;
 use std::fs;
 use std::path::PathBuf;
 
-use jointsweep::internals::study::columns::{Cell, joint_columns};
+use jointsweep::internals::study::columns::{Cell, FORCE, joint_columns};
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::design::DesignCase;
 
@@ -93,6 +93,23 @@ const STEPS: &str = r#"indentation = ["0.1 mm", "0.2 mm"]"#;
 
 fn all(study: &Study) -> Vec<DesignCase> {
     study.cases().unwrap().collect::<Result<_, _>>().unwrap()
+}
+
+/// A list of designs, their cells apart by a text, each under this force.
+fn written(cases: &[DesignCase], apart: &str, force: &str) -> String {
+    let columns = joint_columns(cases[0].joint.layer_counts());
+    let names = columns.iter().map(|column| column.name()).chain([FORCE.to_string()]);
+    let mut text = names.collect::<Vec<_>>().join(",");
+    for case in cases {
+        let cells = row(case).into_iter().map(|cell| match cell {
+            Cell::Number(number) => number.to_string(),
+            Cell::Word(word) => word.to_string(),
+            Cell::Empty => String::new(),
+        });
+        let cells = cells.chain([force.to_string()]).collect::<Vec<_>>();
+        text += &format!("\n{}", cells.join(apart));
+    }
+    text
 }
 
 /// A joint as the cells of its row, which compare with ==.

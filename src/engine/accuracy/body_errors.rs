@@ -46,7 +46,7 @@ pub struct BodyErrors<'a> {
 /// What the share of a body in the work is to be multiplied by.
 enum OwnError<'a> {
     Nothing,
-    Layers(ConcentricBody),
+    CutModes(ConcentricBody),
     Bed(&'a Body),
     Mesh(Known),
     Fit(BodyBound<'a>),
@@ -61,10 +61,11 @@ impl<'a> BodyErrors<'a> {
     ) -> BodyErrors<'a> {
         let pressures = &curve.space.pressures;
         let own_errors = bodies.each_ref().map(|JudgedBody { body, source, .. }| match source {
-            ErrorSource::Exact if !body.lining.is_bare() => {
-                ConcentricBody::of(body).map_or(OwnError::Nothing, OwnError::Layers)
+            ErrorSource::Exact => {
+                let cut = ConcentricBody::of(body).filter(ConcentricBody::is_cut);
+                cut.map_or(OwnError::Nothing, OwnError::CutModes)
             }
-            ErrorSource::Exact | ErrorSource::MeshBeside { .. } => OwnError::Nothing,
+            ErrorSource::MeshBeside { .. } => OwnError::Nothing,
             ErrorSource::Bed => OwnError::Bed(body),
             ErrorSource::Mesh(level) => {
                 OwnError::Mesh(known_errors(body, *level).copied().unwrap_or([f64::INFINITY; _]))
@@ -103,7 +104,7 @@ impl<'a> BodyErrors<'a> {
             let share = || ContactCurve::around(node, shares);
             match own {
                 OwnError::Nothing => {}
-                OwnError::Layers(body) => of_beds += share() * body.left_out(half_angle),
+                OwnError::CutModes(body) => of_beds += share() * body.left_out(half_angle),
                 OwnError::Bed(body) => of_beds += share() * bed_error(body, half_angle),
                 OwnError::Mesh(known) => of_bodies += share() * known[column(half_angle)],
                 OwnError::Fit(bound) => of_bodies += share() * bound.at(half_angle),

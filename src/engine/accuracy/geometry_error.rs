@@ -52,7 +52,7 @@ impl OutlineError {
         let (ratio, square) = (outlines.radial_clearance, outlines.square());
         let [all, shear] = if !body.shape.concentric {
             [OF_HELD * of_pin, 0.0]
-        } else if depth < THINNEST_RING && body.lining.is_bare() {
+        } else if depth < THINNEST_RING && body.lining.is_empty() {
             [0.0, OF_BED * of_wall]
         } else {
             [0.0, ratio * OF_SHEAR * of_wall]

@@ -28,7 +28,7 @@ impl FamilyKey {
         let trusted = !matches!(range, PoissonRange::Incompressible | PoissonRange::Conformal);
         let (least, greatest) = body.depth_range();
         let thick = least > THIN && greatest < DEEPEST_MESHED;
-        (trusted && thick && body.lining.is_bare()).then_some(FamilyKey {
+        (trusted && thick && body.lining.is_empty()).then_some(FamilyKey {
             shape: shape.name,
             support,
             idealization,

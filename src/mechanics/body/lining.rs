@@ -19,38 +19,47 @@ impl Interface {
     }
 }
 
-/// Interfaces of a body from the ring into it; none of a bare body.
-#[derive(Clone, Debug, Default)]
-pub struct Lining(Option<Arc<[Interface]>>);
+/// Equal to the bit.
+impl PartialEq for Interface {
+    fn eq(&self, other: &Interface) -> bool {
+        self.bits() == other.bits()
+    }
+}
 
-impl Lining {
-    pub const BARE: Lining = Lining(None);
+impl Eq for Interface {}
+
+impl Hash for Interface {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.bits().hash(state);
+    }
+}
+
+/// What lies one behind the other from the ring into a body; copies share it, and what is bare has none.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Stack<T>(Option<Arc<[T]>>);
+
+impl<T> Stack<T> {
+    pub const NONE: Stack<T> = Stack(None);
 
     /// In the order in which a ray from the ring meets them.
-    pub fn new(interfaces: Vec<Interface>) -> Lining {
-        Lining((!interfaces.is_empty()).then(|| interfaces.into()))
+    pub fn new(all: Vec<T>) -> Stack<T> {
+        Stack((!all.is_empty()).then(|| all.into()))
     }
 
-    pub fn interfaces(&self) -> &[Interface] {
+    pub fn list(&self) -> &[T] {
         self.0.as_deref().unwrap_or_default()
     }
 
-    pub fn is_bare(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.0.is_none()
     }
 }
 
-/// Equal to the bit.
-impl PartialEq for Lining {
-    fn eq(&self, other: &Lining) -> bool {
-        self.interfaces().iter().map(Interface::bits).eq(other.interfaces().iter().map(Interface::bits))
+impl<T> Default for Stack<T> {
+    fn default() -> Stack<T> {
+        Stack::NONE
     }
 }
 
-impl Eq for Lining {}
-
-impl Hash for Lining {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.interfaces().iter().for_each(|interface| interface.bits().hash(state));
-    }
-}
+/// The interfaces of a body.
+pub type Lining = Stack<Interface>;

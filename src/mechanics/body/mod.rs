@@ -113,7 +113,7 @@ impl Body {
 
     /// Depth of the nearest place where something changes below the ring: the first interface, or the thinnest wall.
     pub fn nearest_depth(&self) -> f64 {
-        let of_interface = self.lining.interfaces().first().map(|first| first.radius_ratio.ln().abs());
+        let of_interface = self.lining.list().first().map(|first| first.radius_ratio.ln().abs());
         of_interface.unwrap_or(f64::INFINITY).min(self.depth_range().0)
     }
 

@@ -175,7 +175,7 @@ impl NearFieldClass {
             fixed_radius_ratio,
             poissons_ratio: 0.0,
             idealization: self.idealization,
-            lining: Lining::BARE,
+            lining: Lining::NONE,
         }
     }
 }
@@ -205,7 +205,7 @@ impl NearField {
             support: 0,
             poissons_ratio: range.poissons_ratio(coordinate),
             idealization,
-            lining: Lining::BARE,
+            lining: Lining::NONE,
         });
         let grading = whole_ring(&class.layers(), end_angle(half_ring));
         let plan = CondensationPlan::with_loads(&bodies[0], grading, modes, loads);

@@ -74,12 +74,12 @@ impl ConcentricBody {
 
     /// Where the material at the ring ends: at the first interface, or at the fixed circle.
     fn near_radius_ratio(&self) -> f64 {
-        self.lining.interfaces().first().map_or(self.fixed_radius_ratio, |interface| interface.radius_ratio)
+        self.lining.list().first().map_or(self.fixed_radius_ratio, |interface| interface.radius_ratio)
     }
 
     /// What lies beyond the material at the ring, from the fixed circle inwards, joined by `add`: held there.
     fn beyond<T>(&self, held: T, add: impl Fn(Layer, T) -> T) -> T {
-        let interfaces = self.lining.interfaces();
+        let interfaces = self.lining.list();
         let mut far = self.fixed_radius_ratio;
         interfaces.iter().rev().fold(held, |beyond, interface| {
             let layer = Layer {
@@ -131,7 +131,7 @@ impl ConcentricBody {
             if is_plate { [falling, rising] } else { [rising, falling] }
         };
         let [near, far] = fields(1.0);
-        let [near_on_circle, far_on_circle] = if self.lining.is_bare() {
+        let [near_on_circle, far_on_circle] = if self.lining.is_empty() {
             fields(radius).map(|fields| fields.displacements)
         } else {
             let beyond = self.beyond(ZERO, |layer, beyond| layer.compliance(n, beyond));
@@ -175,7 +175,7 @@ impl ConcentricBody {
     /// lambda_1, and the amplitude of u_phi, or those under shear. The fields are r^3, the single-valued point force, 1/r and the translation;
     /// the first three have amplitudes A, L and D, and what the translation adds cancels in u_r + u_phi.
     fn first_mode(&self, stress: Stress) -> [f64; 2] {
-        if !self.lining.is_bare() {
+        if !self.lining.is_empty() {
             let beyond = self.beyond(ZERO, |layer, beyond| layer.first_compliance(beyond));
             let resultant = 0.5 * (stress[0] - stress[1]);
             let [sum, difference] = apply(self.near_layer().first_compliance(beyond), [stress[1], resultant]);
@@ -219,7 +219,7 @@ impl ConcentricBody {
 
     /// lambda_0.
     fn uniform_mode(&self) -> f64 {
-        if self.lining.is_bare() {
+        if self.lining.is_empty() {
             return bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization);
         }
         let beyond = self.beyond(0.0, |layer, beyond| layer.uniform_compliance(beyond));
@@ -243,21 +243,21 @@ impl ConcentricBody {
         let decay = 2.0 * self.near_radius_ratio().ln().abs();
         // The finite-size part falls like n^2 exp(-decay n); the square costs a few modes more.
         let needed = |negligible: f64| ((-negligible.ln() + 4.0) / decay).ceil() as usize + 4;
-        if self.lining.is_bare() { needed(NEGLIGIBLE) } else { needed(NEGLIGIBLE_BEYOND).min(MOST_MODES) }
+        if self.lining.is_empty() { needed(NEGLIGIBLE) } else { needed(NEGLIGIBLE_BEYOND).min(MOST_MODES) }
     }
 
-    /// Relative error of the work that goes into a lined body under a contact of a half angle, rad, by the modes beyond the highest
-    /// being those of the material at the ring alone.
+    /// Relative error of the work that goes into a body whose modes are cut, under a contact of a half angle, rad, by the modes beyond
+    /// the highest being those of the material at the ring alone.
     ///
     /// The pressure's share of mode n is (4/pi) (n eps)^-3, so that all beyond N have 4/(3 pi) (N eps)^-3 of the work of the first; what
     /// lies beyond a layer of depth d counts there like (1 + (n d)^2) exp(-2 n d).
     pub fn left_out(&self, half_angle: f64) -> f64 {
-        let Some(beyond) = self.lining.interfaces().first() else { return 0.0 };
+        let Some(beyond) = self.lining.list().first() else { return 0.0 };
         let compliance = |ratio: f64| 1.0 / self.idealization.plane_modulus_ratio(ratio);
         // A layer that is softer than what it lies on has more compliance of its own than the whole.
         let own = compliance(self.poissons_ratio) * beyond.modulus_ratio / compliance(beyond.poissons_ratio);
-        // Where they fade out, half of the modes count whole.
-        let highest = if self.highest_mode() == MOST_MODES { 0.5 } else { 1.0 } * self.highest_mode() as f64;
+        // The others fade out.
+        let highest = 0.5 * MOST_MODES as f64;
         let depth = highest * beyond.radius_ratio.ln().abs();
         let felt = ((1.0 + depth * depth) * (-2.0 * depth).exp()).min(1.0);
         4.0 / (3.0 * PI) * own.max(1.0) * felt * (highest * half_angle).max(1.0).powi(-3)
@@ -289,17 +289,25 @@ impl ConcentricBody {
 
     /// The first of those.
     fn modes_below(&self, count: usize) -> [Vec<f64>; 2] {
-        let mode = |n: usize| self.boundary_mode(n).map(|value| self.taper(n) * value).into();
+        let taper = self.taper();
+        let mode = |n: usize| self.boundary_mode(n).map(|value| taper(n) * value).into();
         let (normal, along) = (0..count).map(mode).unzip();
         [normal, along]
     }
 
-    /// 1, but for a layer so thin that modes end before they are negligible. There they fade out: an end of a sudden would make the
+    /// Of each mode 1, but where they end before they are negligible. There they fade out: an end of a sudden would make the
     /// compliance of wider and wider arcs go up and down.
-    fn taper(&self, n: usize) -> f64 {
-        let over = n as f64 / MOST_MODES as f64;
-        let is_cut = !self.lining.is_bare() && self.highest_mode() == MOST_MODES;
-        if is_cut && over > 0.5 { (PI * (over - 0.5)).cos().powi(2) } else { 1.0 }
+    fn taper(&self) -> impl Fn(usize) -> f64 + use<> {
+        let is_cut = self.is_cut();
+        move |n| {
+            let over = n as f64 / MOST_MODES as f64;
+            if is_cut && over > 0.5 { (PI * (over - 0.5)).cos().powi(2) } else { 1.0 }
+        }
+    }
+
+    /// Whether the material at the ring is so thin a layer that modes end before they are negligible.
+    pub fn is_cut(&self) -> bool {
+        !self.lining.is_empty() && self.highest_mode() == MOST_MODES
     }
 
     /// What lies beyond the material at the ring changes of lambda_n, half of it for n = 0, and of the amplitude of u_phi.
@@ -336,7 +344,8 @@ impl ConcentricBody {
             1 => self.first_mode(SHEAR)[1] - self.amplitude(),
             _ => self.finite_part(n, SHEAR)[1],
         };
-        let shear: Vec<f64> = (0..count).map(mode).collect();
+        let taper = self.taper();
+        let shear: Vec<f64> = (0..count).map(|n| taper(n) * mode(n)).collect();
         bands([normal, along, &shear], count)
     }
 }
