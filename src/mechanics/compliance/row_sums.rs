@@ -31,7 +31,7 @@ impl Rows {
     /// The sum of the rows times their weights and a scale, but for those that add less than a share of what the first one adds.
     pub fn sum(&self, weights: &[f32], negligible: f32, scale: f64, sum: &mut Vec<f64>) {
         debug_assert_eq!(weights.len(), self.sizes.len());
-        sum.clear();
+        // All of it is overwritten.
         sum.resize(self.stride, 0.0);
         Arch::new().dispatch(Weighted { rows: self, weights, negligible, scale, sum });
         sum.truncate(self.length);
@@ -63,6 +63,7 @@ impl WithSimd for Weighted<'_> {
         let least = self.negligible * sizes.clone().next().unwrap_or(0.0);
         let mut needed = (0..).zip(sizes).filter(|(_, size)| *size > least).map(|(row, _)| row);
         let mut kept = [(0_u32, 0.0_f32); TOGETHER];
+        let mut is_first = true;
         loop {
             let mut count = 0;
             for (kept, row) in kept.iter_mut().zip(needed.by_ref()) {
@@ -71,23 +72,30 @@ impl WithSimd for Weighted<'_> {
             }
             let mut from = 0;
             while from + ABREAST * S::F32_LANES <= *stride {
-                self.block::<S, ABREAST>(simd, from, &kept[..count]);
+                self.block::<S, ABREAST>(simd, from, &kept[..count], is_first);
                 from += ABREAST * S::F32_LANES;
             }
             while from < *stride {
-                self.block::<S, 1>(simd, from, &kept[..count]);
+                self.block::<S, 1>(simd, from, &kept[..count], is_first);
                 from += S::F32_LANES;
             }
             if count < TOGETHER {
                 return;
             }
+            is_first = false;
         }
     }
 }
 
 impl Weighted<'_> {
     #[inline(always)]
-    fn block<S: Simd, const COUNT: usize>(&mut self, simd: S, from: usize, kept: &[(u32, f32)]) {
+    fn block<S: Simd, const COUNT: usize>(
+        &mut self,
+        simd: S,
+        from: usize,
+        kept: &[(u32, f32)],
+        is_first: bool,
+    ) {
         let length = COUNT * S::F32_LANES;
         let mut registers = [simd.splat_f32s(0.0); COUNT];
         for (row, weight) in kept {
@@ -100,7 +108,8 @@ impl Weighted<'_> {
         let mut own = [0.0_f32; ABREAST * REGISTER];
         S::as_mut_simd_f32s(&mut own[..length]).0.copy_from_slice(&registers);
         for (sum, own) in self.sum[from..from + length].iter_mut().zip(&own) {
-            *sum += self.scale * f64::from(*own);
+            let before = if is_first { 0.0 } else { *sum };
+            *sum = before + self.scale * f64::from(*own);
         }
     }
 }
