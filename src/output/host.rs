@@ -1,5 +1,7 @@
 //! When and on what a run happened.
 
+use std::fs::File;
+use std::io::{BufRead, BufReader};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::Serialize;
@@ -45,12 +47,15 @@ pub struct Host {
 
 impl Host {
     pub fn current() -> Host {
-        let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        // Linux asks each processor for its frequency as its part of the file is read, which takes milliseconds: no more of it is
+        // read than the first one's.
+        let cpuinfo = File::open("/proc/cpuinfo").map(|file| BufReader::with_capacity(READ_AT_ONCE, file));
+        let online = std::fs::read_to_string("/sys/devices/system/cpu/online");
         Host {
             os: std::env::consts::OS,
             arch: std::env::consts::ARCH,
-            cpu: cpu_model(&cpuinfo),
-            processors: processors(&cpuinfo),
+            cpu: cpuinfo.ok().and_then(cpu_model),
+            processors: online.ok().and_then(|ranges| processors(&ranges)),
         }
     }
 }
@@ -80,14 +85,21 @@ pub fn processor_seconds() -> Option<f64> {
     None
 }
 
-fn processors(cpuinfo: &str) -> Option<usize> {
-    let count = cpuinfo.lines().filter(|line| line.starts_with("processor")).count();
-    (count > 0).then_some(count)
+/// Bytes; the part of a processor in /proc/cpuinfo is ten times as long.
+const READ_AT_ONCE: usize = 128;
+
+/// How many there are in ranges such as "0-3,8".
+fn processors(ranges: &str) -> Option<usize> {
+    let count = |range: &str| -> Option<usize> {
+        let (first, last) = range.split_once('-').unwrap_or((range, range));
+        (last.parse::<usize>().ok()? + 1).checked_sub(first.parse().ok()?)
+    };
+    ranges.trim().split(',').map(count).sum()
 }
 
-/// The model name in the text of Linux's /proc/cpuinfo.
-fn cpu_model(cpuinfo: &str) -> Option<String> {
-    let line = cpuinfo.lines().find(|line| line.starts_with("model name"))?;
+/// The model name in Linux's /proc/cpuinfo.
+fn cpu_model(cpuinfo: impl BufRead) -> Option<String> {
+    let line = cpuinfo.lines().map_while(Result::ok).find(|line| line.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_string())
 }
 
@@ -140,10 +152,13 @@ mod tests {
     #[test]
     fn the_cpu_model_is_read_where_there_is_one() {
         let x86 = "processor\t: 0\nmodel\t\t: 1\nmodel name\t: Fast CPU @ 3.0GHz\nmodel name\t: again\n";
-        assert_eq!(cpu_model(x86).as_deref(), Some("Fast CPU @ 3.0GHz"));
-        assert_eq!(cpu_model("processor\t: 0\n"), None);
-        assert_eq!(processors("processor\t: 0\nmodel name\t: a\n\nprocessor\t: 1\n"), Some(2));
-        assert_eq!(processors(""), None);
+        assert_eq!(cpu_model(x86.as_bytes()).as_deref(), Some("Fast CPU @ 3.0GHz"));
+        assert_eq!(cpu_model("processor\t: 0\n".as_bytes()), None);
+        for (ranges, count) in
+            [("0-1\n", Some(2)), ("0\n", Some(1)), ("0-3,8,10-11\n", Some(7)), ("", None), ("3-1", None)]
+        {
+            assert_eq!(processors(ranges), count, "{ranges}");
+        }
     }
 
     /// Some work takes some time; none goes backwards.
