@@ -106,9 +106,15 @@ impl<'a> Ladder<'a> {
     /// One attempt at each of some designs, by its number and plan.
     fn climb(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
         let requests: Vec<BodyRequest> = open.iter().flat_map(|(_, plan)| plan.requests()).collect();
-        self.library.solve(&requests);
-        let started = Instant::now();
         let Ladder { library, spaces, .. } = self;
+        let make_spaces = || {
+            let started = Instant::now();
+            spaces.make(open.iter().map(|(_, plan)| plan.space));
+            started.elapsed()
+        };
+        let ((), time) = rayon::join(|| library.solve(&requests), make_spaces);
+        self.times.spaces += time;
+        let started = Instant::now();
         let bodies = open.iter().flat_map(|(_, plan)| plan.requests().map(|request| (plan.space, request)));
         spaces.prepare(bodies.map(|(space, request)| (space, &*library.solved(&request).compliance)));
         self.times.spaces += started.elapsed();

@@ -6,11 +6,16 @@ use rayon::prelude::*;
 
 use crate::engine::ring_loads::RingLoads;
 use crate::mechanics::body::Body;
+use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::near_field::{LoadedRing, NearField, NearFieldClass};
 use crate::mechanics::grading::GradingClass;
 
 /// Near fields beyond these many bytes are dropped before the next ones are made.
 const KEPT_BYTES: usize = 32 << 20;
+
+/// So many near fields at most are made body by body where they are the first: a small study has its answer before there is memory for
+/// lanes.
+const FEW: usize = 8;
 
 #[derive(Default)]
 pub struct NearFieldLibrary {
@@ -42,9 +47,14 @@ impl NearFieldLibrary {
         }
         let new: HashSet<NearFieldClass> =
             classes.filter(|class| !self.near_fields.contains_key(class)).collect();
+        let is_first = self.near_fields.is_empty() && new.len() <= FEW;
+        let condense = |plan: &CondensationPlan, bodies: &[Body]| match is_first {
+            true => bodies.par_iter().map(|body| plan.condense_alone(body)).collect(),
+            false => plan.condense(bodies),
+        };
         let near_field = |class: NearFieldClass| {
             let loads = ring_loads.of(&LoadedRing::of_near_field(&class));
-            (class, NearField::with_loads(&class, &loads))
+            (class, NearField::with_loads(&class, &loads, condense))
         };
         let made: Vec<(NearFieldClass, NearField)> = new.into_par_iter().map(near_field).collect();
         self.near_fields.extend(made);

@@ -1,6 +1,6 @@
 //! The pressure spaces of joints: how many trial pressures, at how many nodes of a curve. Each is made once and kept.
 
-use foldhash::HashMap;
+use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::mechanics::body::{Body, THINNEST_RING};
@@ -129,6 +129,14 @@ impl Spaces {
         &self.spaces[&key]
     }
 
+    /// Makes spaces, as far as they are not there yet, without what bodies need in them.
+    pub fn make(&mut self, keys: impl Iterator<Item = SpaceKey>) {
+        let new: HashSet<SpaceKey> = keys.filter(|key| !self.spaces.contains_key(key)).collect();
+        let make = |key: SpaceKey| (key, CurveSpace::new(key.variable, key.terms, key.nodes, key.limit()));
+        let made: Vec<(SpaceKey, CurveSpace)> = new.into_par_iter().map(make).collect();
+        self.spaces.extend(made);
+    }
+
     /// Makes spaces with what these bodies need in them, as far as it is not there yet.
     pub fn prepare<'a>(&mut self, bodies: impl Iterator<Item = (SpaceKey, &'a BodyCompliance)>) {
         // Of each space the body with the highest mode, and one of each kind of ring modes.
@@ -141,18 +149,11 @@ impl Spaces {
                 None => own.push(body),
             }
         }
-        let open = needs.into_iter().map(|(key, bodies)| (key, bodies, self.spaces.remove(&key)));
-        let made: Vec<(SpaceKey, CurveSpace)> = open
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .map(|(key, bodies, known)| {
-                let mut space =
-                    known.unwrap_or_else(|| CurveSpace::new(key.variable, key.terms, key.nodes, key.limit()));
-                bodies.iter().for_each(|body| space.pressures.prepare(body));
-                (key, space)
-            })
-            .collect();
-        self.spaces.extend(made);
+        self.make(needs.keys().copied());
+        let open = self.spaces.iter_mut().filter_map(|(key, space)| Some((space, needs.remove(key)?)));
+        open.collect::<Vec<_>>().into_par_iter().for_each(|(space, bodies)| {
+            bodies.iter().for_each(|body| space.pressures.prepare(body));
+        });
     }
 }
 

@@ -70,6 +70,28 @@ pub const LANES: usize = 8;
 #[repr(align(64))]
 pub struct Lanes<const FUSED: bool>(pub [f64; LANES]);
 
+/// Bodies side by side, or one alone.
+pub trait Bodies: Real {
+    /// How many.
+    const COUNT: usize;
+
+    fn lane(&self, lane: usize) -> f64;
+    fn set_lane(&mut self, lane: usize, value: f64);
+}
+
+impl<const FUSED: bool> Bodies for Lanes<FUSED> {
+    const COUNT: usize = LANES;
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> f64 {
+        self.0[lane]
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, value: f64) {
+        self.0[lane] = value;
+    }
+}
+
 macro_rules! lanewise {
     ($trait:ident, $method:ident, $op:tt) => {
         impl<const FUSED: bool> $trait for Lanes<FUSED> {
@@ -141,6 +163,84 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
             };
         }
         self
+    }
+}
+
+/// One number of one body, which comes to the same bits as in a lane of `Lanes`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alone<const FUSED: bool>(pub f64);
+
+macro_rules! alone {
+    ($trait:ident, $method:ident) => {
+        impl<const FUSED: bool> $trait for Alone<FUSED> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Alone(self.0.$method(other.0))
+            }
+        }
+    };
+}
+alone!(Add, add);
+alone!(Sub, sub);
+alone!(Mul, mul);
+alone!(Div, div);
+
+impl<const FUSED: bool> AddAssign for Alone<FUSED> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        self.0 += other.0;
+    }
+}
+
+impl<const FUSED: bool> SubAssign for Alone<FUSED> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        self.0 -= other.0;
+    }
+}
+
+impl<const FUSED: bool> Neg for Alone<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Alone(-self.0)
+    }
+}
+
+impl<const FUSED: bool> Real for Alone<FUSED> {
+    #[inline(always)]
+    fn from_f64(value: f64) -> Self {
+        Alone(value)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Alone(self.0.sqrt())
+    }
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        Alone(self.0.least(other.0))
+    }
+    #[inline(always)]
+    fn is_positive(self) -> bool {
+        self.0 > 0.0
+    }
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        Alone(if FUSED { (-a.0).mul_add(b.0, self.0) } else { self.0 - a.0 * b.0 })
+    }
+}
+
+impl<const FUSED: bool> Bodies for Alone<FUSED> {
+    const COUNT: usize = 1;
+
+    #[inline(always)]
+    fn lane(&self, _: usize) -> f64 {
+        self.0
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, _: usize, value: f64) {
+        self.0 = value;
     }
 }
 

@@ -188,6 +188,10 @@ impl Recorder {
         if let (Some(answers), Some(more)) = (&mut self.answers, &rows.answers) {
             answers.merge(more)?;
         }
+        if self.designs_left().is_empty() {
+            // The last manifest follows at once.
+            return Ok(());
+        }
         if self.saved.elapsed() > SAFE_MARK {
             return self.mark_safely();
         }

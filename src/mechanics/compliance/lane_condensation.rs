@@ -13,7 +13,7 @@ use crate::mechanics::element::stiffness::{
 };
 use crate::mechanics::material::Idealization;
 use crate::mechanics::mesh::{Grading, RingTopology, coordinates};
-use crate::mechanics::real::{LANES, Lanes, Real};
+use crate::mechanics::real::{Alone, Bodies, LANES, Lanes, Real};
 use crate::mechanics::solve::band::{BandStructure, TILE, Tile};
 
 /// What bodies of one topology share: mesh, order of elimination, loads of the ring modes.
@@ -43,6 +43,9 @@ impl Operations {
         self.elements + self.factorise + self.modes
     }
 }
+
+/// So many bodies at most take no longer one after the other than in lanes.
+const FEW: usize = 4;
 
 /// Modes that are substituted side by side: some blocks of them are a plan's.
 const BLOCKS: [usize; 2] = [12, 8];
@@ -109,7 +112,16 @@ impl CondensationPlan {
     /// The works of the ring modes on each body, packed, one way to push after the other; the order is kept. A body whose mesh is
     /// turned inside out or whose stiffness is not positive definite gives NaN.
     pub fn condense(&self, bodies: &[Body]) -> Vec<Vec<f64>> {
-        bodies.chunks(LANES).flat_map(|bodies| in_lanes(Condense { plan: self, bodies })).collect()
+        let together = |bodies: &[Body]| match bodies.len() {
+            ..=FEW => bodies.iter().map(|body| self.condense_alone(body)).collect(),
+            _ => in_lanes(Condense { plan: self, bodies }),
+        };
+        bodies.chunks(LANES).flat_map(together).collect()
+    }
+
+    /// One body, to the same bits, in a fraction of the memory that lanes take.
+    pub fn condense_alone(&self, body: &Body) -> Vec<f64> {
+        in_lanes(Condense { plan: self, bodies: std::slice::from_ref(body) }).swap_remove(0)
     }
 }
 
@@ -123,51 +135,54 @@ impl LaneWork for Condense<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<Vec<f64>> {
-        let mut tiles = self.plan.structure.empty::<Lanes<FUSED>>();
+        if self.bodies.len() == 1 { self.works::<Alone<FUSED>>() } else { self.works::<Lanes<FUSED>>() }
+    }
+}
+
+impl Condense<'_> {
+    #[inline(always)]
+    fn works<T: Bodies>(&self) -> Vec<Vec<f64>> {
+        let mut tiles = self.plan.structure.empty::<T>();
         let smallest_jacobian = self.assemble(&mut tiles);
         self.plan.structure.factorise(&mut tiles);
         let CondensationPlan { modes: RingModes { count, .. }, loads, .. } = self.plan;
         let mut works = vec![vec![0.0; loads.len() * packed_count(*count)]; self.bodies.len()];
         if count.is_multiple_of(BLOCKS[0]) {
-            self.gram::<FUSED, { BLOCKS[0] }>(&tiles, &mut works);
+            self.gram::<T, { BLOCKS[0] }>(&tiles, &mut works);
         } else {
-            self.gram::<FUSED, { BLOCKS[1] }>(&tiles, &mut works);
+            self.gram::<T, { BLOCKS[1] }>(&tiles, &mut works);
         }
         for (lane, works) in works.iter_mut().enumerate() {
-            if smallest_jacobian.0[lane].is_nan() || smallest_jacobian.0[lane] <= 0.0 {
+            let smallest = smallest_jacobian.lane(lane);
+            if smallest.is_nan() || smallest <= 0.0 {
                 works.fill(f64::NAN);
             }
         }
         works
     }
-}
 
-impl Condense<'_> {
     /// The stiffness of every body in its lane, and its least Jacobian; lanes without a body repeat the last one.
     #[inline(always)]
-    fn assemble<const FUSED: bool>(&self, tiles: &mut [Tile<Lanes<FUSED>>]) -> Lanes<FUSED> {
+    fn assemble<T: Bodies>(&self, tiles: &mut [Tile<T>]) -> T {
         let CondensationPlan { grading, topology, structure, rule, .. } = self.plan;
-        let body = |lane: usize| &self.bodies[lane.min(self.bodies.len() - 1)];
-        let zero = Lanes::<FUSED>::zero();
+        let zero = T::zero();
         let mut nodes = vec![[zero; 2]; topology.node_count];
-        let mut poissons_ratio = zero;
-        for lane in 0..LANES {
+        for lane in 0..T::COUNT {
             if lane < self.bodies.len() {
-                for (node, point) in nodes.iter_mut().zip(coordinates(body(lane), grading, topology)) {
-                    node[0].0[lane] = point[0];
-                    node[1].0[lane] = point[1];
+                let points = coordinates(&self.bodies[lane], grading, topology);
+                for (node, point) in nodes.iter_mut().zip(points) {
+                    node[0].set_lane(lane, point[0]);
+                    node[1].set_lane(lane, point[1]);
                 }
             } else {
-                for node in &mut nodes {
-                    node[0].0[lane] = node[0].0[lane - 1];
-                    node[1].0[lane] = node[1].0[lane - 1];
+                for value in nodes.as_flattened_mut() {
+                    value.set_lane(lane, value.lane(lane - 1));
                 }
             }
-            poissons_ratio.0[lane] = body(lane).poissons_ratio;
         }
-        let elasticity = self.elasticity(poissons_ratio);
+        let elasticity = self.elasticity();
         let count = topology.element.node_count();
-        let mut smallest_jacobian = Lanes::from_f64(f64::INFINITY);
+        let mut smallest_jacobian = T::from_f64(f64::INFINITY);
         for (element, connectivity) in topology.connectivity.chunks_exact(count).enumerate() {
             let mut corners = [[zero; 2]; MAX_NODES];
             for (corner, node) in corners.iter_mut().zip(connectivity) {
@@ -182,13 +197,18 @@ impl Condense<'_> {
 
     /// Of every body in its lane: bodies in plane stress and in plane strain share a topology.
     #[inline(always)]
-    fn elasticity<const FUSED: bool>(&self, poissons_ratio: Lanes<FUSED>) -> Elasticity<Lanes<FUSED>> {
+    fn elasticity<T: Bodies>(&self) -> Elasticity<T> {
+        let body = |lane: usize| &self.bodies[lane.min(self.bodies.len() - 1)];
+        let mut poissons_ratio = T::zero();
+        for lane in 0..T::COUNT {
+            poissons_ratio.set_lane(lane, body(lane).poissons_ratio);
+        }
         let mut elasticity = Elasticity::new(Idealization::PlaneStress, poissons_ratio);
         let plane_strain = Elasticity::new(Idealization::PlaneStrain, poissons_ratio);
-        for lane in 0..LANES {
-            if self.bodies[lane.min(self.bodies.len() - 1)].idealization == Idealization::PlaneStrain {
-                elasticity.direct.0[lane] = plane_strain.direct.0[lane];
-                elasticity.cross.0[lane] = plane_strain.cross.0[lane];
+        for lane in 0..T::COUNT {
+            if body(lane).idealization == Idealization::PlaneStrain {
+                elasticity.direct.set_lane(lane, plane_strain.direct.lane(lane));
+                elasticity.cross.set_lane(lane, plane_strain.cross.lane(lane));
             }
         }
         elasticity
@@ -196,19 +216,15 @@ impl Condense<'_> {
 
     /// Products of L^-1 f, in blocks of so many modes.
     #[inline(always)]
-    fn gram<const FUSED: bool, const BLOCK: usize>(
-        &self,
-        tiles: &[Tile<Lanes<FUSED>>],
-        works: &mut [Vec<f64>],
-    ) {
+    fn gram<T: Bodies, const BLOCK: usize>(&self, tiles: &[Tile<T>], works: &mut [Vec<f64>]) {
         let CondensationPlan { modes: RingModes { count, .. }, loads, .. } = self.plan;
-        let normal = self.substituted::<FUSED, BLOCK>(tiles, &loads[0]);
+        let normal = self.substituted::<T, BLOCK>(tiles, &loads[0]);
         for (push, loads) in loads.iter().enumerate() {
             let own;
             let pushed = if push == 0 {
                 &normal
             } else {
-                own = self.substituted::<FUSED, BLOCK>(tiles, loads);
+                own = self.substituted::<T, BLOCK>(tiles, loads);
                 &own
             };
             let from = push * packed_count(*count);
@@ -229,7 +245,7 @@ impl Condense<'_> {
                             };
                             let at = from + packed(row.max(column), row.min(column));
                             for (lane, works) in works.iter_mut().enumerate() {
-                                works[at] += share * value.0[lane];
+                                works[at] += share * value.lane(lane);
                             }
                         }
                     }
@@ -240,18 +256,18 @@ impl Condense<'_> {
 
     /// L^-1 f on the ring: `[block of modes][row of tiles][row][mode]`.
     #[inline(always)]
-    fn substituted<const FUSED: bool, const BLOCK: usize>(
+    fn substituted<T: Bodies, const BLOCK: usize>(
         &self,
-        tiles: &[Tile<Lanes<FUSED>>],
+        tiles: &[Tile<T>],
         loads: &[f64],
-    ) -> Vec<Vec<Rows<FUSED, BLOCK>>> {
+    ) -> Vec<Vec<Rows<T, BLOCK>>> {
         let count = self.plan.modes.count;
         let mut blocks = Vec::with_capacity(count / BLOCK);
         for first in (0..count).step_by(BLOCK) {
-            let mut block = vec![[[Lanes::<FUSED>::zero(); BLOCK]; TILE]; self.plan.rows()];
+            let mut block = vec![[[T::zero(); BLOCK]; TILE]; self.plan.rows()];
             for (row, loads) in block.iter_mut().flatten().zip(loads.chunks_exact(count)) {
                 for (value, load) in row.iter_mut().zip(&loads[first..]) {
-                    *value = Lanes::from_f64(*load);
+                    *value = T::from_f64(*load);
                 }
             }
             self.plan.structure.substitute_ring(tiles, 0, &mut block);
@@ -262,15 +278,15 @@ impl Condense<'_> {
 }
 
 /// A row of tiles of so many modes.
-type Rows<const FUSED: bool, const BLOCK: usize> = [[Lanes<FUSED>; BLOCK]; TILE];
+type Rows<T, const BLOCK: usize> = [[T; BLOCK]; TILE];
 
 /// The sum over rows of the products of two blocks of modes.
 #[inline(always)]
-fn products<const FUSED: bool, const BLOCK: usize>(
-    one: &[Rows<FUSED, BLOCK>],
-    other: &[Rows<FUSED, BLOCK>],
-) -> [[Lanes<FUSED>; BLOCK]; BLOCK] {
-    let mut matrix = [[Lanes::<FUSED>::zero(); BLOCK]; BLOCK];
+fn products<T: Real, const BLOCK: usize>(
+    one: &[Rows<T, BLOCK>],
+    other: &[Rows<T, BLOCK>],
+) -> [[T; BLOCK]; BLOCK] {
+    let mut matrix = [[T::zero(); BLOCK]; BLOCK];
     for (rows, columns) in one.iter().flatten().zip(other.iter().flatten()) {
         for a in 0..BLOCK {
             for b in 0..BLOCK {

@@ -189,11 +189,15 @@ pub struct NearField {
 
 impl NearField {
     pub fn new(class: &NearFieldClass) -> NearField {
-        NearField::with_loads(class, &LoadedRing::of_near_field(class).loads())
+        NearField::with_loads(class, &LoadedRing::of_near_field(class).loads(), CondensationPlan::condense)
     }
 
-    /// The same with the loads of the modes on the class's ring.
-    pub fn with_loads(class: &NearFieldClass, loads: &[Vec<f64>]) -> NearField {
+    /// The same with the loads of the modes on the class's ring, and with how its bodies are condensed.
+    pub fn with_loads(
+        class: &NearFieldClass,
+        loads: &[Vec<f64>],
+        condense: impl Fn(&CondensationPlan, &[Body]) -> Vec<Vec<f64>>,
+    ) -> NearField {
         let NearFieldClass { side, half_ring, idealization, range, .. } = *class;
         let modes = RingModes::of(&class.grading);
         let reference = class.reference();
@@ -209,7 +213,7 @@ impl NearField {
         });
         let grading = whole_ring(&class.layers(), end_angle(half_ring));
         let plan = CondensationPlan::with_loads(&bodies[0], grading, modes, loads);
-        let condensed = plan.condense(&bodies);
+        let condensed = condense(&plan, &bodies);
         let exact = bodies.map(|body| {
             ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference.clone() }.boundary_modes()
         });

@@ -16,7 +16,7 @@ use crate::mechanics::real::Real;
 /// Unknowns along a tile's edge.
 pub const TILE: usize = 4;
 
-/// A 4 x 4 tile, row-major.
+/// A 4 x 4 tile, column-major: of one body a column is a register.
 pub type Tile<T> = [[T; TILE]; TILE];
 
 /// The order of elimination, the band and where each element's entries go; shared by bodies of one topology.
@@ -40,6 +40,7 @@ pub struct BandStructure {
 #[derive(Clone, Copy)]
 struct Scatter {
     from: (u8, u8),
+    /// Row and column in the tile.
     to: (u8, u8),
     tile: u32,
 }
@@ -182,7 +183,8 @@ impl BandStructure {
         for entry in &self.scatter[self.scatter_starts[element]..self.scatter_starts[element + 1]] {
             let value = stiffness.values[entry.from.0 as usize % (2 * MAX_NODES)]
                 [entry.from.1 as usize % (2 * MAX_NODES)];
-            tiles[entry.tile as usize][entry.to.0 as usize % TILE][entry.to.1 as usize % TILE] += value;
+            let (row, column) = (entry.to.0 as usize % TILE, entry.to.1 as usize % TILE);
+            tiles[entry.tile as usize][column][row] += value;
         }
     }
 
@@ -228,7 +230,7 @@ impl BandStructure {
                 for (tile, known) in row_tiles.iter().zip(done.iter()) {
                     for k in 0..TILE {
                         for c in 0..COLUMNS {
-                            sums[c] = sums[c].minus_product(tile[i][k], known[k][c]);
+                            sums[c] = sums[c].minus_product(tile[k][i], known[k][c]);
                         }
                     }
                 }
@@ -240,7 +242,7 @@ impl BandStructure {
                 for c in 0..COLUMNS {
                     let mut value = current[i][c];
                     for k in 0..i {
-                        value = value.minus_product(diagonal[i][k], current[k][c]);
+                        value = value.minus_product(diagonal[k][i], current[k][c]);
                     }
                     current[i][c] = value * inverse;
                 }
@@ -278,9 +280,9 @@ fn subtract_products<T: Real>(tile: &mut Tile<T>, row: &[Tile<T>], column: &[Til
     let mut sum = *tile;
     for (a, b) in row.iter().zip(column) {
         for k in 0..TILE {
-            for i in 0..TILE {
-                for j in 0..TILE {
-                    sum[i][j] = sum[i][j].minus_product(a[i][k], b[j][k]);
+            for j in 0..TILE {
+                for i in 0..TILE {
+                    sum[j][i] = sum[j][i].minus_product(a[k][i], b[k][j]);
                 }
             }
         }
@@ -293,12 +295,15 @@ fn subtract_products<T: Real>(tile: &mut Tile<T>, row: &[Tile<T>], column: &[Til
 fn divide_by_lower_transposed<T: Real>(tile: &mut Tile<T>, lower: &Tile<T>) {
     for j in 0..TILE {
         let inverse = T::from_f64(1.0) / lower[j][j];
-        for row in tile.iter_mut() {
-            let mut value = row[j];
-            for k in 0..j {
-                value = value.minus_product(row[k], lower[j][k]);
+        let (done, current) = tile.split_at_mut(j);
+        let column = &mut current[0];
+        for (known, lower) in done.iter().zip(lower) {
+            for i in 0..TILE {
+                column[i] = column[i].minus_product(known[i], lower[j]);
             }
-            row[j] = value * inverse;
+        }
+        for value in column {
+            *value = *value * inverse;
         }
     }
 }
@@ -309,17 +314,17 @@ fn factorise_tile<T: Real>(tile: &mut Tile<T>) {
     for j in 0..TILE {
         let mut diagonal = tile[j][j];
         for k in 0..j {
-            diagonal = diagonal.minus_product(tile[j][k], tile[j][k]);
+            diagonal = diagonal.minus_product(tile[k][j], tile[k][j]);
         }
         let root = diagonal.sqrt();
         let inverse = T::from_f64(1.0) / root;
         tile[j][j] = root;
         for i in j + 1..TILE {
-            let mut value = tile[i][j];
+            let mut value = tile[j][i];
             for k in 0..j {
-                value = value.minus_product(tile[i][k], tile[j][k]);
+                value = value.minus_product(tile[k][i], tile[k][j]);
             }
-            tile[i][j] = value * inverse;
+            tile[j][i] = value * inverse;
         }
     }
 }
