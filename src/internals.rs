@@ -25,8 +25,10 @@ pub mod calibrate;
 #[path = "sensitivity/mod.rs"]
 pub mod sensitivity;
 /// What is handed over: the wing that writes files.
+#[cfg(feature = "files")]
 #[path = "output/mod.rs"]
 pub mod output;
 /// What is measured about the program itself: benchmarks, and what each choice costs and is worth.
+#[cfg(feature = "files")]
 #[path = "lab/mod.rs"]
 pub mod lab;

@@ -24,7 +24,9 @@
 //! The parts are in [`internals`], of which no promise is made.
 
 pub mod internals;
-use internals::{calibrate, engine, joint, lab, mechanics, output, sensitivity, study, sweep};
+use internals::{calibrate, engine, joint, mechanics, sensitivity, study, sweep};
+#[cfg(feature = "files")]
+use internals::{lab, output};
 
 /// Errors for people: each variant carries the values that explain it.
 pub mod error;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
@@ -13,6 +13,7 @@ use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, Topo
 use crate::engine::near_fields::NearFieldLibrary;
 use crate::engine::outcome::BackendKind;
 use crate::engine::ring_loads::RingLoads;
+use crate::engine::stopwatch::Stopwatch;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::near_field::{LoadedRing, NearFieldClass};
@@ -103,7 +104,7 @@ impl<'a> BodyLibrary<'a> {
         let exact: Vec<(BodyRequest, BodyCompliance, Duration)> = series
             .into_par_iter()
             .map(|request| {
-                let started = Instant::now();
+                let started = Stopwatch::start();
                 let compliance = concentric(&request.body).compliance();
                 (request, compliance, started.elapsed())
             })
@@ -112,7 +113,7 @@ impl<'a> BodyLibrary<'a> {
             self.times.series += time;
             self.keep(&request, compliance, BackendKind::Cpu);
         }
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let portions = portions(&meshed);
         self.times.shared += started.elapsed();
         portions.into_iter().for_each(|portion| self.solve_meshed(portion));
@@ -123,7 +124,7 @@ impl<'a> BodyLibrary<'a> {
     }
 
     fn solve_meshed(&mut self, mut groups: Vec<Group>) {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let classes: HashSet<NearFieldClass> = near_fields_of(&groups).collect();
         let of_near_fields = classes.iter().filter(|class| !self.near_fields.has(class));
         let of_bodies = groups.iter().map(|(key, group)| LoadedRing::of(group[0].body.shape, &key.class));
@@ -141,7 +142,7 @@ impl<'a> BodyLibrary<'a> {
         // Where there are few bodies, their near fields are made beside them.
         let BodyLibrary { near_fields, plans, ring_loads, .. } = self;
         let prepare = || {
-            let started = Instant::now();
+            let started = Stopwatch::start();
             near_fields.prepare(classes.into_iter(), ring_loads);
             started.elapsed()
         };
@@ -152,7 +153,7 @@ impl<'a> BodyLibrary<'a> {
         for CondensedGroup { key, plan, plan_time, batches } in condensed {
             self.times.shared += plan_time;
             self.times.condense += batches.iter().map(|(_, time)| *time).sum::<Duration>();
-            let started = Instant::now();
+            let started = Stopwatch::start();
             let works: Vec<Condensed> = batches.into_iter().flat_map(|(works, _)| works).collect();
             let correct = |(request, works): Condensed| {
                 let compliance = self.corrected(&key, &request.body, works);
@@ -169,7 +170,7 @@ impl<'a> BodyLibrary<'a> {
 
     /// Gives back what the device has left.
     fn solve_on_device(&mut self, groups: Vec<Group>, classes: &HashSet<NearFieldClass>) -> Vec<Group> {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         self.near_fields.prepare(classes.iter().copied(), &self.ring_loads);
         self.times.shared += started.elapsed();
         let Some(device) = &mut self.device else { return groups };
@@ -217,7 +218,7 @@ fn condense_group(
     (key, group): Group,
     room: &AtomicUsize,
 ) -> CondensedGroup {
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let mut new = None;
     let plan = match plans.get(&key) {
         Some(known) => known,
@@ -229,7 +230,7 @@ fn condense_group(
     };
     let plan_time = started.elapsed();
     let condense = |batch: &[BodyRequest]| {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let bodies: Vec<Body> = batch.iter().map(|request| request.body.clone()).collect();
         let works = batch.iter().cloned().zip(plan.condense(&bodies)).collect();
         (works, started.elapsed())

@@ -2,7 +2,7 @@
 //! on the next one until it is good enough or there is no more. Rungs are bodies interpolated between others, then plans of
 //! ever finer meshes and pressure spaces; whatever condenses the bodies.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use foldhash::HashMap;
 use rayon::prelude::*;
@@ -20,6 +20,7 @@ use crate::engine::refusal::Refusal;
 use crate::engine::row::{all_failed, closed_form};
 use crate::engine::spaces::Spaces;
 use crate::engine::status::Failure;
+use crate::engine::stopwatch::Stopwatch;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
 
@@ -108,13 +109,13 @@ impl<'a> Ladder<'a> {
         let requests: Vec<BodyRequest> = open.iter().flat_map(|(_, plan)| plan.requests()).collect();
         let Ladder { library, spaces, .. } = self;
         let make_spaces = || {
-            let started = Instant::now();
+            let started = Stopwatch::start();
             spaces.make(open.iter().map(|(_, plan)| plan.space));
             started.elapsed()
         };
         let ((), time) = rayon::join(|| library.solve(&requests), make_spaces);
         self.times.spaces += time;
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let bodies = open.iter().flat_map(|(_, plan)| plan.requests().map(|request| (plan.space, request)));
         spaces.prepare(bodies.map(|(space, request)| (space, &*library.solved(&request).compliance)));
         self.times.spaces += started.elapsed();
@@ -129,7 +130,7 @@ impl<'a> Ladder<'a> {
             .with_min_len(4)
             .flat_map_iter(|places| places.chunks(TOGETHER))
             .map(|places| {
-                let started = Instant::now();
+                let started = Stopwatch::start();
                 let own = places.iter().map(|place| &cases[open[*place].0]);
                 let solved = solve_designs(library, spaces, &open[places[0]].1, own, accuracy);
                 (places.iter().copied().zip(solved).collect(), started.elapsed())

@@ -1,3 +1,4 @@
+pub mod stopwatch;
 pub mod body_request;
 pub mod spaces;
 pub mod refusal;

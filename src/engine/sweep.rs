@@ -3,7 +3,7 @@
 use std::ops::{ControlFlow, Range};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::ScopedJoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rayon::prelude::*;
 
@@ -14,6 +14,7 @@ use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
 use crate::engine::law_fit::add_laws;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
+use crate::engine::stopwatch::Stopwatch;
 use crate::error::Error;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
@@ -321,7 +322,7 @@ struct Digestion<'a, T> {
     pool: &'a rayon::ThreadPool,
     /// Outcomes that wait for the rest of their portions.
     waiting: Vec<DesignOutcome>,
-    digested: Instant,
+    digested: Stopwatch,
     /// Summed over threads.
     time: Duration,
 }
@@ -331,7 +332,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 
 impl<'a, T: Send> Digestion<'a, T> {
     fn new(digest: &'a Digest<'a, T>, pool: &'a rayon::ThreadPool) -> Digestion<'a, T> {
-        Digestion { digest, pool, waiting: Vec::new(), digested: Instant::now(), time: Duration::ZERO }
+        Digestion { digest, pool, waiting: Vec::new(), digested: Stopwatch::start(), time: Duration::ZERO }
     }
 
     /// Of whole portions, with those that waited.
@@ -370,7 +371,7 @@ impl<'a, T: Send> Digestion<'a, T> {
         }
         let make = self.digest.make;
         let digest = |outcomes: Vec<DesignOutcome>| {
-            let started = Instant::now();
+            let started = Stopwatch::start();
             let portion = Portion {
                 designs: outcomes.len() as u64,
                 steps: outcomes.iter().map(|outcome| outcome.steps.len() as u64).sum(),
@@ -380,7 +381,7 @@ impl<'a, T: Send> Digestion<'a, T> {
             (portion, started.elapsed())
         };
         let digested: Vec<_> = self.pool.install(|| portions.into_par_iter().map(digest).collect());
-        self.digested = Instant::now();
+        self.digested = Stopwatch::start();
         self.time += digested.iter().map(|(_, time)| *time).sum::<Duration>();
         digested.into_iter().map(|(portion, _)| portion).collect()
     }
@@ -401,7 +402,7 @@ fn receive_all<T>(
     time: &mut Duration,
 ) -> Result<(), Error> {
     for portions in solved {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         for portion in portions? {
             statistics.designs += portion.designs;
             statistics.steps += portion.steps;

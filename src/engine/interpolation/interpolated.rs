@@ -1,6 +1,6 @@
 //! Designs with interpolated bodies: each is found in its fit, and their contact is that of any two bodies.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use foldhash::HashMap;
 use rayon::prelude::*;
@@ -17,6 +17,7 @@ use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind, Method};
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::engine::stopwatch::Stopwatch;
 use crate::mechanics::compliance::body_fit::FitScratch;
 use crate::mechanics::contact::curve::CurveRoom;
 use crate::study::design::DesignCase;
@@ -44,7 +45,7 @@ impl Interpolation {
         if self.fitted.is_some() {
             return;
         }
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let mut fitted = HashMap::default();
         for (family, budget) in &self.plan.families {
             if let Some(mut fit) = family.fit(self.plan.accuracy, *budget, library, spaces) {
@@ -80,7 +81,7 @@ impl Interpolation {
         let solved: Vec<(Vec<Option<Answer>>, Duration)> = cases
             .par_chunks(TOGETHER)
             .map_init(Default::default, |scratch, cases| {
-                let started = Instant::now();
+                let started = Stopwatch::start();
                 let answers = cases.iter().map(|case| this.solve_design(spaces, case, scratch)).collect();
                 (answers, started.elapsed())
             })
