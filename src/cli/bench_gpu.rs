@@ -17,8 +17,10 @@ use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
 use jointsweep::internals::engine::outcome::DesignOutcome;
 use jointsweep::internals::engine::sweep::{self, Digest, Statistics, SweepOptions};
 use jointsweep::internals::lab::gpu::benchmark::{Asked, GpuBenchmark};
+use jointsweep::internals::lab::gpu::budget::Budget;
 use jointsweep::internals::lab::gpu::figures::{GpuSweep, PrecisionRow, ScalingRow};
-use jointsweep::internals::lab::gpu::measure::{SWEEP_ACCURACY, body_kernels};
+use jointsweep::internals::lab::gpu::measure::{KernelTime, SWEEP_ACCURACY, body_kernels};
+use jointsweep::internals::lab::gpu::measured_sweep::{MeasuredSweep, SWEEPS};
 use jointsweep::internals::lab::gpu::roofline::{Peaks, peaks};
 use jointsweep::internals::output::folder::ResultFolder;
 use jointsweep::internals::output::manifest::Conditions;
@@ -26,7 +28,7 @@ use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::design::DesignCase;
 
-use super::arguments::{count, thread_count, threads};
+use super::arguments::{count, thread_count, threads, time};
 use super::backend::PrecisionChoice;
 use super::bench::Scratch;
 use super::gpu_summary::{summary, told};
@@ -47,15 +49,22 @@ pub struct BenchGpuArgs {
     /// Folder of the figures [default: results/<adapter's name>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Time that all of it may take, like 8min or 90s: the most important figures come first, and what there is no time for is left out
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    budget: Option<Duration>,
     /// Threads of the processor [default: all cores]
     #[arg(long, value_name = "N", value_parser = thread_count)]
     threads: Option<usize>,
 }
 
-/// Designs that are all different, solved on meshes at 1 %.
-const SWEEP: &str = include_str!("../../configs/random.toml");
-const SWEEP_PATH: &str = "configs/random.toml";
-const SWEEP_COUNT: &str = "count  = 10000";
+/// The sweep that checks, and that each precision is timed with.
+const FIRST: MeasuredSweep = SWEEPS[0];
+
+/// Designs that a check begins with.
+const FEW_CHECKED: u64 = 10;
+
+/// No kernel is timed where less time is left.
+const FOR_KERNELS: Duration = Duration::from_secs(60);
 
 /// A size that takes longer is the last one.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -77,6 +86,8 @@ struct Effort {
     /// Meshes of the kernels: that of a sweep at 1 %, and one of 0.1 %.
     levels: &'static [usize],
     most_on_cpu: u64,
+    /// Of the largest sweep of each kind but the first.
+    most_of_others: u64,
     remark: Option<&'static str>,
 }
 
@@ -90,6 +101,7 @@ impl Effort {
                 kernel_designs: 64,
                 levels: &[1],
                 most_on_cpu: 100_000,
+                most_of_others: most.min(10),
                 remark: Some(
                     "software: fewer designs are checked and measured, once each, small batches; no speed",
                 ),
@@ -101,6 +113,7 @@ impl Effort {
                 kernel_designs: 8192,
                 levels: &[1, 3],
                 most_on_cpu: 100_000,
+                most_of_others: most.min(100_000),
                 remark: None,
             },
         }
@@ -112,10 +125,18 @@ struct Bench<'a> {
     gpu: &'a GpuDevice,
     threads: usize,
     effort: Effort,
+    budget: Budget,
+}
+
+/// Forces that were compared, and the worst relative difference.
+#[derive(Clone, Copy)]
+struct Checked {
+    designs: u64,
+    worst_difference: f64,
 }
 
 pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
-    let started = SystemTime::now();
+    let (started, opened) = (SystemTime::now(), Instant::now());
     let choice = args.adapter.as_deref().map_or(AdapterChoice::Best, AdapterChoice::Named);
     backend::quiet_driver();
     let gpu = Adapters::enumerate().open(choice).map_err(into_error)?;
@@ -132,26 +153,28 @@ pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
     };
     let threads = threads(args.threads);
     let most = args.most;
-    let bench = Bench { gpu: &gpu, threads, effort: Effort::on(gpu.facts.kind, most) };
+    let budget = Budget::new(args.budget.map(|budget| budget.saturating_sub(opened.elapsed())));
+    let bench = Bench { gpu: &gpu, threads, effort: Effort::on(gpu.facts.kind, most), budget };
     say(&format!("{}, {}", gpu.facts.name, gpu.facts.driver));
 
     // Nothing is written before all precisions have been found right.
-    let differences = precisions.iter().map(|precision| bench.check(*precision));
-    let differences = differences.collect::<Result<Vec<f64>, Error>>()?;
+    let checks = precisions.iter().map(|precision| bench.check(*precision, precisions.len()));
+    let checks = checks.collect::<Result<Vec<Checked>, Error>>()?;
     let out = args.out.clone().unwrap_or_else(|| Path::new("results").join(folder_name(&gpu.facts.name)));
     let asked = Asked {
         most,
         precisions: precisions.iter().map(|precision| precision.name()).collect(),
         scaling_precision: best.name(),
-        checked_designs: bench.effort.checked,
+        checked_designs: checks.iter().map(|check| check.designs).min().unwrap_or(0),
         kernel_designs: bench.effort.kernel_designs,
         runs: bench.effort.runs,
         most_on_cpu: bench.effort.most_on_cpu,
         threads,
+        budget_seconds: args.budget.map(|budget| budget.as_secs_f64()),
         remark: bench.effort.remark,
     };
-    let mut files = GpuBenchmark::create(&out, &gpu.facts, asked, &study(most)?, started)?;
-    match bench.measure(&mut files, &precisions, &differences, best, most) {
+    let mut files = GpuBenchmark::create(&out, &gpu.facts, asked, &FIRST.study(most, false)?, started)?;
+    match bench.measure(&mut files, &precisions, &checks, best, most) {
         Ok(text) => {
             files.finish()?;
             print(&text)?;
@@ -166,30 +189,53 @@ pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
 }
 
 impl Bench<'_> {
-    /// The worst relative difference of the forces from the processor's, none of it above what is allowed.
-    fn check(&self, precision: Precision) -> Result<f64, Error> {
-        let study = study(self.effort.checked)?;
-        let (mut found, mut expected) = (Vec::new(), Vec::new());
-        let statistics = self.sweep(&study, Some(precision), &mut |outcome| found.push(outcome))?.1;
-        self.sweep(&study, None, &mut |outcome| expected.push(outcome))?;
-        let worst = worst_difference(&found, &expected, allowed(precision)).map_err(|problem| {
-            let (adapter, problem) = (self.gpu.facts.name.clone(), problem.to_string());
-            Error::WrongAnswer { adapter, precision: precision.name(), problem }
-        })?;
+    /// As many designs as there is time for, none of whose forces is off by more than is allowed.
+    fn check(&self, precision: Precision, precisions: usize) -> Result<Checked, Error> {
+        let started = Instant::now();
+        let few = self.checked(precision, self.effort.checked.min(FEW_CHECKED))?;
+        let forecast = started.elapsed().as_secs_f64() * self.effort.checked as f64 / few.designs as f64;
+        // Other precisions come after it, and then all that is measured.
+        let is_all = few.designs == self.effort.checked;
+        let checked = if is_all || !self.budget.bears(2.0 * forecast * precisions as f64) {
+            few
+        } else {
+            self.checked(precision, self.effort.checked)?
+        };
+        let Checked { designs, worst_difference } = checked;
         say(&format!(
-            "{}: {} designs are the processor's to {worst:.1e} ({} of them it solved itself)",
-            precision.name(),
-            statistics.designs,
-            statistics.designs_on_cpu
+            "{}: {designs} designs are the processor's to {worst_difference:.1e}",
+            precision.name()
         ));
-        Ok(worst)
+        Ok(checked)
+    }
+
+    /// Against the processor, whatever the time.
+    fn checked(&self, precision: Precision, designs: u64) -> Result<Checked, Error> {
+        let study = FIRST.study(designs, false)?;
+        let (mut found, mut expected) = (Vec::new(), Vec::new());
+        let gpu = GpuChoice::new(self.gpu, precision);
+        let statistics = self.sweep(&study, Some(gpu), &mut |outcome| {
+            found.push(outcome);
+            ControlFlow::Continue(())
+        })?;
+        self.is_measured(&statistics.1, precision)?;
+        self.sweep(&study, None, &mut |outcome| {
+            expected.push(outcome);
+            ControlFlow::Continue(())
+        })?;
+        let worst_difference =
+            worst_difference(&found, &expected, allowed(precision)).map_err(|problem| {
+                let (adapter, problem) = (self.gpu.facts.name.clone(), problem.to_string());
+                Error::WrongAnswer { adapter, precision: precision.name(), problem }
+            })?;
+        Ok(Checked { designs, worst_difference })
     }
 
     fn measure(
         &self,
         files: &mut GpuBenchmark,
         precisions: &[Precision],
-        differences: &[f64],
+        checks: &[Checked],
         best: Precision,
         most: u64,
     ) -> Result<String, Error> {
@@ -203,78 +249,148 @@ impl Bench<'_> {
         }
         files.save_peaks(&peaks_of)?;
 
-        let cases =
-            study(self.effort.kernel_designs)?.cases()?.collect::<Result<Vec<DesignCase>, Error>>()?;
-        let is_software = self.gpu.facts.kind == AdapterKind::Software;
-        let kernel_precisions = if is_software { &[best] } else { precisions };
-        let mut kernels = Vec::new();
-        for &precision in kernel_precisions {
-            let choice = GpuChoice::new(self.gpu, precision);
-            for &level in self.effort.levels {
-                kernels.extend(body_kernels(choice, &cases, level).map_err(into_error)?);
-                say(&format!("kernels of bodies, {}, mesh level {level}", precision.name()));
-            }
-        }
-        files.save_kernels(&kernels, &peaks_of)?;
-
         let mut scaling = Vec::new();
-        for designs in sizes(most) {
-            let started = Instant::now();
-            scaling.push(self.size(files, best, designs)?);
-            files.save_scaling(&scaling)?;
-            if started.elapsed() > PATIENCE && designs < most {
-                let remark = format!(
-                    "{designs} designs took {}: no larger sweeps",
-                    duration(started.elapsed().as_secs_f64())
-                );
-                say(&remark);
-                files.remark(remark);
-                break;
-            }
+        let [first, others @ ..] = &SWEEPS;
+        self.sizes(files, &mut scaling, *first, best, most)?;
+        let rows = self.precisions(files, &scaling, precisions, checks)?;
+        let kernels = self.kernels(files, &peaks_of, precisions, best)?;
+        for measured in others {
+            self.sizes(files, &mut scaling, *measured, best, self.effort.most_of_others)?;
         }
-        let designs = self.precision_designs(&scaling);
-        let mut rows = Vec::new();
-        for (precision, difference) in precisions.iter().zip(differences) {
-            rows.push(self.precision(*precision, designs, *difference)?);
-        }
-        files.save_precisions(&rows)?;
         Ok(summary(self.gpu, &rows, &scaling, &kernels, &peaks_of))
     }
 
-    /// As many designs as were done in a short time.
-    fn precision_designs(&self, scaling: &[ScalingRow]) -> u64 {
-        let sweeps = scaling.iter().map(|row| &row.sweep).filter(|sweep| sweep.seconds < SHORT.as_secs_f64());
-        sweeps.map(|sweep| sweep.designs).max().unwrap_or(SMALLEST).min(self.effort.designs)
+    /// Every size of a sweep that there is time for.
+    fn sizes(
+        &self,
+        files: &mut GpuBenchmark,
+        scaling: &mut Vec<ScalingRow>,
+        measured: MeasuredSweep,
+        precision: Precision,
+        most: u64,
+    ) -> Result<(), Error> {
+        let MeasuredSweep { scene, accuracy, solver, .. } = measured;
+        let called = format!("{scene}, {accuracy}, {}", solver.name());
+        let mut before: Option<(u64, f64)> = None;
+        for designs in sizes(most) {
+            let forecast = before.map_or(0.0, |(known, taken)| taken * designs as f64 / known as f64);
+            let is_long = before.is_some_and(|(_, taken)| taken > PATIENCE.as_secs_f64());
+            let started = Instant::now();
+            let row = if is_long || !self.budget.bears(forecast) {
+                None
+            } else {
+                self.size(files, measured, precision, designs)?
+            };
+            let Some(row) = row else {
+                let foreseen = if forecast > 0.0 {
+                    format!(", which would take {}", duration(forecast))
+                } else {
+                    String::new()
+                };
+                self.left_out(files, &format!("{called}: {designs} designs and more{foreseen}"));
+                break;
+            };
+            say(&format!("{called}: {}", told(&row.sweep)));
+            before = Some((designs, started.elapsed().as_secs_f64()));
+            scaling.push(row);
+            files.save_scaling(scaling)?;
+        }
+        Ok(())
     }
 
-    /// The run of the median time.
+    fn left_out(&self, files: &mut GpuBenchmark, what: &str) {
+        let remark = format!("no time for {what}");
+        say(&remark);
+        files.remark(remark);
+    }
+
+    /// Each precision on as many designs as were done in a short time.
+    fn precisions(
+        &self,
+        files: &mut GpuBenchmark,
+        scaling: &[ScalingRow],
+        precisions: &[Precision],
+        checks: &[Checked],
+    ) -> Result<Vec<PrecisionRow>, Error> {
+        let runs = (self.effort.runs * precisions.len()) as f64;
+        let sweeps = scaling.iter().map(|row| &row.sweep);
+        let short = sweeps
+            .filter(|sweep| sweep.seconds < SHORT.as_secs_f64() && self.budget.bears(runs * sweep.seconds));
+        let mut rows = Vec::new();
+        if let Some(designs) = short.map(|sweep| sweep.designs).max() {
+            let designs = designs.min(self.effort.designs);
+            for (precision, checked) in precisions.iter().zip(checks) {
+                rows.extend(self.precision(*precision, designs, *checked)?);
+            }
+        }
+        if rows.len() < precisions.len() {
+            self.left_out(files, "sweeps in each precision");
+        }
+        files.save_precisions(&rows)?;
+        Ok(rows)
+    }
+
+    /// The run of the median time; nothing where time runs out.
     fn precision(
         &self,
         precision: Precision,
         designs: u64,
-        worst_difference: f64,
-    ) -> Result<PrecisionRow, Error> {
-        let study = study(designs)?;
-        let mut sweeps = (0..self.effort.runs)
-            .map(|_| self.dropped(&study, precision))
-            .collect::<Result<Vec<GpuSweep>, Error>>()?;
+        checked: Checked,
+    ) -> Result<Option<PrecisionRow>, Error> {
+        let study = FIRST.study(designs, false)?;
+        let gpu = GpuChoice::new(self.gpu, precision);
+        let sweeps =
+            (0..self.effort.runs).map(|_| self.dropped(&study, gpu)).collect::<Result<Vec<_>, _>>()?;
+        let Some(mut sweeps) = sweeps.into_iter().collect::<Option<Vec<GpuSweep>>>() else { return Ok(None) };
         sweeps.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
         let sweep = sweeps.swap_remove(self.effort.runs / 2);
         say(&format!("{}: {}", precision.name(), told(&sweep)));
-        let checked = self.effort.checked;
-        Ok(PrecisionRow { precision: precision.name(), sweep, checked, worst_difference })
+        let Checked { designs: checked, worst_difference } = checked;
+        Ok(Some(PrecisionRow { precision: precision.name(), sweep, checked, worst_difference }))
     }
 
+    /// Each kernel of both solvers, alone.
+    fn kernels(
+        &self,
+        files: &mut GpuBenchmark,
+        peaks_of: &[Peaks],
+        precisions: &[Precision],
+        best: Precision,
+    ) -> Result<Vec<KernelTime>, Error> {
+        let study = FIRST.study(self.effort.kernel_designs, false)?;
+        let cases = study.cases()?.collect::<Result<Vec<DesignCase>, Error>>()?;
+        let is_software = self.gpu.facts.kind == AdapterKind::Software;
+        let precisions = if is_software { &[best] } else { precisions };
+        let mut kernels = Vec::new();
+        for &precision in precisions {
+            for &level in self.effort.levels {
+                let called = format!("kernels of bodies, {}, mesh level {level}", precision.name());
+                if self.budget.left().is_some_and(|left| left < FOR_KERNELS) {
+                    self.left_out(files, &called);
+                    continue;
+                }
+                let choice = GpuChoice::new(self.gpu, precision);
+                kernels.extend(body_kernels(choice, &cases, level).map_err(into_error)?);
+                say(&called);
+            }
+        }
+        files.save_kernels(&kernels, peaks_of)?;
+        Ok(kernels)
+    }
+
+    /// Nothing where time runs out.
     fn size(
         &self,
         files: &mut GpuBenchmark,
+        measured: MeasuredSweep,
         precision: Precision,
         designs: u64,
-    ) -> Result<ScalingRow, Error> {
-        let study = study(designs)?;
-        let sweep = self.dropped(&study, precision)?;
-        let with_table = match self.with_table(&study, precision) {
-            Ok(figures) => Some(figures),
+    ) -> Result<Option<ScalingRow>, Error> {
+        let study = measured.study(designs, false)?;
+        let gpu = GpuChoice { solver: measured.solver, ..GpuChoice::new(self.gpu, precision) };
+        let Some(sweep) = self.dropped(&study, gpu)? else { return Ok(None) };
+        let with_table = match self.with_table(&study, gpu) {
+            Ok(figures) => figures,
             // The temporary folder may be small; all else is still worth knowing.
             Err(error @ Error::Io { .. }) => {
                 files.remark(format!("{designs} designs without a table: {error}"));
@@ -282,19 +398,35 @@ impl Bench<'_> {
             }
             Err(error) => return Err(error),
         };
-        let cpu_seconds = if designs <= self.effort.most_on_cpu {
-            Some(self.sweep(&study, None, &mut drop)?.0)
-        } else {
-            None
+        let on_cpu = |study: &Study| -> Result<Option<f64>, Error> {
+            if designs > self.effort.most_on_cpu {
+                return Ok(None);
+            }
+            let (seconds, statistics) = self.sweep(study, None, &mut |_| self.goes_on())?;
+            Ok((!statistics.interrupted).then_some(seconds))
         };
-        say(&told(&sweep));
-        Ok(ScalingRow { precision: precision.name(), sweep, with_table, cpu_seconds })
+        Ok(Some(ScalingRow {
+            measured,
+            precision: precision.name(),
+            sweep,
+            with_table,
+            cpu_seconds: on_cpu(&study)?,
+            cpu_interpolated_seconds: on_cpu(&measured.study(designs, true)?)?,
+        }))
     }
 
-    /// A sweep on the GPU whose outcomes nobody keeps.
-    fn dropped(&self, study: &Study, precision: Precision) -> Result<GpuSweep, Error> {
-        let (seconds, statistics) = self.sweep(study, Some(precision), &mut drop)?;
-        Ok(GpuSweep {
+    fn goes_on(&self) -> ControlFlow<()> {
+        if self.budget.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// A sweep on the GPU whose outcomes nobody keeps; nothing where time runs out.
+    fn dropped(&self, study: &Study, gpu: GpuChoice) -> Result<Option<GpuSweep>, Error> {
+        let (seconds, statistics) = self.sweep(study, Some(gpu), &mut |_| self.goes_on())?;
+        if statistics.interrupted {
+            return Ok(None);
+        }
+        self.is_measured(&statistics, gpu.precision)?;
+        Ok(Some(GpuSweep {
             designs: statistics.designs,
             seconds,
             solves: statistics.solves,
@@ -305,52 +437,46 @@ impl Bench<'_> {
                 .iter()
                 .map(|(name, time)| (name.to_string(), time.as_secs_f64()))
                 .collect(),
-        })
+        }))
     }
 
-    /// Wall time of a sweep on the GPU with its table on disk, s, and the bytes of the table.
-    fn with_table(&self, study: &Study, precision: Precision) -> Result<(f64, u64), Error> {
+    /// Wall time of a sweep on the GPU with its table on disk, s, and the bytes of the table; nothing where time runs out.
+    fn with_table(&self, study: &Study, gpu: GpuChoice) -> Result<Option<(f64, u64)>, Error> {
         let scratch = Scratch::new()?;
         let folder = ResultFolder::of_run(Some(&scratch.0), study);
-        let gpu = Some(GpuChoice::new(self.gpu, precision));
         let started = Instant::now();
-        let conditions = Conditions { gpu, threads: self.threads, started: SystemTime::now() };
+        let conditions = Conditions { gpu: Some(gpu), threads: self.threads, started: SystemTime::now() };
         let mut recorder = Recorder::new(folder.claim("of bench-gpu")?, study, &conditions)?;
-        let options = SweepOptions { threads: self.threads, gpu, ..SweepOptions::default() };
+        let options = SweepOptions { threads: self.threads, gpu: Some(gpu), ..SweepOptions::default() };
         let sinks = recorder.sinks();
         let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
         let statistics = sweep::run_digested(study, &options, &digest, &mut |rows| {
             recorder.write(&rows)?;
-            Ok(ControlFlow::Continue(()))
+            Ok(self.goes_on())
         })?;
+        if statistics.interrupted {
+            return Ok(None);
+        }
         recorder.finish(&statistics)?;
         let seconds = started.elapsed().as_secs_f64();
-        self.is_measured(&statistics, precision)?;
+        self.is_measured(&statistics, gpu.precision)?;
         let path: PathBuf = folder.table(study);
         let bytes =
             std::fs::metadata(&path).map_err(|source| Error::Io { action: "read", path, source })?.len();
-        Ok((seconds, bytes))
+        Ok(Some((seconds, bytes)))
     }
 
-    /// Wall time of a sweep, s; on the processor without a precision. A GPU that gives up is an error.
+    /// Wall time of a sweep, s; on the processor without a GPU.
     fn sweep(
         &self,
         study: &Study,
-        precision: Option<Precision>,
-        receive: &mut dyn FnMut(DesignOutcome),
+        gpu: Option<GpuChoice>,
+        receive: &mut dyn FnMut(DesignOutcome) -> ControlFlow<()>,
     ) -> Result<(f64, Statistics), Error> {
-        let gpu = precision.map(|precision| GpuChoice::new(self.gpu, precision));
         let options = SweepOptions { threads: self.threads, gpu, ..SweepOptions::default() };
         let started = Instant::now();
-        let statistics = sweep::run(study, &options, &mut |outcome| {
-            receive(outcome);
-            Ok(ControlFlow::Continue(()))
-        })?;
-        let seconds = started.elapsed().as_secs_f64();
-        if let Some(precision) = precision {
-            self.is_measured(&statistics, precision)?;
-        }
-        Ok((seconds, statistics))
+        let statistics = sweep::run(study, &options, &mut |outcome| Ok(receive(outcome)))?;
+        Ok((started.elapsed().as_secs_f64(), statistics))
     }
 
     /// Whether the GPU has computed what it is measured by.
@@ -369,12 +495,6 @@ impl Bench<'_> {
 
 fn into_error(error: GpuError) -> Error {
     Error::Adapter { problem: error.to_string() }
-}
-
-/// The sweep with so many designs.
-fn study(designs: u64) -> Result<Study, Error> {
-    let text = SWEEP.replace(SWEEP_COUNT, &format!("count  = {designs}"));
-    Study::from_text(Path::new(SWEEP_PATH), text)
 }
 
 /// Relative, of the forces: more than `tests/gpu_parity` allows, since other devices round otherwise.
@@ -401,13 +521,6 @@ fn folder_name(adapter: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_sweep_has_as_many_designs_as_asked() {
-        for designs in [1, 100, 1_000_000] {
-            assert_eq!(study(designs).unwrap().design_count(), designs);
-        }
-    }
 
     #[test]
     fn sizes_end_with_the_most() {

@@ -41,16 +41,32 @@ pub fn summary(
     text += &aligned(&lines);
 
     text += &format!("\nin {}\n", scaling.first().map_or("", |row| row.precision));
-    let mut lines =
-        vec![["designs", "wall", "designs/s", "with table", "processor", "GPU/CPU"].map(String::from)];
-    lines.extend(scaling.iter().map(|ScalingRow { sweep, with_table, cpu_seconds, .. }| {
+    let header = [
+        "plates",
+        "accuracy",
+        "solver",
+        "designs",
+        "wall",
+        "designs/s",
+        "with table",
+        "processor",
+        "GPU/CPU",
+        "interpolated",
+    ];
+    let mut lines = vec![header.map(String::from)];
+    lines.extend(scaling.iter().map(|row| {
+        let ScalingRow { measured, sweep, with_table, cpu_seconds, cpu_interpolated_seconds, .. } = row;
         [
+            measured.scene.to_string(),
+            measured.accuracy.to_string(),
+            measured.solver.name().to_string(),
             sweep.designs.to_string(),
             duration(sweep.seconds),
             format!("{:.0}", sweep.designs_per_second()),
             with_table.map_or(String::new(), |(seconds, _)| duration(seconds)),
             cpu_seconds.map_or(String::new(), duration),
             cpu_seconds.map_or(String::new(), |seconds| format!("{:.3}", seconds / sweep.seconds)),
+            cpu_interpolated_seconds.map_or(String::new(), duration),
         ]
     }));
     text += &aligned(&lines);

@@ -116,7 +116,14 @@ impl Study {
 
     /// Checks a config whose text is at hand; `path` is what complaints and manifests call it.
     pub fn from_text(path: &Path, text: String) -> Result<Study, Error> {
-        Study::read(Source::new(path.to_path_buf(), text))
+        Study::from_text_with(path, text, &[])
+    }
+
+    /// The same with values set beside the text.
+    pub fn from_text_with(path: &Path, text: String, settings: &[Setting]) -> Result<Study, Error> {
+        let mut source = Source::new(path.to_path_buf(), text);
+        source.set(settings)?;
+        Study::read(source)
     }
 
     fn read(source: Source) -> Result<Study, Error> {

@@ -51,14 +51,22 @@ fn every_file_is_there_and_its_figures_are_sane() {
     assert!(difference < 1e-4, "{difference:e}");
 
     let scaling = work.table("figures/scaling.csv");
-    assert_eq!(scaling.column("designs"), ["100"]);
+    assert_eq!(scaling.column("scene"), ["concentric", "concentric", "blocks", "blocks", "concentric"]);
+    assert_eq!(scaling.column("accuracy"), ["1 %", "0.1 %", "1 %", "0.1 %", "1 %"]);
+    assert_eq!(scaling.column("solver"), ["auto", "auto", "auto", "auto", "pcg"]);
+    let others = if is_software { "10" } else { "100" };
+    assert_eq!(scaling.column("designs"), ["100", others, others, others, others]);
+    positive(&scaling, "cpu_interpolated_wall_s");
+    // Conjugate gradients solve systems, elimination none.
+    let solves: Vec<u64> = scaling.column("solves").iter().map(|cell| cell.parse().unwrap()).collect();
+    assert!(solves[4] > 0 && solves[0] == 0, "{solves:?}");
     let of = |name: &str| positive(&scaling, name)[0];
     assert!((of("designs_per_s") * of("wall_s") - 100.0).abs() < 0.1);
     assert!((of("gpu_over_cpu") * of("wall_s") / of("cpu_wall_s") - 1.0).abs() < 1e-3);
     assert!(of("with_table_s") > 0.0 && of("table_bytes") > 100.0 * 10.0 * 100.0);
 
     let kernels = work.table("figures/kernels.csv");
-    let expected = ["assemble", "pcg", "refine", "condense", "works"];
+    let expected = ["elimination", "assemble", "pcg", "refine", "condense", "works"];
     assert_eq!(kernels.column("kernel"), expected);
     for name in ["seconds", "operations", "bytes", "gflop_per_s", "gb_per_s", "arithmetic_floor_s"] {
         positive(&kernels, name);
@@ -71,8 +79,43 @@ fn every_file_is_there_and_its_figures_are_sane() {
     }
     let iterations = kernels.column("iterations");
     // A system takes tens of steps, and only `pcg` counts them.
-    assert!(iterations[1].parse::<f64>().unwrap() > 100.0, "{iterations:?}");
+    assert!(iterations[2].parse::<f64>().unwrap() > 100.0, "{iterations:?}");
     assert_eq!(iterations.iter().filter(|cell| cell.is_empty()).count(), expected.len() - 1);
+}
+
+/// What there is no time for is left out and named; the check never is.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_benchmark_ends_in_time() {
+    let work = Workdir::new("bench-gpu-budget");
+    let arguments =
+        ["bench-gpu", "--adapter", "", "--precision", "f32", "--budget", "0.01 s", "--out", "figures"];
+    let told = work.run(&arguments).expect(0);
+    let manifest = work.json("figures/manifest.json");
+    assert_eq!(
+        (&manifest["state"], &manifest["asked"]["budget_seconds"]),
+        (&"complete".into(), &0.01.into())
+    );
+    assert!(manifest["asked"]["checked_designs"].as_u64().unwrap() >= 10);
+    let remarks: Vec<&str> =
+        manifest["remarks"].as_array().unwrap().iter().map(|remark| remark.as_str().unwrap()).collect();
+    // Five sweeps, the precisions, and each mesh of the kernels.
+    assert!(
+        remarks.len() >= 7 && remarks.iter().all(|remark| remark.starts_with("no time for ")),
+        "{remarks:?}"
+    );
+    assert!(remarks.iter().all(|remark| told.stderr.contains(remark)), "{}", told.stderr);
+    assert!(!work.files().contains(&"figures/scaling.csv".to_string()));
+    assert!(work.table("figures/precisions.csv").column("precision").is_empty());
+    assert!(work.table("figures/kernels.csv").column("kernel").is_empty());
+    for wrong in ["8", "0s", "1 day", "min", "nan s"] {
+        let refused = work.run(&["bench-gpu", "--budget", wrong]).expect(1);
+        assert!(
+            refused.stderr.contains("a time is needed, like 90s, 8min or 1h"),
+            "{wrong}: {}",
+            refused.stderr
+        );
+    }
 }
 
 #[test]

@@ -93,6 +93,9 @@ pub struct Asked {
     /// The largest sweep that the processor is timed with.
     pub most_on_cpu: u64,
     pub threads: usize,
+    /// Time that all of it may take, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub budget_seconds: Option<f64>,
     /// What is smaller than usual, and why.
     pub remark: Option<&'static str>,
 }

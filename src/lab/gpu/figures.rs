@@ -1,6 +1,7 @@
 //! The rows of a GPU's benchmark, and the tables they are written as.
 
 use crate::lab::gpu::measure::KernelTime;
+use crate::lab::gpu::measured_sweep::MeasuredSweep;
 use crate::lab::gpu::roofline::Peaks;
 
 /// A whole sweep on the GPU.
@@ -30,15 +31,18 @@ pub struct PrecisionRow {
     pub worst_difference: f64,
 }
 
-/// A size of sweep.
+/// A size of a sweep.
 #[derive(Clone, Debug)]
 pub struct ScalingRow {
+    pub measured: MeasuredSweep,
     pub precision: &'static str,
     pub sweep: GpuSweep,
     /// With the table written as well, s, and its bytes; `None` where there was no room for it.
     pub with_table: Option<(f64, u64)>,
     /// On the processor of the same machine, without a table, s.
     pub cpu_seconds: Option<f64>,
+    /// The same with bodies interpolated, s.
+    pub cpu_interpolated_seconds: Option<f64>,
 }
 
 impl GpuSweep {
@@ -131,13 +135,16 @@ pub fn precisions(rows: &[PrecisionRow]) -> String {
 pub fn scaling(rows: &[ScalingRow]) -> String {
     let stages = stage_columns(rows.first().map(|row| &row.sweep));
     let mut text =
-        "designs,precision,wall_s,designs_per_s,solves,designs_on_cpu,with_table_s,table_bytes,cpu_wall_s,\
-                    cpu_designs_per_s,gpu_over_cpu"
+        "scene,accuracy,solver,designs,precision,wall_s,designs_per_s,solves,designs_on_cpu,with_table_s,\
+                    table_bytes,cpu_wall_s,cpu_designs_per_s,gpu_over_cpu,cpu_interpolated_wall_s"
             .to_string()
             + &stage_header(&stages)
             + "\n";
-    for ScalingRow { precision, sweep, with_table, cpu_seconds } in rows {
+    for ScalingRow { measured, precision, sweep, with_table, cpu_seconds, cpu_interpolated_seconds } in rows {
         let own = [
+            measured.scene.to_string(),
+            measured.accuracy.to_string(),
+            measured.solver.name().to_string(),
             sweep.designs.to_string(),
             precision.to_string(),
             number(sweep.seconds),
@@ -149,6 +156,7 @@ pub fn scaling(rows: &[ScalingRow]) -> String {
             optional(*cpu_seconds),
             optional(cpu_seconds.map(|seconds| sweep.designs as f64 / seconds)),
             optional(cpu_seconds.map(|seconds| seconds / sweep.seconds)),
+            optional(*cpu_interpolated_seconds),
         ];
         text += &line(&[&own[..], &stage_cells(&stages, sweep)].concat());
     }
@@ -205,6 +213,7 @@ pub fn peaks(rows: &[Peaks]) -> String {
 mod tests {
     use super::*;
     use crate::engine::backend::gpu::kernels::Precision;
+    use crate::lab::gpu::measured_sweep::SWEEPS;
     use crate::lab::gpu::work::Work;
 
     fn time(operations: u64, bytes: u64) -> KernelTime {
@@ -254,13 +263,20 @@ mod tests {
             worst_residual: 1e-4,
             stages: vec![("condensation on the GPU".into(), 0.5)],
         };
-        let row = ScalingRow { precision: "f32", sweep, with_table: Some((5.0, 99)), cpu_seconds: Some(8.0) };
-        let empty = ScalingRow { cpu_seconds: None, ..row.clone() };
+        let row = ScalingRow {
+            measured: SWEEPS[1],
+            precision: "f32",
+            sweep,
+            with_table: Some((5.0, 99)),
+            cpu_seconds: Some(8.0),
+            cpu_interpolated_seconds: Some(2.5),
+        };
+        let empty = ScalingRow { cpu_seconds: None, cpu_interpolated_seconds: None, ..row.clone() };
         let text = scaling(&[row, empty]);
         let lines: Vec<&str> = text.lines().collect();
-        assert!(lines[0].ends_with("gpu_over_cpu,condensation_on_the_gpu_s"), "{}", lines[0]);
-        let start = "100,f32,4.00000e0,2.50000e1,800,1,5.00000e0,99,";
-        assert_eq!(lines[1], format!("{start}8.00000e0,1.25000e1,2.00000e0,5.00000e-1"));
-        assert_eq!(lines[2], format!("{start},,,5.00000e-1"));
+        assert!(lines[0].ends_with("cpu_interpolated_wall_s,condensation_on_the_gpu_s"), "{}", lines[0]);
+        let start = "concentric,0.1 %,auto,100,f32,4.00000e0,2.50000e1,800,1,5.00000e0,99,";
+        assert_eq!(lines[1], format!("{start}8.00000e0,1.25000e1,2.00000e0,2.50000e0,5.00000e-1"));
+        assert_eq!(lines[2], format!("{start},,,,5.00000e-1"));
     }
 }

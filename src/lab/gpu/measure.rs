@@ -1,14 +1,16 @@
 //! What each kernel takes, on batches as large as the planner makes them: times, with the work that was done in them.
 
 use std::collections::{BTreeMap, HashMap};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::engine::backend::choice::GpuChoice;
-use crate::engine::backend::gpu::batch::{Batch, KernelFacts, adapted, batches};
+use crate::engine::backend::gpu::batch::{Batch, KernelFacts, TARGET, adapted, batches};
 use crate::engine::backend::gpu::context::{AdapterKind, GpuError};
 use crate::engine::backend::gpu::dispatch::{Dispatch, Pass};
+use crate::engine::backend::gpu::elimination::{Elimination, FrontTopology, Job};
+use crate::engine::backend::gpu::front::FrontLayout;
 use crate::engine::backend::gpu::kernels::{Kernels, Precision, Stage};
-use crate::engine::backend::gpu::layout::SystemState;
+use crate::engine::backend::gpu::layout::{MeshLayout, SystemState};
 use crate::engine::backend::gpu::solver::{INVOCATIONS, Topology};
 use crate::engine::backend::gpu::speed::run;
 use crate::engine::backend::gpu::stages::{Rounds, SystemBatch};
@@ -17,6 +19,8 @@ use crate::engine::plan::JointPlan;
 use crate::lab::gpu::roofline::seconds;
 use crate::lab::gpu::work::{Sizes, Work};
 use crate::mechanics::body::Body;
+use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::solve::band::PRODUCT_OPERATIONS;
 use crate::study::config::MethodChoice;
 use crate::study::design::DesignCase;
 
@@ -90,9 +94,63 @@ pub fn body_kernels(
     };
     let kernels = Kernels::new(gpu, precision, INVOCATIONS)?;
     let topology = Topology::new(&kernels, &key, &bodies[0])?;
-    let times = of_bodies(&kernels, topology, &bodies)?;
+    let mut times: Vec<KernelTime> =
+        eliminated(&kernels, &topology.layout, &key, &bodies)?.into_iter().collect();
+    times.extend(of_bodies(&kernels, topology, &bodies)?);
     Ok(times.into_iter().map(|time| KernelTime { level, ..time }).collect())
 }
+
+/// Of a batch that is eliminated, from numbers to works: both kernels, the way up and down, and the wait. Nothing where the mesh is too
+/// fine for it.
+fn eliminated(
+    kernels: &Kernels,
+    mesh: &MeshLayout,
+    key: &TopologyKey,
+    bodies: &[Body],
+) -> Result<Option<KernelTime>, GpuError> {
+    let Kernels { gpu, precision, .. } = *kernels;
+    let front = FrontLayout::new(&bodies[0], &key.grading(&bodies[0]), &RingModes::of(&key.class), mesh);
+    let products = front.tile_products();
+    let Some(topology) = FrontTopology::new(kernels, mesh, front)? else { return Ok(None) };
+    let effort = Effort::on(gpu.facts.kind);
+    let numbers: Vec<Vec<f64>> = bodies.iter().map(|body| mesh.body_numbers(body)).collect();
+    let mut elimination = Elimination::default();
+    // The first batch is small, makes the buffers and tells the pace.
+    let (mut count, mut seconds) = (effort.bodies.min(PACING), Vec::new());
+    for sample in 0..=effort.samples {
+        let job = Job { topology: &topology, numbers: repeated(&numbers, count) };
+        let started = Instant::now();
+        elimination.condense(kernels, &[job])?;
+        let taken = started.elapsed().as_secs_f64();
+        if sample == 0 {
+            count = effort.bodies.min((count as f64 * TARGET.as_secs_f64() / taken).ceil() as usize);
+        } else {
+            seconds.push(taken);
+        }
+    }
+    seconds.sort_by(f64::total_cmp);
+    let items = count as u64;
+    let [geometry, values, states, fronts, numbers, works] = topology.body_bytes();
+    Ok(Some(KernelTime {
+        kernel: "elimination",
+        precision,
+        number_bytes: precision.wide_bytes(),
+        level: 0,
+        unknowns: Sizes::of(mesh).unknowns,
+        items,
+        seconds: seconds[seconds.len() / 2],
+        work: Work {
+            operations: items
+                * (products * PRODUCT_OPERATIONS + Sizes::of(mesh).assemble(1, precision).operations),
+            // What the kernels leave for each other is written and read.
+            bytes: items * (numbers + works + 2 * (geometry + values + states + fronts)),
+        },
+        iterations: None,
+    }))
+}
+
+/// Bodies of the batch that tells the pace.
+const PACING: usize = 64;
 
 /// As many bodies as the planner gives. The guess that a sweep begins with may be off by orders: the batch is cut by the
 /// time of a dispatch until that changes little.

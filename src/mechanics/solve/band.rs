@@ -270,7 +270,7 @@ impl BandStructure {
 }
 
 // Operations of one tile in the functions below.
-const PRODUCT_OPERATIONS: u64 = 2 * (TILE * TILE * TILE) as u64;
+pub const PRODUCT_OPERATIONS: u64 = 2 * (TILE * TILE * TILE) as u64;
 const DIVISION_OPERATIONS: u64 = TILE as u64 + (TILE * TILE * TILE) as u64;
 const FACTOR_OPERATIONS: u64 = (TILE * (2 * TILE * TILE + 3 * TILE + 7)) as u64 / 6;
 
