@@ -22,6 +22,7 @@ mod init;
 mod interrupt;
 mod laws;
 mod merge;
+mod pressure;
 mod progress;
 mod report;
 mod report_page;
@@ -72,6 +73,8 @@ enum Command {
     Laws(laws::LawsArgs),
     /// Says what each design is solved with and why, what was ruled out, and the estimated error and time
     Explain(explain::ExplainArgs),
+    /// Writes the contact pressure along the arc, of chosen designs of a config
+    Pressure(pressure::PressureArgs),
     /// Fits what is not known of a joint to measured forces and indentations
     Calibrate(calibrate::CalibrateArgs),
     /// Says which swept quantities the scatter of a result comes from: first-order and total Sobol indices
@@ -121,6 +124,7 @@ pub fn main() -> ExitCode {
         Command::Resubmit(args) => resubmit::resubmit(&args),
         Command::Laws(args) => laws::laws(&args),
         Command::Explain(args) => explain::explain(&args),
+        Command::Pressure(args) => pressure::pressure(&args),
         Command::Calibrate(args) => calibrate::calibrate(&args),
         Command::Sensitivity(args) => sensitivity::sensitivity(&args),
         Command::Report(args) => report_page::report_page(&args),

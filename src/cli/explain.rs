@@ -103,7 +103,8 @@ fn solved(study: &Study, case: DesignCase) -> Option<String> {
     })
 }
 
-fn nth(study: &Study, design: u64) -> Result<Option<DesignCase>, Error> {
+/// A design by its number in the table; nothing where there is none.
+pub fn nth(study: &Study, design: u64) -> Result<Option<DesignCase>, Error> {
     let Ok(before) = usize::try_from(design) else { return Ok(None) };
     study.cases()?.nth(before).transpose()
 }

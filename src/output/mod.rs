@@ -1,4 +1,4 @@
-pub(crate) mod number;
+pub mod number;
 pub mod schema;
 pub mod row_value;
 pub mod filter;

@@ -167,7 +167,7 @@ fn a_run_ends_with_a_summary_in_words() {
 }
 
 /// The same with pins that carry up to some half angle only.
-fn half_pins(text: &str) -> String {
+pub fn half_pins(text: &str) -> String {
     let text = text.replace("rigid-core", "rigid-midplane").replace("core_radius_ratio = 0.2\n", "");
     text.replace("method = \"series\"", "")
 }

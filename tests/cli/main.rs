@@ -13,6 +13,7 @@ mod cluster;
 mod commands;
 mod gpu;
 mod laws;
+mod pressure;
 
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
