@@ -18,6 +18,8 @@ mod explain;
 mod export;
 #[cfg(feature = "gpu")]
 mod gpu_summary;
+#[cfg(feature = "gpu")]
+mod gpu_sweeps;
 mod init;
 mod interrupt;
 mod laws;

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 use std::str::FromStr;
-use std::time::Duration;
 
 use clap::Args;
 use jointsweep::Error;
@@ -39,22 +38,6 @@ pub fn thread_count(text: &str) -> Result<usize, String> {
 pub fn count<T: FromStr + PartialOrd + From<u8>>(text: &str) -> Result<T, String> {
     let number = text.parse().ok().filter(|number| *number >= T::from(1));
     number.ok_or("a whole number from 1 on is needed".into())
-}
-
-/// A time above zero, like 8min or 90 s.
-pub fn time(text: &str) -> Result<Duration, String> {
-    let refused = || "a time is needed, like 90s, 8min or 1h".to_string();
-    let unit = text.find(|c: char| c.is_ascii_alphabetic()).ok_or_else(refused)?;
-    let (number, unit) = text.split_at(unit);
-    let seconds = match unit {
-        "s" => 1.0,
-        "min" => 60.0,
-        "h" => 3600.0,
-        _ => return Err(refused()),
-    };
-    let number: f64 = number.trim().parse().map_err(|_| refused())?;
-    let time = Duration::try_from_secs_f64(number * seconds).map_err(|_| refused())?;
-    if time.is_zero() { Err(refused()) } else { Ok(time) }
 }
 
 /// Threads that compute: as asked, or one a processor.

@@ -1,37 +1,28 @@
 //! `jointsweep bench-gpu`: one command that tells whether a GPU is right, how fast it is, and how far from what it can do.
 //! It needs the program and a Vulkan driver, nothing else.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use clap::Args;
 use jointsweep::Error;
-use jointsweep::internals::engine::agreement::worst_difference;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
-use jointsweep::internals::engine::backend::gpu::context::{
-    AdapterChoice, AdapterKind, Adapters, GpuDevice, GpuError,
-};
+use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, AdapterKind, Adapters, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
-use jointsweep::internals::engine::outcome::DesignOutcome;
-use jointsweep::internals::engine::sweep::{self, Digest, Statistics, SweepOptions};
 use jointsweep::internals::lab::gpu::benchmark::{Asked, GpuBenchmark};
 use jointsweep::internals::lab::gpu::budget::Budget;
 use jointsweep::internals::lab::gpu::figures::{GpuSweep, PrecisionRow, ScalingRow};
 use jointsweep::internals::lab::gpu::measure::{KernelTime, SWEEP_ACCURACY, body_kernels};
 use jointsweep::internals::lab::gpu::measured_sweep::{MeasuredSweep, SWEEPS};
 use jointsweep::internals::lab::gpu::roofline::{Peaks, peaks};
-use jointsweep::internals::output::folder::ResultFolder;
-use jointsweep::internals::output::manifest::Conditions;
-use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::design::DesignCase;
 
-use super::arguments::{count, thread_count, threads, time};
+use super::arguments::{count, thread_count, threads};
 use super::backend::PrecisionChoice;
-use super::bench::Scratch;
 use super::gpu_summary::{summary, told};
+use super::gpu_sweeps::{Checked, TimedSweeps};
 use super::report::duration;
 use super::{Ending, backend, print, say};
 
@@ -122,17 +113,8 @@ impl Effort {
 
 /// What all measurements share.
 struct Bench<'a> {
-    gpu: &'a GpuDevice,
-    threads: usize,
+    sweeps: TimedSweeps<'a>,
     effort: Effort,
-    budget: Budget,
-}
-
-/// Forces that were compared, and the worst relative difference.
-#[derive(Clone, Copy)]
-struct Checked {
-    designs: u64,
-    worst_difference: f64,
 }
 
 pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
@@ -154,7 +136,8 @@ pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
     let threads = threads(args.threads);
     let most = args.most;
     let budget = Budget::new(args.budget.map(|budget| budget.saturating_sub(opened.elapsed())));
-    let bench = Bench { gpu: &gpu, threads, effort: Effort::on(gpu.facts.kind, most), budget };
+    let sweeps = TimedSweeps { gpu: &gpu, threads, budget };
+    let bench = Bench { sweeps, effort: Effort::on(gpu.facts.kind, most) };
     say(&format!("{}, {}", gpu.facts.name, gpu.facts.driver));
 
     // Nothing is written before all precisions have been found right.
@@ -192,14 +175,14 @@ impl Bench<'_> {
     /// As many designs as there is time for, none of whose forces is off by more than is allowed.
     fn check(&self, precision: Precision, precisions: usize) -> Result<Checked, Error> {
         let started = Instant::now();
-        let few = self.checked(precision, self.effort.checked.min(FEW_CHECKED))?;
+        let few = self.sweeps.checked(&FIRST, precision, self.effort.checked.min(FEW_CHECKED))?;
         let forecast = started.elapsed().as_secs_f64() * self.effort.checked as f64 / few.designs as f64;
         // Other precisions come after it, and then all that is measured.
         let is_all = few.designs == self.effort.checked;
-        let checked = if is_all || !self.budget.bears(2.0 * forecast * precisions as f64) {
+        let checked = if is_all || !self.sweeps.budget.bears(2.0 * forecast * precisions as f64) {
             few
         } else {
-            self.checked(precision, self.effort.checked)?
+            self.sweeps.checked(&FIRST, precision, self.effort.checked)?
         };
         let Checked { designs, worst_difference } = checked;
         say(&format!(
@@ -207,28 +190,6 @@ impl Bench<'_> {
             precision.name()
         ));
         Ok(checked)
-    }
-
-    /// Against the processor, whatever the time.
-    fn checked(&self, precision: Precision, designs: u64) -> Result<Checked, Error> {
-        let study = FIRST.study(designs, false)?;
-        let (mut found, mut expected) = (Vec::new(), Vec::new());
-        let gpu = GpuChoice::new(self.gpu, precision);
-        let statistics = self.sweep(&study, Some(gpu), &mut |outcome| {
-            found.push(outcome);
-            ControlFlow::Continue(())
-        })?;
-        self.is_measured(&statistics.1, precision)?;
-        self.sweep(&study, None, &mut |outcome| {
-            expected.push(outcome);
-            ControlFlow::Continue(())
-        })?;
-        let worst_difference =
-            worst_difference(&found, &expected, allowed(precision)).map_err(|problem| {
-                let (adapter, problem) = (self.gpu.facts.name.clone(), problem.to_string());
-                Error::WrongAnswer { adapter, precision: precision.name(), problem }
-            })?;
-        Ok(Checked { designs, worst_difference })
     }
 
     fn measure(
@@ -239,9 +200,9 @@ impl Bench<'_> {
         best: Precision,
         most: u64,
     ) -> Result<String, Error> {
-        let mut peaks_of = vec![peaks(self.gpu, Precision::F32).map_err(into_error)?];
-        if self.gpu.facts.features.f64 {
-            peaks_of.push(peaks(self.gpu, Precision::F64).map_err(into_error)?);
+        let mut peaks_of = vec![peaks(self.sweeps.gpu, Precision::F32).map_err(into_error)?];
+        if self.sweeps.gpu.facts.features.f64 {
+            peaks_of.push(peaks(self.sweeps.gpu, Precision::F64).map_err(into_error)?);
         }
         for Peaks { precision, operations, bytes, .. } in &peaks_of {
             let (operations, bytes) = (1e-9 * operations, 1e-9 * bytes);
@@ -257,7 +218,7 @@ impl Bench<'_> {
         for measured in others {
             self.sizes(files, &mut scaling, *measured, best, self.effort.most_of_others)?;
         }
-        Ok(summary(self.gpu, &rows, &scaling, &kernels, &peaks_of))
+        Ok(summary(self.sweeps.gpu, &rows, &scaling, &kernels, &peaks_of))
     }
 
     /// Every size of a sweep that there is time for.
@@ -276,7 +237,7 @@ impl Bench<'_> {
             let forecast = before.map_or(0.0, |(known, taken)| taken * designs as f64 / known as f64);
             let is_long = before.is_some_and(|(_, taken)| taken > PATIENCE.as_secs_f64());
             let started = Instant::now();
-            let row = if is_long || !self.budget.bears(forecast) {
+            let row = if is_long || !self.sweeps.budget.bears(forecast) {
                 None
             } else {
                 self.size(files, measured, precision, designs)?
@@ -314,8 +275,9 @@ impl Bench<'_> {
     ) -> Result<Vec<PrecisionRow>, Error> {
         let runs = (self.effort.runs * precisions.len()) as f64;
         let sweeps = scaling.iter().map(|row| &row.sweep);
-        let short = sweeps
-            .filter(|sweep| sweep.seconds < SHORT.as_secs_f64() && self.budget.bears(runs * sweep.seconds));
+        let short = sweeps.filter(|sweep| {
+            sweep.seconds < SHORT.as_secs_f64() && self.sweeps.budget.bears(runs * sweep.seconds)
+        });
         let mut rows = Vec::new();
         if let Some(designs) = short.map(|sweep| sweep.designs).max() {
             let designs = designs.min(self.effort.designs);
@@ -338,9 +300,9 @@ impl Bench<'_> {
         checked: Checked,
     ) -> Result<Option<PrecisionRow>, Error> {
         let study = FIRST.study(designs, false)?;
-        let gpu = GpuChoice::new(self.gpu, precision);
+        let gpu = GpuChoice::new(self.sweeps.gpu, precision);
         let sweeps =
-            (0..self.effort.runs).map(|_| self.dropped(&study, gpu)).collect::<Result<Vec<_>, _>>()?;
+            (0..self.effort.runs).map(|_| self.sweeps.dropped(&study, gpu)).collect::<Result<Vec<_>, _>>()?;
         let Some(mut sweeps) = sweeps.into_iter().collect::<Option<Vec<GpuSweep>>>() else { return Ok(None) };
         sweeps.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
         let sweep = sweeps.swap_remove(self.effort.runs / 2);
@@ -359,17 +321,17 @@ impl Bench<'_> {
     ) -> Result<Vec<KernelTime>, Error> {
         let study = FIRST.study(self.effort.kernel_designs, false)?;
         let cases = study.cases()?.collect::<Result<Vec<DesignCase>, Error>>()?;
-        let is_software = self.gpu.facts.kind == AdapterKind::Software;
+        let is_software = self.sweeps.gpu.facts.kind == AdapterKind::Software;
         let precisions = if is_software { &[best] } else { precisions };
         let mut kernels = Vec::new();
         for &precision in precisions {
             for &level in self.effort.levels {
                 let called = format!("kernels of bodies, {}, mesh level {level}", precision.name());
-                if self.budget.left().is_some_and(|left| left < FOR_KERNELS) {
+                if self.sweeps.budget.left().is_some_and(|left| left < FOR_KERNELS) {
                     self.left_out(files, &called);
                     continue;
                 }
-                let choice = GpuChoice::new(self.gpu, precision);
+                let choice = GpuChoice::new(self.sweeps.gpu, precision);
                 kernels.extend(body_kernels(choice, &cases, level).map_err(into_error)?);
                 say(&called);
             }
@@ -387,9 +349,9 @@ impl Bench<'_> {
         designs: u64,
     ) -> Result<Option<ScalingRow>, Error> {
         let study = measured.study(designs, false)?;
-        let gpu = GpuChoice { solver: measured.solver, ..GpuChoice::new(self.gpu, precision) };
-        let Some(sweep) = self.dropped(&study, gpu)? else { return Ok(None) };
-        let with_table = match self.with_table(&study, gpu) {
+        let gpu = GpuChoice { solver: measured.solver, ..GpuChoice::new(self.sweeps.gpu, precision) };
+        let Some(sweep) = self.sweeps.dropped(&study, gpu)? else { return Ok(None) };
+        let with_table = match self.sweeps.with_table(&study, gpu) {
             Ok(figures) => figures,
             // The temporary folder may be small; all else is still worth knowing.
             Err(error @ Error::Io { .. }) => {
@@ -402,8 +364,7 @@ impl Bench<'_> {
             if designs > self.effort.most_on_cpu {
                 return Ok(None);
             }
-            let (seconds, statistics) = self.sweep(study, None, &mut |_| self.goes_on())?;
-            Ok((!statistics.interrupted).then_some(seconds))
+            self.sweeps.on_cpu(study)
         };
         Ok(Some(ScalingRow {
             measured,
@@ -414,96 +375,26 @@ impl Bench<'_> {
             cpu_interpolated_seconds: on_cpu(&measured.study(designs, true)?)?,
         }))
     }
-
-    fn goes_on(&self) -> ControlFlow<()> {
-        if self.budget.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-
-    /// A sweep on the GPU whose outcomes nobody keeps; nothing where time runs out.
-    fn dropped(&self, study: &Study, gpu: GpuChoice) -> Result<Option<GpuSweep>, Error> {
-        let (seconds, statistics) = self.sweep(study, Some(gpu), &mut |_| self.goes_on())?;
-        if statistics.interrupted {
-            return Ok(None);
-        }
-        self.is_measured(&statistics, gpu.precision)?;
-        Ok(Some(GpuSweep {
-            designs: statistics.designs,
-            seconds,
-            solves: statistics.solves,
-            designs_on_cpu: statistics.designs_on_cpu,
-            worst_residual: statistics.worst_residual.unwrap_or(0.0),
-            stages: statistics
-                .stages
-                .iter()
-                .map(|(name, time)| (name.to_string(), time.as_secs_f64()))
-                .collect(),
-        }))
-    }
-
-    /// Wall time of a sweep on the GPU with its table on disk, s, and the bytes of the table; nothing where time runs out.
-    fn with_table(&self, study: &Study, gpu: GpuChoice) -> Result<Option<(f64, u64)>, Error> {
-        let scratch = Scratch::new()?;
-        let folder = ResultFolder::of_run(Some(&scratch.0), study);
-        let started = Instant::now();
-        let conditions = Conditions { gpu: Some(gpu), threads: self.threads, started: SystemTime::now() };
-        let mut recorder = Recorder::new(folder.claim("of bench-gpu")?, study, &conditions)?;
-        let options = SweepOptions { threads: self.threads, gpu: Some(gpu), ..SweepOptions::default() };
-        let sinks = recorder.sinks();
-        let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
-        let statistics = sweep::run_digested(study, &options, &digest, &mut |rows| {
-            recorder.write(&rows)?;
-            Ok(self.goes_on())
-        })?;
-        if statistics.interrupted {
-            return Ok(None);
-        }
-        recorder.finish(&statistics)?;
-        let seconds = started.elapsed().as_secs_f64();
-        self.is_measured(&statistics, gpu.precision)?;
-        let path: PathBuf = folder.table(study);
-        let bytes =
-            std::fs::metadata(&path).map_err(|source| Error::Io { action: "read", path, source })?.len();
-        Ok(Some((seconds, bytes)))
-    }
-
-    /// Wall time of a sweep, s; on the processor without a GPU.
-    fn sweep(
-        &self,
-        study: &Study,
-        gpu: Option<GpuChoice>,
-        receive: &mut dyn FnMut(DesignOutcome) -> ControlFlow<()>,
-    ) -> Result<(f64, Statistics), Error> {
-        let options = SweepOptions { threads: self.threads, gpu, ..SweepOptions::default() };
-        let started = Instant::now();
-        let statistics = sweep::run(study, &options, &mut |outcome| Ok(receive(outcome)))?;
-        Ok((started.elapsed().as_secs_f64(), statistics))
-    }
-
-    /// Whether the GPU has computed what it is measured by.
-    fn is_measured(&self, statistics: &Statistics, precision: Precision) -> Result<(), Error> {
-        let problem = match &statistics.fallback {
-            Some(problem) => problem.clone(),
-            None if statistics.designs_on_cpu == statistics.designs => {
-                "the processor had to solve every design".to_string()
-            }
-            None => return Ok(()),
-        };
-        let adapter = self.gpu.facts.name.clone();
-        Err(Error::NotMeasured { adapter, precision: precision.name(), problem })
-    }
 }
 
 fn into_error(error: GpuError) -> Error {
     Error::Adapter { problem: error.to_string() }
 }
 
-/// Relative, of the forces: more than `tests/gpu_parity` allows, since other devices round otherwise.
-fn allowed(precision: Precision) -> f64 {
-    match precision {
-        Precision::F32 => 1e-4,
-        Precision::Mixed => 1e-7,
-        Precision::F64 => 1e-9,
-    }
+/// A time above zero, like 8min or 90 s.
+fn time(text: &str) -> Result<Duration, String> {
+    let refused = || "a time is needed, like 90s, 8min or 1h".to_string();
+    let unit = text.find(|c: char| c.is_ascii_alphabetic()).ok_or_else(refused)?;
+    let (number, unit) = text.split_at(unit);
+    let seconds = match unit {
+        "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(refused()),
+    };
+    let number: f64 = number.trim().parse().map_err(|_| refused())?;
+    let time = Duration::try_from_secs_f64(number * seconds).map_err(|_| refused())?;
+    if time.is_zero() { Err(refused()) } else { Ok(time) }
 }
 
 /// 100, 1,000 and so on, and at last the most.

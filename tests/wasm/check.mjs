@@ -1,46 +1,37 @@
 // The library in WebAssembly gives the forces that the program gives: node tests/wasm/check.mjs WASM PROGRAM
 
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { fileURLToPath } from "node:url";
 
 const [wasm, program] = process.argv.slice(2);
 const { instance } = await WebAssembly.instantiate(readFileSync(wasm), {});
 
 const indentations = [0.001, 0.01, 0.1];
 const outerRadii = [15, 30, 200];
-const joint = (outerRadius, method) => `
-[joint]
-idealization     = "plane-stress"
-hole_radius      = "10 mm"
-radial_clearance = "0.05 mm"
-thickness        = "8 mm"
-[joint.pin]
-model             = "rigid-core"
-core_radius_ratio = 0.2
-youngs_modulus    = "210 GPa"
-poissons_ratio    = 0.3
-[joint.plate]
-model              = "annulus"
-outer_radius_ratio = ${outerRadius / 10}
-youngs_modulus     = "210 GPa"
-poissons_ratio     = 0.3
-[load]
-indentation = [${indentations.map((value) => `"${value} mm"`)}]
-[solve]
-method   = "${method}"
-accuracy = "0.1 %"
-`;
+// The joint of examples/wasm_joint.rs.
+const config = fileURLToPath(new URL("../../configs/quickstart.toml", import.meta.url));
+const joint = (outerRadius, method) =>
+  [
+    "joint.hole_radius=10 mm",
+    "joint.radial_clearance=0.05 mm",
+    "joint.thickness=8 mm",
+    "joint.pin.core_radius_ratio=0.2",
+    `joint.plate.outer_radius_ratio=${outerRadius / 10}`,
+    `load.indentation=[${indentations.map((value) => `"${value} mm"`)}]`,
+    `solve.method=${method}`,
+    "solve.accuracy=0.1 %",
+  ].flatMap((setting) => ["--set", setting]);
 
 let compared = 0;
 const dir = mkdtempSync(join(tmpdir(), "jointsweep-"));
 try {
   for (const method of ["fe", "series"]) {
     for (const outerRadius of outerRadii) {
-      writeFileSync(join(dir, "joint.toml"), joint(outerRadius, method));
       const out = join(dir, `${method}-${outerRadius}`);
-      execFileSync(program, ["run", join(dir, "joint.toml"), "--out", out, "--quiet"]);
+      execFileSync(program, ["run", config, ...joint(outerRadius, method), "--out", out, "--quiet"]);
       const [header, ...rows] = readFileSync(join(out, "table.csv"), "utf8").trim().split("\n").map((row) => row.split(","));
       const column = header.indexOf("force_n");
       indentations.forEach((indentation, step) => {
