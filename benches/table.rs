@@ -31,6 +31,7 @@ fn outcome(index: u64, step_count: usize) -> DesignOutcome {
     };
     let step = |step: usize| StepOutcome {
         response: Some(Response {
+            offset: 0.15,
             indentation: wild(0.01, step as u64),
             force: wild(5e3, step as u64),
             tangent_stiffness: wild(1e5, step as u64),

@@ -16,7 +16,7 @@ pub struct Joint(JointDesign);
 #[derive(Clone, Copy, Debug)]
 pub struct Dimensions {
     pub hole_radius: f64,
-    /// Hole radius less pin radius; 0 is a neat fit.
+    /// Hole radius less pin radius; 0 is a neat fit, less a press fit.
     pub radial_clearance: f64,
     pub thickness: f64,
 }
@@ -79,13 +79,19 @@ impl Curve {
         Joint(self.0.joint().clone())
     }
 
-    /// Answers with their status to loads, as rows of a table have them.
+    /// Answers with their status to loads, as rows of a table have them. Press fits have no indentation.
     pub fn answers(&self, loads: &[Load]) -> Result<Vec<StepOutcome>, Error> {
         for load in loads {
-            let (quantity, value) = match *load {
-                Load::Indentation(value) => ("indentation", value),
-                Load::Force(value) => ("force", value),
+            let quantity = match load {
+                Load::Indentation(_) => "indentation",
+                Load::Offset(_) => "offset",
+                Load::Force(_) => "force",
             };
+            let value = load.value();
+            if matches!(load, Load::Indentation(_)) && self.0.joint().is_press_fit() {
+                let problem = format!("{value}: a press fit has none; give an offset or a force");
+                return Err(Error::Joint { quantity: quantity.into(), problem });
+            }
             if !(value >= 0.0 && value.is_finite()) {
                 let problem = format!("{value}: must be 0 or more, and finite");
                 return Err(Error::Joint { quantity: quantity.into(), problem });

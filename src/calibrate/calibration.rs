@@ -88,6 +88,9 @@ pub fn calibrate(
     if points.iter().all(|point| point.force == 0.0) {
         return refuse("every measured force is zero: nothing was touched".into());
     }
+    if joint.design().is_press_fit() {
+        return refuse("a press fit has no indentation, and no points of it can be measured".into());
+    }
     if unknowns.contains(&Unknown::RadialClearance) && joint.design().radial_clearance == 0.0 {
         return refuse(
             "radial_clearance: cannot be fitted from 0; give the config a clearance to start from".into(),

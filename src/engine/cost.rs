@@ -184,7 +184,7 @@ impl Needs {
 
 /// Indentations at work as far as loads tell, mm.
 fn working_range_of(case: &DesignCase) -> (f64, f64) {
-    let indentations = case.steps.iter().filter_map(|load| match *load {
+    let indentations = case.steps.iter().filter_map(|load| match case.joint.from_first_touch(*load) {
         Load::Indentation(value) if value > 0.0 => Some(value),
         _ => None,
     });
@@ -256,7 +256,7 @@ impl DesignCost<'_> {
                 continue;
             };
             needs.climb(&case, first, accuracy);
-            if study.fits_laws() {
+            if study.fits_laws() && !joint.is_press_fit() {
                 // Their loads go further, where meshes may have to be finer. Unknowns stay those of the table.
                 let case = law_case(&case, working_range_of(&case));
                 let unknowns = needs.unknowns;

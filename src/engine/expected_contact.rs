@@ -24,8 +24,8 @@ impl ExpectedContact {
         // Those of the greatest loads: it grows with the load.
         let (mut indentation, mut force) = (0.0_f64, 0.0_f64);
         for load in &case.steps {
-            match *load {
-                Load::Indentation(value) => indentation = indentation.max(value),
+            match joint.from_first_touch(*load) {
+                Load::Indentation(value) | Load::Offset(value) => indentation = indentation.max(value),
                 Load::Force(value) => force = force.max(value),
             }
         }
@@ -38,11 +38,14 @@ impl ExpectedContact {
 /// Of the contact under one load, rad.
 pub fn half_angle(joint: &JointDesign, load: Load) -> f64 {
     let radial_clearance = joint.radial_clearance;
-    match load {
+    match joint.from_first_touch(load) {
+        _ if joint.is_press_fit() => PI,
         // A neat fit opens at once.
         _ if radial_clearance == 0.0 => FRAC_PI_2,
         // Where the rigid outlines cross.
-        Load::Indentation(delta) => (radial_clearance / (radial_clearance + delta)).acos(),
+        Load::Indentation(delta) | Load::Offset(delta) => {
+            (radial_clearance / (radial_clearance + delta)).acos()
+        }
         // Persson's narrow contact, tan(eps/2)^2 = F/(pi E* dR).
         Load::Force(force) => {
             let modulus = effective_modulus(

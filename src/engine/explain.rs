@@ -11,6 +11,7 @@ use crate::engine::expected_contact::ExpectedContact;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::joint_scale::JointScale;
 use crate::engine::plan::{JointPlan, first_level};
+use crate::engine::refusal::Refusal;
 use crate::engine::unit_costs::{Unit, body_seconds, design, interpolated_design, joint_seconds};
 use crate::error::Error;
 use crate::study::config::{MethodChoice, Study};
@@ -73,7 +74,7 @@ impl<'a> Explainer<'a> {
         let method = self.study.solve.method;
         let rows = case.steps.len() as f64;
         let mut ruled_out = Vec::new();
-        if method == MethodChoice::ClosedForm && !case.joint.is_lined() {
+        if method == MethodChoice::ClosedForm && Refusal::of_joint(case, method).is_none() {
             return Explanation {
                 chosen: "closed form".into(),
                 why: "`method = \"closed-form\"` asks for Johnson's law".into(),
@@ -105,6 +106,7 @@ impl<'a> Explainer<'a> {
         match &self.interpolation {
             Some(plan) if plan.covers(&case.joint) => None,
             _ if case.joint.is_lined() => Some("knows no layers".into()),
+            _ if case.joint.is_press_fit() => Some("knows no press fits".into()),
             Some(_) => {
                 Some("a body is outside of what is fitted: a thin wall, a singular Poisson's ratio".into())
             }

@@ -125,7 +125,7 @@ pub fn solve_joint<'a>(
         let may_peak_aside = [&case.joint.pin, &case.joint.plate].into_iter().any(Part::is_stiff_on_soft);
         let scale = JointScale::of(&case.joint);
         let of_outlines = OutlineError::of(&case.joint, &outlines);
-        let states = curve.states(scale.loads_in_contact(&case.steps));
+        let states = curve.states_of_fit(scale.loads_in_contact(&case.steps));
         let states = states.into_iter().map(|state| {
             let (mut state, node) = state?;
             if may_peak_aside {

@@ -56,7 +56,11 @@ impl JointCurve {
         let steps: Vec<Load> = if joint.radial_clearance == 0.0 {
             vec![Load::Indentation(OF_NEAT_FIT * joint.hole_radius)]
         } else {
-            LOOKED_AT.map(|ratio| Load::Indentation(ratio * joint.radial_clearance)).into()
+            let looked_at = |ratio: f64| match ratio * joint.radial_clearance {
+                overlap if overlap < 0.0 => Load::Offset(-overlap),
+                indentation => Load::Indentation(indentation),
+            };
+            LOOKED_AT.map(looked_at).into()
         };
         let case = DesignCase { index: 0, joint: joint.clone(), steps };
         let mut plan = JointPlan::cheapest(&case, method, accuracy).map_err(Failure::Refused)?;
@@ -83,7 +87,7 @@ impl JointCurve {
         self.accuracy
     }
 
-    /// What a row of a table says under each of these loads (mm or N, not negative).
+    /// What a row of a table says under each of these loads (mm or N, not negative; press fits have no indentation).
     pub fn answers(&self, loads: &[Load]) -> Vec<StepOutcome> {
         let case = DesignCase { index: 0, joint: self.joint.clone(), steps: loads.to_vec() };
         let answers =
@@ -97,16 +101,17 @@ impl JointCurve {
         let scale = JointScale::of(&self.joint);
         let Some(dimensionless) = scale.load(load) else { return Vec::new() };
         with_curve(&self.library, &self.spaces, &self.plan, &self.joint, |curve| {
-            let Some(Ok((state, above))) = curve.states(std::iter::once(dimensionless)).into_iter().next()
+            let Some(Ok((state, above))) =
+                curve.states_of_fit(std::iter::once(dimensionless)).into_iter().next()
             else {
                 return Vec::new();
             };
-            let offset = scale.offset(load, &state);
+            let unit = scale.unit(load, &state);
             let pressure = curve.pressure(&state, above);
             let place = |i: usize| i as f64 / (points.max(2) - 1) as f64;
             // Denser at the end, where the pressure falls like a root.
             let angle = |i: usize| state.half_angle * (FRAC_PI_2 * place(i)).sin();
-            (0..points.max(2)).map(|i| (angle(i), offset * pressure.at(angle(i)))).collect()
+            (0..points.max(2)).map(|i| (angle(i), unit * pressure.at(angle(i)))).collect()
         })
         .unwrap_or_default()
     }

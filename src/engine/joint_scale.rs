@@ -8,29 +8,31 @@ use crate::study::design::{JointDesign, Load};
 
 /// Lengths are over the hole's radius, forces over hole radius, thickness and MPa.
 #[derive(Clone, Copy, Debug)]
-pub struct JointScale {
+pub struct JointScale<'a> {
+    joint: &'a JointDesign,
     pub outlines: Outlines,
-    /// mm.
-    hole_radius: f64,
-    thickness: f64,
 }
 
-impl JointScale {
-    pub fn of(joint: &JointDesign) -> JointScale {
-        let JointDesign { hole_radius, radial_clearance, thickness, .. } = *joint;
-        JointScale { outlines: Outlines::new(radial_clearance / hole_radius), hole_radius, thickness }
+impl JointScale<'_> {
+    pub fn of(joint: &JointDesign) -> JointScale<'_> {
+        JointScale { joint, outlines: Outlines::new(joint.radial_clearance / joint.hole_radius) }
     }
 
-    /// A load without sizes, `None` where there is no contact yet.
+    /// A load without sizes, `None` where there is no contact yet. A press fit always has contact.
     pub fn load(&self, load: Load) -> Option<DimensionlessLoad> {
-        match load {
+        let JointDesign { hole_radius, radial_clearance, thickness, .. } = *self.joint;
+        match self.joint.from_first_touch(load) {
+            Load::Offset(offset) => Some(DimensionlessLoad::Offset(offset / hole_radius)),
+            Load::Force(force) if self.joint.is_press_fit() => {
+                Some(DimensionlessLoad::Force(force / (thickness * hole_radius)))
+            }
             // A neat fit has one state, which any load shows.
-            Load::Indentation(0.0) | Load::Force(0.0) if self.outlines.radial_clearance == 0.0 => {
+            Load::Indentation(0.0) | Load::Force(0.0) if radial_clearance == 0.0 => {
                 Some(DimensionlessLoad::Indentation(1.0))
             }
             Load::Indentation(0.0) | Load::Force(0.0) => None,
-            Load::Indentation(delta) => Some(DimensionlessLoad::Indentation(delta / self.hole_radius)),
-            Load::Force(force) => Some(DimensionlessLoad::Force(force / (self.thickness * self.hole_radius))),
+            Load::Indentation(delta) => Some(DimensionlessLoad::Indentation(delta / hole_radius)),
+            Load::Force(force) => Some(DimensionlessLoad::Force(force / (thickness * hole_radius))),
         }
     }
 
@@ -39,30 +41,35 @@ impl JointScale {
         steps.iter().filter_map(|load| self.load(*load))
     }
 
-    /// e/R2 of a state under a load.
-    pub fn offset(&self, load: Load, state: &ContactState) -> f64 {
-        match load {
+    /// What a state under a load is per unit of, over R2: e, of press fits |dR|.
+    pub fn unit(&self, load: Load, state: &ContactState) -> f64 {
+        let JointDesign { hole_radius, thickness, .. } = *self.joint;
+        let radial_clearance = self.outlines.radial_clearance;
+        match self.joint.from_first_touch(load) {
+            _ if self.joint.is_press_fit() => -radial_clearance,
             Load::Indentation(0.0) | Load::Force(0.0) => 0.0,
-            Load::Indentation(delta) => self.outlines.radial_clearance + delta / self.hole_radius,
-            Load::Force(force) => force / (self.thickness * self.hole_radius) / state.force,
+            Load::Indentation(length) | Load::Offset(length) => radial_clearance + length / hole_radius,
+            Load::Force(force) => force / (thickness * hole_radius) / state.force,
         }
     }
 
     /// A state under a load with its sizes, and the estimated relative error of its force.
     pub fn response(&self, load: Load, state: &ContactState, force_error: f64, method: Method) -> Response {
-        let offset = self.offset(load, state);
-        let length = self.hole_radius * offset;
-        let scale = self.thickness * length;
-        let (indentation, force) = match load {
+        let unit = self.unit(load, state);
+        let length = self.joint.hole_radius * unit;
+        let scale = self.joint.thickness * length;
+        let (indentation, force) = match self.joint.from_first_touch(load) {
             Load::Indentation(indentation) => (indentation, scale * state.force),
+            Load::Offset(_) => (length * state.indentation, scale * state.force),
             Load::Force(force) => (length * state.indentation, force),
         };
         Response {
             indentation,
+            offset: self.joint.offset(load, indentation),
             force,
-            tangent_stiffness: self.thickness * state.tangent_stiffness,
+            tangent_stiffness: self.joint.thickness * state.tangent_stiffness,
             contact_half_angle: Some(state.half_angle),
-            peak_pressure: Some(offset * state.peak_pressure),
+            peak_pressure: Some(unit * state.peak_pressure),
             peak_pressure_angle: Some(state.peak_angle),
             energy: Some(scale * length * state.energy),
             force_error,

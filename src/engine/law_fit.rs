@@ -85,8 +85,10 @@ fn of_neat_fit(slope: f64, stiffness: f64, range: (f64, f64)) -> DesignLaws {
 
 /// Fits laws for outcomes. Their bodies are those that were just solved.
 pub fn add_laws(ladder: &mut Ladder, outcomes: &mut [DesignOutcome]) {
-    let designs: Vec<_> =
-        outcomes.iter().map(|outcome| (&outcome.case, working_range(&outcome.steps))).collect();
+    let working = |outcome: &DesignOutcome| {
+        working_range(&outcome.steps).filter(|_| !outcome.case.joint.is_press_fit())
+    };
+    let designs: Vec<_> = outcomes.iter().map(|outcome| (&outcome.case, working(outcome))).collect();
     let laws = laws_of_all(ladder, &designs);
     for (outcome, laws) in outcomes.iter_mut().zip(laws) {
         outcome.laws = Some(Box::new(laws));
@@ -104,6 +106,10 @@ pub fn laws_of_all(ladder: &mut Ladder, designs: &[(&DesignCase, Option<(f64, f6
         .collect();
     let of_design = |((case, _), answer): (&(&DesignCase, _), Option<(Answer, _)>)| match answer {
         Some((answer, working)) => laws_of(case, &answer, working),
+        None if case.joint.is_press_fit() => {
+            let why = "laws are of the indentation of joints with clearance";
+            DesignLaws { missing: Some(why), ..DesignLaws::default() }
+        }
         None => DesignLaws { missing: Some("no answer under load"), ..DesignLaws::default() },
     };
     designs.par_iter().zip(answers).map(of_design).collect()

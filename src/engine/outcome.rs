@@ -46,8 +46,10 @@ impl BackendKind {
 /// The state of contact after one load step. Everything is for the whole joint (both halves, times thickness).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
-    /// mm.
+    /// mm; of press fits the overlap of the outlines on the load line, e + |dR|.
     pub indentation: f64,
+    /// Of the centres from where pin and hole are concentric, e, mm: the clearance and the indentation.
+    pub offset: f64,
     /// N.
     pub force: f64,
     /// dF/d delta, N/mm.

@@ -128,7 +128,7 @@ impl JointPlan {
         level: usize,
     ) -> Result<JointPlan, Refusal> {
         let joint = &case.joint;
-        if let Some(refusal) = Refusal::of_layers(joint, method) {
+        if let Some(refusal) = Refusal::of_joint(case, method) {
             return Err(refusal);
         }
         let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
@@ -137,7 +137,11 @@ impl JointPlan {
         }
         // Who asks for `series` wants it exact.
         let wanted = if method == MethodChoice::Series { 0.0 } else { accuracy };
-        let space = SpaceKey::coarsest(&pin, &plate, wanted, ExpectedContact::of(case).half_angle);
+        let space = if joint.is_press_fit() {
+            SpaceKey::of_press_fits(wanted)
+        } else {
+            SpaceKey::coarsest(&pin, &plate, wanted, ExpectedContact::of(case).half_angle)
+        };
         let request = |body: Body| {
             let exact = method != MethodChoice::Fe && body.shape.concentric;
             let fidelity = if exact { Fidelity::Series } else { Fidelity::Mesh { level } };

@@ -8,7 +8,7 @@ use crate::mechanics::body::{Body, DEEPEST_MESHED, Side, THINNEST_RING};
 use crate::mechanics::real::LANES;
 use crate::study::columns::side_name;
 use crate::study::config::MethodChoice;
-use crate::study::design::JointDesign;
+use crate::study::design::{DesignCase, JointDesign, Load, Part};
 
 /// Why a design is not solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,14 @@ pub enum Refusal {
     ThinLinedWall { part: &'static str },
     /// Closed forms know one material a part.
     LayersInClosedForm,
+    /// A press fit that no exact modes carry.
+    PressFitOnMesh,
+    /// A press fit in or of a wall so thin that modes do not carry it.
+    ThinPressFit,
+    /// Closed forms know clearance alone.
+    PressFitInClosedForm,
+    /// A press fit that is loaded from first touch, which it has none of.
+    PressFitFromTouch,
     /// A place of a body on a mesh is thinner than meshes carry; `has_modes` where `series` needs no mesh.
     ThinWall { name: &'static str, wall: f64, thinnest: f64, has_modes: bool },
     /// The far boundary is farther from the ring than meshes carry, as a ratio of radii above 1.
@@ -30,8 +38,33 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// Of a joint with layers under which none can be solved by this method.
-    pub fn of_layers(joint: &JointDesign, method: MethodChoice) -> Option<Refusal> {
+    /// Of a joint that cannot be solved by this method, whatever its meshes.
+    pub fn of_joint(case: &DesignCase, method: MethodChoice) -> Option<Refusal> {
+        Refusal::of_press_fit(case, method).or_else(|| Refusal::of_layers(&case.joint, method))
+    }
+
+    /// Of a press fit.
+    fn of_press_fit(case: &DesignCase, method: MethodChoice) -> Option<Refusal> {
+        let joint = &case.joint;
+        if !joint.is_press_fit() {
+            return None;
+        }
+        let parts = [&joint.pin, &joint.plate];
+        let is_thin = |part: &&Part| (part.shape.depth_range)(&part.parameters).0 < THINNEST_RING;
+        match method {
+            MethodChoice::ClosedForm => Some(Refusal::PressFitInClosedForm),
+            _ if case.steps.iter().any(|load| matches!(load, Load::Indentation(_))) => {
+                Some(Refusal::PressFitFromTouch)
+            }
+            MethodChoice::Fe => Some(Refusal::PressFitOnMesh),
+            _ if parts.iter().any(|part| !part.shape.concentric) => Some(Refusal::PressFitOnMesh),
+            _ if parts.iter().any(is_thin) => Some(Refusal::ThinPressFit),
+            _ => None,
+        }
+    }
+
+    /// Of layers.
+    fn of_layers(joint: &JointDesign, method: MethodChoice) -> Option<Refusal> {
         [&joint.pin, &joint.plate].into_iter().find_map(|part| {
             if part.layers.is_empty() {
                 return None;
@@ -98,6 +131,17 @@ impl fmt::Display for Refusal {
                 write!(out, "the {part} has layers in a wall below {thinnest} % of the radius")
             }
             Refusal::LayersInClosedForm => write!(out, "closed forms know no layers"),
+            Refusal::PressFitOnMesh => {
+                write!(out, "press fits need a rigid-core pin in an annulus, and method auto or series")
+            }
+            Refusal::ThinPressFit => {
+                let thinnest = one_digit(100.0 * THINNEST_RING);
+                write!(out, "a wall of the press fit is below {thinnest} % of the radius")
+            }
+            Refusal::PressFitInClosedForm => write!(out, "closed forms know no press fits"),
+            Refusal::PressFitFromTouch => {
+                write!(out, "a press fit has no indentation; it is loaded by an offset or a force")
+            }
             Refusal::ThinWall { name, wall, thinnest, has_modes } => {
                 let (wall, thinnest) = beside(100.0 * wall, 100.0 * thinnest, "just under");
                 let way_out = if has_modes { "; method auto needs no mesh for it" } else { "" };

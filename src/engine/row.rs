@@ -11,7 +11,7 @@ use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::state::ContactState;
 use crate::mechanics::laws;
 use crate::study::config::MethodChoice;
-use crate::study::design::{DesignCase, Load};
+use crate::study::design::{DesignCase, JointDesign, Load};
 
 /// How a design was solved.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ impl Solving {
         let mut want = Want::Nothing;
         let step = |load: &Load| {
             if scale.load(*load).is_none() {
-                return unloaded(self.method);
+                return unloaded(&case.joint, *load, self.method);
             }
             let (state, error) = match states.next().unwrap_or(Err(NoState::BrokenCompliance)) {
                 // A mesh far too coarse for its body may answer with a pull.
@@ -75,9 +75,11 @@ pub fn all_failed(case: &DesignCase, backend: BackendKind, failure: Failure) -> 
     Answer { backend, steps: vec![StepOutcome::failed(failure); case.steps.len()] }
 }
 
-fn unloaded(method: Method) -> StepOutcome {
+/// Before the bodies touch.
+fn unloaded(joint: &JointDesign, load: Load, method: Method) -> StepOutcome {
     let response = Response {
         indentation: 0.0,
+        offset: joint.offset(load, 0.0),
         force: 0.0,
         tangent_stiffness: 0.0,
         contact_half_angle: Some(0.0),
@@ -94,18 +96,19 @@ fn unloaded(method: Method) -> StepOutcome {
 /// Johnson's law. It knows nothing of the plate's extent, so it is right to a factor of two at best.
 pub fn closed_form(case: &DesignCase) -> Answer {
     let joint = &case.joint;
-    if let Some(refusal) = Refusal::of_layers(joint, MethodChoice::ClosedForm) {
+    if let Some(refusal) = Refusal::of_joint(case, MethodChoice::ClosedForm) {
         return all_failed(case, BackendKind::Cpu, Failure::Refused(refusal));
     }
     let curve = joint.pair().and_then(|pair| laws::johnson::LAW.curve(&pair));
     let step = |load: &Load| -> Result<StepOutcome, laws::LawError> {
         let curve = curve?;
-        let indentation = match *load {
-            Load::Indentation(delta) => delta,
+        let indentation = match joint.from_first_touch(*load) {
+            Load::Indentation(length) | Load::Offset(length) => length,
             Load::Force(force) => curve.indentation(force / joint.thickness)?,
         };
         let response = Response {
             indentation,
+            offset: joint.offset(*load, indentation),
             force: joint.thickness * curve.force_per_thickness(indentation)?,
             tangent_stiffness: joint.thickness * curve.tangent_stiffness_per_thickness(indentation)?,
             contact_half_angle: None,

@@ -1,5 +1,7 @@
 //! The pressure spaces of joints: how many trial pressures, at how many nodes of a curve. Each is made once and kept.
 
+use std::f64::consts::PI;
+
 use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
@@ -33,7 +35,17 @@ const WIDEST: f64 = 2.4;
 impl SpaceKey {
     /// The largest contact half angle, rad: just short of a half ring's end, where its face is held.
     pub fn limit(self) -> f64 {
-        if self.half_ring { LARGEST_HELD } else { WIDEST }
+        match self {
+            SpaceKey { variable: Variable::Gap, .. } => PI,
+            SpaceKey { half_ring: true, .. } => LARGEST_HELD,
+            _ => WIDEST,
+        }
+    }
+
+    /// The coarsest of press fits for an accuracy of the force (`tests/mechanics/press_fits.rs`).
+    pub fn of_press_fits(accuracy: f64) -> SpaceKey {
+        let (terms, nodes) = if accuracy >= 1e-4 { (10, 24) } else { (16, 48) };
+        SpaceKey { half_ring: false, terms, nodes, variable: Variable::Gap }
     }
 
     /// The coarsest for an accuracy of the force and contacts up to a half angle, rad, beside a thinnest wall (|ln r|).
@@ -44,8 +56,7 @@ impl SpaceKey {
         // Layers give way at their far side: no more is needed for thin ones than for walls that are just not thin.
         let nearest = |body: &Body| body.depth_range().0.min(body.nearest_depth().max(1.01 * THIN));
         let thinnest = nearest(pin).min(nearest(plate));
-        let space =
-            SpaceKey::beside(thinnest, pin.shape.end_angle < std::f64::consts::PI, accuracy, half_angle);
+        let space = SpaceKey::beside(thinnest, pin.shape.end_angle < PI, accuracy, half_angle);
         if pin.nearest_depth().min(plate.nearest_depth()) < THINNEST_RING {
             return SpaceKey { nodes: NODES_OF_BEDS, variable: Variable::Logarithm, ..space };
         }

@@ -7,7 +7,7 @@ use crate::output::folder::{MANIFEST, TABLE, TABLE_PARQUET, TABLE_ZST, TABLES};
 use crate::output::manifest_parts::State;
 use crate::output::origin::Origin;
 use crate::output::{parquet_text, zst_table};
-use crate::study::columns::{DESIGN, FORCE, INDENTATION, Quantity, joint_columns};
+use crate::study::columns::{DESIGN, Extras, FORCE, INDENTATION, Quantity, joint_columns};
 use crate::study::config::Asked;
 use crate::study::design::JointDesign;
 use crate::study::designs_file::{OpenText, Rows, open_plain};
@@ -107,7 +107,7 @@ impl Results {
             TABLE_PARQUET => parquet_text::open_text,
             _ => open_plain,
         };
-        let mut rows = Rows::open_columns(&self.table(), open, &column_names(LayerCounts::MOST))?;
+        let mut rows = Rows::open_columns(&self.table(), open, &column_names(Extras::MOST))?;
         for (name, cell) in &self.origin.constants {
             rows.add_constant(name, cell.clone());
         }

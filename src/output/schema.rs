@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use serde_json::{Map, Value};
 
 use crate::engine::outcome::{BackendKind, Response, StepOutcome};
-use crate::study::columns::{self, Cell, Column, Quantity, joint_columns};
+use crate::study::columns::{self, Cell, Column, Extras, Quantity, joint_columns};
 use crate::study::config::Study;
 use crate::study::design::Load;
 use crate::study::layers::LayerCounts;
@@ -32,7 +32,7 @@ pub enum Kind {
     Status,
 }
 
-/// Indentation and force: one of them is asked, the other found.
+/// Indentation, offset and force: one of them is asked, the others found.
 #[derive(Clone, Copy, Debug)]
 pub struct LoadColumn {
     pub asked: fn(Load) -> Option<f64>,
@@ -45,13 +45,20 @@ pub fn kind(quantity: Quantity) -> Kind {
         Quantity::Indentation => Kind::Load(LoadColumn {
             asked: |load| match load {
                 Load::Indentation(value) => Some(value),
-                Load::Force(_) => None,
+                Load::Offset(_) | Load::Force(_) => None,
             },
             found: |response| response.indentation,
         }),
+        Quantity::Offset => Kind::Load(LoadColumn {
+            asked: |load| match load {
+                Load::Offset(value) => Some(value),
+                Load::Indentation(_) | Load::Force(_) => None,
+            },
+            found: |response| response.offset,
+        }),
         Quantity::Force => Kind::Load(LoadColumn {
             asked: |load| match load {
-                Load::Indentation(_) => None,
+                Load::Indentation(_) | Load::Offset(_) => None,
                 Load::Force(value) => Some(value),
             },
             found: |response| response.force,
@@ -106,7 +113,7 @@ pub fn law_columns() -> [(&'static str, &'static str, &'static str); 20] {
 /// The columns that the table of a study has.
 pub fn columns_of(study: &Study) -> Vec<TableColumn> {
     let constants = study.constants();
-    table_columns(study.layer_counts())
+    table_columns(study.extras())
         .into_iter()
         .filter(|column| study.output.has(&column.name, &constants))
         .collect()
@@ -148,24 +155,24 @@ pub fn non_finite(columns: &[TableColumn], response: &Response) -> Option<&'stat
 /// The columns that hold what comes of a load step.
 pub fn result_columns() -> Vec<TableColumn> {
     let is_result = |column: &TableColumn| !matches!(column.kind, Kind::Design | Kind::Input(_));
-    table_columns(LayerCounts::MOST).into_iter().filter(is_result).collect()
+    table_columns(Extras::MOST).into_iter().filter(is_result).collect()
 }
 
-/// All columns of joints with so many layers, in their order.
-pub fn table_columns(layers: LayerCounts) -> Vec<TableColumn> {
+/// All columns of sweeps with these, in their order.
+pub fn table_columns(extras: Extras) -> Vec<TableColumn> {
     let design = TableColumn {
         name: columns::DESIGN.into(),
         unit: "-",
         about: "number of the design, from 0".into(),
         kind: Kind::Design,
     };
-    let inputs = joint_columns(layers).into_iter().map(|column| TableColumn {
+    let inputs = joint_columns(extras.layers).into_iter().map(|column| TableColumn {
         name: column.name().into(),
         unit: column.unit(),
         about: column.about(),
         kind: Kind::Input(column),
     });
-    let results = Quantity::of_tables(layers).map(|quantity| TableColumn {
+    let results = Quantity::of_tables(extras).map(|quantity| TableColumn {
         name: quantity.name().into(),
         unit: quantity.unit(),
         about: quantity.about().into(),
@@ -176,7 +183,7 @@ pub fn table_columns(layers: LayerCounts) -> Vec<TableColumn> {
 
 /// The columns of `table.csv` as a table in Markdown.
 pub fn documentation() -> String {
-    let columns = table_columns(LayerCounts { pin: 1, plate: 1 });
+    let columns = table_columns(Extras { layers: LayerCounts { pin: 1, plate: 1 }, offset: true });
     markdown(columns.iter().map(|column| (&*column.name, column.unit, &*column.about)))
 }
 

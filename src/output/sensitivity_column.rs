@@ -45,7 +45,7 @@ impl SensitivityColumn {
     /// What answers a load: the force to an indentation, the indentation to a force.
     pub fn answering(load: Load) -> Result<SensitivityColumn, Error> {
         let answer = match load {
-            Load::Indentation(_) => Quantity::Force,
+            Load::Indentation(_) | Load::Offset(_) => Quantity::Force,
             Load::Force(_) => Quantity::Indentation,
         };
         SensitivityColumn::read(answer.name(), load)

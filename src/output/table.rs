@@ -8,10 +8,9 @@ use crate::output::folder::TABLE;
 use crate::output::number::{push_exact, push_rounded};
 use crate::output::schema::{Kind, TableColumn, columns_of, non_finite, table_columns};
 use crate::output::sink::Sink;
-use crate::study::columns::Cell;
+use crate::study::columns::{Cell, Extras};
 use crate::study::config::Study;
-use crate::study::design::{DesignCase, Load};
-use crate::study::layers::LayerCounts;
+use crate::study::design::DesignCase;
 
 /// Writes outcomes as rows.
 pub struct Table {
@@ -23,7 +22,7 @@ pub struct Table {
 /// Of all columns of bare joints.
 impl Default for Table {
     fn default() -> Table {
-        Table::with(table_columns(LayerCounts::NONE))
+        Table::with(table_columns(Extras::NONE))
     }
 }
 
@@ -75,7 +74,7 @@ impl Table {
         // NaN is no load, and equals none.
         common.loads.resize(outcome.steps.len(), (f64::NAN, Vec::new()));
         for ((load, text), step) in outcome.case.steps.iter().zip(&mut common.loads).zip(&outcome.steps) {
-            let (Load::Indentation(value) | Load::Force(value)) = *load;
+            let value = load.value();
             if value != text.0 {
                 text.0 = value;
                 text.1.clear();
@@ -136,6 +135,7 @@ fn is_within_bounds(response: &Response) -> bool {
     // Each field by its name, so that none that is added is forgotten.
     let Response {
         indentation,
+        offset,
         force,
         tangent_stiffness,
         contact_half_angle,
@@ -148,7 +148,7 @@ fn is_within_bounds(response: &Response) -> bool {
     } = *response;
     let optional = [contact_half_angle, peak_pressure, peak_pressure_angle, energy, linearity_error];
     let is_small = |value: f64| value.abs() < 1e300;
-    [indentation, force, tangent_stiffness, force_error].into_iter().all(is_small)
+    [indentation, offset, force, tangent_stiffness, force_error].into_iter().all(is_small)
         && optional.into_iter().all(|value| is_small(value.unwrap_or(0.0)))
 }
 
@@ -178,9 +178,11 @@ mod tests {
     use crate::mechanics::laws::LawError;
     use crate::mechanics::material::{Idealization, Material};
     use crate::output::schema::result_columns;
+    use crate::study::design::Load;
     use crate::study::design::{JointDesign, Part};
 
     const RESPONSE: Response = Response {
+        offset: 0.5,
         indentation: 0.1,
         force: 1.0 / 3.0,
         tangent_stiffness: 144_700.0,

@@ -1,6 +1,8 @@
 //! The columns of CSV files, in their order: written once, for the lists of designs that are read, for the tables that are
 //! written and for configs that name them. What shapes add to them comes from the registry of shapes.
 
+use serde::{Deserialize, Serialize};
+
 use crate::mechanics::body::{Shape, Side};
 use crate::mechanics::material::Idealization;
 use crate::study::design::{JointDesign, Part};
@@ -53,6 +55,20 @@ impl LayerQuantity {
     }
 }
 
+/// The columns that only some sweeps have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Extras {
+    pub layers: LayerCounts,
+    /// Whether joints are loaded by an offset, or may be press fits.
+    pub offset: bool,
+}
+
+impl Extras {
+    pub const NONE: Extras = Extras { layers: LayerCounts::NONE, offset: false };
+    /// All that there can be.
+    pub const MOST: Extras = Extras { layers: LayerCounts::MOST, offset: true };
+}
+
 /// How many layers columns of these names are for.
 pub fn layers_in<'a>(names: impl Iterator<Item = &'a str>) -> LayerCounts {
     let of_name = |name: &str, side: Side| {
@@ -68,8 +84,9 @@ pub fn layers_in<'a>(names: impl Iterator<Item = &'a str>) -> LayerCounts {
 /// Between the side and the number of a layer in names of columns.
 const LAYER: &str = "_layer";
 
-/// The columns of the two loads; a row of a list of designs fills one of them.
+/// The columns of the loads; a row of a list of designs fills one of them.
 pub const INDENTATION: &str = "indentation_mm";
+pub const OFFSET: &str = "offset_mm";
 pub const FORCE: &str = "force_n";
 
 /// The number of a row's design.
@@ -79,6 +96,7 @@ pub const DESIGN: &str = "design";
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     Indentation,
+    Offset,
     Force,
     TangentStiffness,
     ContactHalfAngle,
@@ -94,8 +112,9 @@ pub enum Quantity {
 
 impl Quantity {
     /// In the order of the table.
-    pub const ALL: [Quantity; 12] = [
+    pub const ALL: [Quantity; 13] = [
         Quantity::Indentation,
+        Quantity::Offset,
         Quantity::Force,
         Quantity::TangentStiffness,
         Quantity::ContactHalfAngle,
@@ -109,10 +128,12 @@ impl Quantity {
         Quantity::Status,
     ];
 
-    /// Those in tables of joints with so many layers: bare ones press most at the load line.
-    pub fn of_tables(layers: LayerCounts) -> impl Iterator<Item = Quantity> {
-        let is_there = move |quantity: &Quantity| {
-            layers != LayerCounts::NONE || *quantity != Quantity::PeakPressureAngle
+    /// Those in tables with these columns: bare joints press most at the load line.
+    pub fn of_tables(extras: Extras) -> impl Iterator<Item = Quantity> {
+        let is_there = move |quantity: &Quantity| match quantity {
+            Quantity::Offset => extras.offset,
+            Quantity::PeakPressureAngle => extras.layers != LayerCounts::NONE,
+            _ => true,
         };
         Quantity::ALL.into_iter().filter(is_there)
     }
@@ -160,7 +181,14 @@ impl Quantity {
             Quantity::Indentation => (
                 INDENTATION,
                 "mm",
-                "descent of the pin's rigid part after first touch, from where the plate is held",
+                "descent of the pin's rigid part after first touch, from where the plate is held; of press fits the overlap of the \
+                 outlines at the load line",
+            ),
+            Quantity::Offset => (
+                OFFSET,
+                "mm",
+                "of the pin's rigid part from where pin and hole are concentric: the clearance and the indentation; only in tables of \
+                 sweeps with that load or with press fits",
             ),
             Quantity::Force => (FORCE, "N", "of the whole joint, both halves"),
             Quantity::TangentStiffness => {
@@ -280,7 +308,10 @@ impl Column {
     pub fn about(&self) -> String {
         match *self {
             Column::HoleRadius => "radius of the hole, R2".into(),
-            Column::RadialClearance => "hole radius less pin radius, dR (not the diametral clearance)".into(),
+            Column::RadialClearance => {
+                "hole radius less pin radius, dR (not the diametral clearance); of press fits below zero"
+                    .into()
+            }
             Column::Thickness => "length of the joint along its axis, t".into(),
             Column::Idealization => {
                 let names = Idealization::ALL.map(|one| format!("`{}`", one.name()));

@@ -3,12 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::study::columns::{Cell, Column};
+use crate::study::columns::{Cell, Column, Extras};
 use crate::study::design::{DesignCase, Limits, Load};
 use crate::study::designs_file::{DesignsFile, Rows};
 use crate::study::expression::Expression;
 use crate::study::fingerprint::Fingerprint;
-use crate::study::layers::LayerCounts;
 use crate::study::output_options::OutputOptions;
 use crate::study::recipe::Recipe;
 use crate::study::reduce::{Reduce, read_select};
@@ -93,10 +92,13 @@ impl Designs {
         }
     }
 
-    fn layer_counts(&self) -> LayerCounts {
+    fn extras(&self) -> Extras {
         match self {
-            Designs::Sampled { recipe, .. } => recipe.layer_counts(),
-            Designs::Listed(file) => file.layer_counts(),
+            Designs::Sampled { recipe, steps } => {
+                let is_offset = steps.iter().any(|load| matches!(load, Load::Offset(_)));
+                Extras { layers: recipe.layer_counts(), offset: is_offset || recipe.has_press_fits() }
+            }
+            Designs::Listed(file) => file.extras(),
         }
     }
 }
@@ -162,11 +164,12 @@ impl Study {
                 let scheme =
                     root.section("sampling")?.map_or(Ok(Scheme::Grid), |table| read_scheme(&table))?;
                 let recipe = Box::new(Recipe::read(&table("joint")?, scheme)?);
-                Designs::Sampled { recipe, steps: read_load(&table("load")?)? }
+                let steps = read_load(&table("load")?, &recipe)?;
+                Designs::Sampled { recipe, steps }
             }
         };
         if let Some(table) = &output_table {
-            output.check(table, &designs.constants(), designs.layer_counts())?;
+            output.check(table, &designs.constants(), designs.extras())?;
         }
         Ok(Study { title, solve, interpolation, select, reduce, output, designs, source })
     }
@@ -257,9 +260,9 @@ impl Study {
         self.designs.constants()
     }
 
-    /// The most layers of pin and plate.
-    pub fn layer_counts(&self) -> LayerCounts {
-        self.designs.layer_counts()
+    /// Which columns its table has of those that only some have.
+    pub fn extras(&self) -> Extras {
+        self.designs.extras()
     }
 
     /// Whether the rows themselves are written: as asked, or where nothing is asked of all rows together.
@@ -348,7 +351,7 @@ impl Asked {
         let (solve, _) = root.section("solve")?.map_or(default, |table| read_solve(&table))?;
         let load = root.section("load")?;
         let load =
-            load.and_then(|load| ["indentation", "force"].into_iter().find(|key| load.find(key).is_some()));
+            load.and_then(|load| LOADS.map(|(key, ..)| key).into_iter().find(|key| load.find(key).is_some()));
         Ok(Asked { solve, load })
     }
 }
@@ -398,19 +401,27 @@ fn read_scheme(table: &Section) -> Result<Scheme, Error> {
     Ok(if method == 2 { Scheme::LatinHypercube { count, seed } } else { Scheme::Sobol { count, seed } })
 }
 
-fn read_load(table: &Section) -> Result<Vec<Load>, Error> {
-    table.allow(&["indentation", "force"])?;
-    type Make = fn(f64) -> Load;
-    let (item, dimension, make): (_, _, Make) = match (table.find("indentation"), table.find("force")) {
-        (Some(item), None) => (item, Dimension::Length, Load::Indentation),
-        (None, Some(item)) => (item, Dimension::Force, Load::Force),
-        (Some(_), Some(item)) => {
-            return Err(item.error("`indentation` is given, too; only one of the two is allowed"));
-        }
-        (None, None) => {
-            return Err(table.error("one of `indentation` and `force` is needed".to_string()));
-        }
+/// The kinds of load: key, dimension of its values, and what it makes of one.
+const LOADS: [(&str, Dimension, fn(f64) -> Load); 3] = [
+    ("indentation", Dimension::Length, Load::Indentation),
+    ("offset", Dimension::Length, Load::Offset),
+    ("force", Dimension::Force, Load::Force),
+];
+
+fn read_load(table: &Section, recipe: &Recipe) -> Result<Vec<Load>, Error> {
+    table.allow(&LOADS.map(|(key, ..)| key))?;
+    let mut given = LOADS.into_iter().filter_map(|load| Some((table.find(load.0)?, load)));
+    let Some((item, (key, dimension, make))) = given.next() else {
+        return Err(table.error("one of `indentation`, `offset` and `force` is needed".to_string()));
     };
+    if let Some((item, _)) = given.next() {
+        return Err(item.error(format!("`{key}` is given, too; only one kind of load is allowed")));
+    }
+    if key == "indentation" && recipe.has_press_fits() {
+        let problem =
+            "press fits (a radial clearance below zero) have no indentation; give `offset` or `force`";
+        return Err(item.error(problem));
+    }
     let values = Values::read(&item, Some(dimension), Limits::NOT_NEGATIVE, Counts::Required)?;
     let count = values.count().unwrap_or(1);
     if count > MAX_STEPS {

@@ -20,7 +20,7 @@ pub struct Limits {
 impl Limits {
     /// Radii, thickness, moduli.
     pub const POSITIVE: Limits = Limits::between(0.0, f64::INFINITY);
-    /// Clearance, indentation, force.
+    /// Indentation, offset, force.
     pub const NOT_NEGATIVE: Limits = Limits { low: 0.0, low_allowed: true, high: f64::INFINITY };
     /// Every finite number.
     pub const ANY: Limits = Limits { low: f64::NEG_INFINITY, low_allowed: true, high: f64::INFINITY };
@@ -177,7 +177,7 @@ pub struct JointDesign {
     pub idealization: Idealization,
     /// R2, mm.
     pub hole_radius: f64,
-    /// dR = R2 - R1, mm; 0 is a neat fit.
+    /// dR = R2 - R1, mm; 0 is a neat fit, less a press fit.
     pub radial_clearance: f64,
     /// mm.
     pub thickness: f64,
@@ -189,13 +189,12 @@ impl JointDesign {
     /// Whether such a joint can be: sizes and moduli in their ranges, a pin in a plate.
     pub fn check(&self) -> Result<(), Error> {
         check("hole_radius", self.hole_radius, Limits::POSITIVE)?;
-        check("radial_clearance", self.radial_clearance, Limits::NOT_NEGATIVE)?;
+        check("radial_clearance", self.radial_clearance, Limits::ANY)?;
         check("thickness", self.thickness, Limits::POSITIVE)?;
         let refuse =
             |quantity: &str, problem: String| Err(Error::Joint { quantity: quantity.to_string(), problem });
-        if self.radial_clearance >= self.hole_radius {
-            let problem = format!("{}: must be below the hole radius", self.radial_clearance);
-            return refuse("radial_clearance", problem);
+        if let Some(problem) = refuse_clearance(self.radial_clearance, self.hole_radius) {
+            return refuse("radial_clearance", format!("{}: {problem}", self.radial_clearance));
         }
         for (part, side, what) in [(&self.pin, Side::Pin, "pin"), (&self.plate, Side::Plate, "plate")] {
             if part.shape.side != side {
@@ -216,6 +215,29 @@ impl JointDesign {
             }
         }
         Ok(())
+    }
+
+    /// Whether the pin is larger than the hole.
+    pub fn is_press_fit(&self) -> bool {
+        self.radial_clearance < 0.0
+    }
+
+    /// The same load, an offset as the indentation that it is of a joint with clearance: 0 before the bodies touch.
+    pub fn from_first_touch(&self, load: Load) -> Load {
+        match load {
+            Load::Offset(offset) if !self.is_press_fit() => {
+                Load::Indentation((offset - self.radial_clearance).max(0.0))
+            }
+            load => load,
+        }
+    }
+
+    /// Of the centres, mm, under a load that is answered by an indentation.
+    pub fn offset(&self, load: Load, indentation: f64) -> f64 {
+        match load {
+            Load::Offset(offset) => offset,
+            _ => self.radial_clearance + indentation,
+        }
     }
 
     /// The joint as the closed forms see it.
@@ -285,19 +307,39 @@ impl JointDesign {
     }
 }
 
-/// The quantity a load step prescribes.
+/// What is allowed of a radial clearance (mm, finite) in a hole of that radius, if it is not.
+pub fn refuse_clearance(radial_clearance: f64, hole_radius: f64) -> Option<String> {
+    let is_wide = radial_clearance.abs() >= hole_radius;
+    is_wide.then(|| {
+        let less = if radial_clearance < 0.0 { "the overlap of a press fit must be" } else { "must be" };
+        format!("{less} below the hole radius, {hole_radius} mm")
+    })
+}
+
+/// The quantity a load step prescribes, mm or N, >= 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Load {
-    /// Indentation of each step, mm, >= 0.
+    /// The pin's descent after first touch; press fits have none.
     Indentation(f64),
-    /// Force of each step, N, >= 0.
+    /// Of the centres, from where pin and hole are concentric.
+    Offset(f64),
     Force(f64),
+}
+
+impl Load {
+    /// mm or N.
+    pub fn value(self) -> f64 {
+        match self {
+            Load::Indentation(value) | Load::Offset(value) | Load::Force(value) => value,
+        }
+    }
 }
 
 impl fmt::Display for Load {
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Load::Indentation(value) => write!(out, "indentation {value} mm"),
+            Load::Offset(value) => write!(out, "offset {value} mm"),
             Load::Force(value) => write!(out, "force {value} N"),
         }
     }

@@ -9,8 +9,10 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use crate::error::{Error, shortened, suggest};
 use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
 use crate::mechanics::material::{Idealization, Material};
-use crate::study::columns::{Cell, Column, FORCE, INDENTATION, LayerQuantity, joint_columns, layers_in};
-use crate::study::design::{DesignCase, JointDesign, Limits, Load, Part};
+use crate::study::columns::{
+    Cell, Column, Extras, FORCE, INDENTATION, LayerQuantity, OFFSET, joint_columns, layers_in,
+};
+use crate::study::design::{DesignCase, JointDesign, Limits, Load, Part, refuse_clearance};
 use crate::study::fingerprint::{Fingerprint, Fingerprinted};
 use crate::study::layers::{Layer, LayerCounts, Layers};
 use crate::study::line_guard::LineGuard;
@@ -23,7 +25,7 @@ pub struct DesignsFile {
     fingerprint: Fingerprint,
     /// Inputs that are the same in all rows.
     constants: Vec<(Column, Cell)>,
-    layers: LayerCounts,
+    extras: Extras,
 }
 
 impl DesignsFile {
@@ -33,8 +35,10 @@ impl DesignsFile {
         let mut row_count = 0;
         let mut constants = Vec::new();
         let columns = joint_columns(rows.layers);
+        let mut extras = rows.extras();
         for case in rows.by_ref() {
             let joint = case?.joint;
+            extras.offset |= joint.is_press_fit();
             match row_count {
                 0 => constants.extend(columns.iter().map(|column| (*column, column.cell(&joint)))),
                 _ => constants.retain(|(column, cell)| column.cell(&joint) == *cell),
@@ -44,7 +48,7 @@ impl DesignsFile {
         if row_count == 0 {
             return Err(rows.error(Some(1), "", "there is no row below the header".to_string()));
         }
-        Ok(DesignsFile { fingerprint: rows.fingerprint(), path, row_count, constants, layers: rows.layers })
+        Ok(DesignsFile { fingerprint: rows.fingerprint(), path, row_count, constants, extras })
     }
 
     pub fn path(&self) -> &Path {
@@ -60,9 +64,9 @@ impl DesignsFile {
         &self.constants
     }
 
-    /// How many layers its columns are for.
-    pub fn layer_counts(&self) -> LayerCounts {
-        self.layers
+    /// Which columns it has of those that only some have.
+    pub fn extras(&self) -> Extras {
+        self.extras
     }
 
     /// Of the file as it was when it was checked.
@@ -111,7 +115,7 @@ type Guarded = LineGuard<Fingerprinted<Box<dyn Read + Send>>>;
 impl Rows {
     fn open(path: &Path, checked: Option<DesignsFile>) -> Result<Rows, Error> {
         let mut names: Vec<String> = joint_columns(LayerCounts::MOST).iter().map(Column::name).collect();
-        names.extend([INDENTATION.to_string(), FORCE.to_string()]);
+        names.extend([INDENTATION, OFFSET, FORCE].map(String::from));
         Ok(Rows { checked, ..Rows::open_columns(path, open_plain, &names)? })
     }
 
@@ -194,7 +198,8 @@ impl Rows {
         if !found {
             return Ok(None);
         }
-        let case = DesignCase { index: self.next, joint: self.joint()?, steps: vec![self.load()?] };
+        let joint = self.joint()?;
+        let case = DesignCase { index: self.next, steps: vec![self.load(&joint)?], joint };
         self.next += 1;
         Ok(Some(case))
     }
@@ -207,11 +212,10 @@ impl Rows {
     /// The joint of the current row.
     pub fn joint(&self) -> Result<JointDesign, Error> {
         let hole_radius = self.number(&Column::HoleRadius.name(), Limits::POSITIVE)?;
-        let radial_clearance = self.number(&Column::RadialClearance.name(), Limits::NOT_NEGATIVE)?;
-        if radial_clearance >= hole_radius {
-            let name = Column::RadialClearance.name();
-            let problem = format!("`{radial_clearance}`: must be below the hole radius, {hole_radius} mm");
-            return Err(self.complain(&name, problem));
+        let clearance_name = Column::RadialClearance.name();
+        let radial_clearance = self.number(&clearance_name, Limits::ANY)?;
+        if let Some(problem) = refuse_clearance(radial_clearance, hole_radius) {
+            return Err(self.complain(&clearance_name, format!("`{radial_clearance}`: {problem}")));
         }
         let idealizations = Idealization::ALL.map(|one| one.name());
         Ok(JointDesign {
@@ -288,23 +292,31 @@ impl Rows {
         Ok(Layers::new(layers))
     }
 
-    fn load(&self) -> Result<Load, Error> {
-        match (self.cell(INDENTATION), self.cell(FORCE)) {
-            (Some(_), None) => Ok(Load::Indentation(self.number(INDENTATION, Limits::NOT_NEGATIVE)?)),
-            (None, Some(_)) => Ok(Load::Force(self.number(FORCE, Limits::NOT_NEGATIVE)?)),
-            (Some(_), Some(_)) => {
-                let problem = format!("`{INDENTATION}` is given, too; a row has only one of the two");
-                Err(self.complain(FORCE, problem))
-            }
-            (None, None) => {
-                Err(self.complain(INDENTATION, format!("the row needs either this or `{FORCE}`")))
-            }
+    fn load(&self, joint: &JointDesign) -> Result<Load, Error> {
+        type Make = fn(f64) -> Load;
+        let loads: [(&str, Make); 3] =
+            [(INDENTATION, Load::Indentation), (OFFSET, Load::Offset), (FORCE, Load::Force)];
+        let mut given = loads.iter().filter(|(name, _)| self.cell(name).is_some());
+        let Some((name, make)) = given.next() else {
+            return Err(self.complain(INDENTATION, format!("the row needs this, `{OFFSET}` or `{FORCE}`")));
+        };
+        if let Some((other, _)) = given.next() {
+            return Err(self.complain(other, format!("`{name}` is given, too; a row has only one load")));
         }
+        if *name == INDENTATION && joint.is_press_fit() {
+            let problem = format!("a press fit has no indentation; give `{OFFSET}` or `{FORCE}`");
+            return Err(self.complain(INDENTATION, problem));
+        }
+        Ok(make(self.number(name, Limits::NOT_NEGATIVE)?))
     }
 
     /// How many layers the columns are for.
     pub fn layer_counts(&self) -> LayerCounts {
         self.layers
+    }
+
+    fn extras(&self) -> Extras {
+        Extras { layers: self.layers, offset: self.place(OFFSET).is_some() }
     }
 
     /// The cell of the current row; `None` when it is empty or its column was left out.

@@ -82,9 +82,9 @@ pub fn config_keys() -> Vec<ConfigKey> {
         key(
             "joint",
             "radial_clearance",
-            "hole radius less pin radius, dR; 0 is a neat fit",
+            "hole radius less pin radius, dR; 0 is a neat fit, less a press fit",
             LENGTH,
-            "0 or more, below the hole radius",
+            "of a size below the hole radius",
             "\"0.05 mm\"",
         )
         .needed("needed, or `diametral_clearance`"),
@@ -93,7 +93,7 @@ pub fn config_keys() -> Vec<ConfigKey> {
             "diametral_clearance",
             "hole diameter less pin diameter: twice the radial clearance",
             LENGTH,
-            "0 or more, below the hole diameter",
+            "of a size below the hole diameter",
             "\"0.1 mm\"",
         )
         .needed("instead of `radial_clearance`"),
@@ -115,9 +115,11 @@ pub fn config_keys() -> Vec<ConfigKey> {
     let steps = format!("0 or more; at most {MAX_STEPS} steps");
     keys.extend([
         key("load", "indentation", "steps of the pin's descent after first touch", LENGTH, &steps, "[\"1 um\", \"2 um\"]")
-            .needed("needed, or `force`"),
+            .needed("needed, or `offset` or `force`; press fits have none"),
+        key("load", "offset", "steps of the pin's way from where pin and hole are concentric: the clearance and the indentation", LENGTH, &steps, "[\"0 um\", \"20 um\"]")
+            .needed("instead of `indentation`"),
         key("load", "force", "steps of the force of the whole joint", "force", &steps, "{ from = \"10 N\", to = \"10 kN\", count = 20, spacing = \"log\" }")
-            .needed("needed, or `indentation`"),
+            .needed("instead of `indentation`"),
         key("designs", "file", "a CSV list of designs, one load case a row, in the place of [joint], [load] and [sampling]; \
              relative to the config's folder", "-", "a file", "\"designs-example.csv\"")
             .needed("needed in [designs]"),

@@ -1,8 +1,7 @@
 //! The `[output]` of a config: which columns the table of a run has, and in what kind of file it is.
 
 use crate::error::{Error, suggest};
-use crate::study::columns::{Cell, Column, DESIGN, Quantity, joint_columns};
-use crate::study::layers::LayerCounts;
+use crate::study::columns::{Cell, Column, DESIGN, Extras, OFFSET, Quantity, joint_columns};
 use crate::study::source::Section;
 
 /// Which inputs stand in the table.
@@ -76,7 +75,7 @@ impl OutputOptions {
             options.format = Format::ALL[item.word(&Format::ALL.map(Format::name))?];
         }
         if let Some(item) = table.find("columns") {
-            let names = column_names(LayerCounts::MOST);
+            let names = column_names(Extras::MOST);
             let known: Vec<&str> = names.iter().map(String::as_str).collect();
             let asked = item.array()?.ok_or_else(|| item.wrong_type("a list of the table's columns"))?;
             let mut is_asked = vec![false; names.len()];
@@ -102,16 +101,15 @@ impl OutputOptions {
         is_asked && (self.inputs == Inputs::All || !is_constant())
     }
 
-    /// Refuses a table without any column, and columns of layers that no design has; `table` is what the options were read from.
-    pub fn check(
-        &self,
-        table: &Section,
-        constants: &[(Column, Cell)],
-        layers: LayerCounts,
-    ) -> Result<(), Error> {
-        let names = column_names(layers);
+    /// Refuses a table without any column, and columns of layers or offsets that no design has; `table` is what the options were read from.
+    pub fn check(&self, table: &Section, constants: &[(Column, Cell)], extras: Extras) -> Result<(), Error> {
+        let names = column_names(extras);
         let missing = self.columns.iter().flatten().find(|asked| !names.contains(asked));
         match table.find("columns") {
+            Some(item) if missing.is_some_and(|missing| missing == OFFSET) => {
+                let problem = "the designs of this config are neither press fits nor loaded by an offset";
+                Err(item.error(format!("`{OFFSET}`: {problem}")))
+            }
             Some(item) if let Some(missing) = missing => {
                 Err(item.error(format!("`{missing}`: no design of this config has such a layer")))
             }
@@ -123,9 +121,9 @@ impl OutputOptions {
     }
 }
 
-/// The names of all columns of the table of joints with so many layers, in their order.
-pub fn column_names(layers: LayerCounts) -> Vec<String> {
-    let inputs = joint_columns(layers).into_iter().map(|column| column.name());
-    let results = Quantity::of_tables(layers).map(|quantity| quantity.name().to_string());
+/// The names of all columns of the table of sweeps with these, in their order.
+pub fn column_names(extras: Extras) -> Vec<String> {
+    let inputs = joint_columns(extras.layers).into_iter().map(|column| column.name());
+    let results = Quantity::of_tables(extras).map(|quantity| quantity.name().to_string());
     std::iter::once(DESIGN.to_string()).chain(inputs).chain(results).collect()
 }

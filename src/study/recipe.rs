@@ -6,7 +6,7 @@ use crate::error::{Error, quoted};
 use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
 use crate::mechanics::material::{Idealization, Material};
 use crate::study::columns::{Cell, Column, LayerQuantity, joint_columns, side_name};
-use crate::study::design::{JointDesign, Limits, Part};
+use crate::study::design::{JointDesign, Limits, Part, refuse_clearance};
 use crate::study::layers::{Layer, LayerCounts, Layers, MOST_LAYERS};
 use crate::study::sampling::{Axis, Sampler, Scheme};
 use crate::study::source::{Item, Section};
@@ -104,8 +104,7 @@ impl Recipe {
                     return Err(joint.error(problem.to_string()));
                 }
             };
-        let mut radial_clearance =
-            reader.quantity(&clearance_item, Some(Dimension::Length), Limits::NOT_NEGATIVE)?;
+        let mut radial_clearance = reader.quantity(&clearance_item, Some(Dimension::Length), Limits::ANY)?;
         if diametral {
             radial_clearance.values = radial_clearance.values.halved();
         }
@@ -179,6 +178,11 @@ impl Recipe {
             pin: self.part(&self.pin, hole_radius - radial_clearance, design),
             plate: self.part(&self.plate, hole_radius, design),
         }
+    }
+
+    /// Whether a pin may be larger than its hole.
+    pub fn has_press_fits(&self) -> bool {
+        self.radial_clearance.values.smallest() < 0.0
     }
 
     /// Layers of pin and plate.
@@ -263,11 +267,12 @@ impl Recipe {
         choice.options[self.pick(choice.axis, design).of(choice.options.len())]
     }
 
-    /// Refuses a sweep in which some design has a clearance that leaves no pin.
+    /// Refuses a sweep in which some design has a clearance that leaves no pin, or an overlap as large.
     fn check_fit(&self, hole: &Item, clearance: &Item) -> Result<(), Error> {
-        let (smallest, largest) =
-            (self.hole_radius.values.smallest(), self.radial_clearance.values.largest());
-        if largest < smallest {
+        let smallest = self.hole_radius.values.smallest();
+        let ends = [self.radial_clearance.values.smallest(), self.radial_clearance.values.largest()];
+        let largest = if ends[0].abs() > ends[1].abs() { ends[0] } else { ends[1] };
+        if refuse_clearance(largest, smallest).is_none() {
             return Ok(());
         }
         // Zip pairs its values; everywhere else the largest clearance does or may meet the smallest hole.
@@ -275,7 +280,10 @@ impl Recipe {
             let pairs = (0..self.sampler.design_count()).map(|design| {
                 (self.value(&self.hole_radius, design), self.value(&self.radial_clearance, design))
             });
-            match pairs.into_iter().find(|(hole_radius, clearance)| clearance >= hole_radius) {
+            match pairs
+                .into_iter()
+                .find(|(hole_radius, clearance)| refuse_clearance(*clearance, *hole_radius).is_some())
+            {
                 None => return Ok(()),
                 Some(pair) => pair,
             }
@@ -283,11 +291,12 @@ impl Recipe {
             (smallest, largest)
         };
         let line = hole.line();
+        let what = if radial_clearance < 0.0 { "the overlap of a press fit" } else { "it" };
         let sweeps = self.hole_radius.axis.or(self.radial_clearance.axis).is_some();
         let among = if sweeps { "among the combinations of this sweep, " } else { "" };
         Err(clearance.error(format!(
             "{among}a radial clearance of {radial_clearance} mm meets a hole radius of {hole_radius} mm (line {line}); \
-             it must be below the hole radius"
+             {what} must be below the hole radius"
         )))
     }
 }

@@ -91,7 +91,7 @@ fn what_cannot_be_set_is_said_by_its_key_and_other_errors_keep_their_line() {
         (
             "small.toml",
             &["load.force=1 kN"],
-            "error: --set: load.force: `indentation` is given, too; only one of the two is allowed\n",
+            "error: --set: load.force: `indentation` is given, too; only one kind of load is allowed\n",
         ),
         // Line 17 of the file, although a line is added above it and a list of lines is made one.
         (

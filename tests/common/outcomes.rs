@@ -38,13 +38,14 @@ fn outcome(random: &mut Random, load: Load) -> StepOutcome {
     }
     let known = |value: f64, random: &mut Random| (random.unit() < 0.9).then_some(value);
     let (indentation, force) = match load {
-        Load::Indentation(value) => (value, random.log(1.0, 1e5)),
+        Load::Indentation(value) | Load::Offset(value) => (value, random.log(1.0, 1e5)),
         Load::Force(value) => (random.log(1e-4, 1.0), value),
     };
     // Few different pressures, so that there are equal ones.
     let pressure = (random.log(1.0, 1e3) / 10.0).ceil() * 10.0;
     let response = Response {
         indentation,
+        offset: indentation,
         force,
         tangent_stiffness: random.log(1e3, 1e6),
         contact_half_angle: known(random.linear(0.0, 1.5), random),

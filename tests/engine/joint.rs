@@ -124,7 +124,7 @@ fn what_cannot_be_is_refused_by_name() {
     let pin = || Part::new("rigid-core", &[], None, STEEL).unwrap();
     for (name, sizes) in [
         ("hole_radius", Dimensions { hole_radius: f64::NAN, ..SIZES }),
-        ("radial_clearance", Dimensions { radial_clearance: -0.1, ..SIZES }),
+        ("radial_clearance", Dimensions { radial_clearance: -10.0, ..SIZES }),
         ("radial_clearance", Dimensions { radial_clearance: 10.0, ..SIZES }),
         ("thickness", Dimensions { thickness: 0.0, ..SIZES }),
     ] {

@@ -25,4 +25,5 @@ mod extremes;
 mod properties;
 mod joint;
 mod layers;
+mod press_fits;
 mod liu2007;

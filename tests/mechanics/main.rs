@@ -8,6 +8,7 @@ mod common {
     pub mod rings;
     pub mod ring_loads;
     pub mod stepped_ring;
+    pub mod nodal_ring;
     pub mod true_outlines;
     pub mod finite_displacement;
     pub mod law_joints;
@@ -23,6 +24,7 @@ mod condensation;
 mod series;
 mod layered_rings;
 mod lined_joints;
+mod press_fits;
 mod active_set;
 mod contact_formulations;
 mod curves;

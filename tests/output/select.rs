@@ -242,7 +242,9 @@ fn values_are_those_of_another_reader() {
             let value = |name: &String| match name.as_str() {
                 "force" => match row.case.steps[row.step] {
                     jointsweep::Load::Force(force) => force,
-                    jointsweep::Load::Indentation(_) => of(|response| Some(response.force)),
+                    jointsweep::Load::Indentation(_) | jointsweep::Load::Offset(_) => {
+                        of(|response| Some(response.force))
+                    }
                 },
                 "stiffness" => of(|response| Some(response.tangent_stiffness)),
                 "pressure" => of(|response| response.peak_pressure),

@@ -71,8 +71,15 @@ fn base_for(key: &ConfigKey) -> Table {
     }
     match (key.table.as_str(), name) {
         (table, "thickness_ratio") => _ = table_of(&mut base, table).remove("thickness"),
-        ("joint", "diametral_clearance") => _ = table_of(&mut base, "joint").remove("radial_clearance"),
-        ("load", "force") => _ = table_of(&mut base, "load").remove("indentation"),
+        ("joint", "diametral_clearance") => {
+            table_of(&mut base, "joint").remove("radial_clearance");
+            *table_of(&mut base, "load") = [("offset".to_string(), value("'0.01 mm'"))].into_iter().collect();
+        }
+        // A press fit has no indentation.
+        ("joint", "radial_clearance") => {
+            *table_of(&mut base, "load") = [("offset".to_string(), value("'0.01 mm'"))].into_iter().collect();
+        }
+        ("load", "force" | "offset") => _ = table_of(&mut base, "load").remove("indentation"),
         ("designs", _) => base.clear(),
         ("sampling", _) => {
             table_of(&mut base, "joint").insert("thickness".into(), value("{ from = '1 mm', to = '2 mm' }"));
@@ -217,11 +224,11 @@ fn what_is_allowed_is_taken_and_nothing_beyond_it() {
                 &[("0.0", false), ("0.01", true), ("0.99", true), ("1.0", false)]
             }
             "above -1 and below 0.5" => &[("-1.0", false), ("-0.99", true), ("0.49", true), ("0.5", false)],
-            "0 or more, below the hole radius" => {
-                &[("-0.1", false), ("0", true), ("11.9", true), ("12.0", false)]
+            "of a size below the hole radius" => {
+                &[("-12.0", false), ("-11.9", true), ("0", true), ("11.9", true), ("12.0", false)]
             }
-            "0 or more, below the hole diameter" => {
-                &[("-0.1", false), ("0", true), ("23.9", true), ("24.0", false)]
+            "of a size below the hole diameter" => {
+                &[("-24.0", false), ("-23.9", true), ("0", true), ("23.9", true), ("24.0", false)]
             }
             "0 or more; at most 100000 steps" => &[("-0.1", false), ("0", true)],
             "whole numbers from 1 to 1000000000" => {

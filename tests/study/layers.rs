@@ -61,7 +61,7 @@ fn a_list_of_lined_designs_reads_back_what_was_written() {
     let study = folder.study("[designs]\nfile = \"designs.csv\"\n");
     let read = all(&study);
     assert_eq!(read.len(), 6);
-    assert_eq!((study.layer_counts().pin, study.layer_counts().plate), (0, 2));
+    assert_eq!((study.extras().layers.pin, study.extras().layers.plate), (0, 2));
     for (read, original) in read.iter().zip(&original) {
         assert_eq!(row(read), row(original));
     }

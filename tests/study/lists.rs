@@ -56,7 +56,7 @@ fn bad_lists_are_refused_by_row_and_column() {
         ("\n20,0.05", "\n20 mm,0.05", ":2: hole_radius_mm: `20 mm`: not a number"),
         ("\n20,0.05", "\n20,inf", ":2: radial_clearance_mm: `inf`: the number is not finite"),
         ("\n20,0.05", "\n20,20", ":2: radial_clearance_mm: `20`: must be below the hole radius, 20 mm"),
-        ("\n20,0.05", "\n20,-1", ":2: radial_clearance_mm: `-1`: must be 0 or more"),
+        ("\n20,0.05", "\n20,-20", ":2: radial_clearance_mm: `-20`: the overlap of a press fit must be below the hole radius, 20 mm"),
         ("70000,0.33", "70000,0.5", ":3: plate_poissons_ratio: `0.5`: must be above -1 and below 0.5"),
         ("core,,210000", "cor,,210000", ":3: pin_model: `rigid-cor`: not known; did you mean `rigid-core`?"),
         ("2.5,base", "2.5,bas", ":5: plate_support: `bas`: not known; did you mean `base`?"),
@@ -79,7 +79,7 @@ fn bad_lists_are_refused_by_row_and_column() {
     };
     let mut cases: Vec<(String, &str)> = vec![
         (without(column), ":5: depth_ratio: the column is missing; this row needs it"),
-        (without(17), ":3: indentation_mm: the row needs either this or `force_n`"),
+        (without(17), ":3: indentation_mm: the row needs this, `offset_mm` or `force_n`"),
         (list.replace(',', ";"), "columns are separated by commas"),
         (first_line.to_string(), ":1: there is no row below the header"),
         (String::new(), ":1: there is no row below the header"),

@@ -4,6 +4,7 @@ mod sweeps;
 mod lists;
 mod refusals;
 mod layers;
+mod press_fits;
 
 use std::fs;
 use std::path::PathBuf;

@@ -23,7 +23,7 @@ fn bad_configs_are_refused_by_line_and_key() {
         ("[joint]\n", "[joint]\ndiametral_clearance = '1 mm'\n", ":3: joint.diametral_clearance: `radial_clearance` is"),
         ("outer_radius_ratio ", "# ", ":11: joint.plate: the key `outer_radius_ratio` is missing"),
         ("[load]\n", "[load]\nforce = '1 N'\n", ":17: load.force: `indentation` is given, too"),
-        ("indentation ", "# ", ":16: load: one of `indentation` and `force` is needed"),
+        ("indentation ", "# ", ":16: load: one of `indentation`, `offset` and `force` is needed"),
         ("[load]", "[designs]\nfile = 'x.csv'\n[load]", ":2: joint: has no place beside [designs]"),
         // What the table has.
         ("[load]", "[output]\ncolumns = ['design', 'force']\n[load]", ":17: output.columns: `'force'`: not a column; did you mean `force_n`?"),

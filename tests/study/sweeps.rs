@@ -20,6 +20,7 @@ fn shipped_configs_load() {
         ("hypercube-block", 100_000, 1_000_000),
         ("liu2007", 14, 140),
         ("liu2007-plates", 70, 700),
+        ("press-fit", 4, 164),
         ("quickstart", 10, 100),
         ("random", 10_000, 100_000),
         ("requirements", 10_000, 10_000),

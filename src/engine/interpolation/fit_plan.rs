@@ -36,8 +36,11 @@ pub struct InterpolationPlan {
     pub pairs: HashSet<(FamilyKey, FamilyKey)>,
 }
 
-/// The families of a joint's pin and plate, each with its body.
+/// The families of a joint's pin and plate, each with its body; none of press fits, which have exact modes.
 pub fn pair(joint: &JointDesign) -> Option<[(FamilyKey, Body); 2]> {
+    if joint.is_press_fit() {
+        return None;
+    }
     let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
     let half_ring = pin.shape.end_angle < std::f64::consts::PI;
     Some([(FamilyKey::of(&pin, half_ring)?, pin), (FamilyKey::of(&plate, half_ring)?, plate)])

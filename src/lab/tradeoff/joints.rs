@@ -68,7 +68,7 @@ pub fn is_concentric(joint: &JointDesign) -> bool {
 /// About the least contact half angle of all steps, rad: half of what the undeformed circles overlap by, or Hertz's strip
 /// under a force. Never below 0.5 deg, where meshes would have no end, nor above 10 deg.
 pub fn least_contact_angle(cases: &[DesignCase]) -> f64 {
-    let angle = |joint: &JointDesign, load: Load| match load {
+    let angle = |joint: &JointDesign, load: Load| match joint.from_first_touch(load) {
         Load::Indentation(delta) if delta > 0.0 => Some(0.5 * half_angle(joint, load)),
         Load::Force(force) if force > 0.0 => {
             let contact = HertzContact::from_force(&joint.pair().ok()?, force / joint.thickness).ok()?;

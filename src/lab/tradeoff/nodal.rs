@@ -71,9 +71,9 @@ impl NodalPath {
             }
         };
         let pressed = |indentation: f64| self.pressed(joint, &springs, &case.joint, indentation);
-        let state = |load: &Load| match *load {
+        let state = |load: &Load| match case.joint.from_first_touch(*load) {
             Load::Indentation(0.0) | Load::Force(0.0) => None,
-            Load::Indentation(indentation) => pressed(indentation),
+            Load::Indentation(indentation) | Load::Offset(indentation) => pressed(indentation),
             Load::Force(force) => found(&pressed, force, force / (modulus * case.joint.thickness)),
         };
         case.steps.iter().map(state).map(|state| state.and_then(State::sound)).collect()

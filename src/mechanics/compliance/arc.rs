@@ -10,6 +10,14 @@
 //! Their sum of coefficients is the strength of the edge singularity; contact with a free edge is where it vanishes.
 //! In this basis the logarithmic kernel of plane elasticity is diagonal up to rank two, and every other integral is
 //! smooth.
+//!
+//! A press fit is in contact over nearly the whole ring, where tan(eps/2) has no bound. There
+//!
+//! ```text
+//!   b = sin(eps/2),   sin(phi/2)/b = cos(tau),   p_k d(phi) = cos(2 k tau) d(tau),
+//! ```
+//!
+//! the logarithmic kernel is diagonal on every arc, and on the whole ring, tau = (pi - phi)/2, the p_k are cosines of the angle.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -24,32 +32,75 @@ pub const TERM_CHOICES: [usize; 4] = [6, 10, 16, MAX_TERMS];
 /// Fewer than any sweep is solved with, on the processor alone: what meshes without the exact near field can bear.
 pub const FEW_TERMS: [usize; 1] = [3];
 
+/// Which function of half the angle is cos(tau) times its value at the edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ArcMap {
+    /// Of arcs that end before the far side of the ring.
+    Tangent,
+    /// Of arcs up to the whole ring.
+    Sine,
+}
+
+impl ArcMap {
+    /// phi from that function of phi/2.
+    pub fn angle(self, of_half: f64) -> f64 {
+        match self {
+            ArcMap::Tangent => 2.0 * of_half.atan(),
+            ArcMap::Sine => 2.0 * of_half.min(1.0).asin(),
+        }
+    }
+
+    /// The function of phi/2.
+    pub fn of_half(self, angle: f64) -> f64 {
+        match self {
+            ArcMap::Tangent => (0.5 * angle).tan(),
+            ArcMap::Sine => (0.5 * angle).sin(),
+        }
+    }
+
+    /// d(of_half)/d(phi/2) as a function of `of_half`.
+    pub fn slope(self, of_half: f64) -> f64 {
+        match self {
+            ArcMap::Tangent => 1.0 + of_half * of_half,
+            ArcMap::Sine => (1.0 - of_half * of_half).max(0.0).sqrt(),
+        }
+    }
+}
+
 /// Geometry of one contact half angle.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactArc {
+    pub map: ArcMap,
     /// Contact half angle, rad.
     pub half_angle: f64,
-    /// b = tan(eps/2).
+    /// b = tan(eps/2), or sin(eps/2).
     pub b: f64,
     pub ln_b: f64,
-    /// t = tan(atan(b)/2): 1 + b^2 cos^2(tau) = (1 + 2 t^2 cos(2 tau) + t^4)/(1 - t^2)^2.
+    /// Of tangents: t = tan(atan(b)/2), 1 + b^2 cos^2(tau) = (1 + 2 t^2 cos(2 tau) + t^4)/(1 - t^2)^2.
     pub(super) t: f64,
 }
 
 impl ContactArc {
     pub fn new(half_angle: f64) -> ContactArc {
         let b = (0.5 * half_angle).tan();
-        ContactArc { half_angle, b, ln_b: b.ln(), t: b / (1.0 + (1.0 + b * b).sqrt()) }
+        ContactArc { map: ArcMap::Tangent, half_angle, b, ln_b: b.ln(), t: b / (1.0 + (1.0 + b * b).sqrt()) }
+    }
+
+    /// An arc of sines that leaves a gap: cos(eps/2), from 0, the whole ring, to below 1.
+    pub fn leaving(cosine: f64) -> ContactArc {
+        let square = cosine * cosine;
+        let (b, ln_b) = ((1.0 - square).sqrt(), 0.5 * (-square).ln_1p());
+        ContactArc { map: ArcMap::Sine, half_angle: 2.0 * cosine.acos(), b, ln_b, t: 0.0 }
     }
 
     /// phi at tau.
     pub fn angle(&self, tau: f64) -> f64 {
-        2.0 * (self.b * tau.cos()).atan()
+        self.map.angle(self.b * tau.cos())
     }
 
     /// tau at phi, 0 at and beyond the edge.
     pub fn tau(&self, angle: f64) -> f64 {
-        ((0.5 * angle).tan() / self.b).min(1.0).acos()
+        (self.map.of_half(angle) / self.b).min(1.0).acos()
     }
 
     /// Integral of p_k over the half arc: pi/2 for k = 0, else 0.
@@ -57,8 +108,16 @@ impl ContactArc {
         if k == 0 { FRAC_PI_2 } else { 0.0 }
     }
 
-    /// Integrals of p_k (1 - cos phi) over b^2, for k = 0, 1, ...: pi [delta_k0 - (-t^2)^k/sqrt(1 + b^2)]/b^2, free of
-    /// cancellation.
+    /// Integrals of p_k (1 - cos phi) over b^2, of sines, for k = 0, 1, ...: those of 2 cos^2(tau) = 1 + cos(2 tau).
+    pub fn versines_of_sines<const TERMS: usize>() -> [f64; TERMS] {
+        std::array::from_fn(|k| match k {
+            0 => FRAC_PI_2,
+            1 => 0.5 * FRAC_PI_2,
+            _ => 0.0,
+        })
+    }
+
+    /// The same of tangents: pi [delta_k0 - (-t^2)^k/sqrt(1 + b^2)]/b^2, free of cancellation.
     #[inline(always)]
     pub fn versines<T: Real, const TERMS: usize>(b: T) -> [T; TERMS] {
         let (one, pi) = (T::from_f64(1.0), T::from_f64(PI));
@@ -125,29 +184,35 @@ mod tests {
     /// tau undoes the angle, to the rounding of acos; the edge and all beyond it are at 0.
     #[test]
     fn tau_and_the_angle_are_inverse() {
-        for half_angle in [1e-6, 0.3, 2.4] {
-            let arc = ContactArc::new(half_angle);
+        for arc in
+            [1e-6, 0.3, 2.4].map(ContactArc::new).into_iter().chain([0.2, 0.8].map(ContactArc::leaving))
+        {
+            let half_angle = arc.half_angle;
             for tau in [0.1, 1.0, FRAC_PI_2] {
                 assert!((arc.tau(arc.angle(tau)) - tau).abs() < 1e-14);
             }
             assert!((arc.angle(0.0) / half_angle - 1.0).abs() < 1e-15);
-            assert_eq!([1.001, 1.3].map(|factor| arc.tau(factor * half_angle)), [0.0; 2]);
+            assert_eq!([1.001, 1.1].map(|factor| arc.tau(factor * half_angle)), [0.0; 2]);
         }
     }
 
     #[test]
     fn versine_equals_its_integral() {
-        let arc = ContactArc::new(1.3);
-        let versines: [f64; 5] = ContactArc::versines(arc.b);
-        for (k, versine) in versines.iter().enumerate() {
-            let sum: f64 = gauss_legendre(40)
-                .iter()
-                .map(|(x, w)| {
-                    let tau = 0.5 * FRAC_PI_2 * (1.0 + x);
-                    0.5 * FRAC_PI_2 * w * (2.0 * k as f64 * tau).cos() * (1.0 - arc.angle(tau).cos())
-                })
-                .sum();
-            assert!((versine * arc.b * arc.b - sum).abs() < 1e-14, "k = {k}");
+        let tangents = ContactArc::new(1.3);
+        for (arc, versines) in [
+            (tangents, ContactArc::versines::<f64, 5>(tangents.b)),
+            (ContactArc::leaving(0.3), ContactArc::versines_of_sines()),
+        ] {
+            for (k, versine) in versines.iter().enumerate() {
+                let sum: f64 = gauss_legendre(40)
+                    .iter()
+                    .map(|(x, w)| {
+                        let tau = 0.5 * FRAC_PI_2 * (1.0 + x);
+                        0.5 * FRAC_PI_2 * w * (2.0 * k as f64 * tau).cos() * (1.0 - arc.angle(tau).cos())
+                    })
+                    .sum();
+                assert!((versine * arc.b * arc.b - sum).abs() < 1e-14, "{:?}, k = {k}", arc.map);
+            }
         }
     }
 

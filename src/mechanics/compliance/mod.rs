@@ -4,6 +4,7 @@ pub mod condense;
 pub mod arc;
 pub mod lane_work;
 pub mod infinite_body;
+pub mod sine_arcs;
 pub mod thin_wall;
 pub mod ring_modes;
 pub mod second_order;

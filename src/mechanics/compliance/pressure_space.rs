@@ -6,10 +6,11 @@ use std::f64::consts::{FRAC_1_PI, FRAC_2_PI, FRAC_PI_2};
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::arc::{ContactArc, MAX_TERMS, cosines, packed, packed_count};
+use super::arc::{ArcMap, ContactArc, MAX_TERMS, cosines, packed, packed_count};
 use super::infinite_body::InfiniteKernels;
 use super::ring_modes::RingModes;
 use super::second_order::Bands;
+use super::sine_arcs;
 use super::thin_wall::bed_matrix;
 use super::{BodyCompliance, Boundary};
 use crate::mechanics::compliance::lane_work::{TermWork, in_lanes_with_terms};
@@ -21,11 +22,11 @@ pub struct PressureSpace {
     /// As many as a multiple of `LANES`.
     pub arcs: Vec<ContactArc>,
     /// Galerkin matrices, `[packed entry][arc]`: of the infinite body, `BodyCompliance::even` and `odd`, without the
-    /// -pi/2 ln b of entry (0, 0), and of a bed.
+    /// -pi/2 ln b of entry (0, 0), and of a bed, which arcs of sines have none of.
     even: Vec<f64>,
     odd: Vec<f64>,
     bed: Vec<f64>,
-    /// What unit tilt adds to the first two of a pin.
+    /// What unit tilt adds to the first two of a pin; none on arcs of sines, where pin and hole meet normal to normal.
     tilted_even: Vec<f64>,
     tilted_odd: Vec<f64>,
     /// What the clearance ratio squared adds.
@@ -57,15 +58,24 @@ pub struct JointCompliance<'a> {
 }
 
 impl PressureSpace {
-    /// `terms` trial pressures on arcs, as many as a multiple of `LANES`.
+    /// `terms` trial pressures on arcs of one map, as many as a multiple of `LANES`.
     pub fn new(terms: usize, arcs: Vec<ContactArc>) -> PressureSpace {
         let count = arcs.len();
-        let InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd } =
-            InfiniteKernels::new(&arcs, terms);
-        let mut bed = vec![0.0; packed_count(terms) * count];
-        for (place, arc) in arcs.iter().enumerate() {
-            for (entry, value) in bed_matrix(arc.b, terms).into_iter().enumerate() {
-                bed[entry * count + place] = value;
+        let map = arcs.first().map_or(ArcMap::Tangent, |arc| arc.map);
+        let InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd } = match map {
+            ArcMap::Tangent => InfiniteKernels::new(&arcs, terms),
+            ArcMap::Sine => {
+                let [even, odd] = sine_arcs::infinite_kernels(&arcs, terms);
+                InfiniteKernels { even, odd, ..InfiniteKernels::default() }
+            }
+        };
+        let mut bed = Vec::new();
+        if map == ArcMap::Tangent {
+            bed.resize(packed_count(terms) * count, 0.0);
+            for (place, arc) in arcs.iter().enumerate() {
+                for (entry, value) in bed_matrix(arc.b, terms).into_iter().enumerate() {
+                    bed[entry * count + place] = value;
+                }
             }
         }
         PressureSpace {

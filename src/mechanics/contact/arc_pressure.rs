@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::curve::ContactCurve;
 use super::state::ContactState;
+use crate::mechanics::compliance::arc::ArcMap;
 use crate::mechanics::real::{Lanes, Real};
 
 /// Nodes around a state that its trial pressures are interpolated between.
@@ -14,16 +15,21 @@ const PLACES_PER_TERM: usize = 6;
 
 /// The pressure of one state.
 pub struct ArcPressure {
-    /// tan(eps/2) of the hole.
+    map: ArcMap,
+    /// tan(eps/2) of the hole; of press fits sin(eps/2).
     b: f64,
-    /// Coefficients of the trial pressures; their sum is zero.
+    /// Coefficients of the trial pressures; their sum is zero unless the contact is closed all around.
     coefficients: Vec<f64>,
 }
 
 impl ContactCurve<'_> {
     /// Of a state of this curve, with the node at or above it.
     pub fn pressure(&self, state: &ContactState, above: usize) -> ArcPressure {
-        let b = (0.5 * state.half_angle).tan();
+        let map = self.space.map();
+        if state.is_closed() {
+            return ArcPressure { map, b: 1.0, coefficients: self.closed_coefficients(state) };
+        }
+        let b = map.of_half(state.half_angle);
         let place_of = |b: f64| self.space.place(Lanes::<false>::from_f64(b)).0[0];
         let wanted = place_of(self.outlines.ratio() * b);
         let count = self.space.arcs().len();
@@ -42,7 +48,7 @@ impl ContactCurve<'_> {
                 *sum += weight * self.states.coefficient(terms, node, k);
             }
         }
-        let mut pressure = ArcPressure { b, coefficients };
+        let mut pressure = ArcPressure { map, b, coefficients };
         // What interpolation leaves is taken out at the load line, where the pressure is known.
         let scale = state.peak_pressure / pressure.at(0.0);
         pressure.coefficients.iter_mut().for_each(|value| *value *= scale);
@@ -87,7 +93,7 @@ impl ArcPressure {
         let shift = if curvature < 0.0 { 0.5 * (before - after) / curvature } else { 0.0 };
         let near = [best as f64 + shift, best as f64];
         let [found, known] = near.map(|place| {
-            let angle = 2.0 * (self.b * (place * step).sin()).atan();
+            let angle = self.map.angle(self.b * (place * step).sin());
             (angle, self.at(angle))
         });
         if found.1 > known.1 { found } else { known }
@@ -101,23 +107,32 @@ impl ArcPressure {
             (current, previous) = (coefficient + turn * current - previous, current);
         }
         let sum = self.coefficients[0] + 0.5 * turn * current - previous;
-        0.5 * sum / sine * (1.0 + (self.b * cosine).powi(2)) / self.b
+        0.5 * sum / sine * self.map.slope(self.b * cosine) / self.b
     }
 
     /// Over e, in the unit of the moduli, per area of the hole, at an angle of the hole from the load line, rad; zero beyond
     /// the arc.
     ///
     /// p d(phi) = sum of c_k cos(2 k tau) d(tau) with cos(tau) = tan(phi/2)/b. The c_k sum to zero, so that
-    /// sum of c_k cos(2 k tau) = -2 sum of c_k sin(k tau)^2, which is free of the singularity at the edge.
+    /// sum of c_k cos(2 k tau) = -2 sum of c_k sin(k tau)^2, which is free of the singularity at the edge. Closed all around there is no
+    /// edge.
     pub fn at(&self, angle: f64) -> f64 {
-        let cosine = (0.5 * angle).tan().abs() / self.b;
+        let cosine = self.map.of_half(angle).abs() / self.b;
+        let term = |(k, value): (usize, &f64), tau: f64| value * (k as f64 * tau).sin().powi(2);
+        let sum = |tau| self.coefficients.iter().enumerate().map(|coefficient| term(coefficient, tau)).sum();
+        if self.is_closed() {
+            let (all, turned): (f64, f64) = (self.coefficients.iter().sum(), sum(cosine.min(1.0).acos()));
+            return 0.5 * all - turned;
+        }
         if cosine >= 1.0 {
             return 0.0;
         }
         let tau = cosine.acos();
-        let sine = tau.sin();
-        let term = |(k, value): (usize, &f64)| value * (k as f64 * tau).sin().powi(2);
-        let sum: f64 = self.coefficients.iter().enumerate().map(term).sum();
-        -sum / sine * (1.0 + (self.b * cosine).powi(2)) / self.b
+        let turned: f64 = sum(tau);
+        -turned / tau.sin() * self.map.slope(self.b * cosine) / self.b
+    }
+
+    fn is_closed(&self) -> bool {
+        self.map == ArcMap::Sine && self.b == 1.0
     }
 }

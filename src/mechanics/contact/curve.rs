@@ -12,6 +12,7 @@ use super::curve_space::{CurveSpace, chunk_of};
 use super::edge::EdgeStates;
 use super::outlines::Outlines;
 use super::reduced::{FUNCTIONS, Functions, OF_LOAD, Reduced};
+use crate::mechanics::compliance::arc::ArcMap;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::compliance::pressure_space::JointCompliance;
 use crate::mechanics::real::{LANES, Lanes, Real};
@@ -63,7 +64,7 @@ impl<'a> ContactCurve<'a> {
         let mut states = states.again(&space.pressures, parts, &outlines);
         let even: f64 = parts.iter().map(|part| part.even).sum();
         let bed: f64 = parts.iter().map(|part| part.bed).sum();
-        // Up to the first beyond a neat fit, and no further than the contact grows with the load: the pressure is the sum of what
+        // Up to the first beyond a neat fit, of press fits to the last, and no further than the contact grows with the load: the pressure is the sum of what
         // punches of all smaller arcs add as the contact grows, each of them positive. Where it grows with the load the pressure
         // is positive and the gap beyond it open, and only there.
         let (mut first, mut before) = (states.count(), 0.0);
@@ -75,7 +76,7 @@ impl<'a> ContactCurve<'a> {
             }
             first = node;
             before = grown;
-            if grown >= 1.0 {
+            if grown >= 1.0 && space.map() == ArcMap::Tangent {
                 break;
             }
         }

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use super::outlines::Outlines;
 use crate::mechanics::body::Side;
 use crate::mechanics::compliance::BodyCompliance;
-use crate::mechanics::compliance::arc::ContactArc;
+use crate::mechanics::compliance::arc::{ArcMap, ContactArc};
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace, Tilt};
 use crate::mechanics::compliance::thin_wall::bed_matrix;
@@ -18,6 +18,8 @@ pub enum Variable {
     Root,
     /// ln b, down to `NARROWEST` of its limit.
     Logarithm,
+    /// cos(eps/2), from the whole ring down to `OPENED`: of press fits.
+    Gap,
 }
 
 /// The most nodes of a space.
@@ -26,6 +28,10 @@ pub const MOST_NODES: usize = 96;
 /// The narrowest contact beside beds over the widest.
 const NARROWEST: f64 = 1e-9;
 
+/// cos(eps/2) of the narrowest contact of press fits, 60 deg: those of neat fits, at which they end, were from 84 to 104 deg
+/// (`tests/mechanics/press_fits.rs`).
+const OPENED: f64 = 0.866;
+
 /// The arcs of curves up to a limit: Chebyshev nodes in a variable.
 pub struct CurveSpace {
     /// On arcs of the pin.
@@ -33,9 +39,9 @@ pub struct CurveSpace {
     /// The largest contact half angle of the pin, rad.
     pub limit: f64,
     variable: Variable,
-    /// tan(limit/4), or ln tan(limit/2).
+    /// tan(limit/4), or ln tan(limit/2); 0 of press fits.
     widest: f64,
-    /// z^2, or b, at the nodes: where loads are searched.
+    /// z^2, or b, or 1 - cos^2(eps/2)/`OPENED`^2, at the nodes: where loads are searched.
     pub(super) places: Vec<f64>,
     /// Logarithms of z, or of b.
     pub(super) logarithms: Vec<f64>,
@@ -47,7 +53,8 @@ pub struct CurveSpace {
 }
 
 impl CurveSpace {
-    /// `terms` trial pressures at so many nodes, a multiple of `LANES`, up to a half angle, rad.
+    /// `terms` trial pressures at so many nodes, a multiple of `LANES`, up to a half angle, rad. Of press fits that is the whole ring
+    /// whatever is given, and the first node.
     pub fn new(variable: Variable, terms: usize, nodes: usize, limit: f64) -> CurveSpace {
         let angle = |node: usize| std::f64::consts::PI * (node as f64 + 0.5) / nodes as f64;
         // From 0 to 1.
@@ -62,10 +69,14 @@ impl CurveSpace {
         let widest = match variable {
             Variable::Root => (0.25 * limit).tan(),
             Variable::Logarithm => (0.5 * limit).tan().ln(),
+            Variable::Gap => 0.0,
         };
+        // From 0 at the first node on.
+        let opened = |node: usize| 1.0 - unit(node) / unit(0);
         let logarithms: Vec<f64> = match variable {
             Variable::Root => units.map(f64::ln).collect(),
             Variable::Logarithm => units.map(|unit| widest + (1.0 - unit) * NARROWEST.ln()).collect(),
+            Variable::Gap => (0..nodes).map(|node| gap_arc(opened(node)).ln_b).collect(),
         };
         let chebyshev = (0..2 * chunks_of_parity(nodes)).map(|chunk| {
             let degree = |lane: usize| degree_at(nodes, chunk, lane) as f64;
@@ -73,21 +84,20 @@ impl CurveSpace {
                 .map(|node| std::array::from_fn(|lane| (degree(lane) * angle(node)).cos()))
                 .collect()
         });
-        let half_angle = |logarithm: &f64| match variable {
-            Variable::Root => 4.0 * (widest * (2.0 * logarithm).exp()).atan(),
-            Variable::Logarithm => 2.0 * logarithm.exp().atan(),
+        let arc = |node: usize| match variable {
+            Variable::Root => ContactArc::new(4.0 * (widest * (2.0 * logarithms[node]).exp()).atan()),
+            Variable::Logarithm => ContactArc::new(2.0 * logarithms[node].exp().atan()),
+            Variable::Gap => gap_arc(opened(node)),
         };
         CurveSpace {
-            pressures: PressureSpace::new(
-                terms,
-                logarithms.iter().map(|logarithm| ContactArc::new(half_angle(logarithm))).collect(),
-            ),
+            pressures: PressureSpace::new(terms, (0..nodes).map(arc).collect()),
             limit,
             variable,
             widest,
             places: match variable {
                 Variable::Root => (0..nodes).map(|node| unit(node) * unit(node)).collect(),
                 Variable::Logarithm => logarithms.iter().map(|logarithm| logarithm.exp()).collect(),
+                Variable::Gap => (0..nodes).map(|node| 1.0 - opened(node).powi(2)).collect(),
             },
             logarithms,
             weighted: (0..nodes).map(|node| (unit(node), weight(node))).collect(),
@@ -150,6 +160,16 @@ impl CurveSpace {
         if is_far && degree % 2 == 1 { -value } else { value }
     }
 
+    /// Of all arcs.
+    pub fn map(&self) -> ArcMap {
+        if self.variable == Variable::Gap { ArcMap::Sine } else { ArcMap::Tangent }
+    }
+
+    /// The place, as `places` has them, of a cos(eps/2).
+    pub(super) fn place_of_gap(&self, gap: f64) -> f64 {
+        1.0 - (gap / OPENED).powi(2)
+    }
+
     /// Whether a curve goes on below its narrowest node, to the angle zero.
     pub(super) fn goes_to_zero(&self) -> bool {
         self.variable == Variable::Root
@@ -170,6 +190,12 @@ impl CurveSpace {
                 let scale = number(1.0 / NARROWEST.ln());
                 [number(1.0).minus_product(scale, logarithms - number(self.widest)), places, logarithms]
             }
+            Variable::Gap => {
+                let left = number(1.0) - places;
+                let square = number(1.0).minus_product(number(OPENED * OPENED), left);
+                let unit = number(self.weighted[0].0) * (number(1.0) - left.sqrt());
+                [unit, square.sqrt(), number(0.5) * square.ln()]
+            }
         }
     }
 
@@ -188,6 +214,12 @@ impl CurveSpace {
                 let place = number(1.0) - (b.ln() - number(self.widest)) * number(1.0 / NARROWEST.ln());
                 -(-place).least(number(-self.weighted[self.weighted.len() - 1].0))
             }
+            Variable::Gap => {
+                // Beyond the whole ring is nothing.
+                let left = -(-number(1.0).minus_product(b, b)).least(number(0.0));
+                let opened = left.sqrt() * number(1.0 / OPENED);
+                number(self.weighted[0].0) * (number(1.0) - opened)
+            }
         }
     }
 
@@ -196,8 +228,14 @@ impl CurveSpace {
         match self.variable {
             Variable::Root => std::f64::consts::PI * even,
             Variable::Logarithm => 0.0,
+            Variable::Gap => FRAC_PI_2 * even,
         }
     }
+}
+
+/// Of a press fit that has opened by so much, from 0, nowhere, to 1, as far as its curve goes.
+fn gap_arc(opened: f64) -> ContactArc {
+    ContactArc::leaving(OPENED * opened)
 }
 
 /// From values on the arcs of a space, `[packed entry][arc]`, to those on arcs whose b is smaller by a ratio, by the polynomials

@@ -35,7 +35,7 @@ use std::f64::consts::FRAC_PI_2;
 use super::outlines::Outlines;
 use super::reduced::{FUNCTIONS, FreeEdge, Functions, Reduced};
 use super::state::ContactState;
-use crate::mechanics::compliance::arc::{ContactArc, packed};
+use crate::mechanics::compliance::arc::{ArcMap, ContactArc, packed};
 use crate::mechanics::compliance::lane_work::{LaneWork, TermWork, in_lanes, in_lanes_with_terms};
 use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
 use crate::mechanics::real::{LANES, Lanes, Real};
@@ -248,8 +248,12 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
         for (lane, arc) in arcs[at..at + LANES].iter().enumerate() {
             (b.0[lane], logarithm.0[lane]) = (arc.b, FRAC_PI_2 * even * arc.ln_b);
         }
-        let versine = versines_over(b, outlines.ratio());
-        let mut gap = versines_over(b, outlines.ratio().sqrt());
+        let [versine, mut gap] = match arcs[at].map {
+            ArcMap::Tangent => {
+                [versines_over(b, outlines.ratio()), versines_over(b, outlines.ratio().sqrt())]
+            }
+            ArcMap::Sine => [ContactArc::versines_of_sines().map(Lanes::from_f64); 2],
+        };
         let bend = outlines.bend();
         if bend != 0.0 {
             let own: [Lanes<FUSED>; TERMS] = ContactArc::bent_versines(b);

@@ -4,6 +4,8 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DimensionlessLoad {
     Indentation(f64),
+    /// Of press fits.
+    Offset(f64),
     Force(f64),
 }
 
@@ -32,6 +34,9 @@ impl Target {
             // delta/e is what it should be.
             DimensionlessLoad::Indentation(delta) => {
                 Target { of_indentation: (radial_clearance + delta) / delta, of_force: 0.0 }
+            }
+            DimensionlessLoad::Offset(offset) => {
+                Target { of_indentation: offset / (offset - radial_clearance), of_force: 0.0 }
             }
             // A neat fit has one half angle, whatever the load.
             DimensionlessLoad::Force(_) if radial_clearance == 0.0 => {

@@ -3,6 +3,7 @@
 
 pub mod load;
 pub mod outlines;
+pub mod press_fit;
 pub mod state;
 pub mod reduced;
 pub mod edge;

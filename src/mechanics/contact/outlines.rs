@@ -22,10 +22,11 @@
 
 use crate::mechanics::compliance::pressure_space::Tilt;
 
-/// Of one clearance.
+/// Of one clearance. The outlines of a press fit overlap all around: pin and hole meet normal to normal where they are concentric,
+/// at equal angles, and there is nothing to correct.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlines {
-    /// dR/R2, >= 0 and < 1.
+    /// dR/R2, < 1; of press fits negative.
     pub radial_clearance: f64,
     /// m.
     ratio: f64,
@@ -37,7 +38,7 @@ impl Outlines {
 
     /// For dR/R2.
     pub fn new(radial_clearance: f64) -> Outlines {
-        Outlines { radial_clearance, ratio: 1.0 / (1.0 - radial_clearance) }
+        Outlines { radial_clearance, ratio: 1.0 / (1.0 - radial_clearance.max(0.0)) }
     }
 
     /// m: of the tangents of half angles, the pin's over the hole's where they meet.
@@ -50,9 +51,9 @@ impl Outlines {
         Tilt { first: 0.5 * (self.ratio - 1.0 / self.ratio), second: self.square() }
     }
 
-    /// The clearance ratio squared.
+    /// The clearance ratio squared; nothing of press fits.
     pub fn square(&self) -> f64 {
-        self.radial_clearance * self.radial_clearance
+        self.radial_clearance * self.radial_clearance.max(0.0)
     }
 
     /// Of the gap over dR: its part to second order, over sin^2(theta) (1 - cos theta).

@@ -95,7 +95,7 @@ impl<const FUSED: bool> Found<FUSED> {
         let states = &curve.states;
         let below = (above + 1).min(states.count() - 1);
         let state = ContactState {
-            half_angle: 2.0 * (self.b.0[lane] / curve.outlines.ratio()).atan(),
+            half_angle: curve.space.map().angle(self.b.0[lane] / curve.outlines.ratio()),
             indentation: self.edge.indentation.0[lane],
             force: self.edge.force.0[lane],
             tangent_stiffness: self.edge.tangent_stiffness.0[lane],

@@ -1,12 +1,14 @@
 //! The state of contact of a joint under one load.
 
-/// Of the whole joint (both halves), per unit thickness, hole radius 1, and per unit of the centres' offset e; forces in the
-/// unit of the moduli.
+use std::f64::consts::PI;
+
+/// Of the whole joint (both halves), per unit thickness, hole radius 1, and per unit of the centres' offset e, of a press fit of
+/// |dR|; forces in the unit of the moduli.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactState {
     /// Of the hole, rad.
     pub half_angle: f64,
-    /// delta/e: 0 without load, 1 for a neat fit.
+    /// delta/e: 0 without load, 1 for a neat fit; of a press fit delta/|dR| = 1 + e/|dR|.
     pub indentation: f64,
     /// F/e.
     pub force: f64,
@@ -26,13 +28,19 @@ pub struct ContactState {
 }
 
 impl ContactState {
-    /// dR/e; negative beyond the angle of a neat fit, where no clearance reaches.
+    /// dR/e of a joint with clearance.
     pub fn radial_clearance(&self) -> f64 {
         1.0 - self.indentation
     }
 
+    /// Whether the contact is closed all around, as that of a press fit is until its load opens it.
+    pub fn is_closed(&self) -> bool {
+        self.half_angle == PI
+    }
+
     /// Whether the bodies push each other: a mesh far too coarse for its body may answer with a pull.
     pub fn is_a_push(&self) -> bool {
-        [self.force, self.tangent_stiffness, self.energy, self.peak_pressure].iter().all(|value| *value > 0.0)
+        let is_held = self.force > 0.0 || self.is_closed();
+        is_held && [self.tangent_stiffness, self.energy, self.peak_pressure].iter().all(|value| *value > 0.0)
     }
 }

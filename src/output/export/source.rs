@@ -92,6 +92,14 @@ impl Source {
             let problem = "no row has an answer at an indentation above 0: there is nothing to export";
             return refuse(designs_in_words(&members), problem);
         }
+        if let Some(member) = members.iter().find(|member| member.joint.is_press_fit()) {
+            let problem = format!(
+                "design {} is a press fit, which is never out of contact: these tables are over the indentation after first touch. \
+                 `offset_mm` and `force_n` of the result's own table are its law, the same on either side of zero",
+                member.design
+            );
+            return refuse("design", problem);
+        }
         for member in &members {
             member.check(end, up_to.is_some(), allow_warned)?;
         }

@@ -21,10 +21,10 @@ use crate::output::row_value::{Formula, Row};
 use crate::output::schema::table_columns;
 use crate::output::sink::Sink;
 use crate::output::table::Table;
+use crate::study::columns::Extras;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
 use crate::study::expression::Expression;
-use crate::study::layers::LayerCounts;
 use crate::study::reduce::Reduce;
 use front::Front;
 use histogram::Histogram;
@@ -112,7 +112,7 @@ impl Kind {
 pub struct Reductions {
     reductions: Vec<Kind>,
     /// Of the table, lines of which some answers have.
-    layers: LayerCounts,
+    extras: Extras,
     /// The same for all parts of a run.
     #[serde(skip)]
     work: Arc<Work>,
@@ -122,7 +122,7 @@ pub struct Reductions {
 #[derive(Deserialize)]
 struct State {
     reductions: Vec<Kind>,
-    layers: LayerCounts,
+    extras: Extras,
 }
 
 /// What rows are read with.
@@ -135,7 +135,7 @@ struct Work {
 }
 
 impl Work {
-    fn new(reductions: &[Kind], layers: LayerCounts) -> Work {
+    fn new(reductions: &[Kind], extras: Extras) -> Work {
         let mut quantities: Vec<&Expression> = Vec::new();
         let mut places = Vec::with_capacity(reductions.len());
         for kind in reductions {
@@ -150,14 +150,14 @@ impl Work {
             places.push(own);
         }
         let formulas = quantities.into_iter().map(Formula::of).collect();
-        Work { formulas, places, table: Table::with(table_columns(layers)) }
+        Work { formulas, places, table: Table::with(table_columns(extras)) }
     }
 }
 
 impl TryFrom<State> for Reductions {
     type Error = String;
 
-    fn try_from(State { reductions, layers }: State) -> Result<Reductions, String> {
+    fn try_from(State { reductions, extras }: State) -> Result<Reductions, String> {
         let is_sound = |kind: &Kind| match kind {
             Kind::Statistics(own) => own.is_sound(),
             Kind::Histogram(own) => own.is_sound(),
@@ -167,7 +167,7 @@ impl TryFrom<State> for Reductions {
         if !reductions.iter().all(is_sound) {
             return Err("the answers so far are not what a run has left".to_string());
         }
-        Ok(Reductions::with(reductions, layers))
+        Ok(Reductions::with(reductions, extras))
     }
 }
 
@@ -181,12 +181,12 @@ impl Reductions {
         let histograms =
             (1..).zip(histograms).map(|(number, one)| Kind::Histogram(Histogram::new(number, one)));
         let reductions = statistics.chain(rankings).chain(front).chain(histograms).collect();
-        Some(Reductions::with(reductions, study.layer_counts()))
+        Some(Reductions::with(reductions, study.extras()))
     }
 
-    fn with(reductions: Vec<Kind>, layers: LayerCounts) -> Reductions {
-        let work = Arc::new(Work::new(&reductions, layers));
-        Reductions { reductions, layers, work }
+    fn with(reductions: Vec<Kind>, extras: Extras) -> Reductions {
+        let work = Arc::new(Work::new(&reductions, extras));
+        Reductions { reductions, extras, work }
     }
 
     /// Adds the kept rows of designs that follow each other.

@@ -8,7 +8,7 @@ use super::html::{Cell, charts, figure, remark, section as html_section, table};
 use crate::output::chart::text::number;
 use crate::output::chart::{Axis, LineChart, Marking, Series, Spacing};
 use crate::output::schema::table_columns;
-use crate::study::layers::LayerCounts;
+use crate::study::columns::Extras;
 
 /// Lines of a file that are read, points of a front that are drawn, places of a ranking and columns that are shown.
 const MOST_LINES: usize = 100_000;
@@ -177,7 +177,7 @@ fn rankings(lines: &Lines) -> String {
     let same = |a: &csv::StringRecord, b: &csv::StringRecord| {
         ["by", "order"].into_iter().all(|name| lines.cell(a, name) == lines.cell(b, name))
     };
-    let columns = table_columns(LayerCounts::MOST);
+    let columns = table_columns(Extras::MOST);
     let mut text = String::new();
     for all in lines.lines.chunk_by(same).take(MOST_SHOWN) {
         let shown = &all[..all.len().min(MOST_PLACES)];

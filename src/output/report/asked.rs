@@ -2,9 +2,11 @@
 
 use super::curves::readable;
 use super::html::facts;
+use super::scan::Scan;
 use super::tallies::{Extremes, Input};
 use super::{Report, html};
 use crate::output::chart::text::{escaped, number, percent, plural};
+use crate::study::columns::Column;
 
 pub fn section(report: &Report) -> String {
     let scan = &report.scan;
@@ -39,6 +41,17 @@ pub fn span((low, high): (f64, f64)) -> String {
     if from == to { from } else { format!("{from} to {to}") }
 }
 
+/// Which kinds of fit there are.
+fn what_is_pressed(scan: &Scan) -> &'static str {
+    let name = Column::RadialClearance.name();
+    let clearance = scan.inputs.iter().find(|input| input.column == name).and_then(|input| input.range);
+    match clearance {
+        Some((_, high)) if high < 0.0 => "A pin in a press fit is loaded across",
+        Some((low, _)) if low < 0.0 => "A pin in a hole, with clearance or in a press fit, is loaded across",
+        _ => "A pin is pressed into a hole with clearance",
+    }
+}
+
 fn sentence(report: &Report) -> String {
     let scan = &report.scan;
     let steps = match scan.steps {
@@ -47,10 +60,11 @@ fn sentence(report: &Report) -> String {
     };
     let load = match report.asked.load {
         Some("force") => scan.force.range().map(|range| format!(", at forces of {} N", span(range))),
-        _ => scan.indentation.range().map(|range| format!(", at indentations of {} mm", span(range))),
+        _ => scan.way.range().map(|range| format!(", at {}s of {} mm", scan.travel.name(), span(range))),
     };
     let mut text = format!(
-        "A pin is pressed into a hole with clearance: {} with {steps} each{}. ",
+        "{}: {} with {steps} each{}. ",
+        what_is_pressed(scan),
         plural(scan.designs, "design", "designs"),
         load.unwrap_or_default(),
     );

@@ -1,7 +1,7 @@
 //! The designs whose curves are drawn: named ones, or a handful spread over the sweep; their curves made again.
 
 use super::laws::{DrawnLaw, calibrated, published};
-use super::sample::{Row, SampledDesign};
+use super::sample::{Row, SampledDesign, Travel};
 use super::scan::Scan;
 use super::tallies::Value;
 use crate::engine::outcome::Response;
@@ -24,6 +24,7 @@ pub struct Chosen {
     pub design: SampledDesign,
     /// Its colour.
     pub place: usize,
+    pub travel: Travel,
     /// From the joint's own curve; empty where it has none.
     pub curve: Vec<Response>,
     /// Angle, deg, and pressure, MPa, at the last answered load.
@@ -35,18 +36,18 @@ pub struct Chosen {
     pub problem: Option<String>,
 }
 
-/// Whether curves are drawn on logarithmic axes.
+/// Whether curves are drawn on logarithmic axes; not those of press fits, which begin in a straight line through zero.
 pub fn is_log(chosen: &[Chosen]) -> bool {
     let answered = || chosen.iter().flat_map(|one| one.answered());
     let ratio = |values: Vec<f64>| {
         let (low, high) = range(values.into_iter()).unwrap_or((1.0, 1.0));
         if low > 0.0 { high / low } else { 1.0 }
     };
-    let loads = ratio(answered().map(|row| row.indentation).collect());
+    let loads = ratio(answered().map(|row| row.way).collect());
     let ends = ratio(chosen.iter().filter_map(|one| one.design.last()).map(|(row, _)| row.force).collect());
-    let widths =
-        ratio(chosen.iter().filter_map(|one| one.design.last()).map(|(row, _)| row.indentation).collect());
-    loads >= LOG_FROM || ends >= LOG_FROM || widths >= LOG_FROM
+    let widths = ratio(chosen.iter().filter_map(|one| one.design.last()).map(|(row, _)| row.way).collect());
+    let has_press_fits = chosen.iter().any(|one| one.design.joint.is_press_fit());
+    !has_press_fits && (loads >= LOG_FROM || ends >= LOG_FROM || widths >= LOG_FROM)
 }
 
 impl Chosen {
@@ -58,12 +59,12 @@ impl Chosen {
         format!("design {}", self.design.number)
     }
 
-    /// Indentation and force along the curve; from the rows where there is no curve.
+    /// The pin's way and the force along the curve; from the rows where there is no curve.
     pub fn points(&self) -> Vec<(f64, f64)> {
         if self.curve.is_empty() {
-            return self.answered().map(|row| (row.indentation, row.force)).collect();
+            return self.answered().map(|row| (row.way, row.force)).collect();
         }
-        self.curve.iter().map(|response| (response.indentation, response.force)).collect()
+        self.curve.iter().map(|response| (self.travel.of(response), response.force)).collect()
     }
 }
 
@@ -80,6 +81,7 @@ pub fn choose(scan: &Scan, named: &[u64], options: SolveOptions) -> Vec<Chosen> 
         .map(|(place, design)| Chosen {
             design,
             place,
+            travel: scan.travel,
             curve: Vec::new(),
             pressure: Vec::new(),
             laws: Vec::new(),
@@ -101,7 +103,7 @@ pub fn choose(scan: &Scan, named: &[u64], options: SolveOptions) -> Vec<Chosen> 
 fn spread(scan: &Scan) -> Vec<SampledDesign> {
     let secant = |design: &SampledDesign| {
         let row = design.last()?.0;
-        Some(row.force / row.indentation).filter(|secant| secant.is_finite())
+        Some(row.force / row.way).filter(|secant| secant.is_finite())
     };
     let mut ordered: Vec<(f64, &SampledDesign)> =
         scan.sample.iter().filter_map(|design| Some((secant(design)?, design))).collect();
@@ -129,9 +131,9 @@ impl Chosen {
             Err(error) => (None, Some(error.to_string())),
         };
         if let Some(curve) = own {
-            let low = if log { first.indentation } else { 0.0 };
-            self.curve = responses(&curve, low, last.indentation, log);
-            let pressure = curve.pressure(Load::Indentation(last.indentation), PRESSURE_POINTS);
+            let low = if log { first.way } else { 0.0 };
+            self.curve = responses(&curve, self.travel, (low, last.way), log);
+            let pressure = curve.pressure(self.travel.load(last.way), PRESSURE_POINTS);
             self.pressure = pressure.unwrap_or_default();
             for point in &mut self.pressure {
                 point.0 = point.0.to_degrees();
@@ -139,25 +141,31 @@ impl Chosen {
         }
         // Judged where the rows are.
         let mut points = self.points();
-        points.retain(|point| point.0 >= 0.999 * first.indentation && point.0 > 0.0 && point.1 > 0.0);
-        let positive = self.answered().map(|row| row.indentation).filter(|value| *value > 0.0);
-        if let Some(working) = range(positive) {
-            (self.laws, self.why_recommended) = calibrated(&self.design.joint, working, options);
+        let joint = &self.design.joint;
+        let indentation = |way: f64| self.travel.indentation(way, joint);
+        points.iter_mut().for_each(|point| point.0 = indentation(point.0));
+        points.retain(|point| point.0 >= 0.999 * indentation(first.way) && point.0 > 0.0 && point.1 > 0.0);
+        let positive = self.answered().map(|row| indentation(row.way)).filter(|value| *value > 0.0);
+        if let Some(working) = range(positive).filter(|_| !joint.is_press_fit()) {
+            (self.laws, self.why_recommended) = calibrated(joint, working, options);
         }
-        self.laws.extend(published(&self.design.joint, &points));
+        let others = published(joint, &points);
+        self.laws.extend(others);
         problem.map_or(Ok(()), Err)
     }
 }
 
 /// Along the curve up to `high`, mm: evenly in the logarithm, or denser where it begins.
-fn responses(curve: &Curve, low: f64, high: f64, log: bool) -> Vec<Response> {
+fn responses(curve: &Curve, travel: Travel, (low, high): (f64, f64), log: bool) -> Vec<Response> {
     let at = |i: usize| {
         let share = i as f64 / POINTS as f64;
         if log && low > 0.0 { low * (high / low).powf(share) } else { high * share * share }
     };
-    let mut indentations: Vec<f64> = (0..=POINTS).map(at).filter(|value| *value > 0.0).collect();
-    indentations.dedup();
-    let loads: Vec<Load> = indentations.into_iter().map(Load::Indentation).collect();
+    // Press fits begin with contact all around, the others with none.
+    let is_closed = curve.joint().design().is_press_fit();
+    let mut ways: Vec<f64> = (0..=POINTS).map(at).filter(|value| *value > 0.0 || is_closed).collect();
+    ways.dedup();
+    let loads: Vec<Load> = ways.into_iter().map(|way| travel.load(way)).collect();
     let answers = curve.answers(&loads).unwrap_or_default();
     answers.into_iter().filter_map(|step| step.response).collect()
 }

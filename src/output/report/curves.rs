@@ -22,28 +22,28 @@ pub fn section(report: &Report) -> String {
     let log = is_log(chosen);
     let curves = [
         Quantity {
-            caption: "Force against indentation",
+            caption: "Force",
             unit: "N",
             name: "force",
             of_response: |response| response.force,
             of_row: |row| row.force,
         },
         Quantity {
-            caption: "Tangent stiffness against indentation",
+            caption: "Tangent stiffness",
             unit: "N/mm",
             name: "tangent stiffness",
             of_response: |response| response.tangent_stiffness,
             of_row: |row| row.answer.map_or(f64::NAN, |answer| answer.stiffness),
         },
         Quantity {
-            caption: "Contact half angle against indentation",
+            caption: "Contact half angle",
             unit: "deg",
             name: "contact half angle",
             of_response: |response| response.contact_half_angle.map_or(f64::NAN, f64::to_degrees),
             of_row: |row| row.answer.map_or(f64::NAN, |answer| answer.half_angle),
         },
         Quantity {
-            caption: "Peak pressure against indentation",
+            caption: "Peak pressure",
             unit: "MPa",
             name: "peak pressure",
             of_response: |response| response.peak_pressure.unwrap_or(f64::NAN),
@@ -98,7 +98,7 @@ fn key(report: &Report) -> String {
             .map(|one| cell(one).map_or_else(|| "\u{2013}".into(), |value| number(value, 4)))
             .collect()
     };
-    add("last indentation, mm".into(), last(|row, _| row.indentation));
+    add(format!("last {}", report.scan.travel.label()), last(|row, _| row.way));
     add("force there, N".into(), last(|row, _| row.force));
     add("tangent stiffness there, N/mm".into(), last(|_, answer| answer.stiffness));
     let failed = |one: &Chosen| one.design.failed;
@@ -130,10 +130,9 @@ impl Quantity {
             let mut curve: Vec<(f64, f64)> = one
                 .curve
                 .iter()
-                .map(|response| (response.indentation, (self.of_response)(response)))
+                .map(|response| (one.travel.of(response), (self.of_response)(response)))
                 .collect();
-            let rows: Vec<(f64, f64)> =
-                one.answered().map(|row| (row.indentation, (self.of_row)(&row))).collect();
+            let rows: Vec<(f64, f64)> = one.answered().map(|row| (row.way, (self.of_row)(&row))).collect();
             if curve.is_empty() {
                 curve = rows.clone();
             }
@@ -174,13 +173,15 @@ impl Quantity {
         } else {
             Axis::from_zero(&name, ys())
         };
-        let x =
-            if log { Axis::log("indentation, mm", xs()) } else { Axis::from_zero("indentation, mm", xs()) };
+        let travel = chosen.first()?.travel;
+        let label = travel.label();
+        let x = if log { Axis::log(&label, xs()) } else { Axis::from_zero(&label, xs()) };
         if series.is_empty() {
             return None;
         }
-        let chart = LineChart { title: self.caption.into(), x, y, series, limits: Vec::new() };
-        Some(figure(self.caption, "", &chart.svg()))
+        let caption = format!("{} against {}", self.caption, travel.name());
+        let chart = LineChart { title: caption.clone(), x, y, series, limits: Vec::new() };
+        Some(figure(&caption, "", &chart.svg()))
     }
 }
 
@@ -196,6 +197,7 @@ pub fn readable(unit: &str, values: impl Iterator<Item = f64>) -> (String, f64) 
 }
 
 fn dashes(law: &DrawnLaw, one: &Chosen) -> Series {
-    let points = one.points().into_iter().map(|(indentation, _)| (indentation, (law.force)(indentation)));
+    let force = |way: f64| (law.force)(one.travel.indentation(way, &one.design.joint));
+    let points = one.points().into_iter().map(|(way, _)| (way, force(way)));
     Series::new("", LAW_COLOUR, Marking::Dashed, points.filter(|point| point.1.is_finite()).collect())
 }

@@ -60,7 +60,7 @@ pub fn section(report: &Report) -> String {
         };
         if by_row {
             for row in &design.rows {
-                let load = if asked_force { row.force } else { row.indentation };
+                let load = if asked_force { row.force } else { row.way };
                 add(row.answer.map(|answer| [answer.stiffness, row.force]), load);
             }
         } else {
@@ -192,14 +192,14 @@ fn grid(report: &Report, along: &Along) -> Option<Grid> {
         }
         Along::Load { is_force } => {
             let of_row = |design: &SampledDesign| -> Vec<f64> {
-                let load = |row: &Row| if is_force { row.force } else { row.indentation };
+                let load = |row: &Row| if is_force { row.force } else { row.way };
                 design.rows.iter().map(load).collect()
             };
             let mut loads: Vec<f64> =
                 report.scan.sample.iter().flat_map(of_row).filter(|load| load.is_finite()).collect();
             loads.sort_by(f64::total_cmp);
             loads.dedup();
-            let name = if is_force { "force, N" } else { "indentation, mm" }.to_string();
+            let name = if is_force { "force, N".to_string() } else { report.scan.travel.label() };
             let range = (*loads.first()?, *loads.last()?);
             let cells = if loads.len() <= MOST_CELLS { Cells::Numbers(loads) } else { bins(range, loads) };
             Some(Grid::new(name, cells))

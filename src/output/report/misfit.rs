@@ -115,8 +115,9 @@ fn chart(one: &Chosen, chosen: &[Chosen]) -> Option<String> {
         .take(MOST_DRAWN)
         .enumerate()
         .map(|(place, law)| {
-            let misfit = |&(indentation, force): &(f64, f64)| {
-                (indentation, 100.0 * ((law.force)(indentation) / force - 1.0))
+            let misfit = |&(way, force): &(f64, f64)| {
+                let indentation = one.travel.indentation(way, &one.design.joint);
+                (way, 100.0 * ((law.force)(indentation) / force - 1.0))
             };
             let marking = if law.calibrated { Marking::Line } else { Marking::Dashed };
             let misfits = points.iter().map(misfit).filter(|point| point.1.is_finite()).collect();
@@ -128,11 +129,8 @@ fn chart(one: &Chosen, chosen: &[Chosen]) -> Option<String> {
     let xs = || series.iter().flat_map(|one| one.points.iter().map(|point| point.0));
     let ys =
         series.iter().flat_map(|one| one.points.iter().map(|point| point.1.clamp(-MOST_SHOWN, MOST_SHOWN)));
-    let x = if is_log(chosen) {
-        Axis::log("indentation, mm", xs())
-    } else {
-        Axis::from_zero("indentation, mm", xs())
-    };
+    let label = one.travel.label();
+    let x = if is_log(chosen) { Axis::log(&label, xs()) } else { Axis::from_zero(&label, xs()) };
     let y = Axis::from_zero("misfit of the force, %", ys);
     if series.is_empty() {
         return None;

@@ -1,7 +1,9 @@
 //! The designs of a table that are kept whole: all where they are few, else an even sample.
 
+use crate::engine::outcome::Response;
 use crate::output::report::tallies::Value;
-use crate::study::design::JointDesign;
+use crate::study::columns::{INDENTATION, OFFSET};
+use crate::study::design::{JointDesign, Load};
 
 /// The most designs and rows that are kept.
 const MOST_DESIGNS: usize = 20_000;
@@ -19,10 +21,60 @@ pub struct Answer {
     pub linearity_error: f64,
 }
 
+/// The way of the pin that curves and maps are drawn over: of tables that have it the offset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Travel {
+    Indentation,
+    Offset,
+}
+
+impl Travel {
+    pub fn name(self) -> &'static str {
+        match self {
+            Travel::Indentation => "indentation",
+            Travel::Offset => "offset",
+        }
+    }
+
+    /// Of an axis.
+    pub fn label(self) -> String {
+        format!("{}, mm", self.name())
+    }
+
+    pub fn column(self) -> &'static str {
+        match self {
+            Travel::Indentation => INDENTATION,
+            Travel::Offset => OFFSET,
+        }
+    }
+
+    pub fn load(self, way: f64) -> Load {
+        match self {
+            Travel::Indentation => Load::Indentation(way),
+            Travel::Offset => Load::Offset(way),
+        }
+    }
+
+    pub fn of(self, response: &Response) -> f64 {
+        match self {
+            Travel::Indentation => response.indentation,
+            Travel::Offset => response.offset,
+        }
+    }
+
+    /// From this way to the indentation of a joint, mm.
+    pub fn indentation(self, way: f64, joint: &JointDesign) -> f64 {
+        match self {
+            Travel::Indentation => way,
+            Travel::Offset => way - joint.radial_clearance,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// NaN where it is not known: in rows without an answer, what was not asked.
-    pub indentation: f64,
+    /// The pin's way, mm, as `Scan::travel` has it; NaN where it is not known: in rows without an answer, what was not asked.
+    pub way: f64,
     pub force: f64,
     pub answer: Option<Answer>,
 }
@@ -146,9 +198,9 @@ mod tests {
         for count in [1, 2, 127, 128, 129, 130, 257, 1000, 100_000] {
             let mut design = SampledDesign::new(0, joint.clone(), Vec::new());
             for step in 0..count {
-                design.add(Row { indentation: f64::from(step), force: 0.0, answer: None }, None);
+                design.add(Row { way: f64::from(step), force: 0.0, answer: None }, None);
             }
-            let kept: Vec<f64> = design.rows.iter().map(|row| row.indentation).collect();
+            let kept: Vec<f64> = design.rows.iter().map(|row| row.way).collect();
             assert!(
                 kept.len() <= MOST_STEPS + 1 && kept.len() as i32 >= count.min(60),
                 "{count}: {}",

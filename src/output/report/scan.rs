@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use crate::error::Error;
-use crate::output::report::sample::{Answer, Row, Sample, SampledDesign};
+use crate::output::report::sample::{Answer, Row, Sample, SampledDesign, Travel};
 use crate::output::report::tallies::{
     Distribution, Extremes, Input, MOST_VALUES, StatusShare, Value, add_status,
 };
 use crate::output::results::{Results, TableRows};
-use crate::study::columns::{FORCE, INDENTATION, Quantity, joint_columns};
+use crate::study::columns::{FORCE, OFFSET, Quantity, joint_columns};
 
 /// What a table holds.
 pub struct Scan {
@@ -20,7 +20,9 @@ pub struct Scan {
     pub inputs: Vec<Input>,
     /// Rows of a design: least and most.
     pub steps: (u64, u64),
-    pub indentation: Extremes,
+    /// What the `way` of rows is.
+    pub travel: Travel,
+    pub way: Extremes,
     pub force: Extremes,
     pub stiffness: Extremes,
     pub half_angle: Extremes,
@@ -40,7 +42,7 @@ pub const LINEARITY_LIMIT: f64 = 0.01;
 
 /// Where the results of a row stand.
 struct Places {
-    indentation: Option<usize>,
+    way: Option<usize>,
     force: Option<usize>,
     answer: [(&'static str, Option<usize>); 5],
     method: Option<usize>,
@@ -62,8 +64,9 @@ impl Scan {
     /// Reads the table once. `named` designs are kept whole; `accuracy`, as it was asked, is the limit of `force_error`.
     pub fn read(results: &Results, accuracy: f64, named: &[u64]) -> Result<Scan, Error> {
         let mut rows = results.rows(&NEEDED)?;
+        let travel = if rows.place(OFFSET).is_some() { Travel::Offset } else { Travel::Indentation };
         let places = Places {
-            indentation: rows.place(INDENTATION),
+            way: rows.place(travel.column()),
             force: rows.place(FORCE),
             answer: ANSWERS.map(|name| (name, rows.place(name))),
             method: rows.place("method"),
@@ -79,7 +82,8 @@ impl Scan {
                 .map(|column| Input::new(column, &rows))
                 .collect(),
             steps: (u64::MAX, 0),
-            indentation: Extremes::default(),
+            travel,
+            way: Extremes::default(),
             force: Extremes::default(),
             stiffness: Extremes::default(),
             half_angle: Extremes::default(),
@@ -131,14 +135,14 @@ impl Scan {
 
     fn row(&mut self, design: u64, rows: &TableRows, places: &Places) -> Result<Row, Error> {
         let or_nan = |number: Option<f64>| number.unwrap_or(f64::NAN);
-        let indentation = or_nan(rows.number_at(places.indentation, INDENTATION)?);
+        let way = or_nan(rows.number_at(places.way, self.travel.column())?);
         let force = or_nan(rows.number_at(places.force, FORCE)?);
         self.rows += 1;
         let status = rows.cell_at(places.status).unwrap_or_default();
         add_status(&mut self.statuses, status, design);
         let method = rows.cell_at(places.method);
         let Some(method) = method.filter(|_| !status.starts_with("failed")) else {
-            return Ok(Row { indentation, force, answer: None });
+            return Ok(Row { way, force, answer: None });
         };
         if let Some(count) = self.methods.get_mut(method) {
             *count += 1;
@@ -152,7 +156,7 @@ impl Scan {
         let [stiffness, half_angle, peak_pressure, force_error, linearity_error] = numbers;
         self.answered += 1;
         self.remarked += u64::from(status != "ok");
-        self.indentation.add(indentation, design);
+        self.way.add(way, design);
         self.force.add(force, design);
         self.stiffness.add(stiffness, design);
         self.half_angle.add(half_angle, design);
@@ -160,7 +164,7 @@ impl Scan {
         self.force_error.add(force_error, design);
         self.linearity_error.add(linearity_error, design);
         let answer = Answer { stiffness, half_angle, peak_pressure, force_error, linearity_error };
-        Ok(Row { indentation, force, answer: Some(answer) })
+        Ok(Row { way, force, answer: Some(answer) })
     }
 
     /// Ends a design.

@@ -23,7 +23,7 @@ pub struct Input {
     /// In words: "radial clearance".
     pub name: String,
     pub unit: &'static str,
-    column: String,
+    pub column: String,
     place: Option<usize>,
     pub range: Option<(f64, f64)>,
     /// Different numbers and words, as far as they are few.

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use crate::lab::tradeoff::answer::State;
 use crate::lab::tradeoff::choice::{Choice, Family, Scope, Solution};
 use crate::mechanics::laws::{Curve, LAWS, Law};
-use crate::study::design::{DesignCase, Load};
+use crate::study::design::{DesignCase, JointDesign, Load};
 
 pub static FAMILY: Family = Family { name: "closed-form", about: "closed forms", parameter: "", choices };
 
@@ -21,16 +21,17 @@ fn solve(law: &Law, cases: &[DesignCase]) -> Solution {
         .iter()
         .map(|case| {
             let curve = case.joint.pair().and_then(|pair| law.curve(&pair)).ok();
-            case.steps.iter().map(|load| state(curve.as_ref()?, *load, case.joint.thickness)).collect()
+            case.steps.iter().map(|load| state(curve.as_ref()?, &case.joint, *load)).collect()
         })
         .collect();
     Solution { states, shared: Duration::ZERO, own: started.elapsed() }
 }
 
-fn state(curve: &Curve, load: Load, thickness: f64) -> Option<State> {
-    let indentation = match load {
+fn state(curve: &Curve, joint: &JointDesign, load: Load) -> Option<State> {
+    let thickness = joint.thickness;
+    let indentation = match joint.from_first_touch(load) {
         Load::Indentation(0.0) | Load::Force(0.0) => return None,
-        Load::Indentation(indentation) => indentation,
+        Load::Indentation(indentation) | Load::Offset(indentation) => indentation,
         Load::Force(force) => curve.indentation(force / thickness).ok()?,
     };
     State {
