@@ -3,7 +3,6 @@
 
 pub mod load;
 pub mod outlines;
-pub mod press_fit;
 pub mod state;
 pub mod reduced;
 pub mod edge;
@@ -12,4 +11,5 @@ pub mod curve;
 pub mod curve_error;
 pub mod arc_pressure;
 pub mod search;
+pub mod press_fit;
 pub mod node_contact;
