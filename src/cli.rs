@@ -13,6 +13,7 @@ mod bench;
 #[cfg_attr(not(feature = "gpu"), path = "cli/no_bench_gpu.rs")]
 mod bench_gpu;
 mod calibrate;
+mod chosen_designs;
 mod devices;
 mod explain;
 mod export;
@@ -23,6 +24,7 @@ mod gpu_sweeps;
 mod init;
 mod interrupt;
 mod laws;
+mod materials;
 mod merge;
 mod pressure;
 mod progress;
@@ -77,6 +79,8 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// Writes the contact pressure along the arc, of chosen designs of a config
     Pressure(pressure::PressureArgs),
+    /// Says how much of the work and of the force each material of a joint decides, of chosen designs of a config
+    Materials(materials::MaterialsArgs),
     /// Fits what is not known of a joint to measured forces and indentations
     Calibrate(calibrate::CalibrateArgs),
     /// Says which swept quantities the scatter of a result comes from: first-order and total Sobol indices
@@ -127,6 +131,7 @@ pub fn main() -> ExitCode {
         Command::Laws(args) => laws::laws(&args),
         Command::Explain(args) => explain::explain(&args),
         Command::Pressure(args) => pressure::pressure(&args),
+        Command::Materials(args) => materials::materials(&args),
         Command::Calibrate(args) => calibrate::calibrate(&args),
         Command::Sensitivity(args) => sensitivity::sensitivity(&args),
         Command::Report(args) => report_page::report_page(&args),

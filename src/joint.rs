@@ -1,6 +1,7 @@
 //! What a program that uses the library needs: a joint, its curve, and what is on it.
 
 use crate::engine::joint_curve::JointCurve;
+use crate::engine::material_shares::{self, MaterialShare};
 use crate::engine::outcome::{Response, StepOutcome};
 use crate::engine::status::Status;
 use crate::error::Error;
@@ -81,6 +82,12 @@ impl Curve {
 
     /// Answers with their status to loads, as rows of a table have them. Press fits have no indentation.
     pub fn answers(&self, loads: &[Load]) -> Result<Vec<StepOutcome>, Error> {
+        self.check(loads)?;
+        Ok(self.0.answers(loads))
+    }
+
+    /// Whether loads can be.
+    fn check(&self, loads: &[Load]) -> Result<(), Error> {
         for load in loads {
             let quantity = match load {
                 Load::Indentation(_) => "indentation",
@@ -97,7 +104,7 @@ impl Curve {
                 return Err(Error::Joint { quantity: quantity.into(), problem });
             }
         }
-        Ok(self.0.answers(loads))
+        Ok(())
     }
 
     /// The state under a load; an error where there is none.
@@ -127,6 +134,18 @@ impl Curve {
         self.at(load)?;
         Ok(self.0.pressure(load, points))
     }
+}
+
+/// How much of the strain energy and of the force each material of a joint decides under loads (mm or N, not negative; press fits have
+/// no indentation), the pin's first: `None` where a load has no answer, empty where it presses nothing.
+pub fn material_shares(
+    joint: &Joint,
+    loads: &[Load],
+    options: Options,
+) -> Result<Vec<Option<Vec<MaterialShare>>>, Error> {
+    joint.curve(options)?.check(loads)?;
+    material_shares::material_shares(&joint.0, loads, options)
+        .map_err(|failure| Error::Joint { quantity: String::new(), problem: failure.to_string() })
 }
 
 /// Answers to loads on a joint, with their status.

@@ -78,6 +78,18 @@ impl JointCurve {
         }
     }
 
+    /// The curve of another joint of the same shapes, on the same meshes and nodes: its values differ by what the joints differ by, not by what
+    /// the resolution leaves.
+    pub fn of_other(self, joint: &JointDesign) -> JointCurve {
+        let JointCurve { accuracy, mut library, mut spaces, plan, .. } = self;
+        let plan = plan.of_other(joint);
+        let requests: Vec<_> = plan.requests().collect();
+        library.solve(&requests);
+        let bodies = requests.iter().map(|request| (plan.space, &*library.solved(request).compliance));
+        spaces.prepare(bodies);
+        JointCurve { joint: joint.clone(), accuracy, library, spaces, plan }
+    }
+
     pub fn joint(&self) -> &JointDesign {
         &self.joint
     }

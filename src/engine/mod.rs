@@ -18,6 +18,7 @@ pub mod joint_contact;
 pub mod unit_costs;
 pub mod interpolation;
 pub mod joint_curve;
+pub mod material_shares;
 pub mod ladder;
 pub mod law_fit;
 pub mod cost;

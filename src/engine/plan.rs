@@ -11,7 +11,7 @@ use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::Body;
 use crate::mechanics::grading::LEVEL_COUNT;
 use crate::study::config::MethodChoice;
-use crate::study::design::DesignCase;
+use crate::study::design::{DesignCase, JointDesign};
 
 /// What a design is solved with, at one rung of the ladder of resolutions.
 #[derive(Clone, Debug)]
@@ -59,6 +59,13 @@ impl JointPlan {
             plan = plan.on_level(plan.level - 1);
         }
         Ok(plan)
+    }
+
+    /// The same for another joint of the same shapes.
+    pub fn of_other(&self, joint: &JointDesign) -> JointPlan {
+        let [pin, plate] = [(&self.pin, &joint.pin), (&self.plate, &joint.plate)]
+            .map(|(request, part)| BodyRequest { body: joint.body(part), ..*request });
+        JointPlan { pin, plate, ..*self }
     }
 
     pub fn method(&self) -> Method {

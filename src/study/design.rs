@@ -259,6 +259,13 @@ impl JointDesign {
         }
     }
 
+    /// MPa, of a layer of a part, from 1 at the contact; 0 is the part's own material.
+    pub fn youngs_modulus(&self, side: Side, layer: usize) -> f64 {
+        let part = if side == Side::Pin { &self.pin } else { &self.plate };
+        let own = layer.checked_sub(1).and_then(|place| part.layers.list().get(place));
+        own.map_or(part.material, |layer| layer.material).youngs_modulus
+    }
+
     pub fn layer_counts(&self) -> LayerCounts {
         LayerCounts { pin: self.pin.layers.list().len(), plate: self.plate.layers.list().len() }
     }

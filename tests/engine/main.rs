@@ -25,5 +25,6 @@ mod extremes;
 mod properties;
 mod joint;
 mod layers;
+mod material_shares;
 mod press_fits;
 mod liu2007;

@@ -84,6 +84,7 @@ fn an_output_that_takes_nothing_is_an_error_of_every_verb() {
         &["calibrate", "one.toml", "--measured", "points.csv", "--fit", "plate_youngs_modulus"],
         &["sensitivity", "sweep.toml", "--samples", "64"],
         &["pressure", "sweep.toml", "--design", "0"],
+        &["materials", "sweep.toml", "--design", "0"],
         &["submit", "sweep.toml", "--shards", "2", "--out", "cluster", "--dry-run"],
         &["resubmit", "cluster", "--missing", "--dry-run"],
         &["init", "new.toml"],
