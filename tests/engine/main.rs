@@ -4,6 +4,7 @@
 mod common {
     pub mod random;
     pub mod draws;
+    pub mod lined_bodies;
     pub mod greatest;
     pub mod stepped_ring;
     pub mod nodal_ring;
@@ -25,4 +26,5 @@ mod extremes;
 mod properties;
 mod joint;
 mod layers;
+mod lined_meshes;
 mod liu2007;
