@@ -12,6 +12,8 @@
 
 #[path = "common/mesh_works.rs"]
 mod mesh_works;
+#[path = "../tests/common/lined_bodies.rs"]
+mod lined_bodies;
 #[path = "../tests/common/random.rs"]
 mod random;
 
@@ -77,14 +79,16 @@ fn measured(body: Body) -> Measured {
     Measured { body, meshes, judge: finest.unwrap_or(Fidelity::Series) }
 }
 
-/// Bodies of a trust. No mesh judges another where films are squeezed.
+/// Bodies of a trust, lined ones apart: others are drawn as if there were none of these. No mesh judges another where films are squeezed.
 fn drawn(random: &mut Random, trust: Trust) -> Vec<Measured> {
     let is_of_trust = |body: &Body| {
         let request = BodyRequest { body: body.clone(), fidelity: Fidelity::Mesh { level: 0 } };
         let has_judge = trust != Trust::SqueezedFilm || body.shape.concentric;
         Refusal::of_mesh(body).is_none() && Trust::of(&request) == trust && has_judge
     };
-    std::iter::repeat_with(|| draw(random)).filter(is_of_trust).map(measured).take(COUNT).collect()
+    let mut lined = Random::new(93);
+    let draw = || if trust == Trust::Lined { lined_bodies::any(&mut lined) } else { draw(random) };
+    std::iter::repeat_with(draw).filter(is_of_trust).map(measured).take(COUNT).collect()
 }
 
 /// Of one arc on one level, relative, of the work.
@@ -131,6 +135,7 @@ fn main() {
         let samples = samples(&drawn(&mut random, trust));
         let (share, least) = match trust {
             Trust::Concentric | Trust::Full => (0.98, [[0.0; 2]; LEVEL_COUNT]),
+            Trust::Lined => (0.99, [[0.0; 2]; LEVEL_COUNT]),
             Trust::Wary => (0.99, LEAST_OF_WARY),
             Trust::SqueezedFilm => (0.99, LEAST_OF_FILMS),
         };

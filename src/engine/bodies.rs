@@ -16,9 +16,11 @@ use crate::engine::ring_loads::RingLoads;
 use crate::engine::stopwatch::Stopwatch;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
+use crate::mechanics::compliance::lined_reference::LinedReference;
 use crate::mechanics::compliance::near_field::{LoadedRing, NearFieldClass};
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
+use crate::mechanics::grading::GradingClass;
 use crate::mechanics::real::LANES;
 
 /// Solves bodies and remembers them, with everything that many bodies share.
@@ -130,6 +132,9 @@ impl<'a> BodyLibrary<'a> {
         let of_bodies = groups.iter().map(|(key, group)| LoadedRing::of(group[0].body.shape, &key.class));
         self.ring_loads.prepare(of_near_fields.map(LoadedRing::of_near_field).chain(of_bodies));
         self.times.shared += started.elapsed();
+        let started = Stopwatch::start();
+        let references = condensed_references(&self.ring_loads, &groups);
+        self.times.condense += started.elapsed();
         if self.device.is_some() && self.lost.is_none() {
             groups = self.solve_on_device(groups, &classes);
         }
@@ -156,7 +161,10 @@ impl<'a> BodyLibrary<'a> {
             let started = Stopwatch::start();
             let works: Vec<Condensed> = batches.into_iter().flat_map(|(works, _)| works).collect();
             let correct = |(request, works): Condensed| {
-                let compliance = self.corrected(&key, &request.body, works);
+                let compliance = match references.get(&request.key()) {
+                    Some((reference, own)) => reference.compliance(&request.body, works, own),
+                    None => self.corrected(&key, &request.body, works),
+                };
                 (request, compliance)
             };
             let solved: Vec<_> = works.into_par_iter().map(correct).collect();
@@ -168,19 +176,25 @@ impl<'a> BodyLibrary<'a> {
         }
     }
 
-    /// Gives back what the device has left.
+    /// Gives back what the device has left: bodies with layers, to begin with.
     fn solve_on_device(&mut self, groups: Vec<Group>, classes: &HashSet<NearFieldClass>) -> Vec<Group> {
+        let (lined, groups): (Vec<Group>, Vec<Group>) =
+            groups.into_iter().partition(|(key, _)| key.class.is_lined());
         let started = Stopwatch::start();
         self.near_fields.prepare(classes.iter().copied(), &self.ring_loads);
         self.times.shared += started.elapsed();
-        let Some(device) = &mut self.device else { return groups };
-        match device.condense(&groups) {
-            Ok(works) => self.take(groups, works),
-            Err(error) => {
-                self.lost = Some(error);
-                groups
-            }
-        }
+        let mut left = match &mut self.device {
+            Some(device) => match device.condense(&groups) {
+                Ok(works) => self.take(groups, works),
+                Err(error) => {
+                    self.lost = Some(error);
+                    groups
+                }
+            },
+            None => groups,
+        };
+        left.extend(lined);
+        left
     }
 
     /// Takes what a device has condensed; gives back what it has left.
@@ -256,9 +270,39 @@ struct CondensedGroup {
 
 /// The near fields that bodies need.
 fn near_fields_of(groups: &[Group]) -> impl Iterator<Item = NearFieldClass> {
-    groups.iter().flat_map(|(key, group)| {
+    let bare = groups.iter().filter(|(key, _)| !key.class.is_lined());
+    bare.flat_map(|(key, group)| {
         group.iter().flat_map(|request| NearFieldClass::around(&request.body, key.class).0)
     })
+}
+
+/// Of each lined body its reference, with the works of that.
+fn condensed_references(
+    ring_loads: &RingLoads,
+    groups: &[Group],
+) -> HashMap<RequestKey, (LinedReference, Vec<f64>)> {
+    let mut classes: HashMap<LoadedRing, HashMap<GradingClass, Vec<(RequestKey, LinedReference)>>> =
+        HashMap::default();
+    for (key, group) in groups.iter().filter(|(key, _)| key.class.is_lined()) {
+        for request in group {
+            let reference = LinedReference::of(&request.body, key.class);
+            let of_ring = classes.entry(reference.ring()).or_default();
+            of_ring.entry(reference.class).or_default().push((request.key(), reference));
+        }
+    }
+    let of_classes: Vec<_> = classes
+        .into_iter()
+        .flat_map(|(ring, of_ring)| of_ring.into_values().map(move |references| (ring, references)))
+        .collect();
+    let condense = |(ring, references): (LoadedRing, Vec<(RequestKey, LinedReference)>)| {
+        let plan = references[0].1.plan(&ring_loads.of(&ring));
+        let bodies: Vec<Body> = references.iter().map(|(_, reference)| reference.body.clone()).collect();
+        let works: Vec<Vec<f64>> =
+            bodies.par_chunks(LANES).flat_map_iter(|bodies| plan.condense(bodies)).collect();
+        let with_works = |((key, reference), works)| (key, (reference, works));
+        references.into_iter().zip(works).map(with_works).collect::<Vec<_>>()
+    };
+    of_classes.into_par_iter().flat_map_iter(condense).collect()
 }
 
 /// The groups in lanes, each of which has its own elasticity: fewer, and fuller.
@@ -280,10 +324,8 @@ fn portions(requests: &[BodyRequest]) -> Vec<Vec<Group>> {
     let mut portion = Vec::new();
     let mut near_fields: HashSet<NearFieldClass> = HashSet::default();
     for (key, group) in groups {
-        for request in &group {
-            near_fields.extend(NearFieldClass::around(&request.body, key.class).0);
-        }
         portion.push((key, group));
+        near_fields.extend(near_fields_of(&portion[portion.len() - 1..]));
         if near_fields.len() > PORTION {
             portions.push(std::mem::take(&mut portion));
             near_fields.clear();

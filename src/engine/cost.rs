@@ -17,12 +17,13 @@ use crate::engine::law_fit::law_case;
 use crate::engine::plan::JointPlan;
 use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{
-    Unit, batch, body_seconds, design, interpolated_design, joint_seconds, near_field_works, series, space,
-    space_modes, space_ring_modes, topology,
+    Unit, batch, body_seconds, design, interpolated_design, joint_seconds, near_field_works,
+    reference_seconds, series, space, space_modes, space_ring_modes, topology,
 };
 use crate::error::Error;
 use crate::mechanics::compliance::near_field::NearFieldClass;
 use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::laws::calibrated::samples::RANGE;
 use crate::mechanics::real::LANES;
 use crate::study::config::{MethodChoice, Study};
@@ -49,7 +50,7 @@ pub struct Estimate {
 fn climbers(plan: &JointPlan, accuracy: f64) -> f64 {
     match plan.estimate {
         HowKnown::Exact | HowKnown::Change(Trust::SqueezedFilm) => 0.0,
-        HowKnown::Known | HowKnown::Change(Trust::Concentric | Trust::Full) => 0.1,
+        HowKnown::Known | HowKnown::Change(Trust::Concentric | Trust::Full | Trust::Lined) => 0.1,
         HowKnown::Change(Trust::Wary) if accuracy >= MUCH_ASKED => 0.2,
         HowKnown::Change(Trust::Wary) => 0.3,
     }
@@ -121,6 +122,12 @@ impl Needs {
         if times == 1.0 {
             self.unknowns += size.unknowns;
         }
+        if topology.class.is_lined() {
+            // A lined body has a reference of its own, condensed like it, with exact modes.
+            group.bodies += times;
+            self.seconds += times * reference_seconds(&request.body);
+            return;
+        }
         for class in NearFieldClass::around(&request.body, topology.class).0 {
             // The reference has some of the body's layers; around half a ring it is that of the whole.
             let rings = if class.half_ring { 2 } else { 1 };
@@ -143,6 +150,9 @@ impl Needs {
             match fidelity {
                 Fidelity::Series => *highest = concentric(&body).modes_needed().max(*highest),
                 Fidelity::Mesh { level } => {
+                    let of_reference =
+                        ConcentricBody::with_layers_of(&body).map(|reference| reference.highest_mode());
+                    *highest = of_reference.unwrap_or(0).max(*highest);
                     let modes = RingModes::of(&mesh_class(&body, level));
                     *self.ring_modes.entry((plan.space, modes)).or_default() += times;
                 }

@@ -213,18 +213,19 @@ fn not_known_enough(plan: &JointPlan, expected: &ExpectedContact, accuracy: f64)
 
 fn describe(request: &BodyRequest, terms: usize) -> String {
     let name = request.body.shape.name;
+    let layers = match request.body.lining.list().len() {
+        0 => String::new(),
+        1 => " through 1 layer".into(),
+        count => format!(" through {count} layers"),
+    };
     match request.fidelity {
         Fidelity::Series => {
-            let layers = match request.body.lining.list().len() {
-                0 => String::new(),
-                1 => " through 1 layer".into(),
-                count => format!(" through {count} layers"),
-            };
             format!("{name}: exact modes{layers}, {terms} trial pressures")
         }
         Fidelity::Mesh { level } => {
             let unknowns = mesh_size(&request.body, level).unknowns;
-            format!("{name}: mesh level {level}, {unknowns} unknowns, {terms} trial pressures")
+            let layers = if layers.is_empty() { layers } else { format!("{layers} on the processor") };
+            format!("{name}: mesh level {level}{layers}, {unknowns} unknowns, {terms} trial pressures")
         }
     }
 }

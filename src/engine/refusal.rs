@@ -17,10 +17,10 @@ pub enum Refusal {
     NotConcentric,
     /// A part's layers leave nothing of its own material: their thickness and that of the wall, mm.
     ThickLayers { part: &'static str, layers: f64, wall: f64 },
-    /// A lined part that no exact modes carry; `has_modes` where `series` would.
-    LayersOnMesh { part: &'static str, has_modes: bool },
     /// A lined wall so thin that modes do not carry it.
     ThinLinedWall { part: &'static str },
+    /// What layers leave of a part is thinner than meshes carry.
+    ThinBeyondLayers { part: &'static str, wall: f64, thinnest: f64 },
     /// Closed forms know one material a part.
     LayersInClosedForm,
     /// A press fit that no exact modes carry.
@@ -72,13 +72,12 @@ impl Refusal {
             let name = side_name(part.shape.side);
             match joint.wall(part) {
                 _ if method == MethodChoice::ClosedForm => Some(Refusal::LayersInClosedForm),
-                _ if method == MethodChoice::Fe || !part.shape.concentric => {
-                    Refusal::of_mesh(&joint.body(part))
-                }
                 wall if !joint.has_room_for_layers(part) => {
                     Some(Refusal::ThickLayers { part: name, layers: part.layers.thickness(), wall })
                 }
-                _ if (part.shape.depth_range)(&part.parameters).0 < THINNEST_RING => {
+                _ if part.shape.concentric
+                    && (part.shape.depth_range)(&part.parameters).0 < THINNEST_RING =>
+                {
                     Some(Refusal::ThinLinedWall { part: name })
                 }
                 _ => None,
@@ -89,15 +88,18 @@ impl Refusal {
     /// Of a body that is to be meshed.
     pub fn of_mesh(body: &Body) -> Option<Refusal> {
         let shape = body.shape;
-        if !body.lining.is_empty() {
-            return Some(Refusal::LayersOnMesh { part: side_name(shape.side), has_modes: shape.concentric });
-        }
         let (least, greatest) = body.depth_range();
+        let thickness = |depth: f64| match shape.side {
+            Side::Plate => depth.exp_m1(),
+            Side::Pin => -(-depth).exp_m1(),
+        };
+        let rest = body.beyond_lining().0.depth_range().0;
+        // Concentric walls beyond layers bear as little as there is of them.
+        if rest < shape.thinnest_meshed && !body.lining.is_empty() && !shape.concentric {
+            let (wall, thinnest) = (thickness(rest), thickness(shape.thinnest_meshed));
+            return Some(Refusal::ThinBeyondLayers { part: side_name(shape.side), wall, thinnest });
+        }
         if least < shape.thinnest_meshed {
-            let thickness = |depth: f64| match shape.side {
-                Side::Plate => depth.exp_m1(),
-                Side::Pin => -(-depth).exp_m1(),
-            };
             let (wall, thinnest) = (thickness(least), thickness(shape.thinnest_meshed));
             return Some(Refusal::ThinWall { name: shape.wall, wall, thinnest, has_modes: shape.concentric });
         }
@@ -117,18 +119,16 @@ impl fmt::Display for Refusal {
                 let (layers, wall) = beside(layers, wall, "as much as");
                 write!(out, "the layers of the {part} are {layers} mm thick; its wall is {wall} mm")
             }
-            Refusal::LayersOnMesh { part, has_modes: true } => {
-                write!(
-                    out,
-                    "meshes carry no layers, and the {part} has some; method auto needs no mesh for it"
-                )
-            }
-            Refusal::LayersOnMesh { part, has_modes: false } => {
-                write!(out, "the {part} has layers, which only a rigid-core pin and an annulus can have")
-            }
             Refusal::ThinLinedWall { part } => {
                 let thinnest = one_digit(100.0 * THINNEST_RING);
                 write!(out, "the {part} has layers in a wall below {thinnest} % of the radius")
+            }
+            Refusal::ThinBeyondLayers { part, wall, thinnest } => {
+                let (wall, thinnest) = beside(100.0 * wall, 100.0 * thinnest, "just under");
+                write!(
+                    out,
+                    "the layers of the {part} leave a wall of {wall} % of their radius; the thinnest that meshes carry is {thinnest} %"
+                )
             }
             Refusal::LayersInClosedForm => write!(out, "closed forms know no layers"),
             Refusal::PressFitOnMesh => {

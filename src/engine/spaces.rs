@@ -6,9 +6,9 @@ use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::mechanics::body::{Body, THINNEST_RING};
+use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::arc::TERM_CHOICES;
 use crate::mechanics::compliance::ring_modes::LARGEST_HELD;
-use crate::mechanics::compliance::{BodyCompliance, Boundary};
 use crate::mechanics::contact::curve_space::{CurveSpace, MOST_NODES, Variable};
 
 /// Which pressure space a joint is solved in.
@@ -169,14 +169,13 @@ impl Spaces {
 }
 
 fn is_alike(one: &BodyCompliance, other: &BodyCompliance) -> bool {
-    match (&one.boundary, &other.boundary) {
-        (Boundary::Bed(_), Boundary::Bed(_)) | (Boundary::Modes { .. }, Boundary::Modes { .. }) => true,
-        (Boundary::RingModes(one, _), Boundary::RingModes(other, _)) => one == other,
-        _ => false,
-    }
+    let kind = |body: &BodyCompliance| {
+        (body.boundary.modes().is_some(), body.boundary.ring_modes().map(|(modes, _)| *modes))
+    };
+    kind(one) == kind(other)
 }
 
 fn highest(body: &BodyCompliance) -> usize {
-    let first = if let Boundary::Modes { normal, .. } = &body.boundary { normal.len() } else { 0 };
+    let first = body.boundary.modes().map_or(0, |[normal, _]| normal.len());
     first.max(body.second.len())
 }

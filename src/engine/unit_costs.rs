@@ -13,6 +13,7 @@ use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::real::LANES;
 
 macro_rules! units {
@@ -200,15 +201,30 @@ pub fn interpolated_design(rows: f64) -> Cost<2> {
 pub fn body_seconds(BodyRequest { body, fidelity }: &BodyRequest) -> f64 {
     match *fidelity {
         Fidelity::Series => series(concentric(body).modes_needed()).seconds(),
-        Fidelity::Mesh { level } => batch(mesh_size(body, level)).seconds() / LANES as f64,
+        Fidelity::Mesh { level } => {
+            let condensed = batch(mesh_size(body, level)).seconds() / LANES as f64;
+            // The reference of a lined body is condensed like it.
+            let meshes = if body.lining.is_empty() { 1.0 } else { 2.0 };
+            meshes * condensed + reference_seconds(body)
+        }
     }
+}
+
+/// Of the exact modes beside which a lined body is told, s; none of a bare one.
+pub fn reference_seconds(body: &Body) -> f64 {
+    let reference = ConcentricBody::with_layers_of(body);
+    reference.map_or(0.0, |reference| series(reference.highest_mode()).seconds())
 }
 
 /// Of a body's compliance to the trial pressures of a space, s.
 pub fn spread_seconds(BodyRequest { body, fidelity }: &BodyRequest, space: SpaceKey) -> f64 {
     match *fidelity {
         Fidelity::Series => spread_modes(space, concentric(body).modes_needed()).seconds(),
-        Fidelity::Mesh { level } => spread_ring_modes(space, ring_modes(body, level)).seconds(),
+        Fidelity::Mesh { level } => {
+            let of_reference = ConcentricBody::with_layers_of(body)
+                .map_or(0.0, |reference| spread_modes(space, reference.highest_mode()).seconds());
+            of_reference + spread_ring_modes(space, ring_modes(body, level)).seconds()
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::layers::{Layers, layer_thicknesses};
+use crate::mechanics::lining_rows::LiningDivision;
 use crate::mechanics::mesh::Grading;
 
 /// A mesh as finely divided at every contact angle from `least_angle` up: ring spacing h = max(least_angle/q, phi/q),
@@ -43,5 +44,6 @@ pub fn contact_grading(element: ElementKind, least_angle: f64, q: f64, end: f64,
         element,
         angles,
         layers: Layers { first, thickest: thickest_layer, count: layer_count, shrinking: 0 },
+        lining: LiningDivision::default(),
     }
 }

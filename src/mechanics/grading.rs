@@ -8,6 +8,7 @@
 use crate::mechanics::body::Body;
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::layers::{Layers, SHRINK};
+use crate::mechanics::lining_rows::{LiningDivision, LiningRows};
 use crate::mechanics::material::Compressibility;
 use crate::mechanics::mesh::{Grading, holding_changes};
 
@@ -63,6 +64,10 @@ pub struct GradingClass {
     pub shrinking: usize,
     /// Whether the ring ends where a held face begins: a corner that contact may come near.
     pub ends_held: bool,
+    /// Of the layers those that divide a lining; none of a bare body.
+    pub lining: LiningRows,
+    /// As `depth_class`, of what is left beyond the lining; 0 of a bare body.
+    pub rest_depth_class: u32,
 }
 
 /// How a ring that ends held is divided towards its end: its widest spacing and its first layer over those of a whole ring, and
@@ -76,15 +81,25 @@ const SHRINKING_AT_HELD_END: usize = 3;
 const MORE_WHERE_STIFF: usize = 2;
 const STIFF_LEVEL: usize = 2;
 
+/// At the far boundary.
 fn is_stiff(body: &Body) -> bool {
-    Compressibility::of(body.poissons_ratio, body.idealization) >= Compressibility::Stiff
+    Compressibility::of(body.beyond_lining().0.poissons_ratio, body.idealization) >= Compressibility::Stiff
+}
+
+/// Of a least depth: bodies of one class are deeper than half an octave less.
+fn depth_class(least: f64) -> u32 {
+    (-CLASSES_PER_OCTAVE * least.log2()).ceil().max(0.0) as u32
+}
+
+/// The depth that stands for a class: a lower bound, at most 1.
+fn class_depth(depth_class: u32) -> f64 {
+    (-f64::from(depth_class) / CLASSES_PER_OCTAVE).exp2()
 }
 
 impl GradingClass {
     /// The class of `body` at `level` (below `LEVEL_COUNT`, or `REFERENCE_LEVEL`).
     pub fn of(body: &Body, element: ElementKind, level: usize) -> GradingClass {
-        let (least, greatest) = body.depth_range();
-        let depth_class = (-CLASSES_PER_OCTAVE * least.log2()).ceil().max(0.0) as u32;
+        let (least, _) = body.depth_range();
         let corners = body.shape.sides.len().saturating_sub(1);
         let shrinking = match (0..corners).any(|corner| holding_changes(body, corner)) {
             true if is_stiff(body) && level >= STIFF_LEVEL => LEVELS[level].shrinking + MORE_WHERE_STIFF,
@@ -93,8 +108,26 @@ impl GradingClass {
             false => corners.min(1),
         };
         let ends_held = body.shape.end_face_held;
-        let mut class = GradingClass { level, element, depth_class, layer_count: 2, shrinking, ends_held };
-        while class.depth_at_growth(LEVELS[level].growth) < greatest && class.layer_count < MOST_LAYERS {
+        let mut class = GradingClass {
+            level,
+            element,
+            depth_class: depth_class(least),
+            layer_count: 2,
+            shrinking,
+            ends_held,
+            lining: LiningRows::default(),
+            rest_depth_class: 0,
+        };
+        let rest = body.beyond_lining().0;
+        let (least, greatest) = rest.depth_range();
+        if !body.lining.is_empty() {
+            class.rest_depth_class = depth_class(least);
+            let LiningDivision { growth, thickest_first, .. } = class.lining_division();
+            class.lining = LiningDivision::of(body, class.layers(), growth, thickest_first).rows;
+            class.layer_count += class.lining.total();
+        }
+        let growth = LEVELS[level].growth;
+        while class.layers_of(body).depth(growth) < greatest && class.layer_count < MOST_LAYERS {
             class.layer_count += 1;
         }
         class
@@ -102,7 +135,23 @@ impl GradingClass {
 
     /// The depth that stands for the class: a lower bound, at most 1.
     fn class_depth(&self) -> f64 {
-        (-f64::from(self.depth_class) / CLASSES_PER_OCTAVE).exp2()
+        class_depth(self.depth_class)
+    }
+
+    /// Whether its bodies have layers.
+    pub fn is_lined(&self) -> bool {
+        self.lining != LiningRows::default()
+    }
+
+    fn lining_division(&self) -> LiningDivision {
+        let Level { first, growth, .. } = LEVELS[self.level];
+        let thickest_first = first * class_depth(self.rest_depth_class);
+        LiningDivision { rows: self.lining, growth, thickest_first }
+    }
+
+    /// Layers beyond the lining of a body.
+    pub fn layers_of(&self, body: &Body) -> Layers {
+        if self.is_lined() { self.lining_division().divided(body, self.layers()).rest } else { self.layers() }
     }
 
     /// Thickness of the first layer in the shape's measure of depth.
@@ -124,9 +173,23 @@ impl GradingClass {
         Layers {
             first: self.first_layer(),
             thickest: self.thickest_layer(),
-            count: self.layer_count,
+            count: self.layer_count - self.lining.total(),
             shrinking: self.shrinking,
         }
+    }
+
+    /// The class of the concentric body beside which a lined one is told, and how deep it is beyond the lining: the same layers, as
+    /// many as reach a depth there when they grow so, or one more than the lined body has, but never as many as that.
+    pub fn beside(&self, body: &Body, depth: f64, growth: f64) -> (GradingClass, f64) {
+        let lining = self.lining.total();
+        let mut beside = GradingClass { layer_count: lining + 2, shrinking: 0, ..*self };
+        while beside.layer_count < self.layer_count && beside.layers_of(body).depth(growth) < depth {
+            beside.layer_count += 1;
+        }
+        if beside.layer_count == self.layer_count {
+            beside.layer_count += 1;
+        }
+        (beside, beside.layers_of(body).depth(growth))
     }
 
     /// The class of a body with a round boundary of the same layers, as many as reach a depth when they grow so.
@@ -167,7 +230,7 @@ impl GradingClass {
             let shrunk = (1..=SHRINKING_AT_HELD_END).map(|i| end_angle - last * SHRINK.powi(i as i32));
             angles.splice(count - 1..count - 1, shrunk);
         }
-        Grading { element: self.element, angles, layers: self.layers() }
+        Grading { element: self.element, angles, layers: self.layers(), lining: self.lining_division() }
     }
 }
 

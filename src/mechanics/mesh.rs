@@ -16,6 +16,7 @@
 use crate::mechanics::body::{Body, Side};
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::layers::Layers;
+use crate::mechanics::lining_rows::{BodyRows, LiningDivision};
 
 /// Index of a free unknown, or `SUPPORTED`.
 pub const SUPPORTED: u32 = u32::MAX;
@@ -27,6 +28,8 @@ pub struct RingTopology {
     /// Angles of all ring nodes from the load line, mid-side nodes included, rad, ascending from 0.
     pub ring_angles: Vec<f64>,
     pub layer_count: usize,
+    /// Of each layer from the ring on its material: 0 at the ring, 1 beyond the first interface, and so on.
+    pub materials: Vec<usize>,
     pub node_count: usize,
     /// Nodes of each element in the order of `ElementKind`, `element.node_count()` a piece.
     pub connectivity: Vec<u32>,
@@ -47,13 +50,20 @@ pub struct Grading {
     pub element: ElementKind,
     /// Angles of the ring's corner nodes, rad, ascending from 0 to the shape's end angle.
     pub angles: Vec<f64>,
+    /// Beyond a lining.
     pub layers: Layers,
+    pub lining: LiningDivision,
 }
 
 impl Grading {
     /// Angles of all ring nodes from the load line, mid-side nodes included, rad, ascending from 0.
     pub fn ring_angles(&self) -> Vec<f64> {
         half_steps(&self.angles, if self.element == ElementKind::Quad8 { 1 } else { 2 })
+    }
+
+    /// Of all materials.
+    pub fn layer_count(&self) -> usize {
+        self.lining.rows.total() + self.layers.count
     }
 }
 
@@ -67,7 +77,7 @@ impl RingTopology {
     pub fn new(body: &Body, grading: &Grading) -> RingTopology {
         let quadratic = grading.element == ElementKind::Quad8;
         let step = if quadratic { 1 } else { 2 };
-        let (rows, columns) = (2 * grading.layers.count, 2 * (grading.angles.len() - 1));
+        let (rows, columns) = (2 * grading.layer_count(), 2 * (grading.angles.len() - 1));
         let index = |row: usize, column: usize| row * (columns + 1) + column;
         let mut numbers = vec![u32::MAX; (rows + 1) * (columns + 1)];
         let mut grid = Vec::new();
@@ -127,7 +137,8 @@ impl RingTopology {
         RingTopology {
             element: grading.element,
             ring_angles: grading.ring_angles(),
-            layer_count: grading.layers.count,
+            layer_count: grading.layer_count(),
+            materials: materials(body, grading),
             node_count: grid.len(),
             connectivity,
             grid,
@@ -142,10 +153,21 @@ impl RingTopology {
         self.connectivity.len() / self.element.node_count()
     }
 
+    /// The material of an element. They are numbered by layers, from the far boundary to the ring.
+    pub fn material(&self, element: usize) -> usize {
+        let of_layer = self.element_count() / self.layer_count;
+        self.materials[self.layer_count - 1 - element / of_layer]
+    }
+
     /// Unknowns of the ring; they are the last ones.
     pub fn ring_unknown_count(&self) -> usize {
         self.unknown_count - self.ring_start
     }
+}
+
+fn materials(body: &Body, grading: &Grading) -> Vec<usize> {
+    let last = body.lining.list().len();
+    grading.lining.rows.materials().chain(std::iter::repeat_n(last, grading.layers.count)).collect()
 }
 
 /// How one line of a mesh runs from the ring to the far boundary.
@@ -159,19 +181,19 @@ struct Line {
     far: [f64; 2],
 }
 
-/// The lines of `body`, one a column in half elements.
-fn lines(body: &Body, grading: &Grading) -> Vec<Line> {
+/// The lines of `rest`, what is beyond the lining of `body`, one a column in half elements.
+fn lines(body: &Body, rest: &Body, angles: &[f64], layers: Layers) -> Vec<Line> {
     let (mut depth, mut growth, mut far_radius) = (f64::NAN, 1.0, f64::NAN);
     let line = |target: f64| {
-        let own_depth = (body.shape.depth)(&body.parameters, target);
+        let own_depth = (rest.shape.depth)(&rest.parameters, target);
         if own_depth != depth {
             depth = own_depth;
-            growth = grading.layers.growth(depth, growth);
-            far_radius = radius(body, depth);
+            growth = layers.growth(depth, growth);
+            far_radius = radius(rest, depth);
         }
         Line { depth, growth, far: polar(far_radius, target) }
     };
-    boundary_angles(body, &grading.angles).into_iter().map(line).collect()
+    boundary_angles(body, angles, thinnest_wall(rest)).into_iter().map(line).collect()
 }
 
 /// Depths below the ring of the layers' ends on a line.
@@ -197,9 +219,17 @@ pub fn ring_points(grading: &Grading) -> Vec<[f64; 2]> {
 /// Distance from the ring's centre at a depth.
 fn radius(body: &Body, depth: f64) -> f64 {
     match body.shape.side {
-        Side::Plate => depth.exp(),
+        Side::Plate => concentric_radius(body, depth),
         // Like the others near the ring, whose near field it shares, and to zero at the centre.
-        Side::Pin => (-depth).exp() - centre_pull(body) * (depth / deepest(body)).powi(6),
+        Side::Pin => concentric_radius(body, depth) - centre_pull(body) * (depth / deepest(body)).powi(6),
+    }
+}
+
+/// The same between concentric circles.
+fn concentric_radius(body: &Body, depth: f64) -> f64 {
+    match body.shape.side {
+        Side::Plate => depth.exp(),
+        Side::Pin => (-depth).exp(),
     }
 }
 
@@ -215,21 +245,27 @@ fn deepest(body: &Body) -> f64 {
 /// Coordinates of all nodes of `body`, over the ring's radius, origin at the ring's centre, y against the load.
 ///
 /// Layers grow from `first_layer` along each line, so that every body is divided alike near the ring whatever lies
-/// beyond. The collapsed centre of a solid disc is a row of coincident nodes, which are supported.
+/// beyond. Those of a lining lie between circles, and beyond them is a body whose ring is the outermost interface. The collapsed centre of a solid disc is a row of coincident nodes, which are supported.
 pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> Vec<[f64; 2]> {
     let columns = 2 * (grading.angles.len() - 1);
-    let wall = thinnest_wall(body);
+    let (rest, scale) = body.beyond_lining();
+    let wall = thinnest_wall(&rest);
+    let BodyRows { starts, rest: layers } = grading.lining.divided(body, grading.layers);
+    let in_lining: Vec<f64> = starts.into_iter().map(|depth| concentric_radius(body, depth)).collect();
     let mut courses: Vec<Course> = Vec::with_capacity(columns + 1);
     // Of each column at the ends of its layers.
     let mut points: Vec<Vec<[f64; 2]>> = Vec::with_capacity(columns + 1);
     let mut bows: Vec<Vec<f64>> = Vec::with_capacity(columns + 1);
-    for (line, on_ring) in lines(body, grading).iter().zip(ring_points(grading)) {
-        let far_radius = radius(body, line.depth);
+    for (line, on_ring) in lines(body, &rest, &grading.angles, layers).iter().zip(ring_points(grading)) {
+        let far_radius = radius(&rest, line.depth);
         let course = Course::new(on_ring, line.far, far_radius, wall);
-        let share = |depth: f64| (radius(body, depth) - 1.0) / (far_radius - 1.0);
-        let shares: Vec<f64> = layer_ends(grading.layers, line).into_iter().map(share).collect();
-        points.push(shares.iter().map(|share| course.point(*share)).collect());
-        bows.push(shares.iter().map(|share| course.bow(*share)).collect());
+        let share = |depth: f64| (radius(&rest, depth) - 1.0) / (far_radius - 1.0);
+        let shares: Vec<f64> = layer_ends(layers, line).into_iter().map(share).collect();
+        let on_circles = in_lining.iter().map(|radius| on_ring.map(|place| radius * place));
+        let beyond = shares.iter().map(|share| course.point(*share).map(|place| scale * place));
+        points.push(on_circles.chain(beyond).collect());
+        let beyond = shares.iter().map(|share| scale * course.bow(*share));
+        bows.push(in_lining.iter().copied().chain(beyond).collect());
         courses.push(course);
     }
     // Mid-side nodes of layers lie half-way between corner nodes.
@@ -363,7 +399,7 @@ fn thinnest_wall(body: &Body) -> f64 {
 
 /// Angle at which the line of each ring column meets the far boundary: the ring's own angle, drawn so that the
 /// boundary's corners fall on corner columns, and closer to those where the holding changes.
-fn boundary_angles(body: &Body, angles: &[f64]) -> Vec<f64> {
+fn boundary_angles(body: &Body, angles: &[f64], wall: f64) -> Vec<f64> {
     let corners = (body.shape.corners)(&body.parameters);
     let columns = corner_columns(body, angles);
     let end = angles[angles.len() - 1];
@@ -375,7 +411,7 @@ fn boundary_angles(body: &Body, angles: &[f64]) -> Vec<f64> {
     }
     from.push(end);
     to.push(end);
-    let crowding = CROWDING * (thinnest_wall(body) / THICK_WALL).min(1.0);
+    let crowding = CROWDING * (wall / THICK_WALL).min(1.0);
     let crowded = |share: f64| share * (1.0 - crowding + crowding * share);
     let targets: Vec<f64> = angles
         .iter()

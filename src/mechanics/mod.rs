@@ -3,6 +3,7 @@ pub mod material;
 pub mod body;
 pub mod element;
 pub mod layers;
+pub mod lining_rows;
 pub mod mesh;
 pub mod grading;
 pub mod contact_grading;

@@ -150,9 +150,6 @@ impl Part {
     fn check_layers(&self) -> Result<(), Error> {
         let layers = self.layers.list();
         let refuse = |problem: String| Err(Error::Joint { quantity: "layers".into(), problem });
-        if !layers.is_empty() && !self.shape.concentric {
-            return refuse(format!("model `{}` cannot have layers", self.shape.name));
-        }
         if layers.len() > MOST_LAYERS {
             return refuse(format!("{} layers; at most {MOST_LAYERS} are allowed", layers.len()));
         }
@@ -275,14 +272,19 @@ impl JointDesign {
         !(self.pin.layers.is_empty() && self.plate.layers.is_empty())
     }
 
-    /// Whether the layers of a concentric part leave something of its own material, to rounding.
+    /// Whether the layers of a part leave something of its own material, to rounding.
     pub fn has_room_for_layers(&self, part: &Part) -> bool {
         part.layers.thickness() < (1.0 - 1e-9) * self.wall(part)
     }
 
-    /// How deep a concentric part is below the contact, mm.
+    /// How deep a part is below the contact where it is thinnest, mm. Ratios are distances from the centre.
     pub fn wall(&self, part: &Part) -> f64 {
-        (part.parameters[0] - 1.0).abs() * self.contact_radius(part)
+        let ratios = part.parameters.iter().take(part.shape.parameters.len()).copied();
+        let of_radius = match part.shape.side {
+            Side::Pin => 1.0 - ratios.fold(0.0, f64::max),
+            Side::Plate => ratios.fold(f64::INFINITY, f64::min) - 1.0,
+        };
+        of_radius * self.contact_radius(part)
     }
 
     /// The radius of a part at the contact, mm.

@@ -258,12 +258,12 @@ impl Rows {
             youngs_modulus: self.number(&Column::YoungsModulus(side).name(), Limits::POSITIVE)?,
             poissons_ratio: self.number(&Column::PoissonsRatio(side).name(), Limits::POISSONS_RATIO)?,
         };
-        let layers = self.part_layers(side, shape)?;
+        let layers = self.part_layers(side)?;
         Ok(Part { shape, parameters, support, material, layers })
     }
 
     /// The layers of a part, from the contact on: those whose cells are filled.
-    fn part_layers(&self, side: Side, shape: &Shape) -> Result<Layers, Error> {
+    fn part_layers(&self, side: Side) -> Result<Layers, Error> {
         let mut layers = Vec::new();
         let mut empty: Option<String> = None;
         for layer in 0..self.layers.of(side) {
@@ -272,9 +272,6 @@ impl Rows {
                 empty.get_or_insert(names[0].clone());
                 continue;
             };
-            if !shape.concentric {
-                return Err(self.complain(filled, unused(self.cell(filled).unwrap_or_default(), shape)));
-            }
             if let Some(empty) = empty {
                 let problem =
                     format!("`{empty}` is empty: layers are counted from the contact without a gap");

@@ -245,9 +245,8 @@ fn part_keys(side: Side) -> Vec<ConfigKey> {
 /// Of a table of `layers`.
 fn layer_keys(side: Side) -> Vec<ConfigKey> {
     let table = format!("joint.{}.layers", side_name(side));
-    let shape = Shape::of_side(side).find(|shape| shape.concentric).map_or("", |shape| shape.name);
     let about = format!(
-        "thickness of a layer of `{shape}`, bonded to the next; [[{table}]] stands once for each layer, from the contact into the \
+        "thickness of a layer, bonded to the next; [[{table}]] stands once for each layer, from the contact into the \
          {}, at most {MOST_LAYERS} times",
         side_name(side)
     );

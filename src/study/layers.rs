@@ -3,11 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::mechanics::body::Side;
+pub use crate::mechanics::body::lining::MOST_LAYERS;
 use crate::mechanics::body::lining::Stack;
 use crate::mechanics::material::Material;
-
-/// The most layers of a part.
-pub const MOST_LAYERS: usize = 8;
 
 /// One layer: its thickness, mm, and its material, MPa.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -336,7 +336,7 @@ impl PartRecipe {
             reader.quantity(&part.need("youngs_modulus")?, Some(Dimension::Stress), Limits::POSITIVE)?;
         let poissons_ratio = reader.quantity(&part.need("poissons_ratio")?, None, Limits::POISSONS_RATIO)?;
         let layers = match part.find("layers") {
-            Some(item) => LayerRecipe::read_all(&item, shape, reader)?,
+            Some(item) => LayerRecipe::read_all(&item, reader)?,
             None => Vec::new(),
         };
         Ok(PartRecipe { shape, parameters, support, youngs_modulus, poissons_ratio, layers })
@@ -345,18 +345,8 @@ impl PartRecipe {
 
 impl LayerRecipe {
     /// Reads [[joint.pin.layers]] or [[joint.plate.layers]].
-    fn read_all<'a>(
-        item: &Item<'a>,
-        shape: &Shape,
-        reader: &mut Reader<'a>,
-    ) -> Result<Vec<LayerRecipe>, Error> {
+    fn read_all<'a>(item: &Item<'a>, reader: &mut Reader<'a>) -> Result<Vec<LayerRecipe>, Error> {
         let tables = item.tables()?;
-        if !shape.concentric {
-            let can =
-                Shape::of_side(shape.side).find(|shape| shape.concentric).map_or("", |shape| shape.name);
-            let name = shape.name;
-            return Err(item.error(format!("model `{name}` cannot have layers; model `{can}` can")));
-        }
         if tables.len() > MOST_LAYERS {
             return Err(item.error(format!("{} layers; at most {MOST_LAYERS} are allowed", tables.len())));
         }

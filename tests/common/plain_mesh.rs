@@ -10,6 +10,7 @@ use jointsweep::internals::mechanics::element::quadrature::gauss_legendre;
 use jointsweep::internals::mechanics::element::stiffness::{Elasticity, ElementRule, element_stiffness};
 use jointsweep::internals::mechanics::element::{ElementKind, MAX_NODES, side_functions};
 use jointsweep::internals::mechanics::layers::{Layers, layer_thicknesses};
+use jointsweep::internals::mechanics::lining_rows::LiningDivision;
 use jointsweep::internals::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
 use jointsweep::internals::mechanics::solve::band::{BandStructure, TILE, Tile};
 use jointsweep::internals::study::design::JointDesign;
@@ -113,7 +114,7 @@ pub struct State {
 pub fn meshed(joint: &JointDesign, indentation: f64, near: f64, pairing: Pairing) -> State {
     let clearance = joint.radial_clearance / joint.hole_radius;
     let bodies = [&joint.pin, &joint.plate]
-        .map(|part| (FineBody::new(&joint.body(part), near), part.material.youngs_modulus));
+        .map(|part| (FineBody::new(&joint.body(part), near), part.contact_material().youngs_modulus));
     let state = |half_angle| {
         state(joint, &bodies, &pairing.paths(clearance, indentation / joint.hole_radius, half_angle))
     };
@@ -194,7 +195,7 @@ const WIDEST: f64 = 0.06;
 impl FineBody {
     fn new(body: &Body, edge: f64) -> FineBody {
         let first_layer = EDGE * edge;
-        let depth = (body.shape.depth_range)(&body.parameters).1;
+        let depth = body.beyond_lining().0.depth_range().1;
         let reached = |count: usize| -> f64 {
             layer_thicknesses(first_layer, 2.0 * WIDEST, GROWTH).take(count).sum::<f64>()
         };
@@ -205,16 +206,17 @@ impl FineBody {
         (angles[0], *angles.last_mut().unwrap()) = (0.0, end);
         let element = ElementKind::Quad8;
         let layers = Layers { first: first_layer, thickest: 2.0 * WIDEST, count: layer_count, shrinking: 0 };
-        let grading = Grading { element, angles, layers };
+        let lining = LiningDivision::of(body, layers, GROWTH, f64::INFINITY);
+        let grading = Grading { element, angles, layers, lining };
         let topology = RingTopology::new(body, &grading);
         let structure = BandStructure::new(&topology);
         let mut tiles = structure.empty::<f64>();
         let rule = ElementRule::new(element);
-        let elasticity = Elasticity::new(body.idealization, body.poissons_ratio);
         let nodes = coordinates(body, &grading, &topology);
         for (index, connectivity) in topology.connectivity.chunks_exact(element.node_count()).enumerate() {
             let mut corners = [[0.0; 2]; MAX_NODES];
             corners.iter_mut().zip(connectivity).for_each(|(corner, node)| *corner = nodes[*node as usize]);
+            let elasticity = elasticity_at(body, &corners);
             structure.add(&mut tiles, index, &element_stiffness(&rule, &elasticity, &corners));
         }
         structure.factorise(&mut tiles);
@@ -256,6 +258,17 @@ impl FineBody {
         }
         matrix
     }
+}
+
+/// Of the material where the middle of an element lies.
+fn elasticity_at(body: &Body, corners: &[[f64; 2]; MAX_NODES]) -> Elasticity<f64> {
+    let mean = |axis: usize| 0.25 * corners[..4].iter().map(|corner| corner[axis]).sum::<f64>();
+    let depth = mean(0).hypot(mean(1)).ln().abs();
+    let beyond = body.lining.list().iter().rev().find(|interface| interface.radius_ratio.ln().abs() < depth);
+    let (modulus, poissons_ratio) =
+        beyond.map_or((1.0, body.poissons_ratio), |beyond| (beyond.modulus_ratio, beyond.poissons_ratio));
+    let Elasticity { direct, cross, shear } = Elasticity::new(body.idealization, poissons_ratio);
+    Elasticity { direct: modulus * direct, cross: modulus * cross, shear: modulus * shear }
 }
 
 /// Distances from the edge, 0 first, growing from `EDGE` of a typical arc to `WIDEST`, to `length` exactly.

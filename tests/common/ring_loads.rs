@@ -62,5 +62,6 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 pub fn concentric_grading(element: ElementKind, ratio: f64, count: usize, layer_count: usize) -> Grading {
     let first = ratio.ln().abs() / layer_count as f64;
     let angles = (0..=count).map(|i| PI * i as f64 / count as f64).collect();
-    Grading { element, angles, layers: Layers { first, thickest: first, count: layer_count, shrinking: 0 } }
+    let layers = Layers { first, thickest: first, count: layer_count, shrinking: 0 };
+    Grading { element, angles, layers, lining: Default::default() }
 }

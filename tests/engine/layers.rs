@@ -106,6 +106,24 @@ fn joint_of(joint: &JointDesign, layers: &[Layer]) -> JointDesign {
     JointDesign { plate: joint.plate.clone().with_layers(layers).unwrap(), ..joint.clone() }
 }
 
+/// Bodies with layers on meshes are said to be, with why.
+#[test]
+fn lined_blocks_are_explained() {
+    let text = std::fs::read_to_string("configs/bush.toml").unwrap();
+    let block = "model = \"block\"\nhalf_width_ratio = 2.0\ndepth_ratio = 3.0\nheight_ratio = 2.0\n";
+    let start = text.find("model              = \"annulus\"").unwrap();
+    let end = start + text[start..].find("youngs_modulus").unwrap();
+    let text = format!("{}{block}{}", &text[..start], &text[end..]);
+    let study = Study::from_text(Path::new("lined.toml"), text).unwrap();
+    let case = study.cases().unwrap().next().unwrap().unwrap();
+    let explained = Explainer::new(&study).explain(&case);
+    assert!(explained.chosen.starts_with("mesh levels"), "{explained:?}");
+    let is_lined = |line: &String| {
+        line.starts_with("block: mesh level") && line.contains("through 1 layer on the processor")
+    };
+    assert!(explained.bodies.iter().any(is_lined), "{explained:?}");
+}
+
 /// Half a disc in a lined plate takes a mesh for the one and modes for the other.
 #[test]
 fn a_half_disc_runs_in_a_lined_plate() {
@@ -126,10 +144,6 @@ fn what_no_layers_can_have_is_refused() {
     let lined = joint(0.05, STEEL, &[layer(1.0, 3e3, 0.4)]);
     let load = Load::Force(100.0);
     let said = |joint: JointDesign, method| solved(joint, method, 1e-2, load).status.to_string();
-    assert_eq!(
-        said(lined.clone(), MethodChoice::Fe),
-        "failed: meshes carry no layers, and the plate has some; method auto needs no mesh for it"
-    );
     assert_eq!(said(lined.clone(), MethodChoice::ClosedForm), "failed: closed forms know no layers");
     assert_eq!(said(lined.clone(), MethodChoice::Series), "large displacement");
     // The sizes of a sweep may leave nothing of the wall.
@@ -153,14 +167,28 @@ fn what_no_layers_can_have_is_refused() {
     assert!(said.contains("layers: 0.6 mm of the plate: must be below its wall, 0.5"), "{said}");
     let said = too_thick.clone().with_layers(&[layer(0.0, 3e3, 0.4)]).unwrap_err().to_string();
     assert!(said.contains("layer 1: thickness: 0: must be above 0"), "{said}");
-    let block = Part::new(
-        "block",
-        &[("half_width_ratio", 2.0), ("depth_ratio", 2.0), ("height_ratio", 2.0)],
-        None,
-        STEEL,
+    let block = |layer| {
+        let ratios = [("half_width_ratio", 1.5), ("depth_ratio", 2.0), ("height_ratio", 3.0)];
+        Part::new("block", &ratios, None, STEEL).unwrap().with_layers(&[layer]).unwrap()
+    };
+    let said = wall(&block(layer(6.0, 3e3, 0.4))).unwrap_err().to_string();
+    assert!(said.contains("layers: 6 mm of the plate: must be below its wall, 5"), "{said}");
+    // Layers may leave less of a block than meshes carry.
+    let of_block = |thickness| JointDesign { plate: block(layer(thickness, 3e3, 0.4)), ..lined.clone() };
+    let status = |thickness| {
+        let auto = solved(of_block(thickness), MethodChoice::Auto, 1e-2, Load::Force(1.0)).status;
+        auto.to_string()
+    };
+    assert_eq!(
+        status(4.7),
+        "failed: the layers of the plate leave a wall of 2 % of their radius; the thinnest that meshes carry is 5 %"
     );
-    let said = block.unwrap().with_layers(&[layer(0.1, 3e3, 0.4)]).unwrap_err().to_string();
-    assert!(said.contains("layers: model `block` cannot have layers"), "{said}");
+    assert_eq!(status(4.0), "ok");
+    // Half a disc bears layers down to its centre, no further.
+    let half_disc = Part::new("rigid-midplane", &[], None, STEEL).unwrap();
+    let half_disc = half_disc.with_layers(&[layer(10.0, 3e3, 0.4)]).unwrap();
+    let refused = JointDesign { pin: half_disc, ..lined.clone() }.check().unwrap_err().to_string();
+    assert!(refused.contains("layers: 10 mm of the pin: must be below its wall, 9.95 mm"), "{refused}");
 }
 
 /// A sweep large enough to interpolate leaves lined joints to their modes, and says so.

@@ -4,6 +4,7 @@
 mod common {
     pub mod random;
     pub mod draws;
+    pub mod lined_bodies;
     pub mod greatest;
     pub mod stepped_ring;
     pub mod nodal_ring;
@@ -27,4 +28,5 @@ mod joint;
 mod layers;
 mod material_shares;
 mod press_fits;
+mod lined_meshes;
 mod liu2007;

@@ -21,7 +21,7 @@ pub struct JudgedBody<'a> {
 /// What tells the error of a body.
 #[derive(Clone, Copy)]
 pub enum ErrorSource<'a> {
-    /// There is none, but of layers that are thinner than the waves of all modes.
+    /// There is none, but of layers that are thinner than the waves of all modes, which bodies on meshes have, too.
     Exact,
     /// A wall that is taken for a bed.
     Bed,
@@ -61,11 +61,10 @@ impl<'a> BodyErrors<'a> {
     ) -> BodyErrors<'a> {
         let pressures = &curve.space.pressures;
         let own_errors = bodies.each_ref().map(|JudgedBody { body, source, .. }| match source {
-            ErrorSource::Exact => {
-                let cut = ConcentricBody::of(body).filter(ConcentricBody::is_cut);
+            ErrorSource::Exact | ErrorSource::MeshBeside { .. } => {
+                let cut = ConcentricBody::with_layers_of(body).filter(ConcentricBody::is_cut);
                 cut.map_or(OwnError::Nothing, OwnError::CutModes)
             }
-            ErrorSource::MeshBeside { .. } => OwnError::Nothing,
             ErrorSource::Bed => OwnError::Bed(body),
             ErrorSource::Mesh(level) => {
                 OwnError::Mesh(known_errors(body, *level).copied().unwrap_or([f64::INFINITY; _]))

@@ -134,6 +134,9 @@ pub struct Kind {
 impl Kind {
     /// `None` for bodies that were not measured, or behave otherwise.
     pub fn of(body: &Body) -> Option<Kind> {
+        if !body.lining.is_empty() {
+            return None;
+        }
         let group = Group::of(body)?;
         let stiffness = Stiffness::of(body)?;
         let (least, greatest) = body.depth_range();

@@ -18,6 +18,8 @@ pub enum Trust {
     /// Near and far field are those of the class's reference, but for its ratio: the finer mesh is far better.
     Concentric,
     Full,
+    /// Layers change from one material to another, beside a reference that has them too.
+    Lined,
     /// Both meshes may be wrong alike: a body is nearly incompressible in plane strain, so that they lock, or nearly without
     /// shear in plane stress; its wall is thin; or it is a block more lopsided than any that was measured.
     Wary,
@@ -29,32 +31,41 @@ pub enum Trust {
 const THIN_RING: f64 = DEPTHS[2];
 
 impl Trust {
-    pub const ALL: [Trust; 4] = [Trust::Concentric, Trust::Full, Trust::Wary, Trust::SqueezedFilm];
+    pub const ALL: [Trust; 5] =
+        [Trust::Concentric, Trust::Full, Trust::Lined, Trust::Wary, Trust::SqueezedFilm];
 
     /// The name in the file.
     pub fn name(self) -> &'static str {
         match self {
             Trust::Concentric => "concentric",
             Trust::Full => "full",
+            Trust::Lined => "lined",
             Trust::Wary => "wary",
             Trust::SqueezedFilm => "squeezed film",
         }
     }
 
     pub fn of(request: &BodyRequest) -> Trust {
-        let Body { shape, poissons_ratio, idealization, .. } = &request.body;
-        let range = PoissonRange::of(*poissons_ratio, *idealization);
+        let Body { shape, idealization, lining, .. } = &request.body;
+        let has = |range: PoissonRange| {
+            (0..=lining.list().len())
+                .any(|material| PoissonRange::of(request.body.material(material)[1], *idealization) == range)
+        };
         let thinnest = request.body.depth_range().0;
-        let is_unknown_block = || !shape.sides.is_empty() && known_error(&request.body, 0, 0.0).is_none();
+        let is_unknown_block = || {
+            let beyond = request.body.beyond_lining().0;
+            !shape.sides.is_empty() && known_error(&beyond, 0, 0.0).is_none()
+        };
         match request.fidelity {
-            Fidelity::Mesh { .. } if range == PoissonRange::Incompressible => {
+            Fidelity::Mesh { .. } if has(PoissonRange::Incompressible) => {
                 if thinnest < THIN {
                     Trust::SqueezedFilm
                 } else {
                     Trust::Wary
                 }
             }
-            Fidelity::Mesh { .. } if range == PoissonRange::Conformal || is_unknown_block() => Trust::Wary,
+            Fidelity::Mesh { .. } if has(PoissonRange::Conformal) || is_unknown_block() => Trust::Wary,
+            Fidelity::Mesh { .. } if !lining.is_empty() => Trust::Lined,
             Fidelity::Mesh { .. } if shape.concentric && thinnest < THIN_RING => Trust::Wary,
             _ if shape.concentric => Trust::Concentric,
             _ => Trust::Full,

@@ -3,6 +3,9 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
+/// The most layers of a body.
+pub const MOST_LAYERS: usize = 8;
+
 /// A bonded interface and the material beyond it, seen from the ring.
 #[derive(Clone, Copy, Debug)]
 pub struct Interface {

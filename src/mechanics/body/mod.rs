@@ -117,6 +117,24 @@ impl Body {
         of_interface.unwrap_or(f64::INFINITY).min(self.depth_range().0)
     }
 
+    /// Young's modulus over that at the ring and Poisson's ratio of a material: 0 at the ring, 1 beyond the first interface, and so on.
+    pub fn material(&self, number: usize) -> [f64; 2] {
+        let beyond = number.checked_sub(1).map(|place| self.lining.list()[place]);
+        beyond.map_or([1.0, self.poissons_ratio], |own| [own.modulus_ratio, own.poissons_ratio])
+    }
+
+    /// What is left beyond all layers as a bare body whose ring is the outermost interface, and the radius of that over the ring's.
+    pub fn beyond_lining(&self) -> (Body, f64) {
+        let Some(last) = self.lining.list().last() else { return (self.clone(), 1.0) };
+        let rest = Body {
+            parameters: self.parameters.map(|ratio| ratio / last.radius_ratio),
+            poissons_ratio: last.poissons_ratio,
+            lining: Lining::NONE,
+            ..*self
+        };
+        (rest, last.radius_ratio)
+    }
+
     /// Of a concentric body, the radius of the circle that is held over the ring's: its outer or its core radius ratio.
     pub fn fixed_radius_ratio(&self) -> Option<f64> {
         self.shape.concentric.then_some(self.parameters[0])

@@ -180,7 +180,8 @@ impl Condense<'_> {
                 }
             }
         }
-        let elasticity = self.elasticity();
+        let materials: Vec<Elasticity<T>> =
+            (0..=self.bodies[0].lining.list().len()).map(|material| self.elasticity(material)).collect();
         let count = topology.element.node_count();
         let mut smallest_jacobian = T::from_f64(f64::INFINITY);
         for (element, connectivity) in topology.connectivity.chunks_exact(count).enumerate() {
@@ -188,20 +189,24 @@ impl Condense<'_> {
             for (corner, node) in corners.iter_mut().zip(connectivity) {
                 *corner = nodes[*node as usize];
             }
-            let stiffness = element_stiffness(rule, &elasticity, &corners);
+            let elasticity = &materials[topology.material(element)];
+            let stiffness = element_stiffness(rule, elasticity, &corners);
             smallest_jacobian = smallest_jacobian.least(stiffness.smallest_jacobian);
             structure.add(tiles, element, &stiffness);
         }
         smallest_jacobian
     }
 
-    /// Of every body in its lane: bodies in plane stress and in plane strain share a topology.
+    /// Of a material of every body in its lane, 0 that at the ring: bodies in plane stress and in plane strain share a topology.
     #[inline(always)]
-    fn elasticity<T: Bodies>(&self) -> Elasticity<T> {
+    fn elasticity<T: Bodies>(&self, material: usize) -> Elasticity<T> {
         let body = |lane: usize| &self.bodies[lane.min(self.bodies.len() - 1)];
         let mut poissons_ratio = T::zero();
+        let mut modulus = T::from_f64(1.0);
         for lane in 0..T::COUNT {
-            poissons_ratio.set_lane(lane, body(lane).poissons_ratio);
+            let [own, ratio] = body(lane).material(material);
+            modulus.set_lane(lane, own);
+            poissons_ratio.set_lane(lane, ratio);
         }
         let mut elasticity = Elasticity::new(Idealization::PlaneStress, poissons_ratio);
         let plane_strain = Elasticity::new(Idealization::PlaneStrain, poissons_ratio);
@@ -210,6 +215,11 @@ impl Condense<'_> {
                 elasticity.direct.set_lane(lane, plane_strain.direct.lane(lane));
                 elasticity.cross.set_lane(lane, plane_strain.cross.lane(lane));
             }
+        }
+        if material > 0 {
+            let Elasticity { direct, cross, shear } = elasticity;
+            elasticity =
+                Elasticity { direct: modulus * direct, cross: modulus * cross, shear: modulus * shear };
         }
         elasticity
     }

@@ -13,6 +13,7 @@ pub mod series;
 pub mod pressure_space;
 pub mod lane_condensation;
 pub mod near_field;
+pub mod lined_reference;
 pub mod row_sums;
 pub mod body_fit;
 
@@ -57,17 +58,41 @@ pub enum Boundary {
     Modes { normal: Vec<f64>, along: Vec<f64> },
     /// The works of pressures in ring modes, packed; of a pin after them what unit tilt adds to them.
     RingModes(RingModes, Vec<f64>),
+    /// Of a lined body on a mesh: as `Modes` those of a concentric body with the same layers, and as `RingModes` what it differs from that.
+    BesideModes { normal: Vec<f64>, along: Vec<f64>, modes: RingModes, works: Vec<f64> },
 }
 
 impl Boundary {
+    /// Of a bed.
+    pub fn bed(&self) -> Option<f64> {
+        if let Boundary::Bed(compliance) = self { Some(*compliance) } else { None }
+    }
+
+    /// Normal and along the ring, of what concentric circles change.
+    pub fn modes(&self) -> Option<[&[f64]; 2]> {
+        match self {
+            Boundary::Modes { normal, along } | Boundary::BesideModes { normal, along, .. } => {
+                Some([normal, along])
+            }
+            Boundary::Bed(_) | Boundary::RingModes(..) => None,
+        }
+    }
+
+    /// With the works in them.
+    pub fn ring_modes(&self) -> Option<(&RingModes, &[f64])> {
+        match self {
+            Boundary::RingModes(modes, works) | Boundary::BesideModes { modes, works, .. } => {
+                Some((modes, works))
+            }
+            Boundary::Bed(_) | Boundary::Modes { .. } => None,
+        }
+    }
+
     /// The numbers of it.
-    fn values(&self) -> impl Iterator<Item = &f64> {
-        let [first, second]: [&[f64]; 2] = match self {
-            Boundary::Bed(compliance) => [std::slice::from_ref(compliance), &[]],
-            Boundary::Modes { normal, along } => [normal, along],
-            Boundary::RingModes(_, works) => [works, &[]],
-        };
-        first.iter().chain(second)
+    fn values(&self) -> impl Iterator<Item = f64> {
+        let modes = self.modes().into_iter().flatten().flatten();
+        let works = self.ring_modes().into_iter().flat_map(|(_, works)| works);
+        self.bed().into_iter().chain(modes.chain(works).copied())
     }
 }
 
@@ -81,12 +106,8 @@ impl BodyCompliance {
     }
 
     pub fn is_finite(&self) -> bool {
-        let second = self.second.as_flattened();
-        [self.even, self.odd]
-            .iter()
-            .chain(self.boundary.values())
-            .chain(second)
-            .all(|value| value.is_finite())
+        let second = self.second.as_flattened().iter().copied();
+        [self.even, self.odd].into_iter().chain(self.boundary.values()).chain(second).all(f64::is_finite)
     }
 
     /// What it takes, in bytes, with what keeps it.

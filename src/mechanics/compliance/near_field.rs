@@ -22,12 +22,13 @@ use super::series::ConcentricBody;
 use crate::mechanics::body::lining::Lining;
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Shape, Side, annulus, cored_disc};
 use crate::mechanics::grading::GradingClass;
+use crate::mechanics::lining_rows::LiningRows;
 use crate::mechanics::material::{Compressibility, Idealization};
 use crate::mechanics::mesh::Grading;
 use crate::mechanics::real::LANES;
 
 /// |ln r| of a reference's fixed circle, at most: deeper bodies bring a far field of their own.
-const DEEPEST_REFERENCE: f64 = 1.2;
+pub const DEEPEST_REFERENCE: f64 = 1.2;
 
 /// A part of the range of Poisson's ratio over which the error of a mesh is interpolated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -267,15 +268,18 @@ pub struct LoadedRing {
 impl LoadedRing {
     /// Of bodies of a shape on meshes of a class.
     pub fn of(shape: &Shape, class: &GradingClass) -> LoadedRing {
-        let grading = GradingClass { layer_count: 0, shrinking: 0, ..*class };
-        LoadedRing { side: shape.side, half_ring: shape.end_angle < PI, grading, is_whole: false }
+        let half_ring = shape.end_angle < PI;
+        LoadedRing { side: shape.side, half_ring, grading: without_layers(class), is_whole: false }
     }
 
     /// Of the references of a class of near fields.
     pub fn of_near_field(class: &NearFieldClass) -> LoadedRing {
-        let grading = GradingClass { layer_count: 0, shrinking: 0, ..class.grading };
-        let NearFieldClass { side, half_ring, .. } = *class;
-        LoadedRing { side, half_ring, grading, is_whole: half_ring }
+        LoadedRing::of_reference(class.side, class.half_ring, class.grading)
+    }
+
+    /// Of references on meshes of a class, of bodies of a side whose ring may end at pi/2.
+    pub fn of_reference(side: Side, half_ring: bool, class: GradingClass) -> LoadedRing {
+        LoadedRing { side, half_ring, grading: without_layers(&class), is_whole: half_ring }
     }
 
     /// As `RingModes::loads` has them, of its class's modes.
@@ -291,12 +295,17 @@ impl LoadedRing {
     }
 }
 
-fn end_angle(half_ring: bool) -> f64 {
+fn without_layers(class: &GradingClass) -> GradingClass {
+    let lining = LiningRows::default();
+    GradingClass { layer_count: 0, shrinking: 0, lining, rest_depth_class: 0, ..*class }
+}
+
+pub fn end_angle(half_ring: bool) -> f64 {
     if half_ring { FRAC_PI_2 } else { PI }
 }
 
 /// The class's division of a ring that ends at `end_angle`, continued by its mirror image where that is pi/2.
-fn whole_ring(class: &GradingClass, end_angle: f64) -> Grading {
+pub fn whole_ring(class: &GradingClass, end_angle: f64) -> Grading {
     let mut grading = class.grading(end_angle);
     if end_angle < PI {
         let mirror: Vec<f64> =

@@ -6,13 +6,13 @@ use std::f64::consts::{FRAC_1_PI, FRAC_2_PI, FRAC_PI_2};
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::BodyCompliance;
 use super::arc::{ArcMap, ContactArc, MAX_TERMS, cosines, packed, packed_count};
 use super::infinite_body::InfiniteKernels;
 use super::ring_modes::RingModes;
 use super::second_order::Bands;
 use super::sine_arcs;
 use super::thin_wall::bed_matrix;
-use super::{BodyCompliance, Boundary};
 use crate::mechanics::compliance::lane_work::{TermWork, in_lanes_with_terms};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -120,10 +120,11 @@ impl PressureSpace {
         if let Some(highest) = body.second.len().checked_sub(1) {
             self.prepare_modes(highest);
         }
-        match &body.boundary {
-            Boundary::Bed(_) => {}
-            Boundary::Modes { normal, .. } => self.prepare_modes(normal.len() - 1),
-            Boundary::RingModes(modes, _) => self.prepare_ring_modes(modes),
+        if let Some([normal, _]) = body.boundary.modes() {
+            self.prepare_modes(normal.len() - 1);
+        }
+        if let Some((modes, _)) = body.boundary.ring_modes() {
+            self.prepare_ring_modes(modes);
         }
     }
 
@@ -148,10 +149,7 @@ impl PressureSpace {
     /// tilt. Every body was prepared for.
     pub fn joint(&self, bodies: &[(&BodyCompliance, f64)], tilt: Tilt) -> JointCompliance<'static> {
         let sum = |of: fn(&BodyCompliance) -> f64| bodies.iter().map(|(body, share)| share * of(body)).sum();
-        let bed_of = |body: &BodyCompliance| match body.boundary {
-            Boundary::Bed(compliance) => compliance,
-            _ => 0.0,
-        };
+        let bed_of = |body: &BodyCompliance| body.boundary.bed().unwrap_or(0.0);
         let (even, odd, bed): (f64, f64, f64) = (sum(|body| body.even), sum(|body| body.odd), sum(bed_of));
         let mut values: Vec<f64> =
             self.even.iter().zip(&self.odd).map(|(own, other)| even * own + odd * other).collect();
@@ -172,33 +170,31 @@ impl PressureSpace {
         for (body, share) in bodies {
             let (tilted, bands);
             let mut second = if tilt.second == 0.0 { &[][..] } else { &body.second };
-            let (moments, works) = match &body.boundary {
-                Boundary::Bed(_) => continue,
-                Boundary::Modes { normal, along } if tilt == Tilt::NONE || along.is_empty() => {
-                    (&self.modes, Works::Alone(normal))
-                }
-                Boundary::Modes { normal, along } => {
+            let mut parts = [None, None, None];
+            if let Some([normal, along]) = body.boundary.modes() {
+                let works = if tilt == Tilt::NONE || along.is_empty() {
+                    Works::Alone(normal)
+                } else {
                     bands = all_bands(normal, along, std::mem::take(&mut second), tilt);
-                    (&self.modes, Works::Bands(&bands, 1.0))
-                }
-                Boundary::RingModes(modes, works) => {
-                    let (normal, added) = works.split_at(packed_count(modes.count));
-                    let works = if tilt.first == 0.0 {
-                        normal
-                    } else {
-                        tilted = normal
-                            .iter()
-                            .zip(added)
-                            .map(|(own, added)| own + tilt.first * added)
-                            .collect::<Vec<_>>();
-                        &tilted
-                    };
-                    (&self.ring_modes[modes], Works::Packed(works))
-                }
-            };
-            let parts = [(moments, works), (&self.modes, Works::Bands(second, tilt.second))];
-            let needed = if second.is_empty() { 1 } else { 2 };
-            for (moments, works) in parts.into_iter().take(needed) {
+                    Works::Bands(&bands, 1.0)
+                };
+                parts[0] = Some((&self.modes, works));
+            }
+            if let Some((modes, works)) = body.boundary.ring_modes() {
+                let (normal, added) = works.split_at(packed_count(modes.count));
+                let works = if tilt.first == 0.0 {
+                    normal
+                } else {
+                    let sum = |(own, added): (&f64, &f64)| own + tilt.first * added;
+                    tilted = normal.iter().zip(added).map(sum).collect::<Vec<_>>();
+                    &tilted
+                };
+                parts[1] = Some((&self.ring_modes[modes], Works::Packed(works)));
+            }
+            if !second.is_empty() {
+                parts[2] = Some((&self.modes, Works::Bands(second, tilt.second)));
+            }
+            for (moments, works) in parts.into_iter().flatten() {
                 in_lanes_with_terms(self.terms, Add { moments, works, share: *share, values: &mut values });
             }
         }

@@ -59,6 +59,18 @@ impl ConcentricBody {
         })
     }
 
+    /// Any concentric body with the layers of a body; `None` of a bare one.
+    pub fn with_layers_of(body: &Body) -> Option<ConcentricBody> {
+        let last = body.lining.list().last()?;
+        let beyond = if body.shape.side == Side::Plate { 2.0 } else { 0.5 };
+        Some(ConcentricBody {
+            fixed_radius_ratio: beyond * last.radius_ratio,
+            poissons_ratio: body.poissons_ratio,
+            idealization: body.idealization,
+            lining: body.lining.clone(),
+        })
+    }
+
     fn side(&self) -> Side {
         if self.fixed_radius_ratio > 1.0 { Side::Plate } else { Side::Pin }
     }
