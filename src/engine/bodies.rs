@@ -134,7 +134,9 @@ impl<'a> BodyLibrary<'a> {
         self.times.shared += started.elapsed();
         let started = Stopwatch::start();
         let references = condensed_references(&self.ring_loads, &groups);
-        self.times.condense += started.elapsed();
+        if !references.is_empty() {
+            self.times.condense += started.elapsed();
+        }
         if self.device.is_some() && self.lost.is_none() {
             groups = self.solve_on_device(groups, &classes);
         }
@@ -184,6 +186,7 @@ impl<'a> BodyLibrary<'a> {
         self.near_fields.prepare(classes.iter().copied(), &self.ring_loads);
         self.times.shared += started.elapsed();
         let mut left = match &mut self.device {
+            _ if groups.is_empty() => groups,
             Some(device) => match device.condense(&groups) {
                 Ok(works) => self.take(groups, works),
                 Err(error) => {

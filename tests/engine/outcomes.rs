@@ -31,6 +31,7 @@ use jointsweep::internals::mechanics::material::{Idealization, Material};
 use jointsweep::internals::mechanics::mesh::RingTopology;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::study::layers::Layer;
 use std::cell::RefCell;
 
 const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
@@ -439,7 +440,9 @@ fn a_sweep_counts_its_designs_bodies_and_rows() {
 /// The count of unknowns is told without a mesh; supports are few.
 #[test]
 fn unknowns_are_those_of_the_mesh() {
-    for body in [half(), disc(), ring(2.0), part(&block::SHAPE, [2.0, 3.0, 1.6])] {
+    let layer = |thickness| Layer { thickness, material: STEEL };
+    let lined = part(&block::SHAPE, [2.0, 3.0, 1.6]).with_layers(&[layer(0.1), layer(2.0)]).unwrap();
+    for body in [half(), disc(), ring(2.0), part(&block::SHAPE, [2.0, 3.0, 1.6]), lined] {
         let body = joint(half(), half()).body(&body);
         for level in 1..4 {
             let class = GradingClass::of(&body, ElementKind::Quad8, level);
@@ -461,6 +464,7 @@ impl Device for GivesUp {
             return Err(GpuError::NoAdapter);
         }
         assert!(self.0 < 2, "asked again after it gave up");
+        assert!(groups.iter().all(|(key, _)| !key.class.is_lined()), "devices know no layers");
         let condense = |(key, requests): &Group| {
             let bodies: Vec<Body> = requests.iter().map(|request| request.body.clone()).collect();
             let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), RingModes::of(&key.class));
@@ -519,6 +523,30 @@ fn a_device_that_gives_up_loses_no_design() {
     assert!(ladder.stages().contains(&("its own", Duration::from_secs(1))));
     let device = ladder.library.device().unwrap();
     assert_eq!((device.worst_residual(), device.solves()), (1e-5, 7));
+}
+
+/// A device is asked for bare bodies alone: those with layers are the processor's, in the same batch.
+#[test]
+fn a_device_leaves_lined_bodies_to_the_processor() {
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    let layer = Layer { thickness: 0.1, material: Material { youngs_modulus: 3e3, poissons_ratio: 0.4 } };
+    let design = |index: u64| {
+        let (pin, plate) = (part(&cored_disc::SHAPE, [0.3, 0.0, 0.0]), ring(2.0 + 0.01 * index as f64));
+        let layers: &[Layer] = if index.is_multiple_of(2) { &[layer] } else { &[] };
+        let [pin, plate] = [pin, plate].map(|part| part.with_layers(layers).unwrap());
+        DesignCase { index, ..case(joint(pin, plate), &[Load::Indentation(0.01)]) }
+    };
+    let cases: Vec<DesignCase> = (0..6).map(design).collect();
+    let mut ladder = Ladder::new(options).on(Box::new(GivesUp(0)));
+    let outcomes = ladder.solve(&cases);
+    let expected = Ladder::new(options).solve(&cases);
+    assert_eq!((outcomes.len(), expected.len()), (cases.len(), cases.len()));
+    for (index, (outcome, expected)) in outcomes.iter().zip(&expected).enumerate() {
+        assert_eq!(outcome.steps, expected.steps);
+        assert!(outcome.steps[0].response.is_some(), "{}", outcome.steps[0].status);
+        assert!(!index.is_multiple_of(2) || outcome.backend == BackendKind::Cpu, "design {index}");
+    }
+    assert!(outcomes.iter().any(|outcome| outcome.backend == BackendKind::Gpu));
 }
 
 /// Where meshes are good enough but trial pressures are not, more of these are taken on the same meshes; without more of them
