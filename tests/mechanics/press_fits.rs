@@ -124,6 +124,8 @@ fn closed_press_fits_are_those_of_two_modes() {
                     assert!((found - expected).abs() <= 3e-8 * expected, "{share}: {found} for {expected}");
                 }
             }
+            // Of equal pressures at rest that at the load line.
+            assert_eq!(at(&curve, Load::Offset(offset)).peak_pressure_angle, Some(0.0));
             let pressure = curve.pressure(Load::Offset(offset), 9);
             assert_eq!(pressure.len(), 9);
             for (angle, pressure) in pressure {

@@ -57,8 +57,11 @@ impl ContactCurve<'_> {
 }
 
 impl ContactCurve<'_> {
-    /// A state with its greatest pressure, which a stiff layer on a soft one has beside the load line.
+    /// A state with its greatest pressure, which a stiff layer on a soft one has beside the load line; not where contact is closed all around.
     pub fn peaked(&self, state: ContactState, above: usize) -> ContactState {
+        if state.is_closed() {
+            return state;
+        }
         let (peak_angle, peak_pressure) = self.pressure(&state, above).greatest();
         ContactState { peak_angle, peak_pressure, ..state }
     }
