@@ -59,6 +59,17 @@ fn works_are_what_the_processor_finds() {
     assert!((1..=3).contains(&left), "{left}");
 }
 
+/// What measures the processors' share must not do the device's work.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn kernels_that_do_nothing_leave_no_works() {
+    let empty = Kernels::empty(device(), Precision::F32, INVOCATIONS).unwrap();
+    for (name, bodies) in families() {
+        let works = eliminated(&empty, bodies);
+        assert_eq!(works, vec![None; bodies.count()], "{name}");
+    }
+}
+
 /// Seen: in f32 9.0e-5 of a block on its base, whose stiffness is far larger than what its ring feels of it, 2.1e-5 of a thin-walled one and
 /// 9.0e-6 of all others; in f64 1.7e-13 and 1.0e-14.
 fn tolerance(name: &str, precision: Precision) -> f64 {

@@ -2,6 +2,7 @@
 
 pub mod budget;
 pub mod measured_sweep;
+pub mod host_cost;
 pub mod roofline;
 pub mod work;
 pub mod measure;

@@ -3,7 +3,7 @@
 
 use crate::engine::backend::gpu::context::{AdapterKind, GpuDevice, GpuError};
 use crate::engine::backend::gpu::dispatch::{Dispatch, Pass};
-use crate::engine::backend::gpu::kernels::{Precision, ROOFLINE, Stage, Variant};
+use crate::engine::backend::gpu::kernels::{Making, Precision, ROOFLINE, Stage, Variant};
 use crate::engine::backend::gpu::speed::{
     COPIED, INVOCATIONS, LINKS, RooflineParameters, arithmetic_peak, samples,
 };
@@ -33,7 +33,7 @@ const SAMPLES: usize = 7;
 pub fn peaks(gpu: &GpuDevice, precision: Precision) -> Result<Peaks, GpuError> {
     precision.check(&gpu.facts)?;
     let invocations = INVOCATIONS.min(gpu.facts.limits.invocations_per_workgroup);
-    let stage = Stage::new(gpu, &ROOFLINE, &Variant::plain(precision, invocations), false)?;
+    let stage = Stage::new(gpu, &ROOFLINE, &Variant::plain(precision, invocations), Making::Trusted)?;
     let bytes_of_group = u64::from(invocations) * COPIED * 4 * precision.real_bytes();
     let limits = &gpu.facts.limits;
     let wanted = if gpu.facts.kind == AdapterKind::Software { SOFTWARE_BUFFER } else { BUFFER };

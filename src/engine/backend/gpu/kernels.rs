@@ -151,6 +151,12 @@ impl KernelFile {
         self.variant(&Variant::plain(precision, invocations))
     }
 
+    /// Its entry points, which do nothing.
+    pub fn empty(&self, invocations: u32) -> String {
+        let empty = |name: &&str| format!("@compute @workgroup_size({invocations})\nfn {name}() {{}}\n");
+        self.entry_points.iter().map(empty).collect()
+    }
+
     pub fn variant(&self, variant: &Variant) -> String {
         let Variant {
             precision,
@@ -178,6 +184,17 @@ impl KernelFile {
     }
 }
 
+/// How the text of a file becomes pipelines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Making {
+    /// As it is.
+    Trusted,
+    /// Every index and every loop is watched at run time, and memory begins with zeros.
+    Checked,
+    /// Its entry points do nothing: what is left is what a processor does around them.
+    Empty,
+}
+
 /// Pipelines of one file, in the order of its entry points.
 #[derive(Clone)]
 pub struct Stage {
@@ -199,14 +216,14 @@ pub struct Kernels<'a> {
     pub condense: Stage,
     pub works: Stage,
     sums: Sums,
-    is_checked: bool,
+    making: Making,
 }
 
 impl<'a> Kernels<'a> {
     /// `invocations`: of a workgroup, a power of two.
     pub fn new(gpu: &'a GpuDevice, precision: Precision, invocations: u32) -> Result<Kernels<'a>, GpuError> {
         let sums = if gpu.facts.features.subgroups { Sums::Subgroups } else { Sums::Tree };
-        Kernels::build(gpu, precision, invocations, sums, false)
+        Kernels::build(gpu, precision, invocations, sums, Making::Trusted)
     }
 
     /// With sums as the twins take them, to the bit.
@@ -215,7 +232,7 @@ impl<'a> Kernels<'a> {
         precision: Precision,
         invocations: u32,
     ) -> Result<Kernels<'a>, GpuError> {
-        Kernels::build(gpu, precision, invocations, Sums::Tree, false)
+        Kernels::build(gpu, precision, invocations, Sums::Tree, Making::Trusted)
     }
 
     /// As `with_tree`, and slower: every index and every loop is watched at run time, and memory begins with zeros. For tests.
@@ -224,7 +241,16 @@ impl<'a> Kernels<'a> {
         precision: Precision,
         invocations: u32,
     ) -> Result<Kernels<'a>, GpuError> {
-        Kernels::build(gpu, precision, invocations, Sums::Tree, true)
+        Kernels::build(gpu, precision, invocations, Sums::Tree, Making::Checked)
+    }
+
+    /// With kernels that do nothing, of which no body has works. For measurements.
+    pub fn empty(
+        gpu: &'a GpuDevice,
+        precision: Precision,
+        invocations: u32,
+    ) -> Result<Kernels<'a>, GpuError> {
+        Kernels::build(gpu, precision, invocations, Sums::Tree, Making::Empty)
     }
 
     fn build(
@@ -232,7 +258,7 @@ impl<'a> Kernels<'a> {
         precision: Precision,
         invocations: u32,
         sums: Sums,
-        is_checked: bool,
+        making: Making,
     ) -> Result<Kernels<'a>, GpuError> {
         let lacks = |what: &str| GpuError::Lacks { adapter: gpu.facts.name.clone(), what: what.to_string() };
         precision.check(&gpu.facts)?;
@@ -240,7 +266,7 @@ impl<'a> Kernels<'a> {
             return Err(lacks(&format!("workgroups of {invocations} invocations")));
         }
         let variant = Variant { sums, ..Variant::plain(precision, invocations) };
-        let stage = |file| Stage::new(gpu, file, &variant, is_checked);
+        let stage = |file| Stage::new(gpu, file, &variant, making);
         Ok(Kernels {
             gpu,
             precision,
@@ -253,7 +279,7 @@ impl<'a> Kernels<'a> {
             condense: stage(&CONDENSE)?,
             works: stage(&WORKS)?,
             sums,
-            is_checked,
+            making,
         })
     }
 
@@ -281,7 +307,7 @@ impl<'a> Kernels<'a> {
         }
         let mut variant = Variant { sums: self.sums, ..Variant::plain(self.precision, self.invocations) };
         vary(&mut variant);
-        let stage = Stage::new(self.gpu, file, &variant, self.is_checked)?;
+        let stage = Stage::new(self.gpu, file, &variant, self.making)?;
         made.insert(key, stage.clone());
         Ok(stage)
     }
@@ -302,13 +328,17 @@ impl Stage {
         gpu: &GpuDevice,
         file: &KernelFile,
         variant: &Variant,
-        is_checked: bool,
+        making: Making,
     ) -> Result<Stage, GpuError> {
         if file.written.len() > gpu.facts.limits.storage_buffers as usize {
             let what = format!("{} storage buffers", file.written.len());
             return Err(GpuError::Lacks { adapter: gpu.facts.name.clone(), what });
         }
-        let source = file.variant(variant);
+        let source = match making {
+            Making::Empty => file.empty(variant.invocations),
+            Making::Trusted | Making::Checked => file.variant(variant),
+        };
+        let is_checked = making == Making::Checked;
         gpu.checked(file.name, || Stage::build(&gpu.device, file, &source, is_checked))
     }
 

@@ -1,13 +1,13 @@
 //! Bodies condensed on a device: what comes back is the works of each and nothing else.
 
-use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
+use foldhash::HashMap;
 use rayon::prelude::*;
 
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
 use super::context::{GpuDevice, GpuError};
-use super::elimination::{Elimination, FrontTopology, Job};
+use super::elimination::{Counts, Elimination, FrontTopology, Job};
 use super::front::FrontLayout;
 use super::kernels::{Kernels, Precision};
 use super::layout::MeshLayout;
@@ -81,13 +81,23 @@ impl<'a> GpuCondenser<'a> {
         precision: Precision,
         solver: DeviceSolver,
     ) -> Result<GpuCondenser<'a>, GpuError> {
-        Ok(GpuCondenser {
-            kernels: Kernels::new(device, precision, INVOCATIONS)?,
+        Ok(GpuCondenser::with(Kernels::new(device, precision, INVOCATIONS)?, solver))
+    }
+
+    /// By kernels that are there.
+    pub fn with(kernels: Kernels<'a>, solver: DeviceSolver) -> GpuCondenser<'a> {
+        GpuCondenser {
+            kernels,
             solver,
-            topologies: HashMap::new(),
+            topologies: HashMap::default(),
             elimination: Elimination::default(),
             report: GpuReport::default(),
-        })
+        }
+    }
+
+    /// What elimination has asked of the device.
+    pub fn counts(&self) -> Counts {
+        self.elimination.counts
     }
 }
 

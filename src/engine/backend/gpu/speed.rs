@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::context::{AdapterKind, GpuDevice, GpuError};
 use super::dispatch::{Dispatch, Pass};
-use super::kernels::{Precision, ROOFLINE, Stage, Variant};
+use super::kernels::{Making, Precision, ROOFLINE, Stage, Variant};
 
 /// What `roofline` is told.
 #[repr(C)]
@@ -56,7 +56,7 @@ fn preferred(has_f64: bool, accuracy: f64, f64_share: f64) -> Precision {
 fn f64_share(gpu: &GpuDevice) -> Result<f64, GpuError> {
     let invocations = INVOCATIONS.min(gpu.facts.limits.invocations_per_workgroup);
     let operations = |precision: Precision| {
-        let stage = Stage::new(gpu, &ROOFLINE, &Variant::plain(precision, invocations), false)?;
+        let stage = Stage::new(gpu, &ROOFLINE, &Variant::plain(precision, invocations), Making::Trusted)?;
         let bytes = u64::from(invocations) * COPIED * 4 * precision.real_bytes();
         let chains = gpu.checked("roofline", || {
             let buffers = [gpu.empty("source", bytes), gpu.empty("copied", bytes)];

@@ -1,0 +1,45 @@
+//! What processors do around a GPU, in time of all threads a design: sweeps of designs that are all different, finite elements at 1 %,
+//! with kernels that do nothing. `condense`: from the bodies of a batch to their works; `rest`: plans, keys, near fields, contact. `cargo bench --bench host [-- DESIGNS [REPEATS]]`. Any Vulkan device will do, software too; no table is written.
+
+use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters};
+use jointsweep::internals::engine::backend::precision::Precision;
+use jointsweep::internals::lab::gpu::host_cost::HostCost;
+use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
+
+/// Designs of a batch, as for a real GPU.
+const BATCH: usize = 16_384;
+
+fn main() {
+    let mut numbers = std::env::args().skip(1).filter_map(|argument| argument.parse::<u64>().ok());
+    let designs = numbers.next().unwrap_or(100_000);
+    let repeats = numbers.next().unwrap_or(3);
+    let gpu = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap_or_else(|error| panic!("{error}"));
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    println!("{}, {} threads", gpu.facts.name, threads);
+    for (sweep, precision) in
+        [(&SWEEPS[0], Precision::F32), (&SWEEPS[0], Precision::Mixed), (&SWEEPS[2], Precision::F32)]
+    {
+        let study = sweep.study(designs, false).unwrap();
+        println!(
+            "\n{} at {}, {}, {designs} designs; us of processor time a design",
+            sweep.scene,
+            sweep.accuracy,
+            precision.name()
+        );
+        println!("{:>10} {:>10} {:>10} {:>10}", "drawing", "condense", "rest", "all");
+        let mut last = HostCost::default();
+        for _ in 0..repeats {
+            last = HostCost::of(&study, &gpu, precision, BATCH).unwrap_or_else(|error| panic!("{error}"));
+            let each = |seconds: f64| 1e6 * seconds / last.designs as f64;
+            println!(
+                "{:>10.2} {:>10.2} {:>10.2} {:>10.2}",
+                each(last.drawing),
+                each(last.condensing),
+                each(last.solving - last.condensing),
+                each(last.drawing + last.solving),
+            );
+        }
+        println!("{} designs on the device; {:?}; {} calls", last.on_device, last.counts, last.calls);
+        println!("{:?}", last.stages);
+    }
+}

@@ -1,0 +1,139 @@
+//! What processors do around a GPU: a sweep whose bodies go the whole way to a device and back, with kernels that do nothing.
+//!
+//! In place of the works that such kernels leave out, each body has those of the first body of its topology, so that contact has
+//! something to solve. Making them is not counted.
+
+use std::sync::Mutex;
+use std::time::Duration;
+
+use foldhash::HashMap;
+
+use crate::engine::backend::Device;
+use crate::engine::backend::adapter::GpuError;
+use crate::engine::backend::device_solver::DeviceSolver;
+use crate::engine::backend::gpu::context::GpuDevice;
+use crate::engine::backend::gpu::elimination::Counts;
+use crate::engine::backend::gpu::kernels::Kernels;
+use crate::engine::backend::gpu::solver::{GpuCondenser, INVOCATIONS};
+use crate::engine::backend::precision::Precision;
+use crate::engine::body_request::{Group, TopologyKey};
+use crate::engine::ladder::Ladder;
+use crate::engine::outcome::BackendKind;
+use crate::mechanics::compliance::lane_condensation::CondensationPlan;
+use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::output::host::processor_seconds;
+use crate::study::config::Study;
+use crate::study::design::DesignCase;
+
+/// Processor time of all threads, s, and what was asked of the device.
+#[derive(Clone, Debug, Default)]
+pub struct HostCost {
+    pub designs: u64,
+    /// Whose bodies went to the device.
+    pub on_device: u64,
+    /// Drawing the designs.
+    pub drawing: f64,
+    /// From the bodies of a batch to their works, by the device's driver too: on software that is what runs the empty kernels.
+    pub condensing: f64,
+    /// From designs to answers, `condensing` included.
+    pub solving: f64,
+    /// Wall times as a sweep tells them, summed over threads.
+    pub stages: Vec<(&'static str, Duration)>,
+    pub counts: Counts,
+    /// Calls of the device.
+    pub calls: u64,
+}
+
+impl HostCost {
+    /// Of the designs of a study in batches of so many; nothing is written.
+    pub fn of(
+        study: &Study,
+        gpu: &GpuDevice,
+        precision: Precision,
+        batch_size: usize,
+    ) -> Result<HostCost, GpuError> {
+        let seen = Mutex::default();
+        let condenser = EmptyCondenser {
+            condenser: GpuCondenser::with(Kernels::empty(gpu, precision, INVOCATIONS)?, DeviceSolver::Auto),
+            works: HashMap::default(),
+            seen: &seen,
+        };
+        let mut ladder = Ladder::new(study.solve).on(Box::new(condenser));
+        let mut cost = HostCost::default();
+        let mut cases = study.cases().into_iter().flatten();
+        loop {
+            let before = processor_seconds().unwrap_or(f64::NAN);
+            let batch: Vec<DesignCase> = cases.by_ref().take(batch_size).flatten().collect();
+            let drawn = processor_seconds().unwrap_or(f64::NAN);
+            cost.drawing += drawn - before;
+            if batch.is_empty() {
+                break;
+            }
+            let answers = ladder.answers(&batch);
+            cost.solving += processor_seconds().unwrap_or(f64::NAN) - drawn;
+            cost.designs += batch.len() as u64;
+            let on_device = answers.iter().filter(|answer| answer.backend == BackendKind::Gpu);
+            cost.on_device += on_device.count() as u64;
+        }
+        if let Some(error) = ladder.library.lost() {
+            return Err(error.clone());
+        }
+        cost.stages = ladder.stages();
+        let seen = seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        cost.condensing = seen.condensing;
+        cost.solving -= seen.standing_in;
+        (cost.counts, cost.calls) = (seen.counts, seen.calls);
+        Ok(cost)
+    }
+}
+
+/// What a condenser has to say of itself.
+#[derive(Default)]
+struct Seen {
+    condensing: f64,
+    /// For works in place of those that were left out.
+    standing_in: f64,
+    counts: Counts,
+    calls: u64,
+}
+
+/// A device whose kernels do nothing.
+struct EmptyCondenser<'a> {
+    condenser: GpuCondenser<'a>,
+    works: HashMap<TopologyKey, Vec<f64>>,
+    seen: &'a Mutex<Seen>,
+}
+
+impl Device for EmptyCondenser<'_> {
+    fn condense(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
+        let before = processor_seconds().unwrap_or(f64::NAN);
+        let mut condensed = self.condenser.condense(groups)?;
+        let between = processor_seconds().unwrap_or(f64::NAN);
+        for ((key, requests), condensed) in groups.iter().zip(&mut condensed) {
+            let works = self.works.entry(key.clone()).or_insert_with(|| {
+                let body = &requests[0].body;
+                let plan = CondensationPlan::new(body, key.grading(body), RingModes::of(&key.class));
+                plan.condense_alone(body)
+            });
+            condensed.iter_mut().for_each(|own| *own = Some(works.clone()));
+        }
+        let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        seen.condensing += between - before;
+        seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
+        seen.counts = self.condenser.counts();
+        seen.calls += 1;
+        Ok(condensed)
+    }
+
+    fn stages(&self) -> Vec<(&'static str, Duration)> {
+        self.condenser.stages()
+    }
+
+    fn worst_residual(&self) -> f64 {
+        self.condenser.worst_residual()
+    }
+
+    fn solves(&self) -> u64 {
+        self.condenser.solves()
+    }
+}
