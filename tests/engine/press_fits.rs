@@ -45,8 +45,8 @@ fn an_offset_is_the_clearance_and_the_indentation() {
         for &clearance in clearances {
             let joint = joint(clearance, plate.clone());
             let [by_offset, by_indentation] = [
-                [0.0, clearance, clearance + 0.0625].map(Load::Offset),
-                [0.0, 0.0, 0.0625].map(Load::Indentation),
+                [0.0, clearance, clearance + 0.0078125].map(Load::Offset),
+                [0.0, 0.0, 0.0078125].map(Load::Indentation),
             ]
             .map(|loads| solved(&joint, method, &loads));
             assert_eq!(by_offset[1..], by_indentation[1..]);
@@ -58,7 +58,7 @@ fn an_offset_is_the_clearance_and_the_indentation() {
             }
             let pressed = by_offset[2].response.unwrap();
             assert!(pressed.force > 0.0);
-            assert_eq!((pressed.indentation, pressed.offset), (0.0625, clearance + 0.0625));
+            assert_eq!((pressed.indentation, pressed.offset), (0.0078125, clearance + 0.0078125));
             let by_force = solved(&joint, method, &[Load::Force(pressed.force)]).remove(0).response.unwrap();
             assert!((by_force.offset / pressed.offset - 1.0).abs() < 1e-4, "{}", by_force.offset);
         }
