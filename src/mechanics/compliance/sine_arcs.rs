@@ -16,8 +16,9 @@ use super::arc::{ContactArc, packed, packed_count};
 use super::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
-/// The sums over modes end here: they leave 1e-8 of the matrices of a punch, and far less of a free edge.
-const HIGHEST: usize = 4096;
+/// The sums over modes end here, which leaves 1/(8 tan(eps/2) HIGHEST^2) = 1e-7 of the matrices of a punch, and far less where an edge is free:
+/// the time goes with the square of it.
+const HIGHEST: usize = 1024;
 
 /// `even` and `odd` of `infinite_body::InfiniteKernels`, `[packed entry][arc]`, for arcs as many as a multiple of `LANES`.
 pub fn infinite_kernels(arcs: &[ContactArc], terms: usize) -> [Vec<f64>; 2] {
