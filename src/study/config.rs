@@ -401,8 +401,10 @@ fn read_scheme(table: &Section) -> Result<Scheme, Error> {
     Ok(if method == 2 { Scheme::LatinHypercube { count, seed } } else { Scheme::Sobol { count, seed } })
 }
 
+type MakeLoad = fn(f64) -> Load;
+
 /// The kinds of load: key, dimension of its values, and what it makes of one.
-const LOADS: [(&str, Dimension, fn(f64) -> Load); 3] = [
+const LOADS: [(&str, Dimension, MakeLoad); 3] = [
     ("indentation", Dimension::Length, Load::Indentation),
     ("offset", Dimension::Length, Load::Offset),
     ("force", Dimension::Force, Load::Force),

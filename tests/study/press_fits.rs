@@ -1,7 +1,7 @@
 //! Press fits and loads by offset: how they are read, listed and refused.
 
 use jointsweep::Load;
-use jointsweep::internals::output::schema::columns_of;
+use jointsweep::internals::study::output_options::column_names;
 
 use crate::{CLEARANCE, Folder, RADIUS, STEPS, all, sampled, with, written};
 
@@ -31,9 +31,9 @@ fn tables_have_offsets_where_there_are_some() {
     for (config, expected) in
         [(with("Test", "Bare"), false), (by_offset, true), (pressed, true), (fits(), true)]
     {
-        let columns = columns_of(&folder.study(&config));
-        let place = columns.iter().position(|column| column.name == "offset_mm");
-        let after = columns.iter().position(|column| column.name == "indentation_mm").unwrap() + 1;
+        let names = column_names(folder.study(&config).extras());
+        let place = names.iter().position(|name| name == "offset_mm");
+        let after = names.iter().position(|name| name == "indentation_mm").unwrap() + 1;
         assert_eq!(place, expected.then_some(after), "{config}");
     }
     let config = format!("{BARE_OUTPUT}\n{}", with("Test", "Bare"));
