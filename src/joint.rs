@@ -143,9 +143,9 @@ pub fn material_shares(
     loads: &[Load],
     options: Options,
 ) -> Result<Vec<Option<Vec<MaterialShare>>>, Error> {
-    joint.curve(options)?.check(loads)?;
-    material_shares::material_shares(&joint.0, loads, options)
-        .map_err(|failure| Error::Joint { quantity: String::new(), problem: failure.to_string() })
+    let curve = joint.curve(options)?;
+    curve.check(loads)?;
+    Ok(material_shares::material_shares(curve.0, loads))
 }
 
 /// Answers to loads on a joint, with their status.

@@ -85,10 +85,8 @@ fn of_neat_fit(slope: f64, stiffness: f64, range: (f64, f64)) -> DesignLaws {
 
 /// Fits laws for outcomes. Their bodies are those that were just solved.
 pub fn add_laws(ladder: &mut Ladder, outcomes: &mut [DesignOutcome]) {
-    let working = |outcome: &DesignOutcome| {
-        working_range(&outcome.steps).filter(|_| !outcome.case.joint.is_press_fit())
-    };
-    let designs: Vec<_> = outcomes.iter().map(|outcome| (&outcome.case, working(outcome))).collect();
+    let designs: Vec<_> =
+        outcomes.iter().map(|outcome| (&outcome.case, working_range(&outcome.steps))).collect();
     let laws = laws_of_all(ladder, &designs);
     for (outcome, laws) in outcomes.iter_mut().zip(laws) {
         outcome.laws = Some(Box::new(laws));
@@ -96,7 +94,14 @@ pub fn add_laws(ladder: &mut Ladder, outcomes: &mut [DesignOutcome]) {
 }
 
 /// The laws of designs, each with the least and the greatest indentation at work, mm, where it has any answer.
-pub fn laws_of_all(ladder: &mut Ladder, designs: &[(&DesignCase, Option<(f64, f64)>)]) -> Vec<DesignLaws> {
+pub fn laws_of_all<'a>(
+    ladder: &mut Ladder,
+    designs: &[(&'a DesignCase, Option<(f64, f64)>)],
+) -> Vec<DesignLaws> {
+    let with_laws = |(case, working): &(&'a DesignCase, Option<(f64, f64)>)| {
+        (*case, working.filter(|_| !case.joint.is_press_fit()))
+    };
+    let designs: Vec<_> = designs.iter().map(with_laws).collect();
     let asked: Vec<DesignCase> =
         designs.iter().filter_map(|(case, working)| working.map(|working| law_case(case, working))).collect();
     let mut answers = ladder.answers(&asked).into_iter();

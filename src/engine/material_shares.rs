@@ -6,9 +6,7 @@
 
 use crate::engine::joint_curve::JointCurve;
 use crate::engine::outcome::Response;
-use crate::engine::status::Failure;
 use crate::mechanics::body::Side;
-use crate::study::config::SolveOptions;
 use crate::study::design::{JointDesign, Load, Part};
 use crate::study::layers::Layers;
 
@@ -29,21 +27,13 @@ pub struct MaterialShare {
 /// differences leave is below 1e-5.
 const STEP: f64 = 1e-3;
 
-/// Of each material of a joint under loads, the pin's first: `None` where a load has no answer, empty where it presses nothing.
-pub fn material_shares(
-    joint: &JointDesign,
-    loads: &[Load],
-    options: SolveOptions,
-) -> Result<Vec<Option<Vec<MaterialShare>>>, Failure> {
-    let mut curve = JointCurve::new(joint, options)?;
-    let responses = |joint: &JointDesign, loads: &[Load], current: JointCurve| {
-        let current = current.of_other(joint);
-        let answers: Vec<Option<Response>> =
-            current.answers(loads).into_iter().map(|step| step.response).collect();
-        (answers, current)
+/// Of each material of the joint of a curve under loads, the pin's first: `None` where a load has no answer, empty where it presses nothing.
+pub fn material_shares(mut curve: JointCurve, loads: &[Load]) -> Vec<Option<Vec<MaterialShare>>> {
+    let joint = curve.joint().clone();
+    let responses = |curve: &JointCurve, loads: &[Load]| -> Vec<Option<Response>> {
+        curve.answers(loads).into_iter().map(|step| step.response).collect()
     };
-    let at_loads: Vec<Option<Response>> =
-        curve.answers(loads).into_iter().map(|step| step.response).collect();
+    let at_loads = responses(&curve, loads);
     // At the offsets that the loads come to.
     let offsets: Vec<Load> = at_loads
         .iter()
@@ -60,9 +50,8 @@ pub fn material_shares(
                     Side::Pin => JointDesign { pin: own, ..joint.clone() },
                     Side::Plate => JointDesign { plate: own, ..joint.clone() },
                 };
-                let found;
-                (found, curve) = responses(&other, &offsets, curve);
-                changed.push(found);
+                curve = curve.of_other(&other);
+                changed.push(responses(&curve, &offsets));
             }
             for (place, shares) in shares.iter_mut().enumerate() {
                 let (Some(shares), Some(more), Some(less)) = (shares, changed[0][place], changed[1][place])
@@ -83,7 +72,7 @@ pub fn material_shares(
             }
         }
     }
-    Ok(shares)
+    shares
 }
 
 /// A part with one Young's modulus, of a layer or its own (0), times a factor.

@@ -50,7 +50,6 @@ impl Refusal {
             return None;
         }
         let parts = [&joint.pin, &joint.plate];
-        let is_thin = |part: &&Part| (part.shape.depth_range)(&part.parameters).0 < THINNEST_RING;
         match method {
             MethodChoice::ClosedForm => Some(Refusal::PressFitInClosedForm),
             _ if case.steps.iter().any(|load| matches!(load, Load::Indentation(_))) => {
@@ -58,7 +57,7 @@ impl Refusal {
             }
             MethodChoice::Fe => Some(Refusal::PressFitOnMesh),
             _ if parts.iter().any(|part| !part.shape.concentric) => Some(Refusal::PressFitOnMesh),
-            _ if parts.iter().any(is_thin) => Some(Refusal::ThinPressFit),
+            _ if parts.iter().any(|part| is_thin(part)) => Some(Refusal::ThinPressFit),
             _ => None,
         }
     }
@@ -75,11 +74,7 @@ impl Refusal {
                 wall if !joint.has_room_for_layers(part) => {
                     Some(Refusal::ThickLayers { part: name, layers: part.layers.thickness(), wall })
                 }
-                _ if part.shape.concentric
-                    && (part.shape.depth_range)(&part.parameters).0 < THINNEST_RING =>
-                {
-                    Some(Refusal::ThinLinedWall { part: name })
-                }
+                _ if part.shape.concentric && is_thin(part) => Some(Refusal::ThinLinedWall { part: name }),
                 _ => None,
             }
         })
@@ -109,6 +104,11 @@ impl Refusal {
             ratio: greatest.exp(),
         })
     }
+}
+
+/// Whether a wall is so thin that it is taken for a bed where there is nothing else.
+fn is_thin(part: &Part) -> bool {
+    (part.shape.depth_range)(&part.parameters).0 < THINNEST_RING
 }
 
 impl fmt::Display for Refusal {

@@ -13,6 +13,7 @@ mod cluster;
 mod commands;
 mod gpu;
 mod laws;
+mod press_fits;
 mod pressure;
 
 use std::sync::LazyLock;

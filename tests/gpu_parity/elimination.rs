@@ -63,7 +63,7 @@ fn works_are_what_the_processor_finds() {
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn kernels_that_do_nothing_leave_no_works() {
-    let empty = Kernels::empty(device(), Precision::F32, INVOCATIONS).unwrap();
+    let empty = Kernels::with_tree(device(), Precision::F32, INVOCATIONS, Making::Empty).unwrap();
     for (name, bodies) in families() {
         let works = eliminated(&empty, bodies);
         assert_eq!(works, vec![None; bodies.count()], "{name}");
@@ -211,12 +211,12 @@ fn a_batch_is_one_submission_and_pieces_change_no_bit() {
     let largest = |topology: &FrontTopology| topology.body_bytes().into_iter().max();
     let largest = topologies.iter().filter_map(largest).max().unwrap();
     small.facts.limits.binding_bytes = largest;
-    let narrow = Kernels::with_tree(&small, Precision::F32, INVOCATIONS).unwrap();
+    let narrow = Kernels::with_tree(&small, Precision::F32, INVOCATIONS, Making::Trusted).unwrap();
     let mut elimination = Elimination::default();
     assert_eq!(elimination.condense(&narrow, &jobs()).unwrap(), together);
     assert!(elimination.counts.dispatches > 2 * FAMILY_COUNT as u64, "{:?}", elimination.counts);
     small.facts.limits.binding_bytes = largest - 1;
-    let narrow = Kernels::with_tree(&small, Precision::F32, INVOCATIONS).unwrap();
+    let narrow = Kernels::with_tree(&small, Precision::F32, INVOCATIONS, Making::Trusted).unwrap();
     let refused = all
         .iter()
         .filter(|bodies| FrontTopology::new(&narrow, &bodies.layout, layout(bodies)).unwrap().is_none());

@@ -70,7 +70,7 @@ fn vectors_on_the_chip_are_those_in_storage_to_the_bit() {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn checks_at_run_time_change_nothing() {
     for (precision, _) in precisions() {
-        let checked = Kernels::checked(device(), precision, INVOCATIONS).unwrap();
+        let checked = Kernels::with_tree(device(), precision, INVOCATIONS, Making::Checked).unwrap();
         // Soon done, in mixed precision by more rounds than one.
         let goal = if precision == Precision::Mixed { 1e-3 } else { plain(0.03, 0).goal };
         let settings =
@@ -305,7 +305,7 @@ fn any_size_of_workgroup_will_do() {
     };
     let (usual, usual_works) = compliance(kernels(Precision::F32), INVOCATIONS);
     for invocations in [2, 16, 256] {
-        let other = Kernels::with_tree(device(), Precision::F32, invocations).unwrap();
+        let other = Kernels::with_tree(device(), Precision::F32, invocations, Making::Trusted).unwrap();
         let (found, works) = compliance(&other, invocations);
         let worst = difference(&found, &usual);
         let of_works = works.iter().zip(&usual_works).map(|(found, usual)| match (found, usual) {
@@ -340,7 +340,7 @@ fn sums_over_subgroups_will_do() {
                 (batch.read_compliance().unwrap(), batch.read_reports().unwrap().states)
             };
             let by_subgroups = Kernels::new(device(), precision, invocations).unwrap();
-            let by_tree = Kernels::with_tree(device(), precision, invocations).unwrap();
+            let by_tree = Kernels::with_tree(device(), precision, invocations, Making::Trusted).unwrap();
             let ((found, states), (expected, expected_states)) = (solve(&by_subgroups), solve(&by_tree));
             // A device without subgroups takes trees.
             if invocations == INVOCATIONS {

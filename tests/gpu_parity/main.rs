@@ -23,7 +23,7 @@ use crate::common::greatest::{difference, greatest};
 use crate::common::rings::{MeshedBody, body};
 use jointsweep::internals::engine::backend::gpu::batch::{BodyCounts, MOST_BYTES, MOST_TRIPS, batches};
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
-use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Precision};
+use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Making, Precision};
 use jointsweep::internals::engine::backend::gpu::layout::{
     MeshLayout, SystemLayout, SystemOutcome, SystemState,
 };
@@ -55,7 +55,8 @@ fn device() -> &'static GpuDevice {
 fn kernels(precision: Precision) -> &'static Kernels<'static> {
     static KERNELS: [OnceLock<Kernels<'static>>; 3] = [const { OnceLock::new() }; 3];
     // Sums as the twin takes them.
-    KERNELS[precision as usize].get_or_init(|| Kernels::with_tree(device(), precision, INVOCATIONS).unwrap())
+    KERNELS[precision as usize]
+        .get_or_init(|| Kernels::with_tree(device(), precision, INVOCATIONS, Making::Trusted).unwrap())
 }
 
 /// f32, and those with f64 where the adapter has it, with the rounding of wide numbers.

@@ -1,14 +1,14 @@
 //! The geometry of a joint against references that expand nothing (tests/common/true_outlines.rs).
 
 use crate::common::random::Random;
+use crate::common::ring_design::ring_design;
 use crate::common::stepped_ring::Ring;
 use crate::common::true_outlines::{TrueState, true_state};
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::Response;
-use jointsweep::internals::mechanics::body::{annulus, cored_disc};
-use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::mechanics::material::Idealization;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
-use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
+use jointsweep::internals::study::design::{DesignCase, Load};
 
 #[derive(Clone, Copy)]
 struct Case {
@@ -48,21 +48,7 @@ fn draw_of(
 }
 
 fn joint(Case { bodies, clearance, state, .. }: &Case) -> DesignCase {
-    let part = |shape, ring: &Ring| Part {
-        shape,
-        parameters: [ring.fixed_radius_ratio, 0.0, 0.0],
-        support: 0,
-        material: Material { youngs_modulus: ring.youngs_modulus, poissons_ratio: ring.poissons_ratio },
-        layers: Default::default(),
-    };
-    let joint = JointDesign {
-        idealization: bodies[0].idealization,
-        hole_radius: 1.0,
-        radial_clearance: *clearance,
-        thickness: 1.0,
-        pin: part(&cored_disc::SHAPE, &bodies[0]),
-        plate: part(&annulus::SHAPE, &bodies[1]),
-    };
+    let joint = ring_design(bodies, *clearance);
     DesignCase { index: 0, joint, steps: vec![Load::Indentation(state.indentation)] }
 }
 

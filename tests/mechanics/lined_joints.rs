@@ -1,15 +1,14 @@
 //! Joints with layers against references that expand nothing and know no fields of layers (tests/common/true_outlines.rs, stepped_ring.rs).
 
 use crate::common::random::Random;
+use crate::common::ring_design::ring_design;
 use crate::common::stepped_ring::{Beyond, Ring};
 use crate::common::true_outlines::{TrueState, true_state};
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::Response;
-use jointsweep::internals::mechanics::body::{annulus, cored_disc};
-use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::mechanics::material::Idealization;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
-use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
-use jointsweep::internals::study::layers::{Layer, Layers};
+use jointsweep::internals::study::design::{DesignCase, Load};
 
 struct Lined {
     pin: Ring,
@@ -60,33 +59,7 @@ fn draw(random: &mut Random, clearance: f64) -> Option<Lined> {
 }
 
 fn joint(lined: &Lined) -> DesignCase {
-    let part = |shape, ring: &Ring, radius: f64| {
-        let material = |youngs_modulus, poissons_ratio| Material { youngs_modulus, poissons_ratio };
-        let mut materials = vec![material(ring.youngs_modulus, ring.poissons_ratio)];
-        materials
-            .extend(ring.beyond.iter().map(|layer| material(layer.youngs_modulus, layer.poissons_ratio)));
-        let mut near = 1.0;
-        let layers = ring.beyond.iter().zip(&materials).map(|(layer, material)| {
-            let thickness = radius * (layer.radius_ratio - near).abs();
-            near = layer.radius_ratio;
-            Layer { thickness, material: *material }
-        });
-        Part {
-            shape,
-            parameters: [ring.fixed_radius_ratio, 0.0, 0.0],
-            support: 0,
-            layers: Layers::new(layers.collect()),
-            material: materials[ring.beyond.len()],
-        }
-    };
-    let joint = JointDesign {
-        idealization: lined.pin.idealization,
-        hole_radius: 1.0,
-        radial_clearance: lined.clearance,
-        thickness: 1.0,
-        pin: part(&cored_disc::SHAPE, &lined.pin, 1.0 - lined.clearance),
-        plate: part(&annulus::SHAPE, &lined.plate, 1.0),
-    };
+    let joint = ring_design(&[lined.pin, lined.plate], lined.clearance);
     DesignCase { index: 0, joint, steps: vec![Load::Indentation(lined.state.indentation)] }
 }
 

@@ -8,6 +8,7 @@ mod common {
     pub mod rings;
     pub mod ring_loads;
     pub mod stepped_ring;
+    pub mod ring_design;
     pub mod nodal_ring;
     pub mod true_outlines;
     pub mod finite_displacement;

@@ -13,7 +13,7 @@ use crate::engine::backend::adapter::GpuError;
 use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::backend::gpu::context::GpuDevice;
 use crate::engine::backend::gpu::elimination::Counts;
-use crate::engine::backend::gpu::kernels::Kernels;
+use crate::engine::backend::gpu::kernels::{Kernels, Making};
 use crate::engine::backend::gpu::solver::{GpuCondenser, INVOCATIONS};
 use crate::engine::backend::precision::Precision;
 use crate::engine::body_request::{Group, TopologyKey};
@@ -53,8 +53,9 @@ impl HostCost {
         batch_size: usize,
     ) -> Result<HostCost, GpuError> {
         let seen = Mutex::default();
+        let kernels = Kernels::with_tree(gpu, precision, INVOCATIONS, Making::Empty)?;
         let condenser = EmptyCondenser {
-            condenser: GpuCondenser::with(Kernels::empty(gpu, precision, INVOCATIONS)?, DeviceSolver::Auto),
+            condenser: GpuCondenser::with(kernels, DeviceSolver::Auto),
             works: HashMap::default(),
             seen: &seen,
         };

@@ -57,29 +57,22 @@ impl ContactCurve<'_> {
             return vec![Err(NoState::BrokenCompliance); loads.len()];
         }
         let overlap = -self.outlines.radial_clearance;
-        let opening = self.opening();
-        let stiffness = 2.0 * self.whole_ring().work;
-        // Closed up to this e/|dR|.
-        let closed = |load: &DimensionlessLoad| {
-            let offset = match *load {
-                DimensionlessLoad::Indentation(delta) => delta / overlap - 1.0,
-                DimensionlessLoad::Offset(offset) => offset / overlap,
-                DimensionlessLoad::Force(force) => force / stiffness / overlap,
-            };
-            (offset <= opening).then_some(offset)
+        // e/|dR| of a load, where F/e is known.
+        let offset = |load: &DimensionlessLoad, force_per_offset: f64| match *load {
+            DimensionlessLoad::Indentation(delta) => delta / overlap - 1.0,
+            DimensionlessLoad::Offset(offset) => offset / overlap,
+            DimensionlessLoad::Force(force) => force / force_per_offset / overlap,
         };
+        let (opening, stiffness) = (self.opening(), 2.0 * self.whole_ring().work);
+        let closed = |load: &DimensionlessLoad| Some(offset(load, stiffness)).filter(|own| *own <= opening);
         let mut opened = self.states(loads.iter().copied().filter(|load| closed(load).is_none())).into_iter();
         let state = |load: &DimensionlessLoad| match closed(load) {
             Some(offset) => Ok((self.closed_state(offset), 0)),
             None => {
                 let (state, node) = opened.next().unwrap_or(Err(NoState::BrokenCompliance))?;
-                let offset = match *load {
-                    DimensionlessLoad::Indentation(delta) => delta / overlap - 1.0,
-                    DimensionlessLoad::Offset(offset) => offset / overlap,
-                    DimensionlessLoad::Force(force) => force / state.force / overlap,
-                };
                 let tangent_stiffness = self.slope(&state);
-                Ok((ContactState { tangent_stiffness, ..per_overlap(state, offset) }, node))
+                let per_overlap = per_overlap(state, offset(load, state.force));
+                Ok((ContactState { tangent_stiffness, ..per_overlap }, node))
             }
         };
         loads.iter().map(state).collect()

@@ -1,9 +1,10 @@
 //! The designs whose curves are drawn: named ones, or a handful spread over the sweep; their curves made again.
 
 use super::laws::{DrawnLaw, calibrated, published};
-use super::sample::{Row, SampledDesign, Travel};
+use super::sample::{Row, SampledDesign};
 use super::scan::Scan;
 use super::tallies::Value;
+use super::travel::Travel;
 use crate::engine::outcome::Response;
 use crate::joint::{Curve, Joint};
 use crate::output::chart::axis::range;

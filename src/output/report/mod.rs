@@ -5,6 +5,7 @@
 pub mod html;
 pub mod tallies;
 pub mod sample;
+pub mod travel;
 pub mod scan;
 mod sensitivity;
 pub mod laws;

@@ -1,9 +1,7 @@
 //! The designs of a table that are kept whole: all where they are few, else an even sample.
 
-use crate::engine::outcome::Response;
 use crate::output::report::tallies::Value;
-use crate::study::columns::{INDENTATION, OFFSET};
-use crate::study::design::{JointDesign, Load};
+use crate::study::design::JointDesign;
 
 /// The most designs and rows that are kept.
 const MOST_DESIGNS: usize = 20_000;
@@ -19,56 +17,6 @@ pub struct Answer {
     pub peak_pressure: f64,
     pub force_error: f64,
     pub linearity_error: f64,
-}
-
-/// The way of the pin that curves and maps are drawn over: of tables that have it the offset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Travel {
-    Indentation,
-    Offset,
-}
-
-impl Travel {
-    pub fn name(self) -> &'static str {
-        match self {
-            Travel::Indentation => "indentation",
-            Travel::Offset => "offset",
-        }
-    }
-
-    /// Of an axis.
-    pub fn label(self) -> String {
-        format!("{}, mm", self.name())
-    }
-
-    pub fn column(self) -> &'static str {
-        match self {
-            Travel::Indentation => INDENTATION,
-            Travel::Offset => OFFSET,
-        }
-    }
-
-    pub fn load(self, way: f64) -> Load {
-        match self {
-            Travel::Indentation => Load::Indentation(way),
-            Travel::Offset => Load::Offset(way),
-        }
-    }
-
-    pub fn of(self, response: &Response) -> f64 {
-        match self {
-            Travel::Indentation => response.indentation,
-            Travel::Offset => response.offset,
-        }
-    }
-
-    /// From this way to the indentation of a joint, mm.
-    pub fn indentation(self, way: f64, joint: &JointDesign) -> f64 {
-        match self {
-            Travel::Indentation => way,
-            Travel::Offset => way - joint.radial_clearance,
-        }
-    }
 }
 
 #[derive(Clone, Copy, Debug)]

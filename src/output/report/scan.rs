@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use crate::error::Error;
-use crate::output::report::sample::{Answer, Row, Sample, SampledDesign, Travel};
+use crate::output::report::sample::{Answer, Row, Sample, SampledDesign};
 use crate::output::report::tallies::{
     Distribution, Extremes, Input, MOST_VALUES, StatusShare, Value, add_status,
 };
+use crate::output::report::travel::Travel;
 use crate::output::results::{Results, TableRows};
 use crate::study::columns::{FORCE, OFFSET, Quantity, joint_columns};
 

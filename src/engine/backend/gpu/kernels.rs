@@ -189,9 +189,9 @@ impl KernelFile {
 pub enum Making {
     /// As it is.
     Trusted,
-    /// Every index and every loop is watched at run time, and memory begins with zeros.
+    /// Every index and every loop is watched at run time, and memory begins with zeros: slower, for tests.
     Checked,
-    /// Its entry points do nothing: what is left is what a processor does around them.
+    /// Its entry points do nothing, and no body has works: what is left is what a processor does around them.
     Empty,
 }
 
@@ -231,26 +231,9 @@ impl<'a> Kernels<'a> {
         gpu: &'a GpuDevice,
         precision: Precision,
         invocations: u32,
+        making: Making,
     ) -> Result<Kernels<'a>, GpuError> {
-        Kernels::build(gpu, precision, invocations, Sums::Tree, Making::Trusted)
-    }
-
-    /// As `with_tree`, and slower: every index and every loop is watched at run time, and memory begins with zeros. For tests.
-    pub fn checked(
-        gpu: &'a GpuDevice,
-        precision: Precision,
-        invocations: u32,
-    ) -> Result<Kernels<'a>, GpuError> {
-        Kernels::build(gpu, precision, invocations, Sums::Tree, Making::Checked)
-    }
-
-    /// With kernels that do nothing, of which no body has works. For measurements.
-    pub fn empty(
-        gpu: &'a GpuDevice,
-        precision: Precision,
-        invocations: u32,
-    ) -> Result<Kernels<'a>, GpuError> {
-        Kernels::build(gpu, precision, invocations, Sums::Tree, Making::Empty)
+        Kernels::build(gpu, precision, invocations, Sums::Tree, making)
     }
 
     fn build(

@@ -1,0 +1,55 @@
+//! What the curves and maps of a report are over.
+
+use crate::engine::outcome::Response;
+use crate::study::columns::{INDENTATION, OFFSET};
+use crate::study::design::{JointDesign, Load};
+
+/// The way of the pin that curves and maps are drawn over: of tables that have it the offset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Travel {
+    Indentation,
+    Offset,
+}
+
+impl Travel {
+    pub fn name(self) -> &'static str {
+        match self {
+            Travel::Indentation => "indentation",
+            Travel::Offset => "offset",
+        }
+    }
+
+    /// Of an axis.
+    pub fn label(self) -> String {
+        format!("{}, mm", self.name())
+    }
+
+    pub fn column(self) -> &'static str {
+        match self {
+            Travel::Indentation => INDENTATION,
+            Travel::Offset => OFFSET,
+        }
+    }
+
+    pub fn load(self, way: f64) -> Load {
+        match self {
+            Travel::Indentation => Load::Indentation(way),
+            Travel::Offset => Load::Offset(way),
+        }
+    }
+
+    pub fn of(self, response: &Response) -> f64 {
+        match self {
+            Travel::Indentation => response.indentation,
+            Travel::Offset => response.offset,
+        }
+    }
+
+    /// From this way to the indentation of a joint, mm.
+    pub fn indentation(self, way: f64, joint: &JointDesign) -> f64 {
+        match self {
+            Travel::Indentation => way,
+            Travel::Offset => way - joint.radial_clearance,
+        }
+    }
+}
