@@ -20,6 +20,7 @@ fn outcome(index: u64, step_count: usize) -> DesignOutcome {
         support: 0,
         material: Material { youngs_modulus: wild(1e5, salt), poissons_ratio: wild(0.2, salt + 1) },
         layers: Default::default(),
+        yield_stress: None,
     };
     let joint = JointDesign {
         idealization: Idealization::PlaneStrain,

@@ -27,6 +27,7 @@ mod laws;
 mod materials;
 mod merge;
 mod pressure;
+mod stresses;
 mod progress;
 mod report;
 mod report_page;
@@ -79,6 +80,8 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// Writes the contact pressure along the arc, of chosen designs of a config
     Pressure(pressure::PressureArgs),
+    /// Writes the stresses at the contact, at each interface and where a body is held, of chosen designs of a config
+    Stresses(stresses::StressesArgs),
     /// Says how much of the work and of the force each material of a joint decides, of chosen designs of a config
     Materials(materials::MaterialsArgs),
     /// Fits what is not known of a joint to measured forces and indentations
@@ -131,6 +134,7 @@ pub fn main() -> ExitCode {
         Command::Laws(args) => laws::laws(&args),
         Command::Explain(args) => explain::explain(&args),
         Command::Pressure(args) => pressure::pressure(&args),
+        Command::Stresses(args) => stresses::stresses(&args),
         Command::Materials(args) => materials::materials(&args),
         Command::Calibrate(args) => calibrate::calibrate(&args),
         Command::Sensitivity(args) => sensitivity::sensitivity(&args),

@@ -1,10 +1,12 @@
 //! What a program that uses the library needs: a joint, its curve, and what is on it.
 
 use crate::engine::joint_curve::JointCurve;
+use crate::engine::joint_stresses::{CircleStresses, NoStresses};
 use crate::engine::material_shares::{self, MaterialShare};
 use crate::engine::outcome::{Response, StepOutcome};
 use crate::engine::status::Status;
 use crate::error::Error;
+use crate::mechanics::body::Side;
 use crate::mechanics::material::Idealization;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::{JointDesign, Load, Part};
@@ -36,6 +38,15 @@ impl Joint {
 
     pub fn design(&self) -> &JointDesign {
         &self.0
+    }
+
+    /// Whether stresses of a side are known: of concentric bodies. If not, why.
+    pub fn has_stresses(&self, side: Side) -> Result<(), Error> {
+        let part = self.0.part(side);
+        if part.shape.concentric {
+            return Ok(());
+        }
+        Err(no_stresses(part, NoStresses::NotConcentric))
     }
 
     /// Solves its bodies; from then on any load costs microseconds.
@@ -129,11 +140,32 @@ impl Curve {
         Ok(self.at(Load::Indentation(indentation))?.tangent_stiffness)
     }
 
+    /// Stresses under a load on circles of one side, from the contact on: the contact, each interface from both of its sides, the circle that is held, and those
+    /// at further depths below the contact, mm, where there is room. Points are from the load line to the far side. Empty before the bodies touch; an error where
+    /// the load has no state, or the part is not concentric.
+    pub fn stresses(
+        &self,
+        side: Side,
+        load: Load,
+        points: usize,
+        depths: &[f64],
+    ) -> Result<Vec<CircleStresses>, Error> {
+        self.at(load)?;
+        self.0
+            .stresses(side, load, points, depths)
+            .map_err(|problem| no_stresses(self.0.joint().part(side), problem))
+    }
+
     /// The contact pressure from the load line to where it ends: angles at the hole's centre, rad, and MPa per area of the hole.
     pub fn pressure(&self, load: Load, points: usize) -> Result<Vec<(f64, f64)>, Error> {
         self.at(load)?;
         Ok(self.0.pressure(load, points))
     }
+}
+
+fn no_stresses(part: &Part, problem: NoStresses) -> Error {
+    let quantity = if part.shape.side == Side::Pin { "pin" } else { "plate" };
+    Error::Joint { quantity: quantity.into(), problem: format!("`{}`: {problem}", part.shape.name) }
 }
 
 /// How much of the strain energy and of the force each material of a joint decides under loads (mm or N, not negative; press fits have

@@ -31,11 +31,13 @@ use internals::{lab, output};
 /// Errors for people: each variant carries the values that explain it.
 pub mod error;
 
+pub use engine::joint_stresses::{CircleStresses, PointStress};
 pub use engine::material_shares::MaterialShare;
 pub use engine::outcome::{DesignOutcome, Response, StepOutcome};
 pub use engine::status::Status;
 pub use error::Error;
 pub use joint::{Curve, Dimensions, Joint, Options, material_shares, solve};
+pub use mechanics::body::Side;
 pub use mechanics::material::{Idealization, Material};
 pub use study::config::MethodChoice;
 pub use study::design::{DesignCase, Load, Part};

@@ -10,6 +10,7 @@ use crate::engine::outcome::StepOutcome;
 use crate::engine::plan::JointPlan;
 use crate::engine::spaces::Spaces;
 use crate::engine::status::Failure;
+use crate::mechanics::contact::arc_pressure::ArcPressure;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::{DesignCase, JointDesign, Load};
 
@@ -110,21 +111,26 @@ impl JointCurve {
     /// The contact pressure along the arc under a load, from the load line to where it ends, evenly spaced: angles at the hole's
     /// centre, rad, and MPa per area of the hole. Empty where the load has no state.
     pub fn pressure(&self, load: Load, points: usize) -> Vec<(f64, f64)> {
-        let scale = JointScale::of(&self.joint);
-        let Some(dimensionless) = scale.load(load) else { return Vec::new() };
-        with_curve(&self.library, &self.spaces, &self.plan, &self.joint, |curve| {
-            let Some(Ok((state, above))) =
-                curve.states_of_fit(std::iter::once(dimensionless)).into_iter().next()
-            else {
-                return Vec::new();
-            };
-            let unit = scale.unit(load, &state);
-            let pressure = curve.pressure(&state, above);
+        let at_points = |half_angle: f64, pressure: &ArcPressure, unit: f64| {
             let place = |i: usize| i as f64 / (points.max(2) - 1) as f64;
             // Denser at the end, where the pressure falls like a root.
-            let angle = |i: usize| state.half_angle * (FRAC_PI_2 * place(i)).sin();
+            let angle = |i: usize| half_angle * (FRAC_PI_2 * place(i)).sin();
             (0..points.max(2)).map(|i| (angle(i), unit * pressure.at(angle(i)))).collect()
-        })
-        .unwrap_or_default()
+        };
+        self.with_pressure(load, at_points).unwrap_or_default()
+    }
+
+    /// Asks with the contact half angle, rad, the pressure and what it is per unit of, MPa; `None` where the load has no state.
+    pub(super) fn with_pressure<T>(
+        &self,
+        load: Load,
+        ask: impl FnOnce(f64, &ArcPressure, f64) -> T,
+    ) -> Option<T> {
+        let scale = JointScale::of(&self.joint);
+        let dimensionless = scale.load(load)?;
+        with_curve(&self.library, &self.spaces, &self.plan, &self.joint, |curve| {
+            let (state, above) = curve.states_of_fit(std::iter::once(dimensionless)).pop()?.ok()?;
+            Some(ask(state.half_angle, &curve.pressure(&state, above), scale.unit(load, &state)))
+        })?
     }
 }

@@ -6,6 +6,7 @@ use crate::engine::accuracy::{ForceError, Want};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind, Method, Response, StepOutcome};
 use crate::engine::refusal::Refusal;
+use crate::engine::rest_stresses;
 use crate::engine::status::{Failure, Remark, Remarks, Status};
 use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::state::ContactState;
@@ -34,6 +35,7 @@ impl Solving {
         let scale = JointScale::of(&case.joint);
         let mut states = states.into_iter();
         let mut want = Want::Nothing;
+        let yields_at_rest = rest_stresses::yields_at_rest(&case.joint);
         let step = |load: &Load| {
             if scale.load(*load).is_none() {
                 return unloaded(&case.joint, *load, self.method);
@@ -58,6 +60,7 @@ impl Solving {
                 (of_linearity > self.accuracy.max(LARGE_DISPLACEMENT), Remark::LargeDisplacement),
                 (!state.pressure_is_positive, Remark::PressureNotPositive),
                 (!accurate, Remark::AccuracyNotMet),
+                (yields_at_rest, Remark::YieldsAtRest),
             ];
             StepOutcome { response: Some(response), status: Status::Answered(Remarks::of(&remarks)) }
         };

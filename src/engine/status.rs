@@ -18,16 +18,19 @@ pub enum Remark {
     AccuracyNotMet,
     /// The law knows nothing of the plate's size and support.
     PlateNotModelled,
+    /// The overlap of a press fit alone is more than a yield stress that was given.
+    YieldsAtRest,
 }
 
 impl Remark {
     /// In the order they are told.
-    pub const ALL: [Remark; 5] = [
+    pub const ALL: [Remark; 6] = [
         Remark::ClearanceBeyondModel,
         Remark::LargeDisplacement,
         Remark::PressureNotPositive,
         Remark::AccuracyNotMet,
         Remark::PlateNotModelled,
+        Remark::YieldsAtRest,
     ];
 
     pub fn text(self) -> &'static str {
@@ -37,6 +40,7 @@ impl Remark {
             Remark::PressureNotPositive => "pressure not positive everywhere",
             Remark::AccuracyNotMet => "accuracy not met",
             Remark::PlateNotModelled => "plate extent not modelled",
+            Remark::YieldsAtRest => "yields at rest",
         }
     }
 }
@@ -127,11 +131,17 @@ impl fmt::Display for Status {
 }
 
 /// How often each status was met.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StatusCounts {
     /// By the bits of remarks.
     answered: [u64; 1 << Remark::ALL.len()],
     failed: BTreeMap<String, u64>,
+}
+
+impl Default for StatusCounts {
+    fn default() -> StatusCounts {
+        StatusCounts { answered: [0; _], failed: BTreeMap::new() }
+    }
 }
 
 impl StatusCounts {

@@ -35,6 +35,14 @@ impl Idealization {
         }
     }
 
+    /// The stress along the axis over the sum of those in the plane.
+    pub fn axial_share(self, poissons_ratio: f64) -> f64 {
+        match self {
+            Idealization::PlaneStress => 0.0,
+            Idealization::PlaneStrain => poissons_ratio,
+        }
+    }
+
     /// Kolosov's constant: (3 - nu)/(1 + nu) in plane stress, 3 - 4 nu in plane strain.
     pub fn kolosov(self, poissons_ratio: f64) -> f64 {
         match self {

@@ -197,8 +197,14 @@ mod tests {
 
     fn rows(loads: &[Load], steps: Vec<StepOutcome>) -> String {
         let material = Material { youngs_modulus: 200e3, poissons_ratio: 0.3 };
-        let part =
-            |shape, parameters| Part { shape, parameters, support: 0, material, layers: Default::default() };
+        let part = |shape, parameters| Part {
+            shape,
+            parameters,
+            support: 0,
+            material,
+            layers: Default::default(),
+            yield_stress: None,
+        };
         let joint = JointDesign {
             idealization: Idealization::PlaneStress,
             hole_radius: 100.0,

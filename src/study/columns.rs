@@ -171,6 +171,7 @@ impl Quantity {
                 "pressure not positive everywhere",
                 "accuracy not met",
                 "plate extent not modelled",
+                "yields at rest",
             ],
             _ => &[],
         }

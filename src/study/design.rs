@@ -60,6 +60,8 @@ pub struct Part {
     pub support: usize,
     /// Beyond all layers.
     pub material: Material,
+    /// Of that material, MPa, where it is known.
+    pub yield_stress: Option<f64>,
     pub layers: Layers,
 }
 
@@ -68,6 +70,11 @@ impl Part {
     pub fn parameter(&self, name: &str) -> Option<f64> {
         let position = self.shape.parameters.iter().position(|parameter| parameter.name == name)?;
         self.parameters.get(position).copied()
+    }
+
+    /// Of a layer, from 1 at the contact, or of its own material, 0; MPa.
+    pub fn yield_stress(&self, layer: usize) -> Option<f64> {
+        layer.checked_sub(1).map_or(self.yield_stress, |place| self.layers.list().get(place)?.yield_stress)
     }
 
     /// That of the layer that touches, or its own.
@@ -134,7 +141,7 @@ impl Part {
         };
         check("youngs_modulus", material.youngs_modulus, Limits::POSITIVE)?;
         check("poissons_ratio", material.poissons_ratio, Limits::POISSONS_RATIO)?;
-        Ok(Part { shape, parameters, support, material, layers: Layers::NONE })
+        Ok(Part { shape, parameters, support, material, yield_stress: None, layers: Layers::NONE })
     }
 }
 
@@ -144,6 +151,12 @@ impl Part {
         let part = Part { layers: Layers::new(layers.to_vec()), ..self };
         part.check_layers()?;
         Ok(part)
+    }
+
+    /// The same part with a yield stress of its own material, MPa.
+    pub fn with_yield_stress(self, yield_stress: f64) -> Result<Part, Error> {
+        check("yield_stress", yield_stress, Limits::POSITIVE)?;
+        Ok(Part { yield_stress: Some(yield_stress), ..self })
     }
 
     /// Whether there can be such layers, whatever the wall.
@@ -158,6 +171,9 @@ impl Part {
             check(&of("thickness"), layer.thickness, Limits::POSITIVE)?;
             check(&of("youngs_modulus"), layer.material.youngs_modulus, Limits::POSITIVE)?;
             check(&of("poissons_ratio"), layer.material.poissons_ratio, Limits::POISSONS_RATIO)?;
+            if let Some(yield_stress) = layer.yield_stress {
+                check(&of("yield_stress"), yield_stress, Limits::POSITIVE)?;
+            }
         }
         Ok(())
     }
@@ -202,6 +218,9 @@ impl JointDesign {
             }
             check("youngs_modulus", part.material.youngs_modulus, Limits::POSITIVE)?;
             check("poissons_ratio", part.material.poissons_ratio, Limits::POISSONS_RATIO)?;
+            if let Some(yield_stress) = part.yield_stress {
+                check("yield_stress", yield_stress, Limits::POSITIVE)?;
+            }
             part.check_layers()?;
             if !part.layers.is_empty() && !self.has_room_for_layers(part) {
                 let (layers, wall) = (part.layers.thickness(), self.wall(part));
@@ -256,9 +275,13 @@ impl JointDesign {
         }
     }
 
+    pub fn part(&self, side: Side) -> &Part {
+        if side == Side::Pin { &self.pin } else { &self.plate }
+    }
+
     /// MPa, of a layer of a part, from 1 at the contact; 0 is the part's own material.
     pub fn youngs_modulus(&self, side: Side, layer: usize) -> f64 {
-        let part = if side == Side::Pin { &self.pin } else { &self.plate };
+        let part = self.part(side);
         let own = layer.checked_sub(1).and_then(|place| part.layers.list().get(place));
         own.map_or(part.material, |layer| layer.material).youngs_modulus
     }
@@ -284,12 +307,12 @@ impl JointDesign {
             Side::Pin => 1.0 - ratios.fold(0.0, f64::max),
             Side::Plate => ratios.fold(f64::INFINITY, f64::min) - 1.0,
         };
-        of_radius * self.contact_radius(part)
+        of_radius * self.contact_radius(part.shape.side)
     }
 
     /// The radius of a part at the contact, mm.
-    fn contact_radius(&self, part: &Part) -> f64 {
-        match part.shape.side {
+    pub fn contact_radius(&self, side: Side) -> f64 {
+        match side {
             Side::Pin => self.hole_radius - self.radial_clearance,
             Side::Plate => self.hole_radius,
         }
@@ -305,7 +328,7 @@ impl JointDesign {
         let mut depth = 0.0;
         let interface = |(layer, beyond): (&Layer, Material)| {
             depth += layer.thickness;
-            let radius_ratio = 1.0 + outward * depth / self.contact_radius(part);
+            let radius_ratio = 1.0 + outward * depth / self.contact_radius(part.shape.side);
             Interface {
                 radius_ratio: (radius_ratio * FINENESS).round() / FINENESS,
                 modulus_ratio: beyond.youngs_modulus / first.material.youngs_modulus,

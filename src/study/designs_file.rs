@@ -259,7 +259,7 @@ impl Rows {
             poissons_ratio: self.number(&Column::PoissonsRatio(side).name(), Limits::POISSONS_RATIO)?,
         };
         let layers = self.part_layers(side)?;
-        Ok(Part { shape, parameters, support, material, layers })
+        Ok(Part { shape, parameters, support, material, yield_stress: None, layers })
     }
 
     /// The layers of a part, from the contact on: those whose cells are filled.
@@ -278,13 +278,12 @@ impl Rows {
                 return Err(self.complain(filled, problem));
             }
             let [thickness, youngs_modulus, poissons_ratio] = &names;
-            layers.push(Layer {
-                thickness: self.number(thickness, Limits::POSITIVE)?,
-                material: Material {
-                    youngs_modulus: self.number(youngs_modulus, Limits::POSITIVE)?,
-                    poissons_ratio: self.number(poissons_ratio, Limits::POISSONS_RATIO)?,
-                },
-            });
+            let thickness = self.number(thickness, Limits::POSITIVE)?;
+            let material = Material {
+                youngs_modulus: self.number(youngs_modulus, Limits::POSITIVE)?,
+                poissons_ratio: self.number(poissons_ratio, Limits::POISSONS_RATIO)?,
+            };
+            layers.push(Layer::new(thickness, material));
         }
         Ok(Layers::new(layers))
     }

@@ -239,7 +239,13 @@ fn part_keys(side: Side) -> Vec<ConfigKey> {
         &range(Limits::POISSONS_RATIO),
         "0.33",
     ));
+    keys.push(yield_stress(&table));
     keys
+}
+
+fn yield_stress(table: &str) -> ConfigKey {
+    let about = "what von Mises' stress may reach: only for remarks on press fits and for `jointsweep stresses`; one value, which does not sweep";
+    key(table, "yield_stress", about, STRESS, &range(Limits::POSITIVE), "\"250 MPa\"").needed("none")
 }
 
 /// Of a table of `layers`.
@@ -264,6 +270,7 @@ fn layer_keys(side: Side) -> Vec<ConfigKey> {
         .needed("instead of `thickness`"),
         key(&table, "youngs_modulus", "of the layer", STRESS, &range(Limits::POSITIVE), "\"3 GPa\""),
         key(&table, "poissons_ratio", "of the layer", "-", &range(Limits::POISSONS_RATIO), "0.4"),
+        yield_stress(&table),
     ]
 }
 

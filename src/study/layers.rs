@@ -12,6 +12,15 @@ use crate::mechanics::material::Material;
 pub struct Layer {
     pub thickness: f64,
     pub material: Material,
+    /// MPa, where it is known.
+    pub yield_stress: Option<f64>,
+}
+
+impl Layer {
+    /// Without a yield stress. mm.
+    pub fn new(thickness: f64, material: Material) -> Layer {
+        Layer { thickness, material, yield_stress: None }
+    }
 }
 
 /// The layers of a part from the contact into it, perfectly bonded; what is left of the part is of the part's own material.

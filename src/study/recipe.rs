@@ -47,6 +47,8 @@ struct PartRecipe {
     support: Choice<usize>,
     youngs_modulus: Quantity,
     poissons_ratio: Quantity,
+    /// Changes no answer and does not sweep.
+    yield_stress: Option<f64>,
     layers: Vec<LayerRecipe>,
 }
 
@@ -57,6 +59,7 @@ struct LayerRecipe {
     is_ratio: bool,
     youngs_modulus: Quantity,
     poissons_ratio: Quantity,
+    yield_stress: Option<f64>,
 }
 
 /// A joint with all the values it takes over a sweep.
@@ -242,6 +245,7 @@ impl Recipe {
                 youngs_modulus: self.value(&layer.youngs_modulus, design),
                 poissons_ratio: self.value(&layer.poissons_ratio, design),
             },
+            yield_stress: layer.yield_stress,
         };
         Part {
             shape: part.shape,
@@ -251,6 +255,7 @@ impl Recipe {
                 youngs_modulus: self.value(&part.youngs_modulus, design),
                 poissons_ratio: self.value(&part.poissons_ratio, design),
             },
+            yield_stress: part.yield_stress,
             layers: Layers::new(part.layers.iter().map(layer).collect()),
         }
     }
@@ -314,7 +319,7 @@ impl PartRecipe {
         let mut keys = vec!["model", "youngs_modulus", "poissons_ratio"];
         keys.extend(shape.parameters.iter().map(|parameter| parameter.name));
         keys.extend(shape.supports.is_empty().not().then_some("support"));
-        keys.push("layers");
+        keys.extend(["yield_stress", "layers"]);
         part.allow(&keys)?;
 
         let mut parameters = Vec::new();
@@ -335,11 +340,12 @@ impl PartRecipe {
         let youngs_modulus =
             reader.quantity(&part.need("youngs_modulus")?, Some(Dimension::Stress), Limits::POSITIVE)?;
         let poissons_ratio = reader.quantity(&part.need("poissons_ratio")?, None, Limits::POISSONS_RATIO)?;
+        let yield_stress = yield_stress(&part)?;
         let layers = match part.find("layers") {
             Some(item) => LayerRecipe::read_all(&item, reader)?,
             None => Vec::new(),
         };
-        Ok(PartRecipe { shape, parameters, support, youngs_modulus, poissons_ratio, layers })
+        Ok(PartRecipe { shape, parameters, support, youngs_modulus, poissons_ratio, yield_stress, layers })
     }
 }
 
@@ -354,7 +360,7 @@ impl LayerRecipe {
     }
 
     fn read<'a>(table: &Section<'a>, reader: &mut Reader<'a>) -> Result<LayerRecipe, Error> {
-        table.allow(&["thickness", "thickness_ratio", "youngs_modulus", "poissons_ratio"])?;
+        table.allow(&["thickness", "thickness_ratio", "youngs_modulus", "poissons_ratio", "yield_stress"])?;
         let (thickness, is_ratio) = match (table.find("thickness"), table.find("thickness_ratio")) {
             (Some(item), None) => (reader.quantity(&item, Some(Dimension::Length), Limits::POSITIVE)?, false),
             (None, Some(item)) => (reader.quantity(&item, None, Limits::POSITIVE)?, true),
@@ -369,8 +375,19 @@ impl LayerRecipe {
         let youngs_modulus =
             reader.quantity(&table.need("youngs_modulus")?, Some(Dimension::Stress), Limits::POSITIVE)?;
         let poissons_ratio = reader.quantity(&table.need("poissons_ratio")?, None, Limits::POISSONS_RATIO)?;
-        Ok(LayerRecipe { thickness, is_ratio, youngs_modulus, poissons_ratio })
+        let yield_stress = yield_stress(table)?;
+        Ok(LayerRecipe { thickness, is_ratio, youngs_modulus, poissons_ratio, yield_stress })
     }
+}
+
+/// MPa, one value: it has no column, so that designs that differ in it alone could not be told apart.
+fn yield_stress(material: &Section) -> Result<Option<f64>, Error> {
+    let Some(item) = material.find("yield_stress") else { return Ok(None) };
+    let values = Values::read(&item, Some(Dimension::Stress), Limits::POSITIVE, Counts::Required)?;
+    if values.count() != Some(1) {
+        return Err(item.error("one value; a yield stress changes no answer and does not sweep"));
+    }
+    Ok(Some(values.at(Pick::Index(0))))
 }
 
 /// A key of another model is no slip of the pen: say whose it is.

@@ -76,7 +76,7 @@ fn what_cannot_be_set_is_said_by_its_key_and_other_errors_keep_their_line() {
             "small.toml",
             &["joint.plate.yongs_modulus=70 GPa"][..],
             "error: --set: joint.plate.yongs_modulus: unknown key; did you mean `youngs_modulus`? Allowed: `model`, \
-             `youngs_modulus`, `poissons_ratio`, `outer_radius_ratio`, `layers`\n",
+             `youngs_modulus`, `poissons_ratio`, `outer_radius_ratio`, `yield_stress`, `layers`\n",
         ),
         (
             "small.toml",

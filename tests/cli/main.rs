@@ -15,6 +15,7 @@ mod gpu;
 mod laws;
 mod press_fits;
 mod pressure;
+mod stresses;
 
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};

@@ -10,7 +10,7 @@ use super::random::Random;
 fn part(random: &mut Random, shape: &'static Shape, parameters: [f64; 3], support: usize) -> Part {
     let material =
         Material { youngs_modulus: random.log(1e3, 5e5), poissons_ratio: random.linear(0.0, 0.49) };
-    Part { shape, parameters, support, material, layers: Default::default() }
+    Part { shape, parameters, support, material, layers: Default::default(), yield_stress: None }
 }
 
 /// Designs with the bodies that `shapes` draws.

@@ -23,7 +23,7 @@ pub struct Beyond {
     pub poissons_ratio: f64,
 }
 
-type Matrix = [[f64; 4]; 4];
+pub type Matrix = [[f64; 4]; 4];
 
 /// Modes beyond this many wall thicknesses do not feel the held side: what is left is below 1e-20.
 const DEEP: f64 = 30.0;
@@ -79,7 +79,7 @@ impl Ring {
     }
 
     /// Shear modulus and Lame's constant of the plane.
-    fn lame(&self, e: f64, nu: f64) -> (f64, f64) {
+    pub fn lame(&self, e: f64, nu: f64) -> (f64, f64) {
         let (shear, lame) = (e / (2.0 * (1.0 + nu)), e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)));
         match self.idealization {
             Idealization::PlaneStrain => (shear, lame),
@@ -88,7 +88,7 @@ impl Ring {
     }
 
     /// d/d(ln r) of (u_r, u_theta, r sigma_r, r sigma_r_theta), cos and sin of n phi taken out: Hooke's law and equilibrium.
-    fn generator(&self, n: f64, layer: &Beyond) -> Matrix {
+    pub fn generator(&self, n: f64, layer: &Beyond) -> Matrix {
         let (shear, lame) = self.lame(layer.youngs_modulus, layer.poissons_ratio);
         let stiff = lame + 2.0 * shear;
         let hoop = 4.0 * shear * (lame + shear) / stiff;
@@ -102,7 +102,7 @@ impl Ring {
     }
 }
 
-fn exponential(matrix: &Matrix) -> Matrix {
+pub fn exponential(matrix: &Matrix) -> Matrix {
     let product = |a: &Matrix, b: &Matrix| -> Matrix {
         std::array::from_fn(|i| std::array::from_fn(|j| (0..4).map(|k| a[i][k] * b[k][j]).sum()))
     };
@@ -115,7 +115,7 @@ fn exponential(matrix: &Matrix) -> Matrix {
     sum
 }
 
-fn scaled(matrix: &Matrix, factor: f64) -> Matrix {
+pub fn scaled(matrix: &Matrix, factor: f64) -> Matrix {
     matrix.map(|row| row.map(|value| factor * value))
 }
 

@@ -25,6 +25,7 @@ pub fn joint(
         support: 0,
         material: STEEL,
         layers: Default::default(),
+        yield_stress: None,
     };
     JointDesign {
         idealization: Idealization::PlaneStress,

@@ -64,6 +64,7 @@ fn extreme(random: &mut Random, index: u64) -> DesignCase {
         support: 0,
         material: Material { youngs_modulus, poissons_ratio: poissons_ratio(random) },
         layers: Default::default(),
+        yield_stress: None,
     };
     let pin = part(random, &cored_disc::SHAPE, core, moduli[0]);
     let plate = part(random, &annulus::SHAPE, wall, moduli[1]);

@@ -39,6 +39,7 @@ fn part(random: &mut Random, shape: &'static Shape, parameters: [f64; 3], suppor
         support,
         material: Material { youngs_modulus, poissons_ratio },
         layers: Default::default(),
+        yield_stress: None,
     }
 }
 

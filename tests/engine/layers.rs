@@ -14,7 +14,7 @@ use std::path::Path;
 const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
 
 fn layer(thickness: f64, youngs_modulus: f64, poissons_ratio: f64) -> Layer {
-    Layer { thickness, material: Material { youngs_modulus, poissons_ratio } }
+    Layer::new(thickness, Material { youngs_modulus, poissons_ratio })
 }
 
 /// A steel pin of 10 mm in a plate with layers.

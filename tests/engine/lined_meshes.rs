@@ -256,12 +256,10 @@ fn absolute(values: &[f64]) -> Vec<f64> {
 /// Layers as a study has them, mm.
 fn layers(random: &mut Random, count: usize, radius: f64) -> Vec<Layer> {
     (0..count)
-        .map(|_| Layer {
-            thickness: radius * random.log(5e-3, 0.15),
-            material: Material {
-                youngs_modulus: random.log(500.0, 5e5),
-                poissons_ratio: random.linear(0.0, 0.45),
-            },
+        .map(|_| {
+            let thickness = radius * random.log(5e-3, 0.15);
+            let youngs_modulus = random.log(500.0, 5e5);
+            Layer::new(thickness, Material { youngs_modulus, poissons_ratio: random.linear(0.0, 0.45) })
         })
         .collect()
 }
@@ -277,8 +275,14 @@ fn joint(random: &mut Random) -> DesignCase {
             Material { youngs_modulus: random.log(1e3, 5e5), poissons_ratio: random.linear(0.0, 0.45) };
         let count = if is_lined { 1 + (random.unit() * 2.0) as usize } else { 0 };
         let layers = layers(random, count, hole_radius);
-        let part =
-            Part { shape, parameters: [ratio, 0.0, 0.0], support: 0, material, layers: Default::default() };
+        let part = Part {
+            shape,
+            parameters: [ratio, 0.0, 0.0],
+            support: 0,
+            material,
+            layers: Default::default(),
+            yield_stress: None,
+        };
         part.with_layers(&layers).unwrap()
     };
     let pin = part(&cored_disc::SHAPE, 0.25, lined & 1 > 0);
@@ -328,7 +332,7 @@ fn lined_blocks_and_half_discs_are_those_of_plain_fine_meshes() {
     let aluminium = Material { youngs_modulus: 70e3, poissons_ratio: 0.33 };
     let polymer = Material { youngs_modulus: 3e3, poissons_ratio: 0.4 };
     let bronze = Material { youngs_modulus: 110e3, poissons_ratio: 0.34 };
-    let layer = |thickness, material| Layer { thickness, material };
+    let layer = Layer::new;
     let block = [("half_width_ratio", 1.8), ("depth_ratio", 2.5), ("height_ratio", 1.5)];
     let part = |model, ratios: &[(&str, f64)], support, material, layers: &[Layer]| {
         Part::new(model, ratios, support, material).unwrap().with_layers(layers).unwrap()

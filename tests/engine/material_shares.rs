@@ -22,7 +22,7 @@ fn joint(radial_clearance: f64, plate: Part) -> Joint {
 
 fn bush(radial_clearance: f64) -> Joint {
     let plate = Part::new("annulus", &[("outer_radius_ratio", 3.0)], None, material(70e3, 0.33)).unwrap();
-    let layer = Layer { thickness: 1.0, material: material(3e3, 0.4) };
+    let layer = Layer::new(1.0, material(3e3, 0.4));
     joint(radial_clearance, plate.with_layers(&[layer]).unwrap())
 }
 

@@ -37,7 +37,7 @@ use std::cell::RefCell;
 const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
 
 fn part(shape: &'static Shape, parameters: [f64; 3]) -> Part {
-    Part { shape, parameters, support: 0, material: STEEL, layers: Default::default() }
+    Part { shape, parameters, support: 0, material: STEEL, layers: Default::default(), yield_stress: None }
 }
 
 fn half() -> Part {
@@ -440,7 +440,7 @@ fn a_sweep_counts_its_designs_bodies_and_rows() {
 /// The count of unknowns is told without a mesh; supports are few.
 #[test]
 fn unknowns_are_those_of_the_mesh() {
-    let layer = |thickness| Layer { thickness, material: STEEL };
+    let layer = |thickness| Layer::new(thickness, STEEL);
     let lined = part(&block::SHAPE, [2.0, 3.0, 1.6]).with_layers(&[layer(0.1), layer(2.0)]).unwrap();
     for body in [half(), disc(), ring(2.0), part(&block::SHAPE, [2.0, 3.0, 1.6]), lined] {
         let body = joint(half(), half()).body(&body);
@@ -529,7 +529,7 @@ fn a_device_that_gives_up_loses_no_design() {
 #[test]
 fn a_device_leaves_lined_bodies_to_the_processor() {
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
-    let layer = Layer { thickness: 0.1, material: Material { youngs_modulus: 3e3, poissons_ratio: 0.4 } };
+    let layer = Layer::new(0.1, Material { youngs_modulus: 3e3, poissons_ratio: 0.4 });
     let design = |index: u64| {
         let (pin, plate) = (part(&cored_disc::SHAPE, [0.3, 0.0, 0.0]), ring(2.0 + 0.01 * index as f64));
         let layers: &[Layer] = if index.is_multiple_of(2) { &[layer] } else { &[] };

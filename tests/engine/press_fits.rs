@@ -67,7 +67,7 @@ fn an_offset_is_the_clearance_and_the_indentation() {
 
 #[test]
 fn press_fits_are_solved_by_exact_modes() {
-    let lined = ring(2.0).with_layers(&[Layer { thickness: 1.0, material: STEEL }]).unwrap();
+    let lined = ring(2.0).with_layers(&[Layer::new(1.0, STEEL)]).unwrap();
     for plate in [ring(2.0), lined] {
         for method in [MethodChoice::Auto, MethodChoice::Series] {
             let steps = solved(&joint(-0.02, plate.clone()), method, &[Load::Offset(0.0), Load::Force(1e4)]);

@@ -14,7 +14,7 @@ const STEEL: Material = Material { youngs_modulus: 210e3, poissons_ratio: 0.3 };
 const ALUMINIUM: Material = Material { youngs_modulus: 70e3, poissons_ratio: 0.34 };
 
 fn part(shape: &'static Shape, parameters: [f64; 3], material: Material) -> Part {
-    Part { shape, parameters, support: 0, material, layers: Default::default() }
+    Part { shape, parameters, support: 0, material, layers: Default::default(), yield_stress: None }
 }
 
 fn joint(pin: Part, plate: Part) -> JointDesign {

@@ -150,6 +150,7 @@ fn the_engine_has_the_true_geometry() {
         support: 0,
         material: Material { youngs_modulus: 200e3, poissons_ratio: 0.3 },
         layers: Default::default(),
+        yield_stress: None,
     };
     let mut compared = 0;
     for (name, pin, plate) in [
@@ -213,6 +214,7 @@ fn the_engine_equals_plain_meshes() {
         support: 0,
         material: aluminium,
         layers: Default::default(),
+        yield_stress: None,
     };
     let in_block = JointDesign { plate, ..joint(&half_disc::SHAPE, 0.0, 2.0, 0.2) };
     for (name, joint, accuracy) in [

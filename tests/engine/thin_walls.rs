@@ -40,6 +40,7 @@ impl Joint {
             support: 0,
             material: Material { youngs_modulus, poissons_ratio: self.poissons_ratio },
             layers: Default::default(),
+            yield_stress: None,
         };
         let joint = JointDesign {
             idealization: self.idealization,

@@ -25,6 +25,7 @@ fn told(scene: &Scene) -> Vec<Response> {
         support: 0,
         material: Material { youngs_modulus, poissons_ratio: scene.poissons_ratio },
         layers: Default::default(),
+        yield_stress: None,
     };
     let (pin, plate) = match scene.soft {
         Soft::Pin => ((scene.fixed_radius_ratio, 1.0), (3.0, 1e6)),

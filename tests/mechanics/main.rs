@@ -26,6 +26,7 @@ mod series;
 mod layered_rings;
 mod lined_joints;
 mod press_fits;
+mod stresses;
 mod active_set;
 mod contact_formulations;
 mod curves;

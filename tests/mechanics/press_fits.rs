@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 
 use crate::common::nodal_ring::nodal_state;
 use crate::common::random::Random;
-use crate::common::ring_design::ring_design;
-use crate::common::stepped_ring::{Beyond, Ring};
+use crate::common::ring_design::{ring_design, rings};
+use crate::common::stepped_ring::Ring;
 use jointsweep::internals::engine::joint_curve::JointCurve;
 use jointsweep::internals::engine::outcome::Response;
 use jointsweep::internals::engine::spaces::SpaceKey;
@@ -21,37 +21,6 @@ use jointsweep::internals::mechanics::element::quadrature::gauss_legendre;
 use jointsweep::internals::mechanics::material::Idealization;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::{JointDesign, Load};
-
-/// A wall with up to two layers.
-fn ring(random: &mut Random, outward: bool, idealization: Idealization) -> Ring {
-    let mut radius_ratio = 1.0;
-    let count = (random.unit() * 3.0) as usize;
-    let beyond: Vec<Beyond> = (0..count)
-        .map(|_| {
-            let thickness = random.log(0.05, 0.2);
-            radius_ratio *= if outward { 1.0 + thickness } else { 1.0 - thickness };
-            Beyond {
-                radius_ratio,
-                youngs_modulus: 1e5 * random.log(0.03, 3.0),
-                poissons_ratio: random.linear(0.0, 0.45),
-            }
-        })
-        .collect();
-    let wall = random.linear(0.3, 1.0);
-    Ring {
-        fixed_radius_ratio: radius_ratio * if outward { 1.0 + 2.0 * wall } else { 1.0 - 0.8 * wall },
-        youngs_modulus: 1e5 * random.log(0.03, 3.0),
-        poissons_ratio: random.linear(0.0, 0.45),
-        idealization,
-        beyond: beyond.leak(),
-    }
-}
-
-/// A pin and a plate.
-fn rings(random: &mut Random) -> [Ring; 2] {
-    let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
-    [ring(random, false, idealization), ring(random, true, idealization)]
-}
 
 /// Compliances of both together to a pressure that is uniform and to cos(phi).
 fn modes(rings: &[Ring; 2]) -> [f64; 2] {

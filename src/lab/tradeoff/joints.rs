@@ -98,6 +98,7 @@ mod tests {
             support: 0,
             material,
             layers: Default::default(),
+            yield_stress: None,
         };
         let joint = JointDesign {
             idealization: Idealization::PlaneStress,

@@ -65,16 +65,18 @@ impl Fields {
     }
 }
 
+/// Mode 1 of a layer: (u_r + u_phi), (u_r - u_phi) of its near circle and s_phi of its far one, in its own units.
+struct FirstField {
+    sum: f64,
+    difference: f64,
+    far_shear: f64,
+}
+
 impl Layer {
     /// Z of its near circle from that of its far one, mode n >= 2.
     pub fn compliance(&self, n: usize, beyond: Matrix) -> Matrix {
-        let n = n as f64;
-        let is_outward = self.ratio > 1.0;
-        let q = if is_outward { self.ratio } else { 1.0 / self.ratio }.powf(-n);
-        let [near_circle, far_circle] = [1.0, self.ratio].map(|r| {
-            let [rising, falling] = Fields::rising_and_falling(self.kolosov, n, r);
-            if is_outward { [falling, rising] } else { [rising, falling] }
-        });
+        let q = self.left_of(n);
+        let [near_circle, far_circle] = self.fields(n);
         let beyond = self.own(beyond);
         let [near, far] = near_circle;
         let mut stresses = near.stresses;
@@ -101,32 +103,86 @@ impl Layer {
     /// Mode 1, where the resultant passes from layer to layer: (u_r + u_phi, u_r - u_phi) of the near circle under s_phi and
     /// r (s_r - s_phi)/2, from those of the far one.
     pub fn first_compliance(&self, beyond: Matrix) -> Matrix {
+        let beyond = self.own(beyond);
+        let [of_shear, of_resultant] =
+            [(1.0, 0.0), (0.0, 1.0)].map(|(shear, resultant)| self.first_field(shear, resultant, beyond));
+        self.handed_on([[of_shear.sum, of_resultant.sum], [of_shear.difference, of_resultant.difference]])
+    }
+
+    /// Mode 1 under a shear stress and a resultant on the near circle; what lies beyond in the layer's own units.
+    fn first_field(&self, shear: f64, resultant: f64, [of_sum, of_difference]: Matrix) -> FirstField {
         let (kappa, rho) = (self.kolosov, self.ratio);
-        let [[p_shear, p_resultant], [m_shear, m_resultant]] = self.own(beyond);
         // The resultant per length of the near radius is that of the far one times rho.
-        let (p_resultant, m_resultant) = (p_resultant / rho, m_resultant / rho);
-        let column = |shear: f64, resultant: f64| {
-            // Stresses 2 A r + (kappa + 3) L/r - 2 D/r^3 and 2 A r + (1 - kappa) L/r - 2 D/r^3.
-            let point = resultant / (kappa + 1.0);
-            let excess = 0.5 * ((1.0 - kappa) * point - shear);
-            // u_r + u_phi = 2 kappa A r^2 - 2 L + 2 D/r^2 on the far circle, D = A + excess; with A rho^2 in the place of A.
-            let square = rho * rho;
-            let known = 2.0 * point - 2.0 * excess / square
-                + p_shear * ((1.0 - kappa) * point / rho - 2.0 * excess / rho / square)
-                + p_resultant * resultant;
-            let of_risen = 2.0 * kappa + 2.0 / square / square
-                - 2.0 * p_shear * (1.0 / rho - 1.0 / rho / square / square);
-            let risen = known / of_risen;
-            let rising = risen / square;
-            let falling = rising + excess;
-            let far_shear = 2.0 * risen / rho + (1.0 - kappa) * point / rho - 2.0 * falling / rho / square;
-            // u_r - u_phi = -4 A r^2 + 4 kappa L ln r + 2 T there.
-            let far_difference = m_shear * far_shear + m_resultant * resultant;
-            let translation = far_difference + 4.0 * risen - 4.0 * kappa * point * rho.ln();
-            [2.0 * kappa * rising - 2.0 * point + 2.0 * falling, translation - 4.0 * rising]
-        };
-        let (of_shear, of_resultant) = (column(1.0, 0.0), column(0.0, 1.0));
-        self.handed_on([[of_shear[0], of_resultant[0]], [of_shear[1], of_resultant[1]]])
+        let (sum_of_resultant, difference_of_resultant) = (of_sum[1] / rho, of_difference[1] / rho);
+        // Stresses 2 A r + (kappa + 3) L/r - 2 D/r^3 and 2 A r + (1 - kappa) L/r - 2 D/r^3.
+        let point = resultant / (kappa + 1.0);
+        let excess = 0.5 * ((1.0 - kappa) * point - shear);
+        // u_r + u_phi = 2 kappa A r^2 - 2 L + 2 D/r^2 on the far circle, D = A + excess; with A rho^2 in the place of A.
+        let square = rho * rho;
+        let known = 2.0 * point - 2.0 * excess / square
+            + of_sum[0] * ((1.0 - kappa) * point / rho - 2.0 * excess / rho / square)
+            + sum_of_resultant * resultant;
+        let of_risen =
+            2.0 * kappa + 2.0 / square / square - 2.0 * of_sum[0] * (1.0 / rho - 1.0 / rho / square / square);
+        let risen = known / of_risen;
+        let rising = risen / square;
+        let falling = rising + excess;
+        let far_shear = 2.0 * risen / rho + (1.0 - kappa) * point / rho - 2.0 * falling / rho / square;
+        // u_r - u_phi = -4 A r^2 + 4 kappa L ln r + 2 T there.
+        let far_difference = of_difference[0] * far_shear + difference_of_resultant * resultant;
+        let translation = far_difference + 4.0 * risen - 4.0 * kappa * point * rho.ln();
+        FirstField {
+            sum: 2.0 * kappa * rising - 2.0 * point + 2.0 * falling,
+            difference: translation - 4.0 * rising,
+            far_shear,
+        }
+    }
+
+    /// Radial and shear stress of its far circle under those of its near one, any mode; what lies beyond as `compliance` takes it, in mode 1 as
+    /// `first_compliance`, in mode 0 as `uniform_compliance` in the first place.
+    pub fn far_stress(&self, n: usize, [radial, shear]: [f64; 2], beyond: Matrix) -> [f64; 2] {
+        let rho = self.ratio;
+        let beyond = self.own(beyond);
+        match n {
+            0 => {
+                // s_r = A - B/r^2, 2 mu u = k A r + B/r.
+                let (k, z) = (0.5 * (self.kolosov - 1.0), beyond[0][0]);
+                let reflected = radial * (z - k * rho) / (k * rho + 1.0 / rho - z + z / rho / rho);
+                [radial + reflected * (1.0 - 1.0 / rho / rho), 0.0]
+            }
+            1 => {
+                let resultant = 0.5 * (radial - shear);
+                let far_shear = self.first_field(shear, resultant, beyond).far_shear;
+                [far_shear + 2.0 * resultant / rho, far_shear]
+            }
+            _ => {
+                let q = self.left_of(n);
+                // Powers of radii like 1e300 are no numbers.
+                if q < 1e-30 {
+                    return [0.0, 0.0];
+                }
+                let [near_circle, far_circle] = self.fields(n);
+                let reflection = product(inverse(far_circle[1].less(beyond)), far_circle[0].less(beyond));
+                let mut near = near_circle[0].stresses;
+                subtract(&mut near, q * q, product(near_circle[1].stresses, reflection));
+                let mut far = far_circle[0].stresses;
+                subtract(&mut far, 1.0, product(far_circle[1].stresses, reflection));
+                apply(far, apply(inverse(near), [radial, shear])).map(|stress| q * stress)
+            }
+        }
+    }
+
+    /// What is left of a wave of mode n on the far circle of one on the near circle, (near radius/far radius)^n or its inverse.
+    fn left_of(&self, n: usize) -> f64 {
+        if self.ratio > 1.0 { self.ratio } else { 1.0 / self.ratio }.powf(-(n as f64))
+    }
+
+    /// On the near and the far circle: what falls from the near one, and from the far one.
+    fn fields(&self, n: usize) -> [[Fields; 2]; 2] {
+        [1.0, self.ratio].map(|r| {
+            let [rising, falling] = Fields::rising_and_falling(self.kolosov, n as f64, r);
+            if self.ratio > 1.0 { [falling, rising] } else { [rising, falling] }
+        })
     }
 
     /// What lies beyond the far circle, in the layer's own units: of length its near radius, displacements times 2 mu.

@@ -10,6 +10,7 @@ pub mod ring_modes;
 pub mod second_order;
 pub mod layered_ring;
 pub mod series;
+pub mod circle_stresses;
 pub mod pressure_space;
 pub mod lane_condensation;
 pub mod near_field;

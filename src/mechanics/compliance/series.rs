@@ -17,7 +17,7 @@ use super::layered_ring::{Fields, Layer, Matrix, ZERO, apply, inverse, product};
 use super::second_order::{Bands, bands};
 use super::thin_wall::bed_compliance;
 use super::{BodyCompliance, Boundary};
-use crate::mechanics::body::lining::Lining;
+use crate::mechanics::body::lining::{Interface, Lining};
 use crate::mechanics::body::{Body, Side, THINNEST_RING};
 use crate::mechanics::material::Idealization;
 
@@ -85,7 +85,7 @@ impl ConcentricBody {
     }
 
     /// Where the material at the ring ends: at the first interface, or at the fixed circle.
-    fn near_radius_ratio(&self) -> f64 {
+    pub(super) fn near_radius_ratio(&self) -> f64 {
         self.lining.list().first().map_or(self.fixed_radius_ratio, |interface| interface.radius_ratio)
     }
 
@@ -94,14 +94,18 @@ impl ConcentricBody {
         let interfaces = self.lining.list();
         let mut far = self.fixed_radius_ratio;
         interfaces.iter().rev().fold(held, |beyond, interface| {
-            let layer = Layer {
-                ratio: far / interface.radius_ratio,
-                kolosov: self.idealization.kolosov(interface.poissons_ratio),
-                twice_shear_modulus: interface.modulus_ratio / (1.0 + interface.poissons_ratio),
-            };
-            far = interface.radius_ratio;
-            add(layer, beyond)
+            let end = std::mem::replace(&mut far, interface.radius_ratio);
+            add(self.layer_beyond(interface, end), beyond)
         })
+    }
+
+    /// What lies between an interface and a radius beyond it.
+    fn layer_beyond(&self, interface: &Interface, far: f64) -> Layer {
+        Layer {
+            ratio: far / interface.radius_ratio,
+            kolosov: self.idealization.kolosov(interface.poissons_ratio),
+            twice_shear_modulus: interface.modulus_ratio / (1.0 + interface.poissons_ratio),
+        }
     }
 
     /// The material at the ring as a layer before others.
@@ -111,6 +115,18 @@ impl ConcentricBody {
             kolosov: self.kolosov(),
             twice_shear_modulus: self.twice_shear_modulus(),
         }
+    }
+
+    /// All materials, from the ring on.
+    pub(super) fn layers(&self) -> Vec<Layer> {
+        let interfaces = self.lining.list();
+        let far = interfaces
+            .iter()
+            .skip(1)
+            .map(|interface| interface.radius_ratio)
+            .chain([self.fixed_radius_ratio]);
+        let beyond = interfaces.iter().zip(far).map(|(interface, far)| self.layer_beyond(interface, far));
+        std::iter::once(self.near_layer()).chain(beyond).collect()
     }
 
     /// c, the amplitude of the logarithmic kernel, for Young's modulus 1: 2/E'.
@@ -229,8 +245,8 @@ impl ConcentricBody {
         }
     }
 
-    /// lambda_0.
-    fn uniform_mode(&self) -> f64 {
+    /// lambda_0: the normal displacement under pressure 1 all around, for Young's modulus 1 at the ring.
+    pub fn uniform_mode(&self) -> f64 {
         if self.lining.is_empty() {
             return bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization);
         }

@@ -1,6 +1,6 @@
 //! The contact pressure along the arc of a state.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::curve::ContactCurve;
 use super::state::ContactState;
@@ -133,6 +133,40 @@ impl ArcPressure {
         let tau = cosine.acos();
         let turned: f64 = sum(tau);
         -turned / tau.sin() * self.map.slope(self.b * cosine) / self.b
+    }
+
+    /// The same on the pin, per area of the pin and over its own angles: m times as dense, on an arc of m times the tangent
+    /// (`outlines`). Without what tilts it against the pin's normal, which is of the order of the clearance ratio.
+    pub fn on_pin(&self, ratio: f64) -> ArcPressure {
+        let coefficients = self.coefficients.iter().map(|value| ratio * value).collect();
+        ArcPressure { map: self.map, b: ratio * self.b, coefficients }
+    }
+
+    /// Amplitudes of cos(n phi), n from 0, so many: p = sum of p_n cos(n phi).
+    pub fn modes(&self, count: usize) -> Vec<f64> {
+        // The midpoints of tau see no wave faster than this; cos(n phi) is one of n times the arc at most.
+        let half_angle = self.map.angle(self.b);
+        let places = (0.5 * half_angle * count as f64) as usize + 4 * self.coefficients.len() + 32;
+        let step = FRAC_PI_2 / places as f64;
+        let mut modes = vec![0.0; count];
+        for place in 0..places {
+            let tau = (place as f64 + 0.5) * step;
+            let sum: f64 = (0..)
+                .zip(&self.coefficients)
+                .map(|(k, value)| value * (2.0 * f64::from(k) * tau).cos())
+                .sum();
+            let weight = 2.0 / PI * step * sum;
+            let twice = 2.0 * self.map.angle(self.b * tau.cos()).cos();
+            let (mut cosine, mut before) = (1.0, 0.5 * twice);
+            for mode in &mut modes {
+                *mode += weight * cosine;
+                (cosine, before) = (twice * cosine - before, cosine);
+            }
+        }
+        if let Some(mean) = modes.first_mut() {
+            *mean *= 0.5;
+        }
+        modes
     }
 
     fn is_closed(&self) -> bool {

@@ -1,0 +1,123 @@
+//! Stresses on the circles of a concentric body - the ring, each interface, the circle that is held - mode by mode.
+//!
+//! Radial and shear stress pass from circle to circle with the fields of `layered_ring`. The hoop stress follows from what both
+//! sides of a circle have in common, the hoop strain, which is known from the compliance Z of what lies beyond it: with nu' = nu in plane
+//! strain and nu/(1 + nu) in plane stress,
+//!
+//! ```text
+//!   2 mu e_phi = s_phi - nu' (s_r + s_phi),     e_phi = (u_r + n u_phi)/r.
+//! ```
+
+use super::layered_ring::{Layer, Matrix, ZERO, apply};
+use super::series::ConcentricBody;
+use crate::mechanics::body::lining::{Interface, Lining};
+
+/// On one side of a circle: amplitudes of cos(n phi), of the shear stress of sin(n phi); or the stresses themselves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stress {
+    pub radial: f64,
+    pub hoop: f64,
+    pub shear: f64,
+}
+
+impl Stress {
+    /// Von Mises' stress, with the stress along the axis over the sum of those in the plane.
+    pub fn von_mises(self, axial_share: f64) -> f64 {
+        let Stress { radial, hoop, shear } = self;
+        let axial = axial_share * (radial + hoop);
+        let differences = [radial - hoop, hoop - axial, axial - radial];
+        (0.5 * differences.map(|difference| difference * difference).iter().sum::<f64>()
+            + 3.0 * shear * shear)
+            .sqrt()
+    }
+}
+
+/// n ln(radius) at which a wave of mode n has 4e-8 of its stresses left.
+const FADED: f64 = 20.0;
+
+/// n times the half angle of a contact beyond which its pressure has 2e-4 of what it has in the first modes.
+const SHORT: f64 = 300.0;
+
+/// No more modes than these, or for narrow contacts than those.
+const MOST_MODES: f64 = 16_384.0;
+const MOST_OF_NARROW: f64 = 65_536.0;
+
+impl ConcentricBody {
+    /// How many modes of the pressure of a contact of that half angle, rad, count below the ring; `None` where they are too many.
+    pub fn stress_modes(&self, half_angle: f64) -> Option<usize> {
+        let needed = FADED / self.near_radius_ratio().ln().abs() + 4.0;
+        let enough = (SHORT / half_angle).max(MOST_MODES);
+        let count = needed.min(enough);
+        (count <= MOST_OF_NARROW).then_some(count as usize)
+    }
+
+    /// The same body with circles at further radii, over the ring's, where nothing changes; those that are not inside of it are left out.
+    pub fn with_circles(&self, radii: &[f64]) -> ConcentricBody {
+        let depth = |radius: f64| radius.ln().abs();
+        let inside = |radius: f64| {
+            radius.ln() * self.fixed_radius_ratio.ln() > 0.0 && depth(radius) < depth(self.fixed_radius_ratio)
+        };
+        let mut interfaces = self.lining.list().to_vec();
+        for &radius_ratio in radii.iter().filter(|radius| inside(**radius)) {
+            let above =
+                interfaces.partition_point(|interface| depth(interface.radius_ratio) < depth(radius_ratio));
+            if interfaces.get(above).is_some_and(|interface| interface.radius_ratio == radius_ratio) {
+                continue;
+            }
+            let (modulus_ratio, poissons_ratio) = match above.checked_sub(1).map(|place| interfaces[place]) {
+                Some(interface) => (interface.modulus_ratio, interface.poissons_ratio),
+                None => (1.0, self.poissons_ratio),
+            };
+            interfaces.insert(above, Interface { radius_ratio, modulus_ratio, poissons_ratio });
+        }
+        ConcentricBody { lining: Lining::new(interfaces), ..self.clone() }
+    }
+
+    /// Radii of all circles over the ring's, from the ring on.
+    pub fn circles(&self) -> Vec<f64> {
+        let interfaces = self.lining.list().iter().map(|interface| interface.radius_ratio);
+        std::iter::once(1.0).chain(interfaces).chain([self.fixed_radius_ratio]).collect()
+    }
+
+    /// Under a pressure cos(n phi) on the ring: of each material, from the ring on, what there is on its near circle and on its far one.
+    pub fn circle_stresses(&self, n: usize) -> Vec<[Stress; 2]> {
+        let layers = self.layers();
+        // How what lies beyond each circle yields, of the held one not at all.
+        let mut beyond = vec![ZERO; layers.len() + 1];
+        for (place, layer) in layers.iter().enumerate().rev() {
+            beyond[place] = match n {
+                0 => [[layer.uniform_compliance(beyond[place + 1][0][0]), 0.0], [0.0, 0.0]],
+                1 => layer.first_compliance(beyond[place + 1]),
+                _ => layer.compliance(n, beyond[place + 1]),
+            };
+        }
+        let mut passing = [-1.0, 0.0];
+        let of_layer = |(place, layer): (usize, &Layer)| {
+            let near = layer.with_hoop(passing, hoop_strain(n, passing, beyond[place]));
+            passing = layer.far_stress(n, passing, beyond[place + 1]);
+            [near, layer.with_hoop(passing, hoop_strain(n, passing, beyond[place + 1]))]
+        };
+        layers.iter().enumerate().map(of_layer).collect()
+    }
+}
+
+/// Of a circle under stresses of mode n from how what lies beyond it yields.
+fn hoop_strain(n: usize, stress: [f64; 2], beyond: Matrix) -> f64 {
+    match n {
+        0 => beyond[0][0] * stress[0],
+        // u_r + u_phi under the shear stress and the resultant.
+        1 => beyond[0][0] * stress[1] + beyond[0][1] * 0.5 * (stress[0] - stress[1]),
+        _ => {
+            let [radial, along] = apply(beyond, stress);
+            radial + n as f64 * along
+        }
+    }
+}
+
+impl Layer {
+    fn with_hoop(&self, [radial, shear]: [f64; 2], hoop_strain: f64) -> Stress {
+        let share = 0.25 * (3.0 - self.kolosov);
+        let hoop = (self.twice_shear_modulus * hoop_strain + share * radial) / (1.0 - share);
+        Stress { radial, hoop, shear }
+    }
+}

@@ -1,0 +1,122 @@
+//! `jointsweep stresses`, and what a yield stress is for.
+
+use crate::common::ring_joint::ring_joint;
+use crate::common::workdir::Workdir;
+
+use super::SMALL;
+use super::commands::half_pins;
+
+/// Two press fits, of which the first is four times as tight, with layers in the plate.
+fn fits() -> String {
+    let config = ring_joint("[\"-0.04 mm\", \"-0.01 mm\"]", "[\"0 mm\", \"0.01 mm\"]")
+        .replace("indentation", "offset");
+    let layers = "[[joint.plate.layers]]\nthickness = \"1 mm\"\nyoungs_modulus = \"100 GPa\"\npoissons_ratio = 0.3\n\
+                  yield_stress = \"200 MPa\"\n[load]";
+    config.replace("[load]", layers)
+}
+
+fn numbers(work: &Workdir, table: &str, column: &str) -> Vec<f64> {
+    work.table(table).column(column).iter().map(|cell| cell.parse().unwrap()).collect()
+}
+
+/// The share of the yield stress that is told at rest is above 1 where rows of the table say so.
+#[test]
+fn press_fits_that_yield_at_rest_say_so() {
+    let work = Workdir::new("stresses-yield");
+    work.write("fits.toml", &fits());
+    work.run(&["run", "fits.toml"]).expect(0);
+    let statuses = work.table("out/fits/table.csv");
+    assert_eq!(statuses.column("status"), ["yields at rest", "yields at rest", "ok", "ok"]);
+    let told = work
+        .run(&["stresses", "fits.toml", "--design", "0", "--design", "1", "--out", "stresses.csv"])
+        .expect(0);
+    assert!(told.stderr.contains("design 0, step 0 (offset 0 mm): up to 2."), "{}", told.stderr);
+    assert!(told.stderr.contains("of the yield stress, plate layer 1 at 10 mm"), "{}", told.stderr);
+    assert!(told.stderr.contains("design 1, step 0 (offset 0 mm): up to 0."), "{}", told.stderr);
+    let table = work.table("stresses.csv");
+    // A pin's two circles, a plate's four, at 91 points, of two steps and two designs.
+    assert_eq!(table.column("design").len(), 6 * 91 * 2 * 2);
+    let (layers, shares, von_mises) =
+        (table.column("layer"), table.column("yield_share"), numbers(&work, "stresses.csv", "von_mises_mpa"));
+    let mut greatest = [0.0_f64; 2];
+    for (place, (layer, share)) in layers.iter().zip(&shares).enumerate() {
+        assert_eq!(*layer == "1", !share.is_empty(), "line {place}");
+        if *layer == "1" {
+            let share: f64 = share.parse().unwrap();
+            assert!((share * 200.0 / von_mises[place] - 1.0).abs() < 1e-6);
+            if table.column("step")[place] == "0" {
+                let greatest = &mut greatest[table.column("design")[place].parse::<usize>().unwrap()];
+                *greatest = greatest.max(share);
+            }
+        }
+    }
+    assert!(
+        greatest[0] > 1.0 && greatest[1] < 1.0 && (greatest[0] / greatest[1] - 4.0).abs() < 1e-6,
+        "{greatest:?}"
+    );
+    // Just above what the looser one bears.
+    let most = |share: f64| format!("yield_stress = \"{} MPa\"", 200.0 * greatest[1] * share);
+    for (share, status) in [(1.001, "ok"), (0.999, "yields at rest")] {
+        work.write("near.toml", &fits().replace("yield_stress = \"200 MPa\"", &most(share)));
+        work.run(&["run", "near.toml", "--force"]).expect(0);
+        assert_eq!(work.table("out/near/table.csv").column("status")[2], status);
+    }
+}
+
+/// Of a pin or a plate that is not concentric nothing is told; depths are circles more.
+#[test]
+fn stresses_are_of_concentric_bodies() {
+    let work = Workdir::new("stresses-shapes");
+    work.write("half.toml", &half_pins(&SMALL));
+    let told = work
+        .run(&["stresses", "half.toml", "--design", "0", "--points", "5", "--out", "plate.csv"])
+        .expect(0);
+    assert!(
+        told.stderr.contains("design 0, pin: `rigid-midplane`: stresses are known of concentric bodies only"),
+        "{}",
+        told.stderr
+    );
+    let table = work.table("plate.csv");
+    assert_eq!(table.column("part"), ["plate"; 3 * 2 * 5]);
+    let deep = ["--depth", "0.1 mm", "--depth", "200 um", "--depth", "5 m"];
+    let all = [&["stresses", "half.toml", "--design", "0", "--points", "5", "--out", "deep.csv"][..], &deep]
+        .concat();
+    work.run(&all).expect(0);
+    let radii = numbers(&work, "deep.csv", "radius_mm");
+    // The last is outside of the plate.
+    assert_eq!(
+        radii.chunks(5).map(|circle| circle[0]).take(4).collect::<Vec<_>>(),
+        [10.0, 10.1, 10.2, radii[15]]
+    );
+    assert_eq!(radii.len(), 3 * 4 * 5);
+    let block = "model = \"block\"\nhalf_width_ratio = 2.0\ndepth_ratio = 2.0\nheight_ratio = 2.0";
+    let text = half_pins(&SMALL).replace("model = \"annulus\"", block);
+    work.write(
+        "none.toml",
+        &text.lines().filter(|line| !line.starts_with("outer_radius")).collect::<Vec<_>>().join("\n"),
+    );
+    let none = work.run(&["stresses", "none.toml", "--design", "0"]).expect(2);
+    assert_eq!(none.stdout.lines().count(), 1);
+    for (depth, problem) in [("0 mm", "must be above 0"), ("3", "mm"), ("3 MPa", "mm")] {
+        let said = work.run(&["stresses", "half.toml", "--design", "0", "--depth", depth]).expect(1).stderr;
+        assert!(said.contains("--depth") && said.contains(problem), "{said}");
+    }
+}
+
+#[test]
+fn a_yield_stress_is_one_value() {
+    let work = Workdir::new("stresses-key");
+    for (given, problem) in [
+        ("[\"200 MPa\", \"300 MPa\"]", "one value; a yield stress changes no answer and does not sweep"),
+        ("{ from = \"1 MPa\", to = \"2 MPa\", count = 3 }", "one value"),
+        ("\"0 MPa\"", "must be above 0"),
+        ("\"200 mm\"", "MPa"),
+    ] {
+        work.write(
+            "bad.toml",
+            &fits().replace("yield_stress = \"200 MPa\"", &format!("yield_stress = {given}")),
+        );
+        let said = work.run(&["run", "bad.toml"]).expect(1).stderr;
+        assert!(said.contains("yield_stress") && said.contains(problem), "{said}");
+    }
+}

@@ -1,0 +1,240 @@
+//! Stresses on circles of concentric bodies, against rings that are stepped through, Hertz and equilibrium.
+
+use std::f64::consts::PI;
+
+use crate::common::random::Random;
+use crate::common::ring_design::{ring_design, rings};
+use crate::common::stepped_ring::{Beyond, Ring, exponential, scaled};
+use jointsweep::internals::engine::joint_curve::JointCurve;
+use jointsweep::internals::engine::joint_stresses::{CircleStresses, NoStresses};
+use jointsweep::internals::mechanics::body::Side;
+use jointsweep::internals::mechanics::compliance::circle_stresses::Stress;
+use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
+use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{JointDesign, Load};
+
+/// By exact modes, as good as they come.
+fn curve(joint: &JointDesign) -> JointCurve {
+    JointCurve::new(joint, SolveOptions { accuracy: 1e-9, method: MethodChoice::Series }).unwrap()
+}
+
+/// The near and the far circle of each material with that material.
+fn places(ring: &Ring) -> Vec<(f64, Beyond)> {
+    let own = Beyond {
+        radius_ratio: 1.0,
+        youngs_modulus: ring.youngs_modulus,
+        poissons_ratio: ring.poissons_ratio,
+    };
+    let materials: Vec<Beyond> = std::iter::once(own).chain(ring.beyond.iter().copied()).collect();
+    let ends = materials.iter().skip(1).map(|next| next.radius_ratio).chain([ring.fixed_radius_ratio]);
+    materials
+        .iter()
+        .zip(ends)
+        .flat_map(|(layer, end)| [(layer.radius_ratio, *layer), (end, *layer)])
+        .collect()
+}
+
+/// Radial, hoop and shear stress under a pressure cos(n phi) on the edge of a ring, at places of its wall: radii over the edge's, each with the material
+/// there. cos and sin taken out; for few waves and walls that are not thick.
+fn stepped_stresses(ring: &Ring, n: usize, places: &[(f64, Beyond)]) -> Vec<[f64; 3]> {
+    let [[radial, _], [along, _]] = ring.compliance(n);
+    let mut state = [-radial, -along, -1.0, 0.0];
+    let mut reached = 0.0_f64;
+    let mut stresses = Vec::new();
+    for (radius, layer) in places {
+        let far = radius.ln();
+        let steps = (8.0 * (n as f64 + 2.0) * (far - reached).abs()).ceil().max(1.0);
+        let step = exponential(&scaled(&ring.generator(n as f64, layer), (far - reached) / steps));
+        for _ in 0..steps as usize {
+            state = step.map(|row| row.iter().zip(state).map(|(a, b)| a * b).sum());
+        }
+        reached = far;
+        let (shear, lame) = ring.lame(layer.youngs_modulus, layer.poissons_ratio);
+        let [radial, along, tension, shearing] = state;
+        let strain = (radial + n as f64 * along) / radius;
+        // s_r = (lame + 2 mu) e_r + lame e_phi, and the same with both changed.
+        let outwards = tension / radius;
+        let across = (outwards - lame * strain) / (lame + 2.0 * shear);
+        stresses.push([outwards, (lame + 2.0 * shear) * strain + lame * across, shearing / radius]);
+    }
+    stresses
+}
+
+/// The worst difference over all was 5e-13 of the greatest stress of the mode.
+#[test]
+fn modes_are_those_of_rings_that_are_stepped_through() {
+    let mut random = Random::new(410);
+    let (mut worst, mut compared) = (0.0_f64, 0);
+    for _ in 0..20 {
+        let rings = rings(&mut random);
+        let joint = ring_design(&rings, 0.0);
+        for (side, ring) in [Side::Pin, Side::Plate].into_iter().zip(&rings) {
+            let body = ConcentricBody::of(&joint.body(joint.part(side))).unwrap();
+            for n in 0..8 {
+                // Stepping makes rounding grow with the waves that rise.
+                let shallow = |place: &(f64, Beyond)| n as f64 * place.0.ln().abs() < 4.0;
+                let all = places(ring);
+                let expected =
+                    stepped_stresses(ring, n, &all.iter().copied().take_while(shallow).collect::<Vec<_>>());
+                let found = body.circle_stresses(n);
+                assert_eq!(found.as_flattened().len(), all.len());
+                let greatest =
+                    expected.as_flattened().iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+                for (Stress { radial, hoop, shear }, expected) in found.as_flattened().iter().zip(&expected) {
+                    for (found, expected) in [*radial, *hoop, *shear].iter().zip(expected) {
+                        let error = (found - expected).abs() / greatest;
+                        assert!(error < 1e-10, "{side:?}, mode {n}: {found} for {expected}, {ring:?}");
+                        worst = worst.max(error);
+                        compared += 1;
+                    }
+                }
+            }
+        }
+    }
+    println!("{compared} stresses: {worst:.1e}");
+    assert!(compared > 2000, "{compared}");
+}
+
+/// 2 t times the integral of (s_r cos(phi) - s_phi sin(phi)) r d(phi), from the load line to the far side.
+fn resultant(circle: &CircleStresses) -> f64 {
+    let value = |place: usize| {
+        let point = circle.points[place];
+        let (sine, cosine) = point.angle.sin_cos();
+        (point.angle, (point.radial * cosine - point.shear * sine) * circle.radius)
+    };
+    let ends = (1..circle.points.len()).map(|place| (value(place - 1), value(place)));
+    -2.0 * ends.map(|((from, a), (to, b))| 0.5 * (a + b) * (to - from)).sum::<f64>()
+}
+
+/// Every circle of both bodies carries the force, and both sides of an interface have the same radial and shear stress. Of the pin its own
+/// pressure leaves out what tilts it, and a press fit's is per area of the hole, both of the order of the clearance.
+#[test]
+fn every_circle_carries_the_force() {
+    let mut random = Random::new(411);
+    let mut interfaces = 0;
+    for (draw, clearance) in [0.001, 0.01, 0.0, -0.002, -0.002, 0.003].into_iter().enumerate() {
+        let rings = rings(&mut random);
+        let curve = curve(&ring_design(&rings, clearance));
+        let load =
+            if clearance < 0.0 { Load::Offset(0.001 + 0.01 * draw as f64) } else { Load::Indentation(0.004) };
+        let answer = curve.answers(&[load]).pop().unwrap().response.unwrap();
+        for side in [Side::Pin, Side::Plate] {
+            let circles = curve.stresses(side, load, 2001, &[0.05]).unwrap();
+            for circle in &circles {
+                let error = (resultant(circle) / answer.force - 1.0).abs();
+                let allowed = 1e-4 + if side == Side::Pin { 1.1 * clearance.abs() } else { 0.0 };
+                assert!(error < allowed, "draw {draw}, {side:?} at {}: {error:.1e}", circle.radius);
+            }
+            for pair in circles.windows(2).filter(|pair| pair[0].radius == pair[1].radius) {
+                let most = pair[0].points.iter().fold(0.0, |most: f64, point| most.max(point.radial.abs()));
+                assert_eq!(
+                    pair[0].layer + 1,
+                    if pair[1].layer == 0 { rings_layers(&curve, side) } else { pair[1].layer }
+                );
+                for (one, other) in pair[0].points.iter().zip(&pair[1].points) {
+                    assert!((one.radial - other.radial).abs() < 1e-12 * most);
+                    assert!((one.shear - other.shear).abs() < 1e-12 * most);
+                }
+                interfaces += 1;
+            }
+        }
+    }
+    assert!(interfaces >= 6, "{interfaces}");
+}
+
+/// One more than the layers of a side: its own material comes after them.
+fn rings_layers(curve: &JointCurve, side: Side) -> usize {
+    curve.joint().part(side).layers.list().len() + 1
+}
+
+/// Below a narrow contact in large bodies the stresses are those below a line contact (K. L. Johnson, Contact Mechanics, 4.45), a the half width and z the
+/// depth; what is left falls with the width.
+#[test]
+fn below_a_narrow_contact_are_the_stresses_of_hertz() {
+    let large = |fixed_radius_ratio| Ring {
+        fixed_radius_ratio,
+        youngs_modulus: 1.0,
+        poissons_ratio: 0.3,
+        idealization: Idealization::PlaneStrain,
+        beyond: &[],
+    };
+    let curve = curve(&ring_design(&[large(0.2), large(5.0)], 0.01));
+    let worst = |force: f64| -> f64 {
+        let load = Load::Force(force);
+        let answer = curve.answers(&[load]).pop().unwrap().response.unwrap();
+        let (width, peak) = (answer.contact_half_angle.unwrap(), answer.peak_pressure.unwrap());
+        let depths = [0.2, 0.5, 0.704, 1.0, 2.0].map(|share| share * width);
+        let circles = curve.stresses(Side::Plate, load, 181, &depths).unwrap();
+        assert_eq!(circles.len(), 7);
+        let mut worst = 0.0_f64;
+        for (circle, depth) in circles[1..6].iter().zip(depths) {
+            assert!((circle.radius - 1.0 - depth).abs() < 1e-12 && circle.layer == 0);
+            let root = (width * width + depth * depth).sqrt();
+            let square = width * width + 2.0 * depth * depth;
+            let along = -peak / width * (square / root - 2.0 * depth);
+            let across = -peak * width / root;
+            let below = circle.points[0];
+            worst =
+                worst.max(((below.radial - across) / peak).abs()).max(((below.hoop - along) / peak).abs());
+        }
+        // The greatest of von Mises' stress.
+        let von_mises = circles[3].points[0].von_mises / peak;
+        println!("{:.2} deg: {worst:.1e} of the peak pressure, von Mises {von_mises:.4}", width.to_degrees());
+        assert!((von_mises - 0.558).abs() < 0.6 * width, "{von_mises}");
+        worst
+    };
+    let (wide, narrow) = (worst(4e-7), worst(1e-7));
+    assert!(wide < 0.02 && narrow < 0.6 * wide, "{wide} {narrow}");
+}
+
+/// Closed form of Lame: a thick ring that is held outside, under uniform pressure.
+#[test]
+fn at_rest_are_the_stresses_of_lame() {
+    let ring = |fixed_radius_ratio, youngs_modulus| Ring {
+        fixed_radius_ratio,
+        youngs_modulus,
+        poissons_ratio: 0.3,
+        idealization: Idealization::PlaneStress,
+        beyond: &[],
+    };
+    let curve = curve(&ring_design(&[ring(0.2, 3.0), ring(2.0, 1.0)], -0.001));
+    let circles = curve.stresses(Side::Plate, Load::Offset(0.0), 5, &[0.5]).unwrap();
+    // s = A -+ B/r^2, u = r [(1 - nu) A + (1 + nu) B/r^2]/E is zero at r = 2.
+    let pressure = -circles[0].points[0].radial;
+    let share = -0.25 * 1.3 / 0.7;
+    let b = pressure / (1.0 - share);
+    for (circle, radius) in circles.iter().zip([1.0, 1.5, 2.0]) {
+        let (a, falling) = (share * b, b / (radius * radius));
+        for point in &circle.points {
+            let found = [point.radial, point.hoop, point.shear, circle.radius];
+            let expected = [a - falling, a + falling, 0.0, radius];
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
+            }
+            let von_mises = (a * a + 3.0 * falling * falling).sqrt();
+            assert!((point.von_mises - von_mises).abs() < 1e-12);
+        }
+    }
+    assert_eq!(circles.len(), 3);
+    assert!((circles[0].points[4].angle - PI).abs() < 1e-15);
+}
+
+/// A contact of 0.006 deg on a coating of a millionth: waves so short are not summed.
+#[test]
+fn contacts_too_narrow_for_their_layer_are_refused() {
+    let coated = Ring {
+        fixed_radius_ratio: 3.0,
+        youngs_modulus: 1.0,
+        poissons_ratio: 0.3,
+        idealization: Idealization::PlaneStress,
+        beyond: &[Beyond { radius_ratio: 1.000_001, youngs_modulus: 1.5, poissons_ratio: 0.3 }],
+    };
+    let pin = Ring { fixed_radius_ratio: 0.2, beyond: &[], ..coated };
+    let curve = curve(&ring_design(&[pin, coated], 0.02));
+    let narrow = Load::Indentation(1e-10);
+    assert!(curve.answers(&[narrow])[0].response.is_some());
+    assert_eq!(curve.stresses(Side::Plate, narrow, 9, &[]).unwrap_err(), NoStresses::TooNarrow);
+    assert!(curve.stresses(Side::Pin, narrow, 9, &[]).is_ok());
+    assert!(curve.stresses(Side::Plate, Load::Indentation(1e-3), 9, &[]).is_ok());
+}
