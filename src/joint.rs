@@ -140,6 +140,11 @@ impl Curve {
         Ok(self.at(Load::Indentation(indentation))?.tangent_stiffness)
     }
 
+    /// The offset up to which a press fit stays closed all around, mm; `None` of joints with clearance.
+    pub fn opening(&self) -> Option<f64> {
+        self.0.opening()
+    }
+
     /// Stresses under a load on circles of one side, from the contact on: the contact, each interface from both of its sides, the circle that is held, and those
     /// at further depths below the contact, mm, where there is room. Points are from the load line to the far side. Empty before the bodies touch; an error where
     /// the load has no state, or the part is not concentric.

@@ -120,6 +120,16 @@ impl JointCurve {
         self.with_pressure(load, at_points).unwrap_or_default()
     }
 
+    /// The offset up to which a press fit stays closed all around, mm; `None` of joints with clearance.
+    pub fn opening(&self) -> Option<f64> {
+        if !self.joint.is_press_fit() {
+            return None;
+        }
+        let opening =
+            with_curve(&self.library, &self.spaces, &self.plan, &self.joint, |curve| curve.opening())?;
+        Some(opening * -self.joint.radial_clearance)
+    }
+
     /// Asks with the contact half angle, rad, the pressure and what it is per unit of, MPa; `None` where the load has no state.
     pub(super) fn with_pressure<T>(
         &self,

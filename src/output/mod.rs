@@ -26,6 +26,7 @@ pub mod reduce;
 pub mod laws_table;
 pub mod results;
 pub mod chart;
+pub mod travel;
 pub mod report;
 pub mod export;
 pub mod sinks;

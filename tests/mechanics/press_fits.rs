@@ -48,6 +48,7 @@ fn closed_press_fits_are_those_of_two_modes() {
         let [uniform, first] = modes(&rings);
         let curve = curve(&ring_design(&rings, -OVERLAP));
         let opening = OVERLAP * first / uniform;
+        assert!((curve.opening().unwrap() / opening - 1.0).abs() < 1e-7, "{rings:?}");
         for share in [0.0, 1e-6, 0.5, 0.9999] {
             let offset = share * opening;
             let (fit, force) = (OVERLAP / uniform, PI * offset / first);

@@ -7,6 +7,7 @@ use crate::engine::status::Status;
 use crate::error::Error;
 use crate::output::export::numbers::rounded;
 use crate::output::export::source::{Member, Source, refuse};
+use crate::output::travel::Travel;
 use crate::study::config::SolveOptions;
 use crate::study::design::{JointDesign, Load};
 
@@ -40,9 +41,17 @@ pub fn reached_force(source: &Source) -> Result<f64, Error> {
     let mut least = f64::INFINITY;
     for member in &source.members {
         let curve = solved(&member.joint, source.solve, None)?;
-        least = least.min(answer(&curve, Load::Indentation(source.end))?.force);
+        least = least.min(answer(&curve, source.travel.load(source.end))?.force);
     }
     Ok(least)
+}
+
+/// Where a press fit opens, over what the table is over; `None` of joints with clearance.
+pub fn opening(source: &Source) -> Result<Option<f64>, Error> {
+    let Travel::Offset = source.travel else { return Ok(None) };
+    let curve = solved(&source.members[0].joint, source.solve, None)?;
+    let Some(opening) = curve.opening() else { return Ok(None) };
+    Ok(Some(opening - source.ring_compliance * answer(&curve, Load::Offset(opening))?.force))
 }
 
 fn solved(joint: &JointDesign, solve: SolveOptions, before: Option<JointCurve>) -> Result<JointCurve, Error> {
@@ -123,7 +132,7 @@ impl Solver<'_> {
         indentations: &[f64],
         member: Option<&Member>,
     ) -> Result<Vec<Response>, Error> {
-        let loads: Vec<Load> = indentations.iter().map(|delta| Load::Indentation(*delta)).collect();
+        let loads: Vec<Load> = indentations.iter().map(|delta| self.source.travel.load(*delta)).collect();
         let rows = member.into_iter().flat_map(|member| &member.rows);
         let first =
             rows.filter_map(|row| row.indentation).filter(|row| *row > 0.0).fold(f64::INFINITY, f64::min);
@@ -135,8 +144,9 @@ impl Solver<'_> {
                     let way_out =
                         if found.is_some() { ", or take it all the same (`allow-warned`)" } else { "" };
                     let what = format!(
-                        "radial_clearance {} mm, indentation {delta} mm",
-                        curve.joint().radial_clearance
+                        "radial_clearance {} mm, {} {delta} mm",
+                        curve.joint().radial_clearance,
+                        self.source.travel.name()
                     );
                     refuse(what, format!("{}: end the range before it (`up-to`){way_out}", step.status))
                 }
@@ -163,8 +173,7 @@ impl Solver<'_> {
         let inside: Vec<_> = answered
             .filter(|(_, indentation, _)| *indentation > 0.0 && *indentation <= self.source.end)
             .collect();
-        let loads: Vec<Load> =
-            inside.iter().map(|(_, indentation, _)| Load::Indentation(*indentation)).collect();
+        let loads: Vec<Load> = inside.iter().map(|(_, way, _)| self.source.travel.load(*way)).collect();
         for ((row, indentation, force), step) in inside.into_iter().zip(curve.answers(&loads)) {
             let own = row.force_error.unwrap_or(0.0) + self.source.solve.accuracy;
             let is_near = |found: Response| {

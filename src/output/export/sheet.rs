@@ -7,6 +7,7 @@ use crate::output::export::source::{Reference, Source};
 use crate::output::export::table::{Between, Quality, Table};
 use crate::output::host::Program;
 use crate::output::origin::Origin;
+use crate::output::travel::Travel;
 use crate::study::columns::{Cell, Column, joint_columns};
 
 /// A form for another program: one file of `output/export`, listed in `FORMATS`.
@@ -133,7 +134,13 @@ pub fn head(
     let percent = |value: f64| format!("{} %", rounded(100.0 * value, 2));
     let mut said: Vec<String> = Vec::new();
     let program = Program::CURRENT;
-    said.push(format!("Pin in a hole with clearance: force against indentation, for {}.", format.name));
+    let is_press_fit = source.travel == Travel::Offset;
+    let what = if is_press_fit {
+        "Pin pressed into a hole: force against offset"
+    } else {
+        "Pin in a hole with clearance: force against indentation"
+    };
+    said.push(format!("{what}, for {}.", format.name));
     said.push(format!(
         "Made by {}; config {}, manifest.json xxh128 {manifest_hash}.",
         program.in_words(),
@@ -165,21 +172,32 @@ pub fn head(
     }
     scene += " two dimensions, linear elastic, frictionless; nothing but pin and plate yields.";
     said.push(scene);
+    let (way, from) = match source.travel {
+        Travel::Indentation => ("Indentation", "after first touch"),
+        Travel::Offset => ("Offset", "from where pin and hole are concentric"),
+    };
     said.push(match source.reference {
-        Reference::Support => "Indentation (reference: support): descent of the pin's rigid part after first touch, from where \
-             the plate is held. It holds the compliance of the whole plate up to its support: beside a flexible \
-             plate of a simulator use the reference ring-mean."
-            .into(),
+        Reference::Support => format!(
+            "{way} (reference: support): descent of the pin's rigid part {from}, from where the plate is held. It holds the compliance \
+             of the whole plate up to its support: beside a flexible plate of a simulator use the reference ring-mean."
+        ),
         Reference::RingMean => format!(
-            "Indentation (reference: ring-mean): of the mean motion of the pin's ring against that of the hole's after first \
-             touch; the motion of both rings, {} mm/N, is taken out. The simulator's bodies bring it.",
+            "{way} (reference: ring-mean): of the mean motion of the pin's ring against that of the hole's {from}; the motion of both \
+             rings, {} mm/N, is taken out. The simulator's bodies bring it.",
             plain(rounded(source.ring_compliance, 6))
         ),
     });
-    said.push(
-        "Positive is pressed in; pin's displacement from the hole's centre = radial clearance + indentation."
-            .into(),
-    );
+    said.push(match source.travel {
+        Travel::Indentation => {
+            "Positive is pressed in; pin's displacement from the hole's centre = radial clearance + indentation.".into()
+        }
+        Travel::Offset => {
+            "A press fit is a law without clearance: here the radial clearance is 0, and what is called indentation is the offset, the \
+             pin's displacement from the hole's centre. Below 0, where a distance never is, stand zeros: a table along one direction \
+             needs its mirror image."
+                .to_string()
+        }
+    });
     let (length, unit) = if format.length == 1.0 { (1.0, "mm") } else { (format.length, "m") };
     said.push(format!("Units here: {unit} and N. The force is of the whole joint."));
     let of_linearity = match quality.linearity_error {
@@ -226,9 +244,10 @@ pub fn head(
         format!("{} to {} N", plain(least), plain(most))
     };
     said.push(format!(
-        "Range: 0 to {} {unit} ({reached}). Extrapolation: {}; in the gap force and slope are zero.",
+        "Range: 0 to {} {unit} ({reached}). Extrapolation: {}{}.",
         plain(end * length),
-        format.beyond
+        format.beyond,
+        if is_press_fit { "" } else { "; in the gap force and slope are zero" }
     ));
     if source.members.len() > 1 {
         said.push("Extrapolation over the clearance: none; stay inside its range.".into());

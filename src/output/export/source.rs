@@ -2,7 +2,9 @@
 
 use crate::engine::body_request::concentric;
 use crate::error::Error;
+use crate::output::export::numbers::rounded;
 use crate::output::results::{Results, TableRow};
+use crate::output::travel::Travel;
 use crate::study::columns::{Cell, Column, Quantity, joint_columns};
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::JointDesign;
@@ -50,7 +52,9 @@ pub struct Member {
 pub struct Source {
     pub members: Vec<Member>,
     pub solve: SolveOptions,
-    /// Largest indentation against the support, mm.
+    /// What the table is over: of a press fit the offset, as if it had no clearance.
+    pub travel: Travel,
+    /// Largest of it against the support, mm.
     pub end: f64,
     pub reference: Reference,
     /// What the mean motion of both rings adds to the indentation, mm/N; zero where the support is the reference.
@@ -79,26 +83,21 @@ impl Source {
             let problem = "it holds closed forms, which know nothing of the plate; export wants `auto`, `series` or `fe`";
             return refuse(results.dir().display().to_string(), problem);
         }
-        let members = match selection {
+        let mut members = match selection {
             Selection::Design(number) => vec![member(number, results.design(number, &NEEDED)?)],
             Selection::Only => vec![only(results)?],
             Selection::OverRadialClearance => family(results)?,
         };
+        let travel = travel(&members)?;
+        members.iter_mut().for_each(|member| member.go_over_to(travel));
         let rows = || members.iter().flat_map(|member| &member.rows);
         let reached = rows().filter_map(|row| row.force.and(row.indentation));
         let largest = reached.fold(0.0, f64::max);
         let end = up_to.unwrap_or(largest);
         if end.is_nan() || end <= 0.0 {
-            let problem = "no row has an answer at an indentation above 0: there is nothing to export";
+            let problem =
+                format!("no row has an answer at an {} above 0: there is nothing to export", travel.name());
             return refuse(designs_in_words(&members), problem);
-        }
-        if let Some(member) = members.iter().find(|member| member.joint.is_press_fit()) {
-            let problem = format!(
-                "design {} is a press fit, which is never out of contact: these tables are over the indentation after first touch. \
-                 `offset_mm` and `force_n` of the result's own table are its law, the same on either side of zero",
-                member.design
-            );
-            return refuse("design", problem);
         }
         for member in &members {
             member.check(end, up_to.is_some(), allow_warned)?;
@@ -107,7 +106,23 @@ impl Source {
             Reference::Support => 0.0,
             Reference::RingMean => ring_compliance(&members[0].joint)?,
         };
-        Ok(Source { members, solve, end, reference, ring_compliance })
+        Ok(Source { members, solve, travel, end, reference, ring_compliance })
+    }
+}
+
+/// What a table of these designs is over.
+fn travel(members: &[Member]) -> Result<Travel, Error> {
+    match (members, members.iter().find(|member| member.joint.is_press_fit())) {
+        (_, None) => Ok(Travel::Indentation),
+        ([_], Some(_)) => Ok(Travel::Offset),
+        (_, Some(fit)) => {
+            let problem = format!(
+                "design {} is a press fit, whose table is over the offset and not over the indentation: name a `design`, or run a sweep \
+                 over clearances",
+                fit.design
+            );
+            refuse("over radial_clearance", problem)
+        }
     }
 }
 
@@ -187,7 +202,22 @@ fn designs_in_words(members: &[Member]) -> String {
     }
 }
 
+/// An offset below this share of the overlap is what rounding leaves of none.
+const AT_REST: f64 = 1e-9;
+
 impl Member {
+    /// From the indentations that tables have.
+    fn go_over_to(&mut self, travel: Travel) {
+        if travel == Travel::Indentation {
+            return;
+        }
+        let least = AT_REST * self.joint.radial_clearance.abs();
+        for row in &mut self.rows {
+            let way = row.indentation.map(|indentation| travel.of_indentation(indentation, &self.joint));
+            row.indentation = way.map(|way| if way < least { 0.0 } else { rounded(way, 12) });
+        }
+    }
+
     /// Refuses a range with rows that are not to be relied on.
     fn check(&self, end: f64, is_chosen: bool, allow_warned: bool) -> Result<(), Error> {
         // A range that nobody chose holds all rows, also those without an answer.

@@ -5,8 +5,9 @@ use crate::error::Error;
 use crate::output::export::breakpoints::{PLACES, choose, deviations};
 use crate::output::export::interpolation::{Interpolant, Interpolation, cubic_weights};
 use crate::output::export::numbers::rounded;
-use crate::output::export::samples::{Samples, Solver, reached_force};
+use crate::output::export::samples::{Samples, Solver, opening, reached_force};
 use crate::output::export::source::{Source, refuse};
+use crate::output::travel::Travel;
 use crate::study::design::JointDesign;
 
 /// Force and stiffness over indentation, for one clearance or several.
@@ -18,7 +19,7 @@ pub struct Table {
     pub indentations: Vec<f64>,
     /// N, for each clearance.
     pub forces: Vec<Vec<f64>>,
-    /// dF/d delta, N/mm, for each clearance: zero at 0, where the slope falls like 1/ln.
+    /// dF/d delta, N/mm, for each clearance: zero at 0, where the slope falls like 1/ln; of a press fit not.
     pub stiffnesses: Vec<Vec<f64>>,
 }
 
@@ -117,9 +118,7 @@ pub fn tabulate(
         );
         return refuse("range", problem);
     }
-    let mut places: Vec<f64> =
-        (0..=PLACES).map(|i| rounded(end * first.powf(1.0 - i as f64 / PLACES as f64), 6)).collect();
-    places[PLACES] = end;
+    let places = spread(end, first, opening(source)?);
     let mut solver = Solver::new(source, allow_warned);
     let (mut curves, mut below) = (Vec::new(), Vec::new());
     // Below the first place, in front of the others.
@@ -131,8 +130,13 @@ pub fn tabulate(
         curves.push(curve);
     }
     let points = choose(&places, &curves, rules, least_step, error)?;
-    let clearances = source.members.iter().map(|member| member.joint.radial_clearance).collect();
-    let (table, mut quality) = measured(clearances, &places, &curves, &points, rules);
+    // From where a press fit is concentric the way is the whole distance.
+    let clearances = source.members.iter().map(|member| member.joint.radial_clearance.max(0.0)).collect();
+    let (mut table, mut quality) = measured(clearances, &places, &curves, &points, rules);
+    if source.travel == Travel::Offset {
+        // Linear from the first on.
+        table.stiffnesses.iter_mut().for_each(|own| own[0] = own[1]);
+    }
     for rule in rules {
         for (interpolant, truth) in table.interpolants(*rule).iter().zip(&below) {
             for (place, force) in asked.iter().zip(truth) {
@@ -165,6 +169,29 @@ pub fn tabulate(
     quality.linearity_error = solver.worst.linearity_error;
     quality.methods = solver.worst.methods;
     Ok((table, quality))
+}
+
+/// Places of a press fit up to where it opens: it is linear there.
+const BEFORE_OPENING: usize = PLACES / 8;
+
+/// Places up to an end, evenly by their logarithms from a share of it on; of a press fit that opens before, by those of their distances from there on, because its stiffness falls like a
+/// root of them.
+fn spread(end: f64, first: f64, opening: Option<f64>) -> Vec<f64> {
+    let by_logarithm =
+        |end: f64, place: usize, last: usize| end * first.powf(1.0 - place as f64 / last as f64);
+    let mut places: Vec<f64> = match opening
+        .filter(|opening| *opening < 0.999 * end && *opening > first * end)
+    {
+        None => (0..=PLACES).map(|i| rounded(by_logarithm(end, i, PLACES), 6)).collect(),
+        Some(opening) => {
+            let before = (0..=BEFORE_OPENING).map(|i| rounded(by_logarithm(opening, i, BEFORE_OPENING), 6));
+            let after = 1..=PLACES - BEFORE_OPENING;
+            let after = after.map(|i| opening + by_logarithm(end - opening, i, PLACES - BEFORE_OPENING));
+            before.chain(after.map(|place| rounded(place, 12))).collect()
+        }
+    };
+    places[PLACES] = end;
+    places
 }
 
 /// With nine digits, not below the value.

@@ -4,11 +4,11 @@ use super::laws::{DrawnLaw, calibrated, published};
 use super::sample::{Row, SampledDesign};
 use super::scan::Scan;
 use super::tallies::Value;
-use super::travel::Travel;
 use crate::engine::outcome::Response;
 use crate::joint::{Curve, Joint};
 use crate::output::chart::axis::range;
 use crate::output::chart::text::number;
+use crate::output::travel::Travel;
 use crate::study::config::SolveOptions;
 use crate::study::design::Load;
 

@@ -5,7 +5,6 @@
 pub mod html;
 pub mod tallies;
 pub mod sample;
-pub mod travel;
 pub mod scan;
 mod sensitivity;
 pub mod laws;

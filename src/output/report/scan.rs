@@ -7,8 +7,8 @@ use crate::output::report::sample::{Answer, Row, Sample, SampledDesign};
 use crate::output::report::tallies::{
     Distribution, Extremes, Input, MOST_VALUES, StatusShare, Value, add_status,
 };
-use crate::output::report::travel::Travel;
 use crate::output::results::{Results, TableRows};
+use crate::output::travel::Travel;
 use crate::study::columns::{FORCE, OFFSET, Quantity, joint_columns};
 
 /// What a table holds.

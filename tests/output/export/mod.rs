@@ -2,6 +2,7 @@
 //! curve at places that are not in the tables; and what is refused.
 
 mod readers;
+mod press_fits;
 mod refusals;
 
 use std::process::Command;

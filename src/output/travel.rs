@@ -1,10 +1,10 @@
-//! What the curves and maps of a report are over.
+//! What the curves and maps of a report are over, and the tables of an export.
 
 use crate::engine::outcome::Response;
 use crate::study::columns::{INDENTATION, OFFSET};
 use crate::study::design::{JointDesign, Load};
 
-/// The way of the pin that curves and maps are drawn over: of tables that have it the offset.
+/// The way of the pin: in reports of tables that have it the offset, in exports that of a press fit, which has no first touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Travel {
     Indentation,
@@ -42,6 +42,14 @@ impl Travel {
         match self {
             Travel::Indentation => response.indentation,
             Travel::Offset => response.offset,
+        }
+    }
+
+    /// From an indentation of a joint as tables have it, mm.
+    pub fn of_indentation(self, indentation: f64, joint: &JointDesign) -> f64 {
+        match self {
+            Travel::Indentation => indentation,
+            Travel::Offset => indentation + joint.radial_clearance,
         }
     }
 
