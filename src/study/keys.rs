@@ -99,6 +99,16 @@ pub fn config_keys() -> Vec<ConfigKey> {
         .needed("instead of `radial_clearance`"),
         key(
             "joint",
+            "fit",
+            "an ISO 286 fit in the place of a clearance, which then sweeps from the least to the greatest: in a grid both and their mean; \
+             `hole_radius` is half the nominal diameter",
+            "-",
+            "holes H5 to H11 with shafts c, d, e, f, g, h, js, k, m, n, p, r, s or u of the grades 5 to 11, up to 500 mm",
+            "\"H7/f7\"",
+        )
+        .needed("instead of `radial_clearance`"),
+        key(
+            "joint",
             "thickness",
             "length of the joint along its axis, t",
             LENGTH,

@@ -11,6 +11,7 @@ pub mod reduce;
 pub mod output_options;
 pub mod values;
 pub mod sampling;
+mod fits;
 mod recipe;
 pub mod designs_file;
 pub mod measured;

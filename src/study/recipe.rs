@@ -7,6 +7,7 @@ use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
 use crate::mechanics::material::{Idealization, Material};
 use crate::study::columns::{Cell, Column, LayerQuantity, joint_columns, side_name};
 use crate::study::design::{JointDesign, Limits, Part, refuse_clearance};
+use crate::study::fits::radial_clearances;
 use crate::study::layers::{Layer, LayerCounts, Layers, MOST_LAYERS};
 use crate::study::sampling::{Axis, Sampler, Scheme};
 use crate::study::source::{Item, Section};
@@ -78,11 +79,12 @@ pub struct Recipe {
 impl Recipe {
     /// Reads [joint]; `scheme` is what [sampling] says.
     pub fn read(joint: &Section, scheme: Scheme) -> Result<Recipe, Error> {
-        const KEYS: [&str; 7] = [
+        const KEYS: [&str; 8] = [
             "idealization",
             "hole_radius",
             "radial_clearance",
             "diametral_clearance",
+            "fit",
             "thickness",
             "pin",
             "plate",
@@ -93,24 +95,7 @@ impl Recipe {
             reader.choice(&joint.need("idealization")?, &Idealization::ALL.map(|one| one.name()))?;
         let hole_item = joint.need("hole_radius")?;
         let hole_radius = reader.quantity(&hole_item, Some(Dimension::Length), Limits::POSITIVE)?;
-        let (clearance_item, diametral) =
-            match (joint.find("radial_clearance"), joint.find("diametral_clearance")) {
-                (Some(item), None) => (item, false),
-                (None, Some(item)) => (item, true),
-                (Some(_), Some(item)) => {
-                    return Err(
-                        item.error("`radial_clearance` is given, too; only one of the two is allowed")
-                    );
-                }
-                (None, None) => {
-                    let problem = "the key `radial_clearance` (or `diametral_clearance`) is missing";
-                    return Err(joint.error(problem.to_string()));
-                }
-            };
-        let mut radial_clearance = reader.quantity(&clearance_item, Some(Dimension::Length), Limits::ANY)?;
-        if diametral {
-            radial_clearance.values = radial_clearance.values.halved();
-        }
+        let (clearance_item, radial_clearance) = clearance(joint, &hole_radius, &mut reader)?;
         let thickness =
             reader.quantity(&joint.need("thickness")?, Some(Dimension::Length), Limits::POSITIVE)?;
         let pin = PartRecipe::read(joint, Side::Pin, &mut reader)?;
@@ -306,6 +291,32 @@ impl Recipe {
     }
 }
 
+/// Reads the clearance by one of its three keys.
+fn clearance<'a>(
+    joint: &Section<'a>,
+    hole_radius: &Quantity,
+    reader: &mut Reader<'a>,
+) -> Result<(Item<'a>, Quantity), Error> {
+    let given = ["radial_clearance", "diametral_clearance", "fit"].map(|key| (key, joint.find(key)));
+    let mut given = given.into_iter().filter_map(|(key, item)| Some((key, item?)));
+    let Some((key, item)) = given.next() else {
+        let problem = "the key `radial_clearance` (or `diametral_clearance`, or `fit`) is missing";
+        return Err(joint.error(problem.to_string()));
+    };
+    if let Some((_, other)) = given.next() {
+        return Err(other.error(format!("`{key}` is given, too; only one of the two is allowed")));
+    }
+    if key == "fit" {
+        let quantity = reader.fit(&item, hole_radius)?;
+        return Ok((item, quantity));
+    }
+    let mut quantity = reader.quantity(&item, Some(Dimension::Length), Limits::ANY)?;
+    if key == "diametral_clearance" {
+        quantity.values = quantity.values.halved();
+    }
+    Ok((item, quantity))
+}
+
 impl PartRecipe {
     /// Reads [joint.pin] or [joint.plate]; which keys there are depends on the model.
     fn read<'a>(joint: &Section<'a>, side: Side, reader: &mut Reader<'a>) -> Result<PartRecipe, Error> {
@@ -431,6 +442,21 @@ impl<'a> Reader<'a> {
         limits: Limits,
     ) -> Result<Quantity, Error> {
         let values = Values::read(item, dimension, limits, self.counts)?;
+        let axis = self.axis(item, values.count());
+        Ok(Quantity { values, axis })
+    }
+
+    /// The clearances of an ISO 286 fit in a hole of one radius.
+    fn fit(&mut self, item: &Item<'a>, hole_radius: &Quantity) -> Result<Quantity, Error> {
+        if hole_radius.varies() {
+            return Err(
+                item.error("a fit is one of a diameter, and `hole_radius` sweeps: give the clearances")
+            );
+        }
+        let fit = item.string()?;
+        let [least, greatest] =
+            radial_clearances(fit, hole_radius.values.smallest()).map_err(|problem| item.refuse(&problem))?;
+        let values = Values::between(least, greatest, self.counts);
         let axis = self.axis(item, values.count());
         Ok(Quantity { values, axis })
     }

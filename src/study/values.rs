@@ -75,6 +75,14 @@ impl Values {
         Ok(Values::List(vec![scalar(item, dimension, limits)?]))
     }
 
+    /// From one value to a larger one; where values must be counted, both ends and the mean.
+    pub fn between(from: f64, to: f64, counts: Counts) -> Values {
+        match counts {
+            Counts::Required => Values::List(vec![from, units::tidy(0.5 * (from + to)), to]),
+            Counts::Refused(_) => Values::Range(Range::new(from, to, None, false)),
+        }
+    }
+
     /// How many values there are; `None` for a range without a count.
     pub fn count(&self) -> Option<u64> {
         match self {

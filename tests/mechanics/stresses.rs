@@ -121,6 +121,21 @@ fn every_circle_carries_the_force() {
         let answer = curve.answers(&[load]).pop().unwrap().response.unwrap();
         for side in [Side::Pin, Side::Plate] {
             let circles = curve.stresses(side, load, 2001, &[0.05]).unwrap();
+            // A circle more changes nothing on the others.
+            let bare = curve.stresses(side, load, 2001, &[]).unwrap();
+            assert_eq!(circles.len(), bare.len() + 1);
+            let others = circles.iter().filter(|circle| bare.iter().any(|own| own.radius == circle.radius));
+            for (one, other) in others.zip(&bare) {
+                assert_eq!((one.layer, one.radius), (other.layer, other.radius));
+                for (one, other) in one.points.iter().zip(&other.points) {
+                    let most = answer.peak_pressure.unwrap();
+                    assert!(
+                        (one.von_mises - other.von_mises).abs() < 1e-6 * most,
+                        "{side:?} at {}",
+                        circles[0].radius
+                    );
+                }
+            }
             for circle in &circles {
                 let error = (resultant(circle) / answer.force - 1.0).abs();
                 let allowed = 1e-4 + if side == Side::Pin { 1.1 * clearance.abs() } else { 0.0 };

@@ -71,7 +71,7 @@ fn base_for(key: &ConfigKey) -> Table {
     }
     match (key.table.as_str(), name) {
         (table, "thickness_ratio") => _ = table_of(&mut base, table).remove("thickness"),
-        ("joint", "diametral_clearance") => {
+        ("joint", "diametral_clearance" | "fit") => {
             table_of(&mut base, "joint").remove("radial_clearance");
             *table_of(&mut base, "load") = [("offset".to_string(), value("'0.01 mm'"))].into_iter().collect();
         }
@@ -259,6 +259,13 @@ fn what_is_allowed_is_taken_and_nothing_beyond_it() {
                 ("['force', 'energy']", true),
                 ("['force', 'energy', 'thickness']", false),
                 ("'force < 1 N'", false),
+            ],
+            fits if fits.starts_with("holes H5 to H11") => &[
+                ("'H7/p6'", true),
+                ("'H11/c11'", true),
+                ("'H4/p6'", false),
+                ("'H7/v6'", false),
+                ("7", false),
             ],
             "a number with its unit" => {
                 &[("'2 MPa'", true), ("'2 mm'", false), ("2", false), ("'2'", false), ("'force'", false)]

@@ -23,6 +23,47 @@ fn clearances_below_zero_are_press_fits() {
     assert_eq!(all(&folder.study(&diametral))[0].joint.radial_clearance, -0.05);
 }
 
+/// By name, of a hole of 20 mm: 20 to 62 um in diameter, and 1 to 35 um of overlap.
+#[test]
+fn fits_of_the_standard_are_ranges_of_clearances() {
+    let folder = Folder::new("fits-by-name");
+    let named =
+        |fit: &str| with(CLEARANCE, &format!("fit = \"{fit}\"")).replace(RADIUS, "hole_radius = \"10 mm\"");
+    let clearances = |config: &str| -> Vec<f64> {
+        all(&folder.study(config)).iter().map(|case| case.joint.radial_clearance).collect()
+    };
+    assert_eq!(clearances(&named("H7/f7")), [0.01, 0.0205, 0.031]);
+    assert_eq!(clearances(&named("H7/p6").replace(STEPS, OFFSETS)), [-0.0175, -0.009, -0.0005]);
+    let sobol = "method = \"sobol\"\ncount = 8";
+    let drawn =
+        clearances(&sampled(sobol, &[(CLEARANCE, "fit = \"H7/f7\""), (RADIUS, "hole_radius = \"10 mm\"")]));
+    assert!(
+        drawn.len() == 8 && drawn.iter().all(|clearance| (0.01..=0.031).contains(clearance)),
+        "{drawn:?}"
+    );
+    assert!(
+        drawn.iter().any(|clearance| *clearance < 0.02) && drawn.iter().any(|clearance| *clearance > 0.022)
+    );
+    for (config, problem) in [
+        (named("H7/q6"), "`\"H7/q6\"`: not a fit that is known; holes H5 to H11"),
+        (
+            named("H7/f7").replace("\"10 mm\"", "\"260 mm\""),
+            "up to a diameter of 500 mm, and the hole has 520 mm",
+        ),
+        (
+            named("H7/f7").replace("\"10 mm\"", "[\"10 mm\", \"20 mm\"]"),
+            "`hole_radius` sweeps: give the clearances",
+        ),
+        (
+            format!("{}", named("H7/f7").replace("fit =", "radial_clearance = \"1 mm\"\nfit =")),
+            "`radial_clearance` is given, too",
+        ),
+    ] {
+        let said = folder.refusal(config);
+        assert!(said.contains("joint.fit") && said.contains(problem), "{said}");
+    }
+}
+
 #[test]
 fn tables_have_offsets_where_there_are_some() {
     let folder = Folder::new("press-fit-columns");

@@ -19,7 +19,7 @@ fn bad_configs_are_refused_by_line_and_key() {
         ("[solve]", "[slove]", ":18: slove: unknown key; did you mean `solve`?"),
         ("[solve]\n", "[solve]\nmesh = 3\n", ":19: solve.mesh: unknown key; allowed: `accuracy`"),
         ("hole_radius ", "# ", ":2: joint: the key `hole_radius` is missing"),
-        ("radial_clearance ", "# ", ":2: joint: the key `radial_clearance` (or `diametral_clearance`) is missing"),
+        ("radial_clearance ", "# ", ":2: joint: the key `radial_clearance` (or `diametral_clearance`, or `fit`) is missing"),
         ("[joint]\n", "[joint]\ndiametral_clearance = '1 mm'\n", ":3: joint.diametral_clearance: `radial_clearance` is"),
         ("outer_radius_ratio ", "# ", ":11: joint.plate: the key `outer_radius_ratio` is missing"),
         ("[load]\n", "[load]\nforce = '1 N'\n", ":17: load.force: `indentation` is given, too"),

@@ -64,7 +64,10 @@ fn tables_of_press_fits_follow_their_curves_over_the_offset() {
         ] {
             assert!(joined.contains(said), "{format} does not say {said}: {joined}");
         }
-        assert!(!joined.contains("after first touch") && !joined.contains("in the gap"), "{format}: {joined}");
+        assert!(
+            !joined.contains("after first touch") && !joined.contains("in the gap"),
+            "{format}: {joined}"
+        );
     }
 }
 
