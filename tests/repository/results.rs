@@ -13,7 +13,8 @@ use jointsweep::internals::study::fingerprint::Fingerprint;
 use serde_json::Value;
 
 /// Each with its manifest beside it.
-const TABLES: [&str; 4] = ["liu2007", "liu2007-plates", "quickstart", "thin-liners"];
+const TABLES: [&str; 7] =
+    ["liu2007", "liu2007-plates", "quickstart", "thin-liners", "bush", "lined-block", "press-fit"];
 
 /// A table has nine digits; the last ones hang on the width of a machine's vectors.
 const ROUNDING: f64 = 1e-7;
