@@ -33,7 +33,7 @@ fn json(path: &str) -> Value {
 
 /// The table of a study, as `run` writes it.
 fn table(study: &Study) -> String {
-    let table = Table::default();
+    let table = Table::of(study);
     let mut text = table.header();
     sweep::run(study, &SweepOptions::default(), &mut |outcome| {
         text.extend(table.rows(&[outcome]));

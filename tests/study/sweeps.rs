@@ -18,6 +18,7 @@ fn shipped_configs_load() {
         ("designs-example", 5, 5),
         ("hypercube", 100_000, 1_000_000),
         ("hypercube-block", 100_000, 1_000_000),
+        ("lined-block", 12, 120),
         ("liu2007", 14, 140),
         ("liu2007-plates", 70, 700),
         ("press-fit", 4, 164),
