@@ -7,7 +7,7 @@ use jointsweep::internals::output::number::rounded_cell;
 use jointsweep::internals::study::columns::side_name;
 use jointsweep::internals::study::design::Limits;
 use jointsweep::internals::study::units::{Dimension, parse_quantity};
-use jointsweep::{Error, Joint, Side, Status};
+use jointsweep::{CircleStresses, Error, Joint, Side, Status};
 
 use super::chosen_designs::ChosenDesigns;
 use super::{Ending, say};
@@ -34,12 +34,6 @@ fn depth(text: &str) -> Result<f64, String> {
 const HEADER: &str = "design,step,part,layer,radius_mm,angle_deg,radial_stress_mpa,hoop_stress_mpa,shear_stress_mpa,von_mises_mpa,\
                       yield_share\n";
 
-/// Where von Mises' stress is nearest to a yield stress.
-struct Nearest {
-    share: f64,
-    place: String,
-}
-
 pub fn stresses(args: &StressesArgs) -> Result<Ending, Error> {
     args.chosen.write(HEADER, "stresses", |text, case, options| {
         let (design, mut all) = (case.index, true);
@@ -53,56 +47,61 @@ pub fn stresses(args: &StressesArgs) -> Result<Ending, Error> {
             }
         }
         for (step, (load, answer)) in case.steps.iter().zip(curve.answers(&case.steps)?).enumerate() {
+            let step_said = format!("design {design}, step {step} ({load})");
             if answer.status != Status::OK {
-                say(&format!("design {design}, step {step} ({load}): {}", answer.status));
+                say(&format!("{step_said}: {}", answer.status));
             }
             if answer.response.is_none() {
                 all = false;
                 continue;
             }
-            let mut nearest: Option<Nearest> = None;
+            let mut circles = Vec::new();
             for &side in &known {
-                let circles = match curve.stresses(side, *load, usize::from(args.points), &args.depth) {
-                    Ok(circles) => circles,
+                match curve.stresses(side, *load, usize::from(args.points), &args.depth) {
+                    Ok(own) => circles.extend(own),
                     Err(problem) => {
-                        say(&format!("design {design}, step {step} ({load}): {problem}"));
+                        say(&format!("{step_said}: {problem}"));
                         all = false;
-                        continue;
-                    }
-                };
-                for circle in circles {
-                    let yield_stress = joint.design().part(side).yield_stress(circle.layer);
-                    let (name, layer, radius) = (side_name(side), circle.layer, rounded_cell(circle.radius));
-                    for point in circle.points {
-                        let angle = rounded_cell(point.angle.to_degrees());
-                        let share = yield_stress.map(|most| point.von_mises / most);
-                        if let Some(share) =
-                            share.filter(|own| nearest.as_ref().is_none_or(|best| *own > best.share))
-                        {
-                            let of = if layer == 0 { String::new() } else { format!(" layer {layer}") };
-                            nearest = Some(Nearest {
-                                share,
-                                place: format!("{name}{of} at {radius} mm, {angle} deg"),
-                            });
-                        }
-                        let stresses = [point.radial, point.hoop, point.shear, point.von_mises]
-                            .map(rounded_cell)
-                            .join(",");
-                        let share = share.map_or(String::new(), rounded_cell);
-                        let _ = writeln!(
-                            text,
-                            "{design},{step},{name},{layer},{radius},{angle},{stresses},{share}"
-                        );
                     }
                 }
             }
-            if let Some(Nearest { share, place }) = nearest {
-                let share = rounded_cell((share * 1e3).round() / 1e3);
-                say(&format!(
-                    "design {design}, step {step} ({load}): up to {share} of the yield stress, {place}"
-                ));
+            for circle in &circles {
+                add_circle(text, &format!("{design},{step}"), circle, yield_stress(&joint, circle));
+            }
+            if let Some(nearest) = nearest_to_yield(&joint, &circles) {
+                say(&format!("{step_said}: {nearest}"));
             }
         }
         Ok(all && !known.is_empty())
     })
+}
+
+fn yield_stress(joint: &Joint, circle: &CircleStresses) -> Option<f64> {
+    joint.design().part(circle.side).yield_stress(circle.layer)
+}
+
+fn add_circle(text: &mut String, front: &str, circle: &CircleStresses, yield_stress: Option<f64>) {
+    let (side, layer, radius) = (side_name(circle.side), circle.layer, rounded_cell(circle.radius));
+    for point in &circle.points {
+        let angle = rounded_cell(point.angle.to_degrees());
+        let stresses = [point.radial, point.hoop, point.shear, point.von_mises].map(rounded_cell).join(",");
+        let share = yield_stress.map_or(String::new(), |most| rounded_cell(point.von_mises / most));
+        let _ = writeln!(text, "{front},{side},{layer},{radius},{angle},{stresses},{share}");
+    }
+}
+
+/// Where von Mises' stress is the greatest share of a yield stress, in words; `None` where none is given.
+fn nearest_to_yield(joint: &Joint, circles: &[CircleStresses]) -> Option<String> {
+    let shares = circles.iter().flat_map(|circle| {
+        let most = yield_stress(joint, circle);
+        circle.points.iter().filter_map(move |point| Some((point.von_mises / most?, circle, point.angle)))
+    });
+    let (share, circle, angle) = shares.reduce(|best, other| if other.0 > best.0 { other } else { best })?;
+    let layer = if circle.layer == 0 { String::new() } else { format!(" layer {}", circle.layer) };
+    let [radius, angle] = [circle.radius, angle.to_degrees()].map(rounded_cell);
+    let share = rounded_cell((share * 1e3).round() / 1e3);
+    Some(format!(
+        "up to {share} of the yield stress, {}{layer} at {radius} mm, {angle} deg",
+        side_name(circle.side)
+    ))
 }

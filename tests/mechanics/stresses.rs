@@ -214,7 +214,8 @@ fn at_rest_are_the_stresses_of_lame() {
         beyond: &[],
     };
     let curve = curve(&ring_design(&[ring(0.2, 3.0), ring(2.0, 1.0)], -0.001));
-    let circles = curve.stresses(Side::Plate, Load::Offset(0.0), 5, &[0.5]).unwrap();
+    let circles =
+        curve.stresses(Side::Plate, Load::Offset(0.0), 5, &[0.5, 0.5, 1e-9, 1.0 - 1e-9, 2.0]).unwrap();
     // s = A -+ B/r^2, u = r [(1 - nu) A + (1 + nu) B/r^2]/E is zero at r = 2.
     let pressure = -circles[0].points[0].radial;
     let share = -0.25 * 1.3 / 0.7;

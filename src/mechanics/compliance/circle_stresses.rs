@@ -42,6 +42,9 @@ const SHORT: f64 = 300.0;
 const MOST_MODES: f64 = 16_384.0;
 const MOST_OF_NARROW: f64 = 65_536.0;
 
+/// Circles of logarithms of radii closer than this are one: what lies between them would be rounding.
+const CLOSEST: f64 = 1e-5;
+
 impl ConcentricBody {
     /// How many modes of the pressure of a contact of that half angle, rad, count below the ring; `None` where they are too many.
     pub fn stress_modes(&self, half_angle: f64) -> Option<usize> {
@@ -51,26 +54,30 @@ impl ConcentricBody {
         (count <= MOST_OF_NARROW).then_some(count as usize)
     }
 
-    /// The same body with circles at further radii, over the ring's, where nothing changes; those that are not inside of it are left out.
+    /// The same body with circles at further radii, over the ring's, where nothing changes; without those that are not inside of it or next to another one.
     pub fn with_circles(&self, radii: &[f64]) -> ConcentricBody {
-        let depth = |radius: f64| radius.ln().abs();
-        let inside = |radius: f64| {
-            radius.ln() * self.fixed_radius_ratio.ln() > 0.0 && depth(radius) < depth(self.fixed_radius_ratio)
-        };
-        let mut interfaces = self.lining.list().to_vec();
-        for &radius_ratio in radii.iter().filter(|radius| inside(**radius)) {
-            let above =
-                interfaces.partition_point(|interface| depth(interface.radius_ratio) < depth(radius_ratio));
-            if interfaces.get(above).is_some_and(|interface| interface.radius_ratio == radius_ratio) {
+        let mut body = self.clone();
+        let outward = self.fixed_radius_ratio.ln().signum();
+        for &radius_ratio in radii {
+            let depths: Vec<f64> = body.circles().into_iter().map(|radius| outward * radius.ln()).collect();
+            let depth = outward * radius_ratio.ln();
+            let is_inside = depth > 0.0 && depth < depths[depths.len() - 1];
+            if !is_inside || depths.iter().any(|own| (own - depth).abs() < CLOSEST) {
                 continue;
             }
-            let (modulus_ratio, poissons_ratio) = match above.checked_sub(1).map(|place| interfaces[place]) {
-                Some(interface) => (interface.modulus_ratio, interface.poissons_ratio),
-                None => (1.0, self.poissons_ratio),
-            };
-            interfaces.insert(above, Interface { radius_ratio, modulus_ratio, poissons_ratio });
+            let number = depths.iter().filter(|own| **own < depth).count() - 1;
+            let [modulus_ratio, poissons_ratio] = body.material(number);
+            let mut interfaces = body.lining.list().to_vec();
+            interfaces.insert(number, Interface { radius_ratio, modulus_ratio, poissons_ratio });
+            body.lining = Lining::new(interfaces);
         }
-        ConcentricBody { lining: Lining::new(interfaces), ..self.clone() }
+        body
+    }
+
+    /// Young's modulus over that at the ring and Poisson's ratio of a material, 0 at the ring.
+    fn material(&self, number: usize) -> [f64; 2] {
+        let beyond = number.checked_sub(1).map(|place| self.lining.list()[place]);
+        beyond.map_or([1.0, self.poissons_ratio], |own| [own.modulus_ratio, own.poissons_ratio])
     }
 
     /// Radii of all circles over the ring's, from the ring on.
