@@ -55,7 +55,7 @@ fn fits_of_the_standard_are_ranges_of_clearances() {
             "`hole_radius` sweeps: give the clearances",
         ),
         (
-            format!("{}", named("H7/f7").replace("fit =", "radial_clearance = \"1 mm\"\nfit =")),
+            named("H7/f7").replace("fit =", "radial_clearance = \"1 mm\"\nfit ="),
             "`radial_clearance` is given, too",
         ),
     ] {
