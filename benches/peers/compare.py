@@ -266,11 +266,26 @@ def text_of(*command):
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
 
 
+def peers_versions():
+    return {
+        "GetFEM": text_of("dpkg-query", "-W", "-f", "${Version}", "python3-getfem"),
+        "CalculiX": text_of("dpkg-query", "-W", "-f", "${Version}", "calculix-ccx"),
+    }
+
+
+def host():
+    return {
+        "os": platform.system().lower(),
+        "arch": platform.machine(),
+        "cpu": re.search("model name\\s*: (.*)", Path("/proc/cpuinfo").read_text())[1],
+        "processors": os.cpu_count(),
+    }
+
+
 def main():
     started = datetime.datetime.now(datetime.timezone.utc)
     versions = {
-        "GetFEM": text_of("dpkg-query", "-W", "-f", "${Version}", "python3-getfem"),
-        "CalculiX": text_of("dpkg-query", "-W", "-f", "${Version}", "calculix-ccx"),
+        **peers_versions(),
         "jointsweep": text_of(JOINTSWEEP, "--version").split()[1],
     }
     forces, deviation = references()
@@ -301,15 +316,11 @@ def main():
             "finer_mesh": REFERENCE_MESH,
             "worst_deviation_of_the_second_from_the_first": float(f"{deviation:.2e}"),
         },
-        "host": {
-            "os": platform.system().lower(),
-            "arch": platform.machine(),
-            "cpu": re.search("model name\\s*: (.*)", Path("/proc/cpuinfo").read_text())[1],
-            "processors": os.cpu_count(),
-        },
+        "host": host(),
     }
     (ROOT / "results/peers.manifest.json").write_text(json.dumps(manifest, indent=2) + "\n")
     print((ROOT / "results/peers.csv").read_text())
 
 
-main()
+if __name__ == "__main__":
+    main()
