@@ -85,6 +85,7 @@ fn an_output_that_takes_nothing_is_an_error_of_every_verb() {
         &["sensitivity", "sweep.toml", "--samples", "64"],
         &["pressure", "sweep.toml", "--design", "0"],
         &["materials", "sweep.toml", "--design", "0"],
+        &["stresses", "sweep.toml", "--design", "0"],
         &["submit", "sweep.toml", "--shards", "2", "--out", "cluster", "--dry-run"],
         &["resubmit", "cluster", "--missing", "--dry-run"],
         &["init", "new.toml"],
