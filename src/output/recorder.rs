@@ -115,6 +115,10 @@ impl Recorder {
                 let dir = self.claim.folder().dir().to_path_buf();
                 Error::CannotGoOn { dir, problem }
             })?;
+            if origin.files.is_empty() && origin.answers.is_none() {
+                // It was killed before it had marked anything, and nothing is lost.
+                continue;
+            }
             let told = match (self.first_changed(origin)?, self.answers_of(origin)) {
                 (None, Ok(answers)) => {
                     self.files.iter_mut().try_for_each(SinkFile::go_on)?;

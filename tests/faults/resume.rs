@@ -133,6 +133,31 @@ fn damaged_rows_are_made_anew_and_it_is_said() {
 }
 
 /// When the machine goes down, what was last written may be lost: the manifest of a safer moment tells where to go on.
+/// Killed when its manifest was there and had marked nothing yet: there is nothing to go on with, and nothing is damaged.
+#[test]
+fn a_run_that_was_killed_before_its_first_mark_is_no_damage() {
+    let work = Workdir::new("resume-unmarked");
+    work.write("sweep.toml", &config(30));
+    work.run(&["run", "sweep.toml", "--out", "result"]).expect(0);
+    let table = work.read("result/table.csv");
+    let mut manifest = work.json("result/manifest.json");
+    let marked = manifest["files"].as_array().unwrap().len();
+    assert!(marked > 0);
+    manifest["files"] = serde_json::json!([]);
+    manifest["state"] = "incomplete".into();
+    for name in ["designs", "rows"] {
+        manifest["counts"][name] = 0.into();
+    }
+    for name in ["manifest.json", "table.csv", "laws.csv"] {
+        let _ = std::fs::remove_file(work.path(&format!("result/{name}")));
+    }
+    work.write("result/manifest.json.partial", &manifest.to_string());
+    work.write("result/table.csv.partial", table.lines().next().unwrap());
+    let ended = work.run(&["run", "sweep.toml", "--out", "result"]).expect(0);
+    assert!(!ended.stderr.contains("warning"), "{}", ended.stderr);
+    assert_eq!(work.read("result/table.csv"), table);
+}
+
 #[test]
 fn rows_that_never_reached_the_disk_are_made_again_from_the_last_safe_moment_on() {
     let work = Workdir::new("resume-safe");
