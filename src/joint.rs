@@ -8,6 +8,7 @@ use crate::engine::status::Status;
 use crate::error::Error;
 use crate::mechanics::body::Side;
 use crate::mechanics::material::Idealization;
+use crate::study::columns::side_name;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::{JointDesign, Load, Part};
 
@@ -169,8 +170,8 @@ impl Curve {
 }
 
 fn no_stresses(part: &Part, problem: NoStresses) -> Error {
-    let quantity = if part.shape.side == Side::Pin { "pin" } else { "plate" };
-    Error::Joint { quantity: quantity.into(), problem: format!("`{}`: {problem}", part.shape.name) }
+    let problem = format!("`{}`: {problem}", part.shape.name);
+    Error::Joint { quantity: side_name(part.shape.side).into(), problem }
 }
 
 /// How much of the strain energy and of the force each material of a joint decides under loads (mm or N, not negative; press fits have

@@ -128,7 +128,6 @@ fn circles(
     unit: f64,
 ) -> Vec<CircleStresses> {
     let part = joint.part(side);
-    let layers = part.layers.list();
     // Where each layer ends, as the body has it.
     let ends: Vec<f64> =
         joint.body(part).lining.list().iter().map(|interface| interface.radius_ratio).collect();
@@ -136,9 +135,8 @@ fn circles(
     let mut circles = Vec::new();
     for (place, [near, far]) in sums.into_iter().enumerate() {
         let number = ends.iter().filter(|end| radii[..=place].contains(end)).count();
-        let own = layers.get(number);
-        let material = own.map_or(part.material, |layer| layer.material);
-        let axial_share = joint.idealization.axial_share(material.poissons_ratio);
+        let layer = part.layer_of(number);
+        let axial_share = joint.idealization.axial_share(part.layer_material(layer).poissons_ratio);
         let point = |(angle, stress): (&f64, Stress)| {
             let [radial, hoop, shear] = [stress.radial, stress.hoop, stress.shear].map(|value| unit * value);
             let von_mises = Stress { radial, hoop, shear }.von_mises(axial_share);
@@ -151,7 +149,7 @@ fn circles(
         {
             circles.push(CircleStresses {
                 side,
-                layer: own.map_or(0, |_| number + 1),
+                layer,
                 radius: joint.contact_radius(side) * radius,
                 points: angles.iter().zip(stresses).map(point).collect(),
             });

@@ -4,8 +4,7 @@ use crate::mechanics::body::Side;
 use crate::mechanics::compliance::series::ConcentricBody;
 use crate::study::design::JointDesign;
 
-/// Whether the overlap of a press fit alone brings some material beyond the yield stress that it has been given. A uniform pressure does most
-/// on the inner circle of each layer.
+/// Whether the overlap of a press fit alone brings some material beyond the yield stress that it has been given.
 pub fn yields_at_rest(joint: &JointDesign) -> bool {
     let is_given = |side| {
         let part = joint.part(side);
@@ -25,13 +24,11 @@ pub fn yields_at_rest(joint: &JointDesign) -> bool {
     let pressure = overlap / (yielding(Side::Pin, &pin) + yielding(Side::Plate, &plate));
     [(Side::Pin, pin), (Side::Plate, plate)].into_iter().any(|(side, body)| {
         let part = joint.part(side);
-        let layers = part.layers.list();
         body.circle_stresses(0).iter().enumerate().any(|(number, circles)| {
-            let own = layers.get(number);
-            let material = own.map_or(part.material, |layer| layer.material);
-            let axial_share = joint.idealization.axial_share(material.poissons_ratio);
+            let layer = part.layer_of(number);
+            let axial_share = joint.idealization.axial_share(part.layer_material(layer).poissons_ratio);
             let greatest = circles.iter().map(|stress| stress.von_mises(axial_share)).fold(0.0, f64::max);
-            part.yield_stress(own.map_or(0, |_| number + 1)).is_some_and(|least| pressure * greatest > least)
+            part.yield_stress(layer).is_some_and(|least| pressure * greatest > least)
         })
     })
 }

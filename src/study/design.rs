@@ -77,6 +77,17 @@ impl Part {
         layer.checked_sub(1).map_or(self.yield_stress, |place| self.layers.list().get(place)?.yield_stress)
     }
 
+    /// Of a layer, from 1 at the contact, or its own, 0.
+    pub fn layer_material(&self, layer: usize) -> Material {
+        let own = layer.checked_sub(1).and_then(|place| self.layers.list().get(place));
+        own.map_or(self.material, |layer| layer.material)
+    }
+
+    /// The layer that material number so many from the contact on is, from 1; 0 is its own material, beyond all layers.
+    pub fn layer_of(&self, number: usize) -> usize {
+        if number < self.layers.list().len() { number + 1 } else { 0 }
+    }
+
     /// That of the layer that touches, or its own.
     pub fn contact_material(&self) -> Material {
         self.layers.list().first().map_or(self.material, |layer| layer.material)
@@ -281,9 +292,7 @@ impl JointDesign {
 
     /// MPa, of a layer of a part, from 1 at the contact; 0 is the part's own material.
     pub fn youngs_modulus(&self, side: Side, layer: usize) -> f64 {
-        let part = self.part(side);
-        let own = layer.checked_sub(1).and_then(|place| part.layers.list().get(place));
-        own.map_or(part.material, |layer| layer.material).youngs_modulus
+        self.part(side).layer_material(layer).youngs_modulus
     }
 
     pub fn layer_counts(&self) -> LayerCounts {
