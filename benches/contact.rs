@@ -38,7 +38,7 @@ impl Joint {
                 lining: Default::default(),
             };
             let side = if fixed_radius_ratio < 1.0 { Side::Pin } else { Side::Plate };
-            let [works] = modes.works_of_modes(side, &[body.boundary_modes()]);
+            let works = modes.works_of_modes(side, &[body.boundary_modes()]).remove(0);
             BodyCompliance { boundary: Boundary::RingModes(modes, works), ..body.compliance() }
         });
         bodies.iter().for_each(|body| space.pressures.prepare(body));

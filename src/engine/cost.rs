@@ -21,7 +21,7 @@ use crate::engine::unit_costs::{
     reference_seconds, series, space, space_modes, space_ring_modes, topology,
 };
 use crate::error::Error;
-use crate::mechanics::compliance::near_field::NearFieldClass;
+use crate::mechanics::compliance::near_field::{NearFieldClass, ReferenceMesh};
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::laws::calibrated::samples::RANGE;
@@ -173,11 +173,17 @@ impl Needs {
     fn total_seconds(&self) -> f64 {
         let of_near_field = |(class, (size, bodies)): (&NearFieldClass, &(MeshSize, f64))| {
             let modes = RingModes::of(&class.grading).count;
-            let highest = class.reference().highest_mode();
-            let exact = LANES as f64 * series(highest).seconds() + near_field_works(highest, modes).seconds();
-            let meshed = topology(*size, modes).seconds() + batch(*size).seconds();
-            likely(*bodies) * (exact + meshed)
+            let references: Vec<ConcentricBody> = class.references().collect();
+            let highest = references[0].highest_mode();
+            let lanes = references.len() as f64 / LANES as f64;
+            let in_lanes = near_field_works(highest, modes).seconds() + batch(*size).seconds();
+            likely(*bodies) * (references.len() as f64 * series(highest).seconds() + lanes * in_lanes)
         };
+        let mut meshes: HashMap<ReferenceMesh, (f64, f64)> = HashMap::default();
+        for (class, (size, bodies)) in &self.near_fields {
+            let work = topology(*size, RingModes::of(&class.grading).count).seconds();
+            meshes.entry(class.mesh()).or_insert((work, 0.0)).1 += bodies;
+        }
         let of_space = |(key, highest): (&SpaceKey, &usize)| {
             space(*key).seconds() + space_modes(*key, *highest).seconds()
         };
@@ -189,6 +195,7 @@ impl Needs {
             + self.ring_modes.iter().map(of_ring_modes).sum::<f64>()
             + self.groups.values().map(Group::seconds).sum::<f64>()
             + self.near_fields.iter().map(of_near_field).sum::<f64>()
+            + meshes.values().map(|(seconds, bodies)| likely(*bodies) * seconds).sum::<f64>()
     }
 }
 

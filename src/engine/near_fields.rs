@@ -7,8 +7,9 @@ use rayon::prelude::*;
 use crate::engine::ring_loads::RingLoads;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
-use crate::mechanics::compliance::near_field::{LoadedRing, NearField, NearFieldClass};
+use crate::mechanics::compliance::near_field::{NearField, NearFieldClass, ReferenceMesh};
 use crate::mechanics::grading::GradingClass;
+use crate::mechanics::real::LANES;
 
 /// Near fields beyond these many bytes are dropped before the next ones are made.
 const KEPT_BYTES: usize = 32 << 20;
@@ -27,7 +28,7 @@ impl NearFieldLibrary {
     pub fn correct(&self, body: &Body, class: GradingClass, works: &mut [f64]) {
         let (around, between) = NearFieldClass::around(body, class);
         let around = around.each_ref().map(|class| &self.near_fields[class]);
-        NearField::correct(around, between, body.poissons_ratio, works);
+        NearField::correct(around, between, body, works);
     }
 
     /// What the near fields take.
@@ -48,15 +49,21 @@ impl NearFieldLibrary {
         let new: HashSet<NearFieldClass> =
             classes.filter(|class| !self.near_fields.contains_key(class)).collect();
         let is_first = self.near_fields.is_empty() && new.len() <= FEW;
-        let condense = |plan: &CondensationPlan, bodies: &[Body]| match is_first {
-            true => bodies.par_iter().map(|body| plan.condense_alone(body)).collect(),
-            false => plan.condense(bodies),
+        let condense = |plan: &CondensationPlan, bodies: &[Body]| -> Vec<Vec<f64>> {
+            match is_first {
+                true => bodies.par_iter().map(|body| plan.condense_alone(body)).collect(),
+                false => bodies.par_chunks(LANES).flat_map_iter(|bodies| plan.condense(bodies)).collect(),
+            }
         };
-        let near_field = |class: NearFieldClass| {
-            let loads = ring_loads.of(&LoadedRing::of_near_field(&class));
-            (class, NearField::with_loads(&class, &loads, condense))
+        let mut by_mesh: HashMap<ReferenceMesh, Vec<NearFieldClass>> = HashMap::new();
+        new.into_iter().for_each(|class| by_mesh.entry(class.mesh()).or_default().push(class));
+        let on_mesh = |(mesh, mut classes): (ReferenceMesh, Vec<NearFieldClass>)| {
+            // References of the same outlines lie side by side.
+            classes.sort_unstable_by_key(|class| class.growth);
+            let near_fields = NearField::on_mesh(&mesh, &classes, &ring_loads.of(&mesh.ring()), condense);
+            classes.into_iter().zip(near_fields).collect::<Vec<_>>()
         };
-        let made: Vec<(NearFieldClass, NearField)> = new.into_par_iter().map(near_field).collect();
+        let made: Vec<(NearFieldClass, NearField)> = by_mesh.into_par_iter().flat_map_iter(on_mesh).collect();
         self.near_fields.extend(made);
     }
 }

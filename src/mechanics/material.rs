@@ -43,6 +43,24 @@ impl Idealization {
         }
     }
 
+    /// The shear modulus over the bulk modulus of the plane, mu/(lambda + mu) in plane strain: (1 - nu)/(1 + nu) in plane stress, 1 - 2 nu
+    /// in plane strain. Bodies of either state that have the same are as compliant as each other, beside their shear moduli.
+    pub fn shear_to_bulk(self, poissons_ratio: f64) -> f64 {
+        match self {
+            Idealization::PlaneStress => (1.0 - poissons_ratio) / (1.0 + poissons_ratio),
+            Idealization::PlaneStrain => 1.0 - 2.0 * poissons_ratio,
+        }
+    }
+
+    /// The state and Poisson's ratio of a body with this ratio of moduli: plane strain as far as that goes without a negative one.
+    pub fn of_shear_to_bulk(ratio: f64) -> (Idealization, f64) {
+        if ratio > 1.0 {
+            (Idealization::PlaneStress, (1.0 - ratio) / (1.0 + ratio))
+        } else {
+            (Idealization::PlaneStrain, 0.5 * (1.0 - ratio))
+        }
+    }
+
     /// Kolosov's constant: (3 - nu)/(1 + nu) in plane stress, 3 - 4 nu in plane strain.
     pub fn kolosov(self, poissons_ratio: f64) -> f64 {
         match self {

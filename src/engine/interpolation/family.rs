@@ -8,12 +8,11 @@ use crate::mechanics::material::Idealization;
 /// Shape ratios and Poisson's ratio.
 pub const MOST_COORDINATES: usize = MAX_PARAMETERS + 1;
 
-/// Bodies whose compliance is one smooth function of their coordinates.
+/// Bodies whose compliance is one smooth function of their coordinates, in either plane state but for E'.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FamilyKey {
     shape: &'static str,
     support: usize,
-    idealization: Idealization,
     range: PoissonRange,
     /// Of the pressure space, for which the pin decides.
     pub half_ring: bool,
@@ -31,7 +30,6 @@ impl FamilyKey {
         (trusted && thick && body.lining.is_empty()).then_some(FamilyKey {
             shape: shape.name,
             support,
-            idealization,
             range,
             half_ring,
         })
@@ -49,8 +47,8 @@ pub fn coordinate_count(shape: &Shape) -> usize {
 /// The coordinates of a body, Poisson's ratio last; those beyond `coordinate_count` are zero.
 ///
 /// A ratio counts by its depth |ln r|: a thin wall's compliance grows with it, a distant boundary's influence goes down
-/// exponentially. Concentric bodies are the better for its logarithm. In plane strain what is confined yields like
-/// 1 - 2 nu.
+/// exponentially. Concentric bodies are the better for its logarithm. Poisson's ratio counts by the logarithm of the shear modulus over the
+/// bulk modulus of the plane, as meshes feel it.
 pub fn coordinates(body: &Body) -> Point {
     let mut point = [0.0; MOST_COORDINATES];
     let count = body.shape.parameters.len();
@@ -58,10 +56,7 @@ pub fn coordinates(body: &Body) -> Point {
         let depth = ratio.ln();
         *coordinate = if body.shape.concentric { depth.abs().ln() } else { depth };
     }
-    point[count] = match body.idealization {
-        Idealization::PlaneStress => body.poissons_ratio,
-        Idealization::PlaneStrain => (1.0 - 2.0 * body.poissons_ratio).ln(),
-    };
+    point[count] = body.idealization.shear_to_bulk(body.poissons_ratio).ln();
     point
 }
 
@@ -74,10 +69,7 @@ pub fn body_at(example: &Body, point: &[f64]) -> Body {
         let inward = example.shape.parameters[i].below <= 1.0;
         body.parameters[i] = if inward && example.shape.concentric { (-depth).exp() } else { depth.exp() };
     }
-    body.poissons_ratio = match example.idealization {
-        Idealization::PlaneStress => point[count],
-        Idealization::PlaneStrain => 0.5 * (1.0 - point[count].exp()),
-    };
+    (body.idealization, body.poissons_ratio) = Idealization::of_shear_to_bulk(point[count].exp());
     body
 }
 

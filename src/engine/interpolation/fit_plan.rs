@@ -15,7 +15,7 @@ use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{body_seconds, curve, design, interpolated_design, spread_seconds};
 use crate::mechanics::body::{Body, BodyKey};
 use crate::study::config::{MethodChoice, SolveOptions, Study};
-use crate::study::design::JointDesign;
+use crate::study::design::{JointDesign, Part};
 
 /// Designs looked at.
 const LOOKED_AT: u64 = 4096;
@@ -36,14 +36,27 @@ pub struct InterpolationPlan {
     pub pairs: HashSet<(FamilyKey, FamilyKey)>,
 }
 
-/// The families of a joint's pin and plate, each with its body; none of press fits, which have exact modes.
-pub fn pair(joint: &JointDesign) -> Option<[(FamilyKey, Body); 2]> {
+/// A body of a joint as its family knows it.
+pub struct Member {
+    pub key: FamilyKey,
+    /// In the plane state that stands for either.
+    pub body: Body,
+    /// What that is to be multiplied by, 1/MPa.
+    pub share: f64,
+}
+
+/// The pin and the plate of a joint; none of press fits, which have exact modes.
+pub fn pair(joint: &JointDesign) -> Option<[Member; 2]> {
     if joint.is_press_fit() {
         return None;
     }
-    let (pin, plate) = (joint.body(&joint.pin), joint.body(&joint.plate));
-    let half_ring = pin.shape.end_angle < std::f64::consts::PI;
-    Some([(FamilyKey::of(&pin, half_ring)?, pin), (FamilyKey::of(&plate, half_ring)?, plate)])
+    let half_ring = joint.body(&joint.pin).shape.end_angle < std::f64::consts::PI;
+    let member = |part: &Part| {
+        let (body, yields) = joint.body(part).of_either_state();
+        let share = yields / part.contact_material().youngs_modulus;
+        Some(Member { key: FamilyKey::of(&body, half_ring)?, body, share })
+    };
+    Some([member(&joint.pin)?, member(&joint.plate)?])
 }
 
 /// Bodies of one family among those looked at.
@@ -111,15 +124,15 @@ impl InterpolationPlan {
         let mut pairs: Vec<((FamilyKey, FamilyKey), [Members; 2])> = Vec::new();
         for joint in joints {
             let Some([pin, plate]) = pair(joint) else { continue };
-            let both = (pin.0, plate.0);
+            let both = (pin.key, plate.key);
             let place = match pairs.iter().position(|(known, _)| *known == both) {
                 Some(place) => place,
                 None => {
-                    pairs.push((both, [Members::new(pin.1.clone()), Members::new(plate.1.clone())]));
+                    pairs.push((both, [&pin, &plate].map(|member| Members::new(member.body.clone()))));
                     pairs.len() - 1
                 }
             };
-            for ((key, body), of_pair) in [pin, plate].iter().zip(&mut pairs[place].1) {
+            for (Member { key, body, .. }, of_pair) in [pin, plate].iter().zip(&mut pairs[place].1) {
                 of_pair.meet(body);
                 members.entry(*key).or_insert_with(|| Members::new(body.clone())).meet(body);
             }
@@ -182,7 +195,7 @@ impl InterpolationPlan {
     /// Whether a joint is in the boxes of a pair of families.
     pub fn covers(&self, joint: &JointDesign) -> bool {
         let Some([pin, plate]) = pair(joint) else { return false };
-        let is_inside = |(key, body): &(FamilyKey, Body)| {
+        let is_inside = |Member { key, body, .. }: &Member| {
             let family = self.families.iter().find(|(family, _)| family.key == *key);
             family.is_some_and(|(family, _)| {
                 let point = coordinates(body);
@@ -190,7 +203,7 @@ impl InterpolationPlan {
                 ranges.all(|((low, high), value)| low <= value && value <= high)
             })
         };
-        self.pairs.contains(&(pin.0, plate.0)) && is_inside(&pin) && is_inside(&plate)
+        self.pairs.contains(&(pin.key, plate.key)) && is_inside(&pin) && is_inside(&plate)
     }
 
     /// Estimated time of the fits, s.

@@ -11,7 +11,7 @@ use crate::engine::bodies::BodyLibrary;
 use crate::engine::expected_contact::ExpectedContact;
 use crate::engine::interpolation::family::FamilyKey;
 use crate::engine::interpolation::fit::FittedFamily;
-use crate::engine::interpolation::fit_plan::{InterpolationPlan, pair};
+use crate::engine::interpolation::fit_plan::{InterpolationPlan, Member, pair};
 use crate::engine::joint_contact::solve_joint;
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind, Method};
@@ -97,18 +97,17 @@ impl Interpolation {
         (scratch, room): &mut ([FitScratch; 2], CurveRoom),
     ) -> Option<Answer> {
         let InterpolationPlan { accuracy, pairs, .. } = &self.plan;
-        let [pin, plate] = pair(&case.joint)?;
-        let families = pairs.contains(&(pin.0, plate.0)).then_some(self.fitted.as_ref()?)?;
-        let fits = [families.get(&pin.0)?, families.get(&plate.0)?];
-        let bodies = [(&pin.1, &case.joint.pin), (&plate.1, &case.joint.plate)];
+        let members = pair(&case.joint)?;
+        let [pin, plate] = &members;
+        let families = pairs.contains(&(pin.key, plate.key)).then_some(self.fitted.as_ref()?)?;
+        let fits = [families.get(&pin.key)?, families.get(&plate.key)?];
         let expected = ExpectedContact::of(case).half_angle;
         let outlines = JointScale::of(&case.joint).outlines;
-        let mut key = SpaceKey::of_fits(&pin.1, &plate.1, *accuracy, expected);
+        let mut key = SpaceKey::of_fits(&pin.body, &plate.body, *accuracy, expected);
         loop {
             let judged = |side: usize, scratch| -> Option<JudgedBody> {
-                let (body, part) = bodies[side];
-                let share = 1.0 / part.contact_material().youngs_modulus;
-                let part = fits[side].part((body, share), &outlines, (key, spaces), scratch)?;
+                let Member { body, share, .. } = &members[side];
+                let part = fits[side].part((body, *share), &outlines, (key, spaces), scratch)?;
                 Some(JudgedBody { body, source: fits[side].error_source(body), part })
             };
             let [of_pin, of_plate] = scratch.each_mut();

@@ -140,6 +140,25 @@ impl Body {
         self.shape.concentric.then_some(self.parameters[0])
     }
 
+    /// The body that stands for those of either plane state with the same shear modulus over the bulk modulus, and what this one yields
+    /// over what that does: the same, but for E'. Without a lining.
+    pub fn of_either_state(&self) -> (Body, f64) {
+        let ratio = self.idealization.shear_to_bulk(self.poissons_ratio);
+        let (idealization, poissons_ratio) = Idealization::of_shear_to_bulk(ratio);
+        if idealization == self.idealization {
+            return (self.clone(), 1.0);
+        }
+        let own = self.idealization.plane_modulus_ratio(self.poissons_ratio);
+        let yields = idealization.plane_modulus_ratio(poissons_ratio) / own;
+        (Body { idealization, poissons_ratio, ..self.clone() }, yields)
+    }
+
+    /// Whether only Poisson's ratio and the plane state may differ.
+    pub fn has_outlines_of(&self, other: &Body) -> bool {
+        let of = |body: &Body| (body.shape.name, body.parameters.map(f64::to_bits), body.support);
+        of(self) == of(other) && self.lining == other.lining
+    }
+
     pub fn key(&self) -> BodyKey {
         let bits = self.parameters.map(f64::to_bits);
         (

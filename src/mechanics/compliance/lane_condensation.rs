@@ -161,15 +161,18 @@ impl Condense<'_> {
         works
     }
 
-    /// The stiffness of every body in its lane, and its least Jacobian; lanes without a body repeat the last one.
+    /// The stiffness of every body in its lane, and its least Jacobian; lanes without a body, or with one of the same outlines, repeat the one
+    /// before.
     #[inline(always)]
     fn assemble<T: Bodies>(&self, tiles: &mut [Tile<T>]) -> T {
         let CondensationPlan { grading, topology, structure, rule, .. } = self.plan;
         let zero = T::zero();
         let mut nodes = vec![[zero; 2]; topology.node_count];
         for lane in 0..T::COUNT {
-            if lane < self.bodies.len() {
-                let points = coordinates(&self.bodies[lane], grading, topology);
+            let own = self.bodies.get(lane);
+            let is_new = |body: &&Body| lane == 0 || !body.has_outlines_of(&self.bodies[lane - 1]);
+            if let Some(body) = own.filter(is_new) {
+                let points = coordinates(body, grading, topology);
                 for (node, point) in nodes.iter_mut().zip(points) {
                     node[0].set_lane(lane, point[0]);
                     node[1].set_lane(lane, point[1]);

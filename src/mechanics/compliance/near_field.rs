@@ -25,24 +25,20 @@ use crate::mechanics::grading::GradingClass;
 use crate::mechanics::lining_rows::LiningRows;
 use crate::mechanics::material::{Compressibility, Idealization};
 use crate::mechanics::mesh::Grading;
-use crate::mechanics::real::LANES;
 
 /// |ln r| of a reference's fixed circle, at most: deeper bodies bring a far field of their own.
 pub const DEEPEST_REFERENCE: f64 = 1.2;
 
-/// A part of the range of Poisson's ratio over which the error of a mesh is interpolated.
+/// A part of the range of Poisson's ratio over which the error of a mesh is interpolated, in plane stress and in plane strain alike: what
+/// a body yields, times E', is a function of the shear modulus over the bulk modulus of the plane alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PoissonRange {
     /// Plane stress close to -1, nearly without shear.
     Conformal,
-    /// Plane stress, the rest of the negative ones.
+    /// The rest of the negative ones.
     Auxetic,
-    /// Plane stress, the positive ones.
+    /// Positive ones, in plane strain most of them.
     Positive,
-    /// Plane strain, all negative ones.
-    Negative,
-    /// Plane strain, most of the positive ones.
-    Compressible,
     /// Plane strain close to 1/2, nearly incompressible.
     Incompressible,
 }
@@ -53,57 +49,56 @@ const LEAST_COMPRESSIBILITY: f64 = 1e-5;
 /// Of 1 + nu: below it nothing changes any more.
 const LEAST_SHEAR: f64 = 1e-3;
 
+/// The first mesh level of which more is asked than 1 %.
+const FINE: usize = 2;
+
 impl PoissonRange {
     pub fn of(poissons_ratio: f64, idealization: Idealization) -> PoissonRange {
         match Compressibility::of(poissons_ratio, idealization) {
             Compressibility::NearlyConformal => PoissonRange::Conformal,
-            Compressibility::Auxetic => PoissonRange::Auxetic,
-            Compressibility::Positive => PoissonRange::Positive,
-            Compressibility::Negative => PoissonRange::Negative,
-            Compressibility::Moderate | Compressibility::Stiff | Compressibility::VeryStiff => {
-                PoissonRange::Compressible
-            }
+            Compressibility::Auxetic | Compressibility::Negative => PoissonRange::Auxetic,
+            Compressibility::Positive
+            | Compressibility::Moderate
+            | Compressibility::Stiff
+            | Compressibility::VeryStiff => PoissonRange::Positive,
             Compressibility::NearlyIncompressible | Compressibility::Locking => PoissonRange::Incompressible,
         }
     }
 
-    /// What is interpolated in: the error of a mesh is a smooth function of ln(1 - 2 nu) close to 1/2, with poles just beyond, of a root
-    /// of 1 - 2 nu below, and of ln(1 + nu) close to -1 in plane stress.
-    pub fn coordinate(self, poissons_ratio: f64) -> f64 {
-        match self {
-            PoissonRange::Conformal => (1.0 + poissons_ratio).max(LEAST_SHEAR).ln(),
-            PoissonRange::Compressible => (1.0 - 2.0 * poissons_ratio).powf(0.25),
-            PoissonRange::Incompressible => (1.0 - 2.0 * poissons_ratio).max(LEAST_COMPRESSIBILITY).ln(),
-            _ => poissons_ratio,
-        }
-    }
-
-    /// The reverse of `coordinate`.
-    fn poissons_ratio(self, coordinate: f64) -> f64 {
-        match self {
-            PoissonRange::Conformal => coordinate.exp() - 1.0,
-            PoissonRange::Compressible => 0.5 * (1.0 - coordinate.powi(4)),
-            PoissonRange::Incompressible => 0.5 * (1.0 - coordinate.exp()),
-            _ => coordinate,
-        }
-    }
-
-    /// Chebyshev nodes of the range, as coordinates, and their barycentric weights.
-    pub fn nodes(self) -> [(f64, f64); LANES] {
-        let (low, high) = match self {
-            PoissonRange::Conformal => (LEAST_SHEAR.ln(), (1.0 + Compressibility::NEARLY_CONFORMAL).ln()),
-            PoissonRange::Auxetic => (Compressibility::NEARLY_CONFORMAL, 0.0),
-            PoissonRange::Negative => (-1.0, 0.0),
-            PoissonRange::Positive => (0.0, 0.5),
-            PoissonRange::Compressible => {
-                ((1.0 - 2.0 * Compressibility::NEARLY_INCOMPRESSIBLE).powf(0.25), 1.0)
-            }
-            PoissonRange::Incompressible => {
-                (LEAST_COMPRESSIBILITY.ln(), (1.0 - 2.0 * Compressibility::NEARLY_INCOMPRESSIBLE).ln())
-            }
+    /// Of ln(mu/K), in which the error of a mesh is smooth: its poles are where mu/K is negative.
+    fn ends(self) -> [f64; 2] {
+        use Idealization::{PlaneStrain, PlaneStress};
+        let incompressible = PlaneStrain.shear_to_bulk(Compressibility::NEARLY_INCOMPRESSIBLE);
+        let conformal = PlaneStress.shear_to_bulk(Compressibility::NEARLY_CONFORMAL);
+        let ends = match self {
+            PoissonRange::Conformal => [conformal, PlaneStress.shear_to_bulk(LEAST_SHEAR - 1.0)],
+            PoissonRange::Auxetic => [1.0, conformal],
+            PoissonRange::Positive => [incompressible, 1.0],
+            PoissonRange::Incompressible => [LEAST_COMPRESSIBILITY, incompressible],
         };
-        std::array::from_fn(|i| {
-            let angle = PI * (i as f64 + 0.5) / LANES as f64;
+        ends.map(f64::ln)
+    }
+
+    /// ln(mu/K), no further than something changes.
+    fn coordinate(self, poissons_ratio: f64, idealization: Idealization) -> f64 {
+        let [low, high] = self.ends();
+        idealization.shear_to_bulk(poissons_ratio).ln().clamp(low, high)
+    }
+
+    /// How many nodes of ln(mu/K) there are on a mesh level. They leave 5e-5 of what a body yields on coarse ones, 1e-6 on finer ones, and 5e-4
+    /// where the ratio is extreme.
+    fn node_count(self, level: usize) -> usize {
+        match self {
+            PoissonRange::Auxetic | PoissonRange::Positive if level < FINE => 6,
+            _ => 8,
+        }
+    }
+
+    /// Chebyshev nodes of ln(mu/K), and their barycentric weights.
+    fn nodes(self, level: usize) -> impl Iterator<Item = (f64, f64)> {
+        let (count, [low, high]) = (self.node_count(level), self.ends());
+        (0..count).map(move |i| {
+            let angle = PI * (i as f64 + 0.5) / count as f64;
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
             (0.5 * (low + high) + 0.5 * (high - low) * angle.cos(), sign * angle.sin())
         })
@@ -117,7 +112,6 @@ pub struct NearFieldClass {
     /// Whether the ring ends at pi/2.
     pub half_ring: bool,
     pub grading: GradingClass,
-    pub idealization: Idealization,
     pub range: PoissonRange,
     /// By which layers grow, in units of `GROWTH_UNIT`.
     pub growth: u32,
@@ -147,7 +141,6 @@ impl NearFieldClass {
             side: shape.side,
             half_ring: shape.end_angle < PI,
             grading,
-            idealization: *idealization,
             range: PoissonRange::of(*poissons_ratio, *idealization),
             growth: (growth / GROWTH_UNIT).round() as u32,
         };
@@ -168,81 +161,119 @@ impl NearFieldClass {
         self.layers().layer_count
     }
 
-    /// The concentric body that stands for the class, but for its Poisson's ratio.
-    pub fn reference(&self) -> ConcentricBody {
+    /// The mesh of the reference.
+    pub fn mesh(&self) -> ReferenceMesh {
+        ReferenceMesh { side: self.side, half_ring: self.half_ring, layers: self.layers() }
+    }
+
+    /// The concentric bodies that stand for the class, by the nodes of its range.
+    pub fn references(&self) -> impl Iterator<Item = ConcentricBody> {
         let depth = self.layers().depth_at_growth(self.growth());
         let fixed_radius_ratio = if self.side == Side::Plate { depth.exp() } else { (-depth).exp() };
-        ConcentricBody {
-            fixed_radius_ratio,
-            poissons_ratio: 0.0,
-            idealization: self.idealization,
+        self.range.nodes(self.grading.level).map(move |(coordinate, _)| {
+            let (idealization, poissons_ratio) = Idealization::of_shear_to_bulk(coordinate.exp());
+            ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization, lining: Lining::NONE }
+        })
+    }
+}
+
+/// A mesh on which the references of many classes lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ReferenceMesh {
+    side: Side,
+    half_ring: bool,
+    layers: GradingClass,
+}
+
+impl ReferenceMesh {
+    /// Its ring.
+    pub fn ring(&self) -> LoadedRing {
+        LoadedRing::of_reference(self.side, self.half_ring, self.layers)
+    }
+
+    fn body(&self, reference: &ConcentricBody) -> Body {
+        let mut parameters = [0.0; MAX_PARAMETERS];
+        parameters[0] = reference.fixed_radius_ratio;
+        Body {
+            shape: if self.side == Side::Plate { &annulus::SHAPE } else { &cored_disc::SHAPE },
+            parameters,
+            support: 0,
+            poissons_ratio: reference.poissons_ratio,
+            idealization: reference.idealization,
             lining: Lining::NONE,
         }
     }
 }
 
-/// The difference between the exact and the condensed works of ring modes on a class's reference body.
+/// The difference between the exact and the condensed works of ring modes on a class's references.
 pub struct NearField {
     range: PoissonRange,
-    /// `[node of Poisson's ratio]`, as the works of bodies are.
-    works: [Vec<f64>; LANES],
+    level: usize,
+    /// `[node of ln(mu/K)]`, as the works of bodies are, times E'.
+    works: Vec<Vec<f64>>,
 }
 
 impl NearField {
     pub fn new(class: &NearFieldClass) -> NearField {
-        NearField::with_loads(class, &LoadedRing::of_near_field(class).loads(), CondensationPlan::condense)
+        let mesh = class.mesh();
+        let condense = |plan: &CondensationPlan, bodies: &[Body]| plan.condense(bodies);
+        NearField::on_mesh(&mesh, std::slice::from_ref(class), &mesh.ring().loads(), condense).swap_remove(0)
     }
 
-    /// The same with the loads of the modes on the class's ring, and with how its bodies are condensed.
-    pub fn with_loads(
-        class: &NearFieldClass,
+    /// Those of classes whose references lie on one mesh, with the loads of the modes on its ring, and with how bodies are condensed.
+    pub fn on_mesh(
+        mesh: &ReferenceMesh,
+        classes: &[NearFieldClass],
         loads: &[Vec<f64>],
         condense: impl Fn(&CondensationPlan, &[Body]) -> Vec<Vec<f64>>,
-    ) -> NearField {
-        let NearFieldClass { side, half_ring, idealization, range, .. } = *class;
-        let modes = RingModes::of(&class.grading);
-        let reference = class.reference();
-        let mut parameters = [0.0; MAX_PARAMETERS];
-        parameters[0] = reference.fixed_radius_ratio;
-        let bodies = range.nodes().map(|(coordinate, _)| Body {
-            shape: if side == Side::Plate { &annulus::SHAPE } else { &cored_disc::SHAPE },
-            parameters,
-            support: 0,
-            poissons_ratio: range.poissons_ratio(coordinate),
-            idealization,
-            lining: Lining::NONE,
-        });
-        let grading = whole_ring(&class.layers(), end_angle(half_ring));
+    ) -> Vec<NearField> {
+        let modes = RingModes::of(&mesh.layers);
+        let references: Vec<ConcentricBody> = classes.iter().flat_map(NearFieldClass::references).collect();
+        let bodies: Vec<Body> = references.iter().map(|reference| mesh.body(reference)).collect();
+        let grading = whole_ring(&mesh.layers, end_angle(mesh.half_ring));
         let plan = CondensationPlan::with_loads(&bodies[0], grading, modes, loads);
         let condensed = condense(&plan, &bodies);
-        let exact = bodies.map(|body| {
-            ConcentricBody { poissons_ratio: body.poissons_ratio, ..reference.clone() }.boundary_modes()
+        // How many modes there are hangs on the radius alone.
+        let alike = references.chunk_by(|one, other| one.fixed_radius_ratio == other.fixed_radius_ratio);
+        let exact = alike.flat_map(|references| {
+            let boundaries: Vec<_> = references.iter().map(ConcentricBody::boundary_modes).collect();
+            modes.works_of_modes(mesh.side, &boundaries)
         });
-        let mut works = modes.works_of_modes(side, &exact);
-        for (works, mesh) in works.iter_mut().zip(condensed) {
-            works.iter_mut().zip(mesh).for_each(|(exact, mesh)| *exact -= mesh);
-        }
-        NearField { range, works }
+        let mut works = exact.zip(condensed).zip(&references).map(|((mut works, condensed), of)| {
+            let scale = of.idealization.plane_modulus_ratio(of.poissons_ratio);
+            works
+                .iter_mut()
+                .zip(condensed)
+                .for_each(|(exact, condensed)| *exact = scale * (*exact - condensed));
+            works
+        });
+        let near_field = |class: &NearFieldClass| {
+            let (range, level) = (class.range, class.grading.level);
+            NearField { range, level, works: works.by_ref().take(range.node_count(level)).collect() }
+        };
+        classes.iter().map(near_field).collect()
     }
 
-    /// Shares of the `LANES` nodes of Poisson's ratio in the near field of a body; they sum to one.
-    fn shares(range: PoissonRange, poissons_ratio: f64) -> [f64; LANES] {
-        let nodes = range.nodes();
-        let coordinate = range.coordinate(poissons_ratio);
-        if let Some(node) = nodes.iter().position(|(node, _)| *node == coordinate) {
-            return std::array::from_fn(|i| if i == node { 1.0 } else { 0.0 });
+    /// Shares of the nodes in the near field of a body; they sum to one.
+    fn shares(&self, body: &Body) -> Vec<f64> {
+        let nodes = || self.range.nodes(self.level);
+        let coordinate = self.range.coordinate(body.poissons_ratio, body.idealization);
+        if let Some(own) = nodes().position(|(node, _)| node == coordinate) {
+            return (0..self.works.len()).map(|node| if node == own { 1.0 } else { 0.0 }).collect();
         }
-        let weights = nodes.map(|(node, weight)| weight / (coordinate - node));
+        let weights: Vec<f64> = nodes().map(|(node, weight)| weight / (coordinate - node)).collect();
         let sum: f64 = weights.iter().sum();
-        weights.map(|weight| weight / sum)
+        weights.into_iter().map(|weight| weight / sum).collect()
     }
 
     /// Adds to the condensed works of a body the near field that lies `between` (0 to 1) the first and the second of two
     /// classes.
-    pub fn correct(around: [&NearField; 2], between: f64, poissons_ratio: f64, works: &mut [f64]) {
-        for (near_field, share) in around.into_iter().zip([1.0 - between, between]) {
-            let shares = NearField::shares(near_field.range, poissons_ratio).map(|of_node| share * of_node);
+    pub fn correct(around: [&NearField; 2], between: f64, body: &Body, works: &mut [f64]) {
+        let shares = around[0].shares(body);
+        let scale = 1.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio);
+        for (near_field, part) in around.into_iter().zip([1.0 - between, between]) {
             for (share, of_node) in shares.iter().zip(&near_field.works) {
+                let share = scale * part * share;
                 works.iter_mut().zip(of_node).for_each(|(work, near)| *work += share * near);
             }
         }

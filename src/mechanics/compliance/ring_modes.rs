@@ -25,6 +25,7 @@ use crate::mechanics::element::quadrature::gauss_legendre;
 use crate::mechanics::element::{ElementKind, side_functions};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::mesh::{RingTopology, SUPPORTED};
+use crate::mechanics::real::LANES;
 
 /// Functions on a ring, ordered by how finely they resolve a ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -207,14 +208,9 @@ impl RingModes {
     }
 
     /// What the boundary of concentric bodies of one side changes of the works, packed, one way to push after the other; the
-    /// bodies by `ConcentricBody::boundary_modes`, all of one length.
-    pub fn works_of_modes<const BODIES: usize>(
-        &self,
-        side: Side,
-        bodies: &[[Vec<f64>; 2]; BODIES],
-    ) -> [Vec<f64>; BODIES] {
-        let works = in_lanes(WorksOfModes { modes: self, side, bodies });
-        std::array::from_fn(|body| works.iter().map(|of_bodies| of_bodies[body]).collect())
+    /// bodies by `ConcentricBody::boundary_modes`.
+    pub fn works_of_modes(&self, side: Side, bodies: &[[Vec<f64>; 2]]) -> Vec<Vec<f64>> {
+        in_lanes(WorksOfModes { modes: self, side, bodies })
     }
 
     /// Integrals of these functions, du, with those of other modes over that of the square of the latter: `[other][own]`.
@@ -280,21 +276,21 @@ impl RingModes {
     }
 }
 
-/// Those of `works_of_modes`, `[work][body]`.
-struct WorksOfModes<'a, const BODIES: usize> {
+/// Those of `works_of_modes`, `[body][work]`.
+struct WorksOfModes<'a> {
     modes: &'a RingModes,
     side: Side,
-    bodies: &'a [[Vec<f64>; 2]; BODIES],
+    bodies: &'a [[Vec<f64>; 2]],
 }
 
-impl<const BODIES: usize> LaneWork for WorksOfModes<'_, BODIES> {
-    type Output = Vec<[f64; BODIES]>;
+impl LaneWork for WorksOfModes<'_> {
+    type Output = Vec<Vec<f64>>;
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> Vec<[f64; BODIES]> {
+    fn run<const FUSED: bool>(self) -> Vec<Vec<f64>> {
         let WorksOfModes { modes, side, bodies } = self;
         let RingModes { count, ring } = *modes;
-        let highest = bodies[0][0].len();
+        let highest = bodies.iter().map(|[normal, _]| normal.len()).max().unwrap_or(0);
         let stretch = if let Ring::Whole(quarters) = ring { 0.25 * f64::from(quarters) } else { 1.0 };
         // The integrand has period 2 pi in u and is smooth: the midpoint rule converges once it resolves the fastest wave.
         let points = 64 + 2 * count + (highest as f64 * stretch) as usize;
@@ -313,37 +309,44 @@ impl<const BODIES: usize> LaneWork for WorksOfModes<'_, BODIES> {
             }
         }
         let of_mode = |n: usize| &integrals[n * count..][..count];
-        let mut works = vec![[0.0; BODIES]; packed_count(count)];
-        for n in 0..highest {
-            let scales = bodies.each_ref().map(|[normal, _]| 2.0 / PI * normal[n]);
-            add_product(&scales, of_mode(n), of_mode(n), &mut works);
-        }
-        if side == Side::Pin {
-            let mut tilt = vec![[0.0; BODIES]; packed_count(count)];
-            for n in 1..highest {
-                // Of either order.
-                let scales = bodies.each_ref().map(|[_, along]| 2.0 / PI * (along[n] - along[n - 1]));
-                add_product(&scales, of_mode(n), of_mode(n - 1), &mut tilt);
+        let mut all = Vec::with_capacity(bodies.len());
+        for bodies in bodies.chunks(LANES) {
+            // Lanes without a body have none of any mode, nor has a body of those beyond its own.
+            let scales = |scale: &dyn Fn(&[Vec<f64>; 2]) -> f64| -> [f64; LANES] {
+                std::array::from_fn(|lane| 2.0 / PI * bodies.get(lane).map_or(0.0, scale))
+            };
+            let highest = bodies.iter().map(|[normal, _]| normal.len()).max().unwrap_or(0);
+            let of = |modes: &[f64], n: usize| modes.get(n).copied().unwrap_or(0.0);
+            let mut works = vec![[0.0; LANES]; packed_count(count)];
+            for n in 0..highest {
+                let scales = scales(&|[normal, _]| of(normal, n));
+                add_product(&scales, of_mode(n), of_mode(n), &mut works);
             }
-            works.extend(tilt);
+            if side == Side::Pin {
+                let mut tilt = vec![[0.0; LANES]; packed_count(count)];
+                for n in 1..highest {
+                    // Of either order.
+                    let scales =
+                        scales(&|[_, along]| if n < along.len() { along[n] - along[n - 1] } else { 0.0 });
+                    add_product(&scales, of_mode(n), of_mode(n - 1), &mut tilt);
+                }
+                works.extend(tilt);
+            }
+            let of_body = |lane| works.iter().map(|of_lanes| of_lanes[lane]).collect();
+            all.extend((0..bodies.len()).map(of_body));
         }
-        works
+        all
     }
 }
 
 /// works[m n] += scale (a_m b_n + b_m a_n)/2, packed, of each body with its scale.
 #[inline(always)]
-fn add_product<const BODIES: usize>(
-    scales: &[f64; BODIES],
-    a: &[f64],
-    b: &[f64],
-    works: &mut [[f64; BODIES]],
-) {
+fn add_product(scales: &[f64; LANES], a: &[f64], b: &[f64], works: &mut [[f64; LANES]]) {
     for m in 0..a.len() {
         let (of_a, of_b) = (scales.map(|scale| 0.5 * scale * a[m]), scales.map(|scale| 0.5 * scale * b[m]));
         for ((works, a), b) in works[packed(m, 0)..=packed(m, m)].iter_mut().zip(a).zip(b) {
-            for body in 0..BODIES {
-                works[body] += of_a[body] * b + of_b[body] * a;
+            for lane in 0..LANES {
+                works[lane] += of_a[lane] * b + of_b[lane] * a;
             }
         }
     }
@@ -356,7 +359,6 @@ mod tests {
     use crate::mechanics::compliance::series::ConcentricBody;
     use crate::mechanics::compliance::{BodyCompliance, Boundary};
     use crate::mechanics::material::Idealization;
-    use crate::mechanics::real::LANES;
 
     /// What the wall of an annulus changes, by its own modes and by stretched ones.
     #[test]
@@ -373,7 +375,7 @@ mod tests {
         space.prepare(&exact);
         for (quarters, count, limit) in [(4, 8, 5.7e-4), (4, 16, 1.5e-8), (5, 16, 5.8e-8), (8, 24, 1.8e-7)] {
             let modes = RingModes::whole(quarters, count);
-            let [works] = modes.works_of_modes(Side::Plate, &[body.boundary_modes()]);
+            let works = modes.works_of_modes(Side::Plate, &[body.boundary_modes()]).remove(0);
             let found = BodyCompliance { boundary: Boundary::RingModes(modes, works), ..exact.clone() };
             space.prepare(&found);
             let left = space.joint(&[(&exact, 1.0), (&found, -1.0)], Tilt::NONE);
@@ -395,7 +397,7 @@ mod tests {
             lining: Default::default(),
         };
         let (coarse, fine) = (RingModes::whole(4, 8), RingModes::whole(6, 32));
-        let [works] = coarse.works_of_modes(Side::Plate, &[body.boundary_modes()]);
+        let works = coarse.works_of_modes(Side::Plate, &[body.boundary_modes()]).remove(0);
         let told_again = fine.works_of_others(&coarse)(&works);
         let told = [(coarse, works), (fine, told_again)].map(|(modes, works)| {
             let told = BodyCompliance { boundary: Boundary::RingModes(modes, works), ..body.compliance() };
