@@ -30,6 +30,8 @@ pub struct BodyLibrary<'a> {
     near_fields: NearFieldLibrary,
     plans: HashMap<TopologyKey, CondensationPlan>,
     solved: HashMap<RequestKey, SolvedBody>,
+    /// What the solved bodies take, in bytes.
+    solved_bytes: usize,
     device: Option<Box<dyn Device + 'a>>,
     /// Why the device was given up: it is only asked what it has done.
     lost: Option<GpuError>,
@@ -37,11 +39,28 @@ pub struct BodyLibrary<'a> {
     pub times: BodyTimes,
 }
 
+/// So many requests at least are worth a thread.
+const MANY: usize = 64;
+
 /// A body with what has condensed it.
 #[derive(Clone)]
 pub struct SolvedBody {
     pub compliance: Arc<BodyCompliance>,
     pub backend: BackendKind,
+}
+
+/// To be kept: made by all threads, so that one has little left to do.
+struct Keyed {
+    key: RequestKey,
+    body: SolvedBody,
+    bytes: usize,
+}
+
+impl Keyed {
+    fn new(request: &BodyRequest, compliance: BodyCompliance, backend: BackendKind) -> Keyed {
+        let bytes = compliance.bytes();
+        Keyed { key: request.key(), body: SolvedBody { compliance: Arc::new(compliance), backend }, bytes }
+    }
 }
 
 /// Where a library's time went, summed over threads.
@@ -79,6 +98,7 @@ impl<'a> BodyLibrary<'a> {
     /// Forgets solved bodies, but not what they share.
     pub fn forget(&mut self) {
         self.solved.clear();
+        self.solved_bytes = 0;
     }
 
     /// A solved body. Every request since the last `solve` has an answer.
@@ -88,46 +108,49 @@ impl<'a> BodyLibrary<'a> {
 
     /// Solves the requests that have no answer yet.
     pub fn solve(&mut self, requests: &[BodyRequest]) {
+        let keys: Vec<RequestKey> = requests.par_iter().with_min_len(MANY).map(BodyRequest::key).collect();
         let mut missing: Vec<BodyRequest> = Vec::new();
         let mut asked = HashSet::default();
-        for request in requests {
-            if asked.insert(request.key()) && !self.solved.contains_key(&request.key()) {
+        for (request, key) in requests.iter().zip(keys) {
+            let is_missing = !self.solved.contains_key(&key);
+            if asked.insert(key) && is_missing {
                 missing.push(request.clone());
             }
         }
         if missing.is_empty() {
             return;
         }
-        if self.solved.values().map(|body| body.compliance.bytes()).sum::<usize>() > KEPT_BODIES {
+        if self.solved_bytes > KEPT_BODIES {
             self.solved.retain(|key, _| asked.contains(key));
+            self.solved_bytes = self.solved.values().map(|body| body.compliance.bytes()).sum();
         }
         let (series, meshed): (Vec<BodyRequest>, Vec<BodyRequest>) =
             missing.into_iter().partition(|request| request.fidelity == Fidelity::Series);
-        let exact: Vec<(BodyRequest, BodyCompliance, Duration)> = series
+        let exact: Vec<(Keyed, Duration)> = series
             .into_par_iter()
             .map(|request| {
                 let started = Stopwatch::start();
                 let compliance = concentric(&request.body).compliance();
-                (request, compliance, started.elapsed())
+                (Keyed::new(&request, compliance, BackendKind::Cpu), started.elapsed())
             })
             .collect();
-        for (request, compliance, time) in exact {
+        for (solved, time) in exact {
             self.times.series += time;
-            self.keep(&request, compliance, BackendKind::Cpu);
+            self.keep(solved);
         }
         let started = Stopwatch::start();
-        let portions = portions(&meshed);
+        let portions = portions(meshed);
         self.times.shared += started.elapsed();
         portions.into_iter().for_each(|portion| self.solve_meshed(portion));
     }
 
-    fn keep(&mut self, request: &BodyRequest, compliance: BodyCompliance, backend: BackendKind) {
-        self.solved.insert(request.key(), SolvedBody { compliance: Arc::new(compliance), backend });
+    fn keep(&mut self, Keyed { key, body, bytes }: Keyed) {
+        self.solved_bytes += bytes;
+        self.solved.insert(key, body);
     }
 
-    fn solve_meshed(&mut self, mut groups: Vec<Group>) {
+    fn solve_meshed(&mut self, Portion { mut groups, near_fields: classes }: Portion) {
         let started = Stopwatch::start();
-        let classes: HashSet<NearFieldClass> = near_fields_of(&groups).collect();
         let of_near_fields = classes.iter().filter(|class| !self.near_fields.has(class));
         let of_bodies = groups.iter().map(|(key, group)| LoadedRing::of(group[0].body.shape, &key.class));
         self.ring_loads.prepare(of_near_fields.map(LoadedRing::of_near_field).chain(of_bodies));
@@ -167,13 +190,11 @@ impl<'a> BodyLibrary<'a> {
                     Some((reference, own)) => reference.compliance(&request.body, works, own),
                     None => self.corrected(&key, &request.body, works),
                 };
-                (request, compliance)
+                Keyed::new(&request, compliance, BackendKind::Cpu)
             };
-            let solved: Vec<_> = works.into_par_iter().map(correct).collect();
+            let solved: Vec<Keyed> = works.into_par_iter().map(correct).collect();
             self.times.condense += started.elapsed();
-            for (request, compliance) in solved {
-                self.keep(&request, compliance, BackendKind::Cpu);
-            }
+            solved.into_iter().for_each(|solved| self.keep(solved));
             self.plans.extend(plan.map(|plan| (key, plan)));
         }
     }
@@ -209,7 +230,7 @@ impl<'a> BodyLibrary<'a> {
                 match works {
                     Some(works) => {
                         let compliance = self.corrected(&key, &request.body, works);
-                        self.keep(&request, compliance, BackendKind::Gpu);
+                        self.keep(Keyed::new(&request, compliance, BackendKind::Gpu));
                     }
                     None => of_group.push(request),
                 }
@@ -271,14 +292,6 @@ struct CondensedGroup {
     batches: Vec<(Vec<Condensed>, Duration)>,
 }
 
-/// The near fields that bodies need.
-fn near_fields_of(groups: &[Group]) -> impl Iterator<Item = NearFieldClass> {
-    let bare = groups.iter().filter(|(key, _)| !key.class.is_lined());
-    bare.flat_map(|(key, group)| {
-        group.iter().flat_map(|request| NearFieldClass::around(&request.body, key.class).0)
-    })
-}
-
 /// Of each lined body its reference, with the works of that.
 fn condensed_references(
     ring_loads: &RingLoads,
@@ -317,21 +330,35 @@ fn of_either_idealization(groups: Vec<Group>) -> Vec<Group> {
     joined.into_iter().collect()
 }
 
+/// Bodies that are solved at a time, with the near fields they need.
+#[derive(Default)]
+struct Portion {
+    groups: Vec<Group>,
+    near_fields: HashSet<NearFieldClass>,
+}
+
 /// The requests by topology, in portions each of which ends where it needs more than `PORTION` near fields.
-fn portions(requests: &[BodyRequest]) -> Vec<Vec<Group>> {
-    let mut groups: HashMap<TopologyKey, Vec<BodyRequest>> = HashMap::default();
-    for request in requests {
-        groups.entry(TopologyKey::of(request)).or_default().push(request.clone());
+fn portions(requests: Vec<BodyRequest>) -> Vec<Portion> {
+    let classed = |request: BodyRequest| {
+        let key = TopologyKey::of(&request);
+        // Lined bodies have references of their own.
+        let around = (!key.class.is_lined()).then(|| NearFieldClass::around(&request.body, key.class).0);
+        (key, request, around)
+    };
+    let classed: Vec<_> = requests.into_par_iter().with_min_len(MANY).map(classed).collect();
+    let mut groups: HashMap<TopologyKey, (Vec<BodyRequest>, HashSet<NearFieldClass>)> = HashMap::default();
+    for (key, request, around) in classed {
+        let (group, near_fields) = groups.entry(key).or_default();
+        group.push(request);
+        near_fields.extend(around.into_iter().flatten());
     }
-    let mut portions: Vec<Vec<Group>> = Vec::new();
-    let mut portion = Vec::new();
-    let mut near_fields: HashSet<NearFieldClass> = HashSet::default();
-    for (key, group) in groups {
-        portion.push((key, group));
-        near_fields.extend(near_fields_of(&portion[portion.len() - 1..]));
-        if near_fields.len() > PORTION {
+    let mut portions = Vec::new();
+    let mut portion = Portion::default();
+    for (key, (group, near_fields)) in groups {
+        portion.groups.push((key, group));
+        portion.near_fields.extend(near_fields);
+        if portion.near_fields.len() > PORTION {
             portions.push(std::mem::take(&mut portion));
-            near_fields.clear();
         }
     }
     portions.push(portion);

@@ -27,6 +27,9 @@ use crate::study::design::DesignCase;
 /// Designs of one joint that a thread solves.
 const TOGETHER: usize = 64;
 
+/// So many designs at least are worth a thread where only little is done.
+const MANY: usize = 32;
+
 /// An attempt, with the place of its design among those tried together.
 type Placed = (usize, (Answer, Want));
 
@@ -83,13 +86,14 @@ impl<'a> Ladder<'a> {
         if let Some(interpolation) = &mut self.interpolation {
             answers = interpolation.solve(&mut self.library, &mut self.spaces, cases);
         }
-        let mut open = Vec::new();
-        for (index, (case, answer)) in cases.iter().zip(&mut answers).enumerate() {
-            if answer.is_none() {
-                match JointPlan::cheapest(case, method, accuracy) {
-                    Ok(plan) => open.push((index, plan)),
-                    Err(refusal) => *answer = Some(refused(case, refusal)),
-                }
+        let left: Vec<usize> = (0..cases.len()).filter(|index| answers[*index].is_none()).collect();
+        let cheapest = |index: &usize| (*index, JointPlan::cheapest(&cases[*index], method, accuracy));
+        let plans: Vec<_> = left.par_iter().with_min_len(MANY).map(cheapest).collect();
+        let mut open = Vec::with_capacity(plans.len());
+        for (index, plan) in plans {
+            match plan {
+                Ok(plan) => open.push((index, plan)),
+                Err(refusal) => answers[index] = Some(refused(&cases[index], refusal)),
             }
         }
         while !open.is_empty() {
@@ -116,12 +120,18 @@ impl<'a> Ladder<'a> {
         let ((), time) = rayon::join(|| library.solve(&requests), make_spaces);
         self.times.spaces += time;
         let started = Stopwatch::start();
-        let bodies = open.iter().flat_map(|(_, plan)| plan.requests().map(|request| (plan.space, request)));
-        spaces.prepare(bodies.map(|(space, request)| (space, &*library.solved(&request).compliance)));
+        let in_space = |(_, plan): &(usize, JointPlan)| {
+            let solved = |request| (plan.space, &*library.solved(&request).compliance);
+            plan.requests().map(solved).collect::<Vec<_>>()
+        };
+        let bodies: Vec<_> = open.par_iter().with_min_len(MANY).flat_map_iter(in_space).collect();
+        spaces.prepare(bodies.into_iter());
         self.times.spaces += started.elapsed();
         let mut joints: HashMap<JointKey, Vec<usize>> = HashMap::default();
-        for (place, (index, plan)) in open.iter().enumerate() {
-            joints.entry(joint_key(plan, &cases[*index])).or_default().push(place);
+        let key = |(index, plan): &(usize, JointPlan)| joint_key(plan, &cases[*index]);
+        let keys: Vec<JointKey> = open.par_iter().with_min_len(MANY).map(key).collect();
+        for (place, key) in keys.into_iter().enumerate() {
+            joints.entry(key).or_default().push(place);
         }
         let joints: Vec<Vec<usize>> = joints.into_values().collect();
         let (library, spaces, accuracy) = (&self.library, &self.spaces, self.options.accuracy);

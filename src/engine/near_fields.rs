@@ -1,7 +1,6 @@
 //! The near fields of classes of bodies. Each is made once and kept while there is room.
 
-use std::collections::{HashMap, HashSet};
-
+use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::engine::ring_loads::RingLoads;
@@ -55,7 +54,7 @@ impl NearFieldLibrary {
                 false => bodies.par_chunks(LANES).flat_map_iter(|bodies| plan.condense(bodies)).collect(),
             }
         };
-        let mut by_mesh: HashMap<ReferenceMesh, Vec<NearFieldClass>> = HashMap::new();
+        let mut by_mesh: HashMap<ReferenceMesh, Vec<NearFieldClass>> = HashMap::default();
         new.into_iter().for_each(|class| by_mesh.entry(class.mesh()).or_default().push(class));
         let on_mesh = |(mesh, mut classes): (ReferenceMesh, Vec<NearFieldClass>)| {
             // References of the same outlines lie side by side.

@@ -139,7 +139,7 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
 }
 
 /// Runs designs of `study`, digests the outcomes and hands the portions over one by one. While one batch is solved the next one is
-/// drawn and the one before is received.
+/// drawn, the one before is digested and the one before that received.
 pub fn run_digested<T: Send>(
     study: &Study,
     options: &SweepOptions,
@@ -157,7 +157,9 @@ pub fn run_digested<T: Send>(
     let (count, cases) = (options.designs.count(study), options.designs.cases(study)?);
     let mut statistics = Statistics::default();
     let (drawn_sender, drawn) = sync_channel(1);
-    let (solved_sender, solved) = sync_channel(1);
+    // Nothing waits for its digestion, so that few batches are there at a time.
+    let (solved_sender, solved) = sync_channel(0);
+    let (digested_sender, digested) = sync_channel(1);
     let plan = InterpolationPlan::of_study(study);
     let on_processor = if plan.is_some() { INTERPOLATED_BATCH } else { BATCH };
     let most = options.gpu.map_or(on_processor, |gpu| gpu.batch_size());
@@ -170,12 +172,14 @@ pub fn run_digested<T: Send>(
             options.gpu.is_none() && seconds / 4.0 * batch_size as f64 <= SOON * threads as f64
         };
         let drawer = scope.spawn(move || draw_all(cases, batch_size, is_soon, &drawn_sender));
-        let solver =
-            scope.spawn(move || solve_all(study, options, plan, (digest, &pool), &drawn, &solved_sender));
+        let pool = &pool;
+        let solver = scope.spawn(move || solve_all(study, options, plan, pool, &drawn, &solved_sender));
+        let digester = scope.spawn(move || digest_all(digest, pool, solved, &digested_sender));
         let mut received = Duration::ZERO;
-        let result = receive_all(&solved, receive, &mut statistics, &mut received);
+        let result = receive_all(&digested, receive, &mut statistics, &mut received);
         // Those who still send to nobody end.
-        drop(solved);
+        drop(digested);
+        let digestion = joined(digester);
         let solution = joined(solver);
         let distinct = joined(drawer);
         statistics.interrupted &= statistics.designs < count;
@@ -187,7 +191,7 @@ pub fn run_digested<T: Send>(
         statistics.worst_residual = solution.worst_residual;
         statistics.fallback = solution.fallback;
         statistics.stages = solution.stages;
-        statistics.stages.push(("writing", received));
+        statistics.stages.extend([("table", digestion), ("writing", received)]);
         result
     })?;
     Ok(statistics)
@@ -199,7 +203,8 @@ fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
 }
 
 type Drawn = Result<Vec<DesignCase>, Error>;
-type Solved<T> = Result<Vec<Portion<T>>, Error>;
+type Solved = Result<Vec<DesignOutcome>, Error>;
+type Digested<T> = Result<Vec<Portion<T>>, Error>;
 
 /// Designs that follow each other, digested.
 struct Portion<T> {
@@ -265,13 +270,13 @@ struct Solution {
     fallback: Option<String>,
 }
 
-fn solve_all<T: Send>(
+fn solve_all(
     study: &Study,
     options: &SweepOptions,
     plan: Option<InterpolationPlan>,
-    (digest, pool): (&Digest<T>, &rayon::ThreadPool),
+    pool: &rayon::ThreadPool,
     drawn: &Receiver<Drawn>,
-    solved: &SyncSender<Solved<T>>,
+    solved: &SyncSender<Solved>,
 ) -> Solution {
     let mut fallback = None;
     let ladder = Ladder::new(study.solve).interpolating(plan);
@@ -283,37 +288,53 @@ fn solve_all<T: Send>(
             ladder
         }
     };
-    let mut digestion = Digestion::new(digest, pool);
     for batch in drawn {
-        let portions = batch.map(|batch| {
-            let answers = pool.install(|| ladder.answers(&batch));
-            let outcomes = batch.into_iter().zip(answers);
-            let mut outcomes: Vec<_> =
-                outcomes.map(|(case, answer)| DesignOutcome::new(case, answer)).collect();
-            if study.fits_laws() {
-                pool.install(|| add_laws(&mut ladder, &mut outcomes));
-            }
-            digestion.add(outcomes)
+        let outcomes = batch.map(|batch| {
+            pool.install(|| {
+                let answers = ladder.answers(&batch);
+                let cases = batch.into_par_iter().with_min_len(FIRST_BATCH).zip(answers);
+                let outcome = |(case, answer)| DesignOutcome::new(case, answer);
+                let mut outcomes: Vec<DesignOutcome> = cases.map(outcome).collect();
+                if study.fits_laws() {
+                    add_laws(&mut ladder, &mut outcomes);
+                }
+                outcomes
+            })
         });
         if let Some(error) = ladder.library.lost().filter(|_| fallback.is_none()) {
             fallback = given_up(options, &error.to_string());
         }
-        // The receiver is gone when it has broken off.
-        if solved.send(portions).is_err() {
+        // Who digests is gone when the receiver has broken off.
+        if solved.send(outcomes).is_err() {
             break;
         }
     }
-    let _ = solved.send(Ok(digestion.end()));
     let device = ladder.library.device();
-    let mut stages = ladder.stages();
-    stages.push(("table", digestion.time));
     Solution {
-        stages,
+        stages: ladder.stages(),
         // Nothing where all was eliminated.
         worst_residual: device.map(|device| device.worst_residual()).filter(|residual| *residual > 0.0),
         solves: device.map_or(0, |device| device.solves()),
         fallback,
     }
+}
+
+/// Digests outcomes up to the first failure to draw; gives back how long that took, summed over threads.
+fn digest_all<T: Send>(
+    digest: &Digest<T>,
+    pool: &rayon::ThreadPool,
+    solved: Receiver<Solved>,
+    digested: &SyncSender<Digested<T>>,
+) -> Duration {
+    let mut digestion = Digestion::new(digest, pool);
+    for outcomes in solved {
+        // The receiver is gone when it has broken off.
+        if digested.send(outcomes.map(|outcomes| digestion.add(outcomes))).is_err() {
+            return digestion.time;
+        }
+    }
+    let _ = digested.send(Ok(digestion.end()));
+    digestion.time
 }
 
 /// Cuts outcomes into portions and digests these on all threads.
@@ -337,7 +358,11 @@ impl<'a, T: Send> Digestion<'a, T> {
 
     /// Of whole portions, with those that waited.
     fn add(&mut self, mut outcomes: Vec<DesignOutcome>) -> Vec<Portion<T>> {
-        self.waiting.append(&mut outcomes);
+        if self.waiting.is_empty() {
+            self.waiting = outcomes;
+        } else {
+            self.waiting.append(&mut outcomes);
+        }
         let (Some(first), Some(last)) = (self.waiting.first(), self.waiting.last()) else {
             return Vec::new();
         };
@@ -396,12 +421,12 @@ fn given_up(options: &SweepOptions, problem: &str) -> Option<String> {
 }
 
 fn receive_all<T>(
-    solved: &Receiver<Solved<T>>,
+    digested: &Receiver<Digested<T>>,
     receive: Receive<T>,
     statistics: &mut Statistics,
     time: &mut Duration,
 ) -> Result<(), Error> {
-    for portions in solved {
+    for portions in digested {
         let started = Stopwatch::start();
         for portion in portions? {
             statistics.designs += portion.designs;

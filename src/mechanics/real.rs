@@ -65,10 +65,10 @@ real_for_scalar!(f32);
 /// Bodies solved side by side: one 512-bit register of `f64`.
 pub const LANES: usize = 8;
 
-/// One number of each of `LANES` bodies; `FUSED` where the processor fuses multiply and add.
+/// One number of each of some bodies, or loads; `FUSED` where the processor fuses multiply and add.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
-pub struct Lanes<const FUSED: bool>(pub [f64; LANES]);
+pub struct Lanes<const FUSED: bool, const COUNT: usize = LANES>(pub [f64; COUNT]);
 
 /// Bodies side by side, or one alone.
 pub trait Bodies: Real {
@@ -94,11 +94,11 @@ impl<const FUSED: bool> Bodies for Lanes<FUSED> {
 
 macro_rules! lanewise {
     ($trait:ident, $method:ident, $op:tt) => {
-        impl<const FUSED: bool> $trait for Lanes<FUSED> {
+        impl<const FUSED: bool, const COUNT: usize> $trait for Lanes<FUSED, COUNT> {
             type Output = Self;
             #[inline(always)]
             fn $method(mut self, other: Self) -> Self {
-                for lane in 0..LANES {
+                for lane in 0..COUNT {
                     self.0[lane] $op other.0[lane];
                 }
                 self
@@ -111,21 +111,21 @@ lanewise!(Sub, sub, -=);
 lanewise!(Mul, mul, *=);
 lanewise!(Div, div, /=);
 
-impl<const FUSED: bool> AddAssign for Lanes<FUSED> {
+impl<const FUSED: bool, const COUNT: usize> AddAssign for Lanes<FUSED, COUNT> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl<const FUSED: bool> SubAssign for Lanes<FUSED> {
+impl<const FUSED: bool, const COUNT: usize> SubAssign for Lanes<FUSED, COUNT> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
 
-impl<const FUSED: bool> Neg for Lanes<FUSED> {
+impl<const FUSED: bool, const COUNT: usize> Neg for Lanes<FUSED, COUNT> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -133,10 +133,10 @@ impl<const FUSED: bool> Neg for Lanes<FUSED> {
     }
 }
 
-impl<const FUSED: bool> Real for Lanes<FUSED> {
+impl<const FUSED: bool, const COUNT: usize> Real for Lanes<FUSED, COUNT> {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
-        Lanes([value; LANES])
+        Lanes([value; COUNT])
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -144,7 +144,7 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
     }
     #[inline(always)]
     fn least(mut self, other: Self) -> Self {
-        for lane in 0..LANES {
+        for lane in 0..COUNT {
             self.0[lane] = self.0[lane].least(other.0[lane]);
         }
         self
@@ -155,7 +155,7 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
     }
     #[inline(always)]
     fn minus_product(mut self, a: Self, b: Self) -> Self {
-        for lane in 0..LANES {
+        for lane in 0..COUNT {
             self.0[lane] = if FUSED {
                 (-a.0[lane]).mul_add(b.0[lane], self.0[lane])
             } else {
@@ -255,7 +255,7 @@ const OF_ATANH: [f64; 11] = {
     shares
 };
 
-impl<const FUSED: bool> Lanes<FUSED> {
+impl<const FUSED: bool, const COUNT: usize> Lanes<FUSED, COUNT> {
     /// Natural logarithm of positive numbers that are not subnormal, to a few units in the last place: of x = 2^k m with m around 1
     /// it is k ln 2 + 2 atanh((m - 1)/(m + 1)).
     #[inline(always)]
@@ -263,8 +263,8 @@ impl<const FUSED: bool> Lanes<FUSED> {
         const FRACTION: u64 = (1 << 52) - 1;
         const LEAST: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
         let above = self.0.map(|value| value.to_bits().wrapping_sub(LEAST));
-        let exponent = Lanes::<FUSED>(above.map(|bits| (bits as i64 >> 52) as f64));
-        let mantissa = Lanes::<FUSED>(above.map(|bits| f64::from_bits((bits & FRACTION) + LEAST)));
+        let exponent = Lanes(above.map(|bits| (bits as i64 >> 52) as f64));
+        let mantissa = Lanes(above.map(|bits| f64::from_bits((bits & FRACTION) + LEAST)));
         let one = Lanes::from_f64(1.0);
         let s = (mantissa - one) / (mantissa + one);
         let minus_square = -s * s;

@@ -226,9 +226,9 @@ fn other_shapes_meet_the_accuracy_against_finer_meshes() {
         share: 0.98,
         steps: 1200,
         unanswered: 0,
-        force: 3.0e-3,
-        stiffness: 3.0e-3,
-        excess: 8.2,
+        force: 4.2e-3,
+        stiffness: 4.3e-3,
+        excess: 8.3,
     };
     let of_half_discs = Seen {
         accuracy,
@@ -268,7 +268,7 @@ fn what_is_known_of_meshes_spares_coarser_ones() {
     };
     let known = solved(6.0);
     assert!(
-        known.len() == 4 && known.iter().all(|solved| [481, 873, 1453].contains(&(solved - 141))),
+        known.len() == 2 && known.iter().all(|solved| [481, 873, 1453].contains(&(solved - 141))),
         "{known:?}"
     );
     let unknown = solved(15.0);

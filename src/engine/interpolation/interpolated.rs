@@ -78,16 +78,17 @@ impl Interpolation {
     ) -> Vec<Option<Answer>> {
         self.prepare(library, spaces);
         let (this, spaces) = (&*self, &*spaces);
-        let solved: Vec<(Vec<Option<Answer>>, Duration)> = cases
-            .par_chunks(TOGETHER)
-            .map_init(Default::default, |scratch, cases| {
-                let started = Stopwatch::start();
-                let answers = cases.iter().map(|case| this.solve_design(spaces, case, scratch)).collect();
-                (answers, started.elapsed())
-            })
-            .collect();
-        self.design_time += solved.iter().map(|(_, time)| *time).sum::<Duration>();
-        solved.into_iter().flat_map(|(answers, _)| answers).collect()
+        let mut answers: Vec<Option<Answer>> = vec![None; cases.len()];
+        let solve = |scratch: &mut _, (cases, answers): (&[DesignCase], &mut [Option<Answer>])| {
+            let started = Stopwatch::start();
+            for (case, answer) in cases.iter().zip(answers) {
+                *answer = this.solve_design(spaces, case, scratch);
+            }
+            started.elapsed()
+        };
+        let together = cases.par_chunks(TOGETHER).zip(answers.par_chunks_mut(TOGETHER));
+        self.design_time += together.map_init(Default::default, solve).sum::<Duration>();
+        answers
     }
 
     fn solve_design(

@@ -110,37 +110,43 @@ impl<'a> ContactCurve<'a> {
 
     /// What the equations come to at places, as far as a load follows from it.
     #[inline(always)]
-    pub(super) fn at<const FUSED: bool>(&self, places: Lanes<FUSED>) -> AtPlaces<FUSED> {
-        let number = Lanes::<FUSED>::from_f64;
+    pub(super) fn at<const FUSED: bool, const COUNT: usize>(
+        &self,
+        places: Lanes<FUSED, COUNT>,
+    ) -> AtPlaces<FUSED, COUNT> {
+        let number = Lanes::<FUSED, COUNT>::from_f64;
         let [unit, b, logarithms] = self.space.at_places(places);
         let turn = number(2.0) - number(4.0) * unit;
         let mut functions = [number(0.0); FUNCTIONS];
-        functions[..OF_LOAD].copy_from_slice(&self.sums::<FUSED, 0, OF_LOAD>(turn));
+        functions[..OF_LOAD].copy_from_slice(&self.sums::<_, _, 0, OF_LOAD>(turn));
         AtPlaces { b, turn, functions, reduced: self.reduced_of(functions, logarithms, b), logarithms }
     }
 
     /// And all of it.
     #[inline(always)]
-    pub(super) fn whole<const FUSED: bool>(&self, at: &AtPlaces<FUSED>) -> Reduced<Lanes<FUSED>> {
+    pub(super) fn whole<const FUSED: bool, const COUNT: usize>(
+        &self,
+        at: &AtPlaces<FUSED, COUNT>,
+    ) -> Reduced<Lanes<FUSED, COUNT>> {
         let mut functions = at.functions;
-        functions[OF_LOAD..].copy_from_slice(&self.sums::<FUSED, OF_LOAD, { FUNCTIONS - OF_LOAD }>(at.turn));
+        functions[OF_LOAD..].copy_from_slice(&self.sums::<_, _, OF_LOAD, { FUNCTIONS - OF_LOAD }>(at.turn));
         self.reduced_of(functions, at.logarithms, at.b)
     }
 
     /// Clenshaw's sums of functions from one on, side by side: no addition waits for the one before.
     #[inline(always)]
-    fn sums<const FUSED: bool, const FROM: usize, const COUNT: usize>(
+    fn sums<const FUSED: bool, const COUNT: usize, const FROM: usize, const OF: usize>(
         &self,
-        turn: Lanes<FUSED>,
-    ) -> [Lanes<FUSED>; COUNT] {
-        let number = Lanes::<FUSED>::from_f64;
-        let mut current = [Lanes::<FUSED>::zero(); COUNT];
+        turn: Lanes<FUSED, COUNT>,
+    ) -> [Lanes<FUSED, COUNT>; OF] {
+        let number = Lanes::<FUSED, COUNT>::from_f64;
+        let mut current = [Lanes::<FUSED, COUNT>::zero(); OF];
         let mut previous = current;
         let nodes = self.states.count();
         for degree in (0..nodes).rev() {
             let (of_degree, lane) = (&self.coefficients[chunk_of(nodes, degree)], degree / 2 % LANES);
             let turn = if degree == 0 { number(0.5) * turn } else { turn };
-            for function in 0..COUNT {
+            for function in 0..OF {
                 let next = (number(of_degree[FROM + function][lane]) - previous[function])
                     .minus_product(turn, current[function]);
                 (current[function], previous[function]) = (next, current[function]);
@@ -169,15 +175,15 @@ impl<'a> ContactCurve<'a> {
 }
 
 /// What is known of the states at places on a curve.
-pub(super) struct AtPlaces<const FUSED: bool> {
+pub(super) struct AtPlaces<const FUSED: bool, const COUNT: usize> {
     /// Of the pin.
-    pub(super) b: Lanes<FUSED>,
+    pub(super) b: Lanes<FUSED, COUNT>,
     /// Those `OF_LOAD`, the others being zero.
-    pub(super) reduced: Reduced<Lanes<FUSED>>,
-    functions: [Lanes<FUSED>; FUNCTIONS],
+    pub(super) reduced: Reduced<Lanes<FUSED, COUNT>>,
+    functions: [Lanes<FUSED, COUNT>; FUNCTIONS],
     /// -2 of the variable of the polynomials, from -1 to 1.
-    turn: Lanes<FUSED>,
-    logarithms: Lanes<FUSED>,
+    turn: Lanes<FUSED, COUNT>,
+    logarithms: Lanes<FUSED, COUNT>,
 }
 
 /// s, beside a bed.

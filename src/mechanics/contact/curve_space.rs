@@ -177,8 +177,11 @@ impl CurveSpace {
 
     /// From places to what polynomials are of, from 0 to 1, b, and logarithms.
     #[inline(always)]
-    pub(super) fn at_places<const FUSED: bool>(&self, places: Lanes<FUSED>) -> [Lanes<FUSED>; 3] {
-        let number = Lanes::<FUSED>::from_f64;
+    pub(super) fn at_places<const FUSED: bool, const COUNT: usize>(
+        &self,
+        places: Lanes<FUSED, COUNT>,
+    ) -> [Lanes<FUSED, COUNT>; 3] {
+        let number = Lanes::<FUSED, COUNT>::from_f64;
         match self.variable {
             Variable::Root => {
                 let quarter = number(self.widest) * places;

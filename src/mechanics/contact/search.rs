@@ -25,6 +25,9 @@ const MOST_OF_POLYNOMIALS: usize = 8;
 /// Nodes that P goes through.
 const AROUND: usize = 6;
 
+/// So many loads take half as many lanes.
+const FEW: usize = LANES / 2;
+
 struct Loads<'a, I> {
     curve: &'a ContactCurve<'a>,
     loads: I,
@@ -46,8 +49,11 @@ impl<I: Iterator<Item = DimensionlessLoad>> LaneWork for Loads<'_, I> {
                 targets.of_force.0[count] = target.of_force;
                 count += 1;
             }
-            if count > 0 {
+            if count > FEW {
                 let found = curve.search(&targets);
+                states.extend((0..count).map(|lane| found.state(curve, lane)));
+            } else if count > 0 {
+                let found = curve.search(&targets.first::<FEW>());
                 states.extend((0..count).map(|lane| found.state(curve, lane)));
             }
             if count < LANES {
@@ -58,30 +64,36 @@ impl<I: Iterator<Item = DimensionlessLoad>> LaneWork for Loads<'_, I> {
 }
 
 /// As many as there are lanes; zero where there is none, which no state comes to.
-struct Targets<const FUSED: bool> {
-    of_indentation: Lanes<FUSED>,
-    of_force: Lanes<FUSED>,
+struct Targets<const FUSED: bool, const COUNT: usize> {
+    of_indentation: Lanes<FUSED, COUNT>,
+    of_force: Lanes<FUSED, COUNT>,
 }
 
-impl<const FUSED: bool> Targets<FUSED> {
+impl<const FUSED: bool, const COUNT: usize> Targets<FUSED, COUNT> {
+    #[inline(always)]
+    fn first<const FIRST: usize>(&self) -> Targets<FUSED, FIRST> {
+        let first = |lanes: &Lanes<FUSED, COUNT>| Lanes(std::array::from_fn(|lane| lanes.0[lane]));
+        Targets { of_indentation: first(&self.of_indentation), of_force: first(&self.of_force) }
+    }
+
     /// h.
     #[inline(always)]
-    fn sum(&self, indentation: Lanes<FUSED>, force: Lanes<FUSED>) -> Lanes<FUSED> {
+    fn sum(&self, indentation: Lanes<FUSED, COUNT>, force: Lanes<FUSED, COUNT>) -> Lanes<FUSED, COUNT> {
         (self.of_indentation * indentation).minus_product(-self.of_force, force)
     }
 }
 
 /// What searches have come to.
-struct Found<const FUSED: bool> {
+struct Found<const FUSED: bool, const COUNT: usize> {
     /// Of the pin.
-    b: Lanes<FUSED>,
-    edge: FreeEdge<Lanes<FUSED>>,
+    b: Lanes<FUSED, COUNT>,
+    edge: FreeEdge<Lanes<FUSED, COUNT>>,
     /// The node at or above each; `usize::MAX` where the load is beyond the curve.
-    above: [usize; LANES],
-    has_ended: [bool; LANES],
+    above: [usize; COUNT],
+    has_ended: [bool; COUNT],
 }
 
-impl<const FUSED: bool> Found<FUSED> {
+impl<const FUSED: bool, const COUNT: usize> Found<FUSED, COUNT> {
     /// One lane, with what is known node by node.
     #[inline(always)]
     fn state(&self, curve: &ContactCurve, lane: usize) -> Result<(ContactState, usize), NoState> {
@@ -110,15 +122,18 @@ impl<const FUSED: bool> Found<FUSED> {
 }
 
 /// P, a polynomial of y through places.
-struct Inverse<const FUSED: bool> {
-    y: [Lanes<FUSED>; AROUND],
+struct Inverse<const FUSED: bool, const COUNT: usize> {
+    y: [Lanes<FUSED, COUNT>; AROUND],
     /// Places over the products of y's distances to all others.
-    weights: [Lanes<FUSED>; AROUND],
+    weights: [Lanes<FUSED, COUNT>; AROUND],
 }
 
-impl<const FUSED: bool> Inverse<FUSED> {
+impl<const FUSED: bool, const COUNT: usize> Inverse<FUSED, COUNT> {
     #[inline(always)]
-    fn new(places: &[Lanes<FUSED>; AROUND], y: [Lanes<FUSED>; AROUND]) -> Inverse<FUSED> {
+    fn new(
+        places: &[Lanes<FUSED, COUNT>; AROUND],
+        y: [Lanes<FUSED, COUNT>; AROUND],
+    ) -> Inverse<FUSED, COUNT> {
         let mut products = [Lanes::from_f64(1.0); AROUND];
         for i in 0..AROUND {
             for j in 0..i {
@@ -134,7 +149,7 @@ impl<const FUSED: bool> Inverse<FUSED> {
     }
 
     #[inline(always)]
-    fn at(&self, y: Lanes<FUSED>) -> Lanes<FUSED> {
+    fn at(&self, y: Lanes<FUSED, COUNT>) -> Lanes<FUSED, COUNT> {
         let (mut sum, mut before) = (Lanes::zero(), Lanes::from_f64(1.0));
         // The sum so far has all distances so far as factors.
         for (own, weight) in self.y.iter().zip(&self.weights) {
@@ -168,9 +183,12 @@ impl ContactCurve<'_> {
     }
 
     #[inline(always)]
-    fn search<const FUSED: bool>(&self, targets: &Targets<FUSED>) -> Found<FUSED> {
+    fn search<const FUSED: bool, const COUNT: usize>(
+        &self,
+        targets: &Targets<FUSED, COUNT>,
+    ) -> Found<FUSED, COUNT> {
         // Nodes go down with the angle: the last one that is not below the load.
-        let mut above = [usize::MAX; LANES];
+        let mut above = [usize::MAX; COUNT];
         for node in self.first..self.states.count() {
             let [_, indentation, force] = self.node(node);
             let reached = targets.sum(Lanes::from_f64(indentation), Lanes::from_f64(force));
@@ -181,10 +199,11 @@ impl ContactCurve<'_> {
         let end = self.states.count() + usize::from(self.space.goes_to_zero());
         // Nodes on either side, as many as there are, and the bracket among them. Loops, because closures in arrays are not inlined, and
         // what is not inlined is not compiled for the vectors.
-        let (mut places, mut y) = ([Lanes::<FUSED>::zero(); AROUND], [Lanes::<FUSED>::zero(); AROUND]);
-        let mut forces = [Lanes::<FUSED>::zero(); AROUND];
-        let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
+        let (mut places, mut y) =
+            ([Lanes::<FUSED, COUNT>::zero(); AROUND], [Lanes::<FUSED, COUNT>::zero(); AROUND]);
+        let mut forces = [Lanes::<FUSED, COUNT>::zero(); AROUND];
+        let (mut low, mut high) = ([0.0; COUNT], [0.0; COUNT]);
+        for lane in 0..COUNT {
             if above[lane] >= end - 1 {
                 above[lane] = usize::MAX;
                 continue;
@@ -203,12 +222,12 @@ impl ContactCurve<'_> {
         let first = inverse.at(Lanes::from_f64(1.0));
         let mut next = first;
         // y and q - P(y) of the step before.
-        let mut before: Option<[Lanes<FUSED>; 2]> = None;
+        let mut before: Option<[Lanes<FUSED, COUNT>; 2]> = None;
         let mut steps = 0;
         loop {
             let is_bisected = steps >= MOST_OF_POLYNOMIALS;
-            let mut place = Lanes::<FUSED>::zero();
-            for lane in 0..LANES {
+            let mut place = Lanes::<FUSED, COUNT>::zero();
+            for lane in 0..COUNT {
                 let (low, high, next) = (low[lane], high[lane], next.0[lane]);
                 let is_within = !is_bisected && next >= low && next <= high;
                 place.0[lane] = if is_within { next } else { 0.5 * (low + high) };
@@ -223,8 +242,8 @@ impl ContactCurve<'_> {
                 next += (left - left_before) * (Lanes::from_f64(1.0) - y) / (y - y_before);
             }
             before = Some([y, left]);
-            let (mut has_ended, mut goes_on) = ([false; LANES], false);
-            for lane in 0..LANES {
+            let (mut has_ended, mut goes_on) = ([false; COUNT], false);
+            for lane in 0..COUNT {
                 let (place, sum) = (place.0[lane], sum.0[lane]);
                 let is_near = (sum - 1.0).abs() < TOLERANCE;
                 // One that has come to its end stays there.
