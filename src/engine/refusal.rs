@@ -69,11 +69,9 @@ impl Refusal {
                 return None;
             }
             let name = side_name(part.shape.side);
-            match joint.wall(part) {
+            match joint.too_thick_layers(part) {
                 _ if method == MethodChoice::ClosedForm => Some(Refusal::LayersInClosedForm),
-                wall if !joint.has_room_for_layers(part) => {
-                    Some(Refusal::ThickLayers { part: name, layers: part.layers.thickness(), wall })
-                }
+                Some([layers, wall]) => Some(Refusal::ThickLayers { part: name, layers, wall }),
                 _ if part.shape.concentric && is_thin(part) => Some(Refusal::ThinLinedWall { part: name }),
                 _ => None,
             }

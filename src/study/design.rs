@@ -233,8 +233,7 @@ impl JointDesign {
                 check("yield_stress", yield_stress, Limits::POSITIVE)?;
             }
             part.check_layers()?;
-            if !part.layers.is_empty() && !self.has_room_for_layers(part) {
-                let (layers, wall) = (part.layers.thickness(), self.wall(part));
+            if let Some([layers, wall]) = self.too_thick_layers(part) {
                 return refuse(
                     "layers",
                     format!("{layers} mm of the {what}: must be below its wall, {wall} mm"),
@@ -304,9 +303,19 @@ impl JointDesign {
         !(self.pin.layers.is_empty() && self.plate.layers.is_empty())
     }
 
-    /// Whether the layers of a part leave something of its own material, to rounding.
-    pub fn has_room_for_layers(&self, part: &Part) -> bool {
-        part.layers.thickness() < (1.0 - 1e-9) * self.wall(part)
+    /// The thickness of a part's layers and of the wall in which they have no room, mm: they must leave something of the part's own
+    /// material, to rounding, and those of a tube something of the tube.
+    pub fn too_thick_layers(&self, part: &Part) -> Option<[f64; 2]> {
+        let mut above = 0.0;
+        for layer in part.layers.list() {
+            // What is left of a tube by the layers on it.
+            if layer.thickness <= 0.0 {
+                return Some([above, above + layer.thickness]);
+            }
+            above += layer.thickness;
+        }
+        let wall = self.wall(part);
+        (above > 0.0 && above >= (1.0 - 1e-9) * wall).then_some([above, wall])
     }
 
     /// How deep a part is below the contact where it is thinnest, mm. Ratios are distances from the centre.

@@ -3,13 +3,14 @@
 
 mod answers;
 
-use crate::mechanics::body::{Shape, ShapeParameter, Side};
+use crate::mechanics::body::{Shape, ShapeParameter, Side, cored_disc};
 use crate::mechanics::material::Idealization;
 use crate::study::columns::side_name;
 use crate::study::config::{MAX_STEPS, MethodChoice};
 use crate::study::design::Limits;
 use crate::study::layers::MOST_LAYERS;
 use crate::study::output_options::{Format, Inputs};
+use crate::study::recipe::TUBE;
 use crate::study::sampling::{MAX_DESIGNS, Scheme};
 use crate::study::units::Dimension;
 use crate::study::values::MAX_RANGE;
@@ -119,6 +120,9 @@ pub fn config_keys() -> Vec<ConfigKey> {
     for side in [Side::Pin, Side::Plate] {
         keys.extend(part_keys(side));
         keys.extend(layer_keys(side));
+        if side == Side::Pin {
+            keys.extend(inner_keys());
+        }
     }
     let schemes = words(&Scheme::NAMES);
     let counts = format!("whole numbers from 1 to {MAX_DESIGNS}");
@@ -190,16 +194,17 @@ pub const RANGE: &str = "{ }";
 fn part_keys(side: Side) -> Vec<ConfigKey> {
     let table = format!("joint.{}", side_name(side));
     let shapes: Vec<&'static Shape> = Shape::of_side(side).collect();
-    let names: Vec<&str> = shapes.iter().map(|shape| shape.name).collect();
+    let mut names: Vec<&str> = shapes.iter().map(|shape| shape.name).collect();
+    let example = names[names.len() - 1];
     let (about, of) = match side {
         Side::Pin => (
-            "the lower half of a disc, moved by its rigid diameter; or the whole disc, moved by a rigid core",
+            "the lower half of a disc, moved by its rigid diameter; or the whole disc, moved by a rigid core; or a hollow pin",
             "pin",
         ),
         Side::Plate => ("a ring, fixed along its outer circle; or a rectangle around the hole", "hole"),
     };
-    let mut keys =
-        vec![key(&table, "model", about, "-", &words(&names), &format!("\"{}\"", names[names.len() - 1]))];
+    names.extend((side == Side::Pin).then_some(TUBE));
+    let mut keys = vec![key(&table, "model", about, "-", &words(&names), &format!("\"{example}\""))];
     for shape in shapes {
         for parameter in shape.parameters {
             let ShapeParameter { name, default, .. } = parameter;
@@ -233,24 +238,40 @@ fn part_keys(side: Side) -> Vec<ConfigKey> {
             );
         }
     }
-    keys.push(key(
-        &table,
-        "youngs_modulus",
-        "Young's modulus, E",
-        STRESS,
-        &range(Limits::POSITIVE),
-        "\"70 GPa\"",
-    ));
-    keys.push(key(
-        &table,
-        "poissons_ratio",
-        "Poisson's ratio, nu",
-        "-",
-        &range(Limits::POISSONS_RATIO),
-        "0.33",
-    ));
-    keys.push(yield_stress(&table));
+    if side == Side::Pin {
+        let about = format!(
+            "of `{TUBE}`: radius of its bore over the pin radius; the bore is held, or has the part of [{table}.inner] bonded into it"
+        );
+        let allowed = range(Limits::of_parameter(&cored_disc::SHAPE.parameters[0]));
+        keys.push(
+            key(&table, "bore_radius_ratio", &about, "-", &allowed, "0.6").needed("needed for this model"),
+        );
+    }
+    keys.extend(material_keys(&table));
     keys
+}
+
+fn material_keys(table: &str) -> [ConfigKey; 3] {
+    [
+        key(table, "youngs_modulus", "Young's modulus, E", STRESS, &range(Limits::POSITIVE), "\"70 GPa\""),
+        key(table, "poissons_ratio", "Poisson's ratio, nu", "-", &range(Limits::POISSONS_RATIO), "0.33"),
+        yield_stress(table),
+    ]
+}
+
+/// Of what is bonded into a tube, with layers of its own.
+fn inner_keys() -> Vec<ConfigKey> {
+    let table = "joint.pin.inner";
+    let core = &cored_disc::SHAPE.parameters[0];
+    let about = format!(
+        "what is bonded into the bore of a `{TUBE}` and moves it by a rigid core: radius of the core over the pin radius, below that of \
+         the bore; [[{table}.layers]] are layers of the inner part, from the bore inwards"
+    );
+    let default = core.default.unwrap_or_default();
+    let example = format!("{}", 2.0 * default);
+    let core = key(table, core.name, &about, "-", &range(Limits::of_parameter(core)), &example)
+        .default(&default.to_string());
+    std::iter::once(core).chain(material_keys(table)).collect()
 }
 
 fn yield_stress(table: &str) -> ConfigKey {

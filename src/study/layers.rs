@@ -26,13 +26,6 @@ impl Layer {
 /// The layers of a part from the contact into it, perfectly bonded; what is left of the part is of the part's own material.
 pub type Layers = Stack<Layer>;
 
-impl Layers {
-    /// Of all layers together, mm.
-    pub fn thickness(&self) -> f64 {
-        self.list().iter().map(|layer| layer.thickness).sum()
-    }
-}
-
 /// How many layers pin and plate have at most.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LayerCounts {

@@ -3,7 +3,7 @@
 use std::ops::Not;
 
 use crate::error::{Error, quoted};
-use crate::mechanics::body::{MAX_PARAMETERS, Shape, Side};
+use crate::mechanics::body::{MAX_PARAMETERS, Shape, ShapeParameter, Side, cored_disc};
 use crate::mechanics::material::{Idealization, Material};
 use crate::study::columns::{Cell, Column, LayerQuantity, joint_columns, side_name};
 use crate::study::design::{JointDesign, Limits, Part, refuse_clearance};
@@ -11,7 +11,7 @@ use crate::study::fits::radial_clearances;
 use crate::study::layers::{Layer, LayerCounts, Layers, MOST_LAYERS};
 use crate::study::sampling::{Axis, Sampler, Scheme};
 use crate::study::source::{Item, Section};
-use crate::study::units::Dimension;
+use crate::study::units::{Dimension, tidy};
 use crate::study::values::{Counts, Pick, Values};
 
 /// The values of one quantity, and its axis if there is more than one.
@@ -41,6 +41,25 @@ impl<T: PartialEq> Choice<T> {
     }
 }
 
+/// What a layer's thickness is told by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Measure {
+    Length,
+    /// Over the radius at the contact.
+    OfRadius,
+    /// The radius where it ends, over the radius at the contact; of pins.
+    DownTo,
+}
+
+/// The word for a pin with a bore. It is no shape of its own: a disc around a rigid core, or the layer of one.
+pub const TUBE: &str = "tube";
+
+/// The keys of a part whatever its model.
+const OF_ANY_PART: [&str; 4] = ["youngs_modulus", "poissons_ratio", "yield_stress", "layers"];
+
+/// Keys that only a tube has.
+const OF_TUBES: [&str; 2] = ["bore_radius_ratio", "inner"];
+
 #[derive(Clone, Debug)]
 struct PartRecipe {
     shape: &'static Shape,
@@ -56,8 +75,7 @@ struct PartRecipe {
 #[derive(Clone, Debug)]
 struct LayerRecipe {
     thickness: Quantity,
-    /// Whether the thickness is over the radius at the contact.
-    is_ratio: bool,
+    measure: Measure,
     youngs_modulus: Quantity,
     poissons_ratio: Quantity,
     yield_stress: Option<f64>,
@@ -204,15 +222,18 @@ impl Recipe {
             Column::Support(side) => part(side).support.varies(),
             Column::YoungsModulus(side) => part(side).youngs_modulus.varies(),
             Column::PoissonsRatio(side) => part(side).poissons_ratio.varies(),
-            Column::Layer(side, layer, quantity) => part(side).layers.get(layer).is_some_and(|layer| {
-                let with_radius = || {
-                    let of_pin = side == Side::Pin && self.radial_clearance.varies();
-                    layer.is_ratio && (self.hole_radius.varies() || of_pin)
-                };
-                match quantity {
-                    LayerQuantity::Thickness => layer.thickness.varies() || with_radius(),
-                    LayerQuantity::YoungsModulus => layer.youngs_modulus.varies(),
-                    LayerQuantity::PoissonsRatio => layer.poissons_ratio.varies(),
+            Column::Layer(side, number, quantity) => part(side).layers.get(number).is_some_and(|layer| {
+                let of_pin = side == Side::Pin && self.radial_clearance.varies();
+                let of_radius = self.hole_radius.varies() || of_pin;
+                match (quantity, layer.measure) {
+                    (LayerQuantity::Thickness, Measure::Length) => layer.thickness.varies(),
+                    (LayerQuantity::Thickness, Measure::OfRadius) => layer.thickness.varies() || of_radius,
+                    (LayerQuantity::Thickness, Measure::DownTo) => {
+                        let before = &part(side).layers[..=number];
+                        of_radius || before.iter().any(|layer| layer.thickness.varies())
+                    }
+                    (LayerQuantity::YoungsModulus, _) => layer.youngs_modulus.varies(),
+                    (LayerQuantity::PoissonsRatio, _) => layer.poissons_ratio.varies(),
                 }
             }),
         }
@@ -224,13 +245,20 @@ impl Recipe {
         for (slot, quantity) in parameters.iter_mut().zip(&part.parameters) {
             *slot = self.value(quantity, design);
         }
-        let layer = |layer: &LayerRecipe| Layer {
-            thickness: self.value(&layer.thickness, design) * if layer.is_ratio { radius } else { 1.0 },
-            material: Material {
+        let mut depth = 0.0;
+        let layer = |layer: &LayerRecipe| {
+            let told = self.value(&layer.thickness, design);
+            let thickness = match layer.measure {
+                Measure::Length => told,
+                Measure::OfRadius => told * radius,
+                Measure::DownTo => tidy((1.0 - told) * radius - depth),
+            };
+            depth += thickness;
+            let material = Material {
                 youngs_modulus: self.value(&layer.youngs_modulus, design),
                 poissons_ratio: self.value(&layer.poissons_ratio, design),
-            },
-            yield_stress: layer.yield_stress,
+            };
+            Layer { thickness, material, yield_stress: layer.yield_stress }
         };
         Part {
             shape: part.shape,
@@ -323,40 +351,84 @@ impl PartRecipe {
         let part = joint.need(side_name(side))?.section()?;
         let model = part.need("model")?;
         let shapes: Vec<&'static Shape> = Shape::of_side(side).collect();
-        let names: Vec<&str> = shapes.iter().map(|shape| shape.name).collect();
-        let shape = shapes[model.word(&names)?];
+        let mut names: Vec<&str> = shapes.iter().map(|shape| shape.name).collect();
+        names.extend((side == Side::Pin).then_some(TUBE));
+        let Some(shape) = shapes.get(model.word(&names)?) else {
+            return PartRecipe::read_tube(&part, reader);
+        };
 
         refuse_foreign(&part, shape, &shapes)?;
-        let mut keys = vec!["model", "youngs_modulus", "poissons_ratio"];
+        let mut keys = vec!["model"];
         keys.extend(shape.parameters.iter().map(|parameter| parameter.name));
         keys.extend(shape.supports.is_empty().not().then_some("support"));
-        keys.extend(["yield_stress", "layers"]);
+        keys.extend(OF_ANY_PART);
         part.allow(&keys)?;
 
         let mut parameters = Vec::new();
         for parameter in shape.parameters {
-            let quantity = match (part.find(parameter.name), parameter.default) {
-                (Some(item), _) => reader.quantity(&item, None, Limits::of_parameter(parameter))?,
-                (None, Some(default)) => Quantity { values: Values::List(vec![default]), axis: None },
-                (None, None) => {
-                    return Err(part.need(parameter.name).err().unwrap_or_else(|| unreachable!()));
-                }
-            };
-            parameters.push(quantity);
+            parameters.push(reader.parameter(&part, parameter)?);
         }
         let support = match part.find("support") {
-            Some(item) => reader.choice(&item, shape.supports)?,
-            None => Choice { options: vec![0], axis: None },
+            Some(item) => Some(reader.choice(&item, shape.supports)?),
+            None => None,
         };
-        let youngs_modulus =
-            reader.quantity(&part.need("youngs_modulus")?, Some(Dimension::Stress), Limits::POSITIVE)?;
-        let poissons_ratio = reader.quantity(&part.need("poissons_ratio")?, None, Limits::POISSONS_RATIO)?;
-        let yield_stress = yield_stress(&part)?;
-        let layers = match part.find("layers") {
-            Some(item) => LayerRecipe::read_all(&item, reader)?,
-            None => Vec::new(),
-        };
-        Ok(PartRecipe { shape, parameters, support, youngs_modulus, poissons_ratio, yield_stress, layers })
+        let recipe = PartRecipe::of_shape(&part, shape, parameters, reader)?;
+        Ok(PartRecipe { support: support.unwrap_or(recipe.support), ..recipe })
+    }
+
+    /// With the keys of any part.
+    fn of_shape<'a>(
+        part: &Section<'a>,
+        shape: &'static Shape,
+        parameters: Vec<Quantity>,
+        reader: &mut Reader<'a>,
+    ) -> Result<PartRecipe, Error> {
+        Ok(PartRecipe {
+            shape,
+            parameters,
+            support: Choice { options: vec![0], axis: None },
+            youngs_modulus: reader.quantity(
+                &part.need("youngs_modulus")?,
+                Some(Dimension::Stress),
+                Limits::POSITIVE,
+            )?,
+            poissons_ratio: reader.quantity(&part.need("poissons_ratio")?, None, Limits::POISSONS_RATIO)?,
+            yield_stress: yield_stress(part)?,
+            layers: match part.find("layers") {
+                Some(item) => LayerRecipe::read_all(&item, reader)?,
+                None => Vec::new(),
+            },
+        })
+    }
+
+    /// A pin with a bore: held there, it is a disc around a rigid core that is the bore; with an inner part bonded into it, which moves
+    /// it, it is a layer around that part, behind its own layers.
+    fn read_tube<'a>(part: &Section<'a>, reader: &mut Reader<'a>) -> Result<PartRecipe, Error> {
+        let shape = &cored_disc::SHAPE;
+        let [core] = shape.parameters else { unreachable!("a disc around a core has one ratio") };
+        let [of_bore, of_inner] = OF_TUBES;
+        part.allow(&[&["model", of_bore, of_inner], &OF_ANY_PART[..]].concat())?;
+        let bore = reader.quantity(&part.need(of_bore)?, None, Limits::of_parameter(core))?;
+        let tube = PartRecipe::of_shape(part, shape, vec![bore.clone()], reader)?;
+        let Some(item) = part.find(of_inner) else { return Ok(tube) };
+        let inner = item.section()?;
+        inner.allow(&[&[core.name], &OF_ANY_PART[..]].concat())?;
+        let core = reader.parameter(&inner, core)?;
+        let inner = PartRecipe::of_shape(&inner, shape, vec![core], reader)?;
+        let mut layers = tube.layers;
+        layers.push(LayerRecipe {
+            thickness: bore,
+            measure: Measure::DownTo,
+            youngs_modulus: tube.youngs_modulus,
+            poissons_ratio: tube.poissons_ratio,
+            yield_stress: tube.yield_stress,
+        });
+        layers.extend(inner.layers);
+        if layers.len() > MOST_LAYERS {
+            let problem = format!("with the tube {} layers; at most {MOST_LAYERS} are allowed", layers.len());
+            return Err(item.error(problem));
+        }
+        Ok(PartRecipe { layers, ..inner })
     }
 }
 
@@ -372,9 +444,11 @@ impl LayerRecipe {
 
     fn read<'a>(table: &Section<'a>, reader: &mut Reader<'a>) -> Result<LayerRecipe, Error> {
         table.allow(&["thickness", "thickness_ratio", "youngs_modulus", "poissons_ratio", "yield_stress"])?;
-        let (thickness, is_ratio) = match (table.find("thickness"), table.find("thickness_ratio")) {
-            (Some(item), None) => (reader.quantity(&item, Some(Dimension::Length), Limits::POSITIVE)?, false),
-            (None, Some(item)) => (reader.quantity(&item, None, Limits::POSITIVE)?, true),
+        let (thickness, measure) = match (table.find("thickness"), table.find("thickness_ratio")) {
+            (Some(item), None) => {
+                (reader.quantity(&item, Some(Dimension::Length), Limits::POSITIVE)?, Measure::Length)
+            }
+            (None, Some(item)) => (reader.quantity(&item, None, Limits::POSITIVE)?, Measure::OfRadius),
             (Some(_), Some(item)) => {
                 return Err(item.error("`thickness` is given, too; only one of the two is allowed"));
             }
@@ -387,7 +461,7 @@ impl LayerRecipe {
             reader.quantity(&table.need("youngs_modulus")?, Some(Dimension::Stress), Limits::POSITIVE)?;
         let poissons_ratio = reader.quantity(&table.need("poissons_ratio")?, None, Limits::POISSONS_RATIO)?;
         let yield_stress = yield_stress(table)?;
-        Ok(LayerRecipe { thickness, is_ratio, youngs_modulus, poissons_ratio, yield_stress })
+        Ok(LayerRecipe { thickness, measure, youngs_modulus, poissons_ratio, yield_stress })
     }
 }
 
@@ -415,7 +489,12 @@ fn refuse_foreign(part: &Section, shape: &Shape, shapes: &[&'static Shape]) -> R
             }
         }
     }
-    Ok(())
+    match OF_TUBES.into_iter().find_map(|key| part.find(key)) {
+        Some(item) if shape.side == Side::Pin => {
+            Err(item.error(format!("model `{}` does not have this key; model `{TUBE}` does", shape.name)))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Reads quantities and numbers the axes they make.
@@ -433,6 +512,14 @@ impl<'a> Reader<'a> {
             Scheme::LatinHypercube { .. } | Scheme::Sobol { .. } => Counts::Refused(scheme.name()),
         };
         Reader { counts, axes: Vec::new(), items: Vec::new() }
+    }
+
+    /// A ratio of a shape, or its default.
+    fn parameter(&mut self, part: &Section<'a>, parameter: &ShapeParameter) -> Result<Quantity, Error> {
+        match (part.find(parameter.name), parameter.default) {
+            (None, Some(default)) => Ok(Quantity { values: Values::List(vec![default]), axis: None }),
+            _ => self.quantity(&part.need(parameter.name)?, None, Limits::of_parameter(parameter)),
+        }
     }
 
     fn quantity(

@@ -143,3 +143,89 @@ fn bad_layers_are_refused_by_line_and_key() {
         "{said}"
     );
 }
+
+const RIGID_CORE: &str = "model          = \"rigid-core\"\n";
+
+/// Held at its bore a tube is a disc around a rigid core; moved by an inner part it is a layer of that, behind its own.
+#[test]
+fn a_tube_is_a_rigid_core_or_a_layer_around_one() {
+    let folder = Folder::new("tubes");
+    assert!(BASE.contains(RIGID_CORE), "{BASE}");
+    let pin = |model: &str| all(&folder.study(&BASE.replace(RIGID_CORE, model)));
+    let held = pin("model = \"tube\"\nbore_radius_ratio = [0.4, 0.6]\n");
+    let cores = pin("model = \"rigid-core\"\ncore_radius_ratio = [0.4, 0.6]\n");
+    assert!(held.len() == cores.len() && held.len() >= 2);
+    for (tube, core) in held.iter().zip(&cores) {
+        assert_eq!(row(tube), row(core));
+    }
+
+    let own =
+        "[[joint.pin.layers]]\nthickness_ratio = 0.05\nyoungs_modulus = \"4 GPa\"\npoissons_ratio = 0.4\n";
+    let inner = "[joint.pin.inner]\ncore_radius_ratio = 0.2\nyoungs_modulus = \"3 GPa\"\npoissons_ratio = 0.35\nyield_stress = \"60 MPa\"\n\
+                 [[joint.pin.inner.layers]]\nthickness = \"2 mm\"\nyoungs_modulus = \"1 GPa\"\npoissons_ratio = 0.45\n";
+    let config = BASE
+        .replace(RIGID_CORE, "model = \"tube\"\nbore_radius_ratio = [0.5, 0.6]\n")
+        .replace("[joint.plate]", &format!("{own}{inner}[joint.plate]"));
+    let study = folder.study(&config);
+    let designs = all(&study);
+    assert_eq!(designs.len(), held.len());
+    let pin = &designs[0].joint.pin;
+    let radius = designs[0].joint.hole_radius - designs[0].joint.radial_clearance;
+    let layers = pin.layers.list();
+    let thickness = [0.05, 0.45, 2.0 / radius].map(|ratio| ratio * radius);
+    for (layer, expected) in layers.iter().zip(thickness) {
+        assert!((layer.thickness - expected).abs() < 1e-12 * radius, "{} {expected}", layer.thickness);
+    }
+    let moduli: Vec<f64> = layers.iter().map(|layer| layer.material.youngs_modulus).collect();
+    assert_eq!(moduli, [4e3, held[0].joint.pin.material.youngs_modulus, 1e3]);
+    assert_eq!((pin.shape.name, pin.parameters[0], pin.yield_stress), ("rigid-core", 0.2, Some(60.0)));
+    assert_eq!((pin.material.youngs_modulus, pin.material.poissons_ratio), (3e3, 0.35));
+    assert_eq!(study.extras().layers.pin, 3);
+    // The tube becomes thinner with its bore, the layers stay.
+    let constants: Vec<String> = study.constants().iter().map(|(column, _)| column.name()).collect();
+    let is_constant = |layer: usize| constants.contains(&format!("pin_layer{layer}_thickness_mm"));
+    assert_eq!([1, 2, 3].map(is_constant), [true, false, true]);
+
+    // Layers as thick as the tube, and an inner part that is all core.
+    for (old, new, ratio) in [
+        ("thickness_ratio = 0.05", "thickness_ratio = 0.5", 0.5),
+        ("core_radius_ratio = 0.2", "core_radius_ratio = 0.5", 0.5 + 2.0 / radius),
+    ] {
+        assert!(config.contains(old));
+        let design = all(&folder.study(&config.replace(old, new))).remove(0);
+        let [found, wall] = design.joint.too_thick_layers(&design.joint.pin).unwrap();
+        assert!(
+            (found / radius - ratio).abs() < 1e-9 && (wall / radius - 0.5).abs() < 1e-9,
+            "{found} {wall}"
+        );
+    }
+    assert_eq!(designs[0].joint.too_thick_layers(pin), None);
+}
+
+#[test]
+fn what_is_wrong_with_a_tube_is_said_by_key() {
+    let folder = Folder::new("tubes-bad");
+    let tube = "model = \"tube\"\nbore_radius_ratio = 0.5\n";
+    let part = "[joint.pin.inner]\nyoungs_modulus = \"3 GPa\"\npoissons_ratio = 0.35\n[joint.plate]";
+    let layer =
+        "[[joint.pin.layers]]\nthickness_ratio = 0.01\nyoungs_modulus = \"4 GPa\"\npoissons_ratio = 0.4\n";
+    for (model, inner, problem) in [
+        ("model = \"tube\"\n", "[joint.plate]", "joint.pin: the key `bore_radius_ratio` is missing"),
+        ("model = \"tub\"\n", "[joint.plate]", "did you mean `tube`?"),
+        (
+            "model = \"tube\"\nbore_radius_ratio = 1\n",
+            "[joint.plate]",
+            "joint.pin.bore_radius_ratio: `1`: must be above 0 and below 1",
+        ),
+        (
+            "model = \"rigid-core\"\nbore_radius_ratio = 0.5\n",
+            "[joint.plate]",
+            "joint.pin.bore_radius_ratio: model `rigid-core` does not have this key; model `tube` does",
+        ),
+        (tube, &part.replace("inner]", "inner]\nmodel = \"tube\""), "joint.pin.inner.model: unknown key"),
+        (tube, &format!("{}{part}", layer.repeat(8)), "joint.pin.inner: with the tube 9 layers; at most 8"),
+    ] {
+        let said = folder.refusal(BASE.replace(RIGID_CORE, model).replace("[joint.plate]", inner));
+        assert!(said.contains(problem), "{model}: {said}");
+    }
+}
