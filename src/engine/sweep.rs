@@ -351,6 +351,9 @@ struct Digestion<'a, T> {
 /// Whole portions wait for as many others as there are threads, but not longer than this.
 const PATIENCE: Duration = Duration::from_secs(1);
 
+/// Batches that take longer than this are slow.
+const SLOW: Duration = Duration::from_millis(250);
+
 impl<'a, T: Send> Digestion<'a, T> {
     fn new(digest: &'a Digest<'a, T>, pool: &'a rayon::ThreadPool) -> Digestion<'a, T> {
         Digestion { digest, pool, waiting: Vec::new(), digested: Stopwatch::start(), time: Duration::ZERO }
@@ -405,7 +408,12 @@ impl<'a, T: Send> Digestion<'a, T> {
             };
             (portion, started.elapsed())
         };
-        let digested: Vec<_> = self.pool.install(|| portions.into_par_iter().map(digest).collect());
+        // Where batches take long, all threads are at the next one for long: what is there is not to wait for it.
+        let digested: Vec<_> = if self.digested.elapsed() > SLOW {
+            portions.into_iter().map(digest).collect()
+        } else {
+            self.pool.install(|| portions.into_par_iter().map(digest).collect())
+        };
         self.digested = Stopwatch::start();
         self.time += digested.iter().map(|(_, time)| *time).sum::<Duration>();
         digested.into_iter().map(|(portion, _)| portion).collect()

@@ -85,8 +85,8 @@ impl PoissonRange {
         idealization.shear_to_bulk(poissons_ratio).ln().clamp(low, high)
     }
 
-    /// How many nodes of ln(mu/K) there are on a mesh level. They leave 5e-5 of what a body yields on coarse ones, 1e-6 on finer ones, and 5e-4
-    /// where the ratio is extreme.
+    /// How many nodes of ln(mu/K) there are on a mesh level. They leave 5e-5 of what a body yields on coarse ones, 1e-6 on finer ones, and 3e-4
+    /// where the ratio is extreme (`tests/mechanics/condensation.rs`).
     fn node_count(self, level: usize) -> usize {
         match self {
             PoissonRange::Auxetic | PoissonRange::Positive if level < FINE => 6,
