@@ -119,9 +119,11 @@ pub fn config_keys() -> Vec<ConfigKey> {
     ];
     for side in [Side::Pin, Side::Plate] {
         keys.extend(part_keys(side));
-        keys.extend(layer_keys(side));
+        let part = side_name(side);
+        keys.extend(layer_keys(&format!("joint.{part}"), &format!("from the contact into the {part}")));
         if side == Side::Pin {
             keys.extend(inner_keys());
+            keys.extend(layer_keys(INNER, "from the bore into the inner part"));
         }
     }
     let schemes = words(&Scheme::NAMES);
@@ -259,19 +261,21 @@ fn material_keys(table: &str) -> [ConfigKey; 3] {
     ]
 }
 
-/// Of what is bonded into a tube, with layers of its own.
+/// The table of what is bonded into a tube.
+const INNER: &str = "joint.pin.inner";
+
+/// Of it, but for its layers.
 fn inner_keys() -> Vec<ConfigKey> {
-    let table = "joint.pin.inner";
     let core = &cored_disc::SHAPE.parameters[0];
     let about = format!(
         "what is bonded into the bore of a `{TUBE}` and moves it by a rigid core: radius of the core over the pin radius, below that of \
-         the bore; [[{table}.layers]] are layers of the inner part, from the bore inwards"
+         the bore"
     );
     let default = core.default.unwrap_or_default();
     let example = format!("{}", 2.0 * default);
-    let core = key(table, core.name, &about, "-", &range(Limits::of_parameter(core)), &example)
+    let core = key(INNER, core.name, &about, "-", &range(Limits::of_parameter(core)), &example)
         .default(&default.to_string());
-    std::iter::once(core).chain(material_keys(table)).collect()
+    std::iter::once(core).chain(material_keys(INNER)).collect()
 }
 
 fn yield_stress(table: &str) -> ConfigKey {
@@ -280,12 +284,10 @@ fn yield_stress(table: &str) -> ConfigKey {
 }
 
 /// Of a table of `layers`.
-fn layer_keys(side: Side) -> Vec<ConfigKey> {
-    let table = format!("joint.{}.layers", side_name(side));
+fn layer_keys(part: &str, order: &str) -> Vec<ConfigKey> {
+    let table = format!("{part}.layers");
     let about = format!(
-        "thickness of a layer, bonded to the next; [[{table}]] stands once for each layer, from the contact into the \
-         {}, at most {MOST_LAYERS} times",
-        side_name(side)
+        "thickness of a layer, bonded to the next; [[{table}]] stands once for each layer, {order}, at most {MOST_LAYERS} times"
     );
     vec![
         key(&table, "thickness", &about, LENGTH, &range(Limits::POSITIVE), "\"1 mm\"")

@@ -358,10 +358,11 @@ impl PartRecipe {
         };
 
         refuse_foreign(&part, shape, &shapes)?;
-        let mut keys = vec!["model"];
+        let (first, last) = OF_ANY_PART.split_at(2);
+        let mut keys = [&["model"], first].concat();
         keys.extend(shape.parameters.iter().map(|parameter| parameter.name));
         keys.extend(shape.supports.is_empty().not().then_some("support"));
-        keys.extend(OF_ANY_PART);
+        keys.extend(last);
         part.allow(&keys)?;
 
         let mut parameters = Vec::new();

@@ -62,6 +62,16 @@ fn base_for(key: &ConfigKey) -> Table {
         *plate =
             toml::from_str("model = 'annulus'\nyoungs_modulus = '90 GPa'\npoissons_ratio = 0.2").unwrap();
     }
+    let is_of_inner = key.table.starts_with("joint.pin.inner");
+    if is_of_inner || name == "bore_radius_ratio" {
+        let tube =
+            "model = 'tube'\nbore_radius_ratio = 0.5\nyoungs_modulus = '200 GPa'\npoissons_ratio = 0.25";
+        *table_of(&mut base, "joint.pin") = toml::from_str(tube).unwrap();
+    }
+    if is_of_inner {
+        *table_of(&mut base, "joint.pin.inner") =
+            toml::from_str("youngs_modulus = '90 GPa'\npoissons_ratio = 0.2").unwrap();
+    }
     if let Some(part) = key.table.strip_suffix(".layers") {
         if part == "joint.plate" {
             table_of(&mut base, part).insert("outer_radius_ratio".into(), 3.into());
@@ -196,7 +206,7 @@ fn every_default_is_what_leaving_the_key_out_means() {
         assert_eq!(with, without, "{}", key.dotted());
         count += 1;
     }
-    assert_eq!(count, 14);
+    assert_eq!(count, 15);
 }
 
 /// Values at the ends of what the page allows, and just beyond them.

@@ -179,10 +179,13 @@ impl Recorded {
         let (exact_where_concentric, element) = match family {
             "series" | "exact-and-mesh" => (true, ELEMENT),
             "moving-edge-q4" => (false, ElementKind::Quad4),
-            "moving-edge-q8" => (false, ELEMENT),
+            "moving-edge-q8" | "trial-pressures" => (false, ELEMENT),
             _ => panic!("the work of {text} is not counted here"),
         };
         let mut choice = Recorded { exact_where_concentric, element, level: None, terms: Terms::ByDepth };
+        if family == "trial-pressures" {
+            choice.level = Some(3);
+        }
         for part in rest.split(", ") {
             match part.split_once(' ').unwrap() {
                 ("level", level) => choice.level = Some(level.parse().unwrap()),
@@ -212,7 +215,7 @@ fn hold_work(what: &str, [planned, chosen]: [u64; 2], recorded: f64) {
 fn nothing_recorded_that_is_enough_is_much_cheaper() {
     // The work that was planned when the times were recorded, over that of the cheapest choice that was enough: printed by this
     // test, to be renewed with the record.
-    const WORK: [[f64; 3]; 2] = [[0.216, 0.216, 0.408], [0.503, 0.503, 0.719]];
+    const WORK: [[f64; 3]; 2] = [[0.0450, 0.0450, 0.0860], [0.503, 0.503, 0.719]];
     for ((folder, config, apart), work) in RECORDS.into_iter().zip(WORK) {
         let folder = root().join("results").join(folder);
         let cases = recorded_cases(&folder, config, apart);
@@ -258,7 +261,7 @@ type Shapes = fn(&mut Random) -> (Part, Part);
 const KINDS: [(&str, u64, u64, Shapes, [f64; 3]); 3] = [
     ("concentric", 101, 334, concentric_bodies, [0.552, 0.552, 0.838]),
     ("half disc in annulus", 102, 333, half_disc_in_annulus, [0.903, 0.923, 0.881]),
-    ("disc in block", 103, 333, disc_in_block, [0.962, 1.080, 0.613]),
+    ("disc in block", 103, 333, disc_in_block, [0.962, 1.080, 0.648]),
 ];
 
 /// 1,000 random designs: the planner's time beside that of the cheapest choice that is enough for 99 % of a kind.
