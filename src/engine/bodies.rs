@@ -39,8 +39,8 @@ pub struct BodyLibrary<'a> {
     pub times: BodyTimes,
 }
 
-/// So many requests at least are worth a thread.
-const MANY: usize = 64;
+/// So many requests, or designs, at least are worth a thread where only little is done for each.
+pub(super) const MANY: usize = 64;
 
 /// A body with what has condensed it.
 #[derive(Clone)]
@@ -153,7 +153,7 @@ impl<'a> BodyLibrary<'a> {
         let started = Stopwatch::start();
         let of_near_fields = classes.iter().filter(|class| !self.near_fields.has(class));
         let of_bodies = groups.iter().map(|(key, group)| LoadedRing::of(group[0].body.shape, &key.class));
-        self.ring_loads.prepare(of_near_fields.map(LoadedRing::of_near_field).chain(of_bodies));
+        self.ring_loads.prepare(of_near_fields.map(|class| class.mesh().ring()).chain(of_bodies));
         self.times.shared += started.elapsed();
         let started = Stopwatch::start();
         let references = condensed_references(&self.ring_loads, &groups);

@@ -182,7 +182,9 @@ impl Needs {
         let mut meshes: HashMap<ReferenceMesh, (f64, f64)> = HashMap::default();
         for (class, (size, bodies)) in &self.near_fields {
             let work = topology(*size, RingModes::of(&class.grading).count).seconds();
-            meshes.entry(class.mesh()).or_insert((work, 0.0)).1 += bodies;
+            // Its size is told by bodies of the classes, not by each alike: the same in whatever order they come.
+            let (most, all) = meshes.entry(class.mesh()).or_default();
+            (*most, *all) = (work.max(*most), *all + bodies);
         }
         let of_space = |(key, highest): (&SpaceKey, &usize)| {
             space(*key).seconds() + space_modes(*key, *highest).seconds()

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
 use crate::engine::backend::Device;
-use crate::engine::bodies::BodyLibrary;
+use crate::engine::bodies::{BodyLibrary, MANY};
 use crate::engine::body_request::BodyRequest;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::interpolation::interpolated::Interpolation;
@@ -26,9 +26,6 @@ use crate::study::design::DesignCase;
 
 /// Designs of one joint that a thread solves.
 const TOGETHER: usize = 64;
-
-/// So many designs at least are worth a thread where only little is done.
-const MANY: usize = 32;
 
 /// An attempt, with the place of its design among those tried together.
 type Placed = (usize, (Answer, Want));

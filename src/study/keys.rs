@@ -10,8 +10,8 @@ use crate::study::config::{MAX_STEPS, MethodChoice};
 use crate::study::design::Limits;
 use crate::study::layers::MOST_LAYERS;
 use crate::study::output_options::{Format, Inputs};
-use crate::study::recipe::TUBE;
 use crate::study::sampling::{MAX_DESIGNS, Scheme};
+use crate::study::tube;
 use crate::study::units::Dimension;
 use crate::study::values::MAX_RANGE;
 
@@ -205,7 +205,7 @@ fn part_keys(side: Side) -> Vec<ConfigKey> {
         ),
         Side::Plate => ("a ring, fixed along its outer circle; or a rectangle around the hole", "hole"),
     };
-    names.extend((side == Side::Pin).then_some(TUBE));
+    names.extend((side == Side::Pin).then_some(tube::NAME));
     let mut keys = vec![key(&table, "model", about, "-", &words(&names), &format!("\"{example}\""))];
     for shape in shapes {
         for parameter in shape.parameters {
@@ -242,7 +242,8 @@ fn part_keys(side: Side) -> Vec<ConfigKey> {
     }
     if side == Side::Pin {
         let about = format!(
-            "of `{TUBE}`: radius of its bore over the pin radius; the bore is held, or has the part of [{table}.inner] bonded into it"
+            "of `{}`: radius of its bore over the pin radius; the bore is held, or has the part of [{INNER}] bonded into it",
+            tube::NAME
         );
         let allowed = range(Limits::of_parameter(&cored_disc::SHAPE.parameters[0]));
         keys.push(
@@ -268,8 +269,9 @@ const INNER: &str = "joint.pin.inner";
 fn inner_keys() -> Vec<ConfigKey> {
     let core = &cored_disc::SHAPE.parameters[0];
     let about = format!(
-        "what is bonded into the bore of a `{TUBE}` and moves it by a rigid core: radius of the core over the pin radius, below that of \
-         the bore"
+        "what is bonded into the bore of a `{}` and moves it by a rigid core: radius of the core over the pin radius, below that of \
+         the bore",
+        tube::NAME
     );
     let default = core.default.unwrap_or_default();
     let example = format!("{}", 2.0 * default);

@@ -132,7 +132,6 @@ fn damaged_rows_are_made_anew_and_it_is_said() {
     assert!(work.read("result/table.csv") == table);
 }
 
-/// When the machine goes down, what was last written may be lost: the manifest of a safer moment tells where to go on.
 /// Killed when its manifest was there and had marked nothing yet: there is nothing to go on with, and nothing is damaged.
 #[test]
 fn a_run_that_was_killed_before_its_first_mark_is_no_damage() {
@@ -158,6 +157,7 @@ fn a_run_that_was_killed_before_its_first_mark_is_no_damage() {
     assert_eq!(work.read("result/table.csv"), table);
 }
 
+/// When the machine goes down, what was last written may be lost: the manifest of a safer moment tells where to go on.
 #[test]
 fn rows_that_never_reached_the_disk_are_made_again_from_the_last_safe_moment_on() {
     let work = Workdir::new("resume-safe");

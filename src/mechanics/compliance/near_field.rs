@@ -79,12 +79,6 @@ impl PoissonRange {
         ends.map(f64::ln)
     }
 
-    /// ln(mu/K), no further than something changes.
-    fn coordinate(self, poissons_ratio: f64, idealization: Idealization) -> f64 {
-        let [low, high] = self.ends();
-        idealization.shear_to_bulk(poissons_ratio).ln().clamp(low, high)
-    }
-
     /// How many nodes of ln(mu/K) there are on a mesh level. They leave 5e-5 of what a body yields on coarse ones, 1e-6 on finer ones, and 3e-4
     /// where the ratio is extreme (`tests/mechanics/condensation.rs`).
     fn node_count(self, level: usize) -> usize {
@@ -207,9 +201,11 @@ impl ReferenceMesh {
 
 /// The difference between the exact and the condensed works of ring modes on a class's references.
 pub struct NearField {
-    range: PoissonRange,
-    level: usize,
-    /// `[node of ln(mu/K)]`, as the works of bodies are, times E'.
+    /// Of ln(mu/K): beyond them nothing changes any more.
+    ends: [f64; 2],
+    /// Of ln(mu/K), each with its barycentric weight.
+    nodes: Vec<(f64, f64)>,
+    /// `[node]`, as the works of bodies are, times E'.
     works: Vec<Vec<f64>>,
 }
 
@@ -248,22 +244,25 @@ impl NearField {
             works
         });
         let near_field = |class: &NearFieldClass| {
-            let (range, level) = (class.range, class.grading.level);
-            NearField { range, level, works: works.by_ref().take(range.node_count(level)).collect() }
+            let nodes: Vec<(f64, f64)> = class.range.nodes(class.grading.level).collect();
+            let works = works.by_ref().take(nodes.len()).collect();
+            NearField { ends: class.range.ends(), nodes, works }
         };
         classes.iter().map(near_field).collect()
     }
 
     /// Shares of the nodes in the near field of a body; they sum to one.
     fn shares(&self, body: &Body) -> Vec<f64> {
-        let nodes = || self.range.nodes(self.level);
-        let coordinate = self.range.coordinate(body.poissons_ratio, body.idealization);
-        if let Some(own) = nodes().position(|(node, _)| node == coordinate) {
-            return (0..self.works.len()).map(|node| if node == own { 1.0 } else { 0.0 }).collect();
+        let [low, high] = self.ends;
+        let coordinate = body.idealization.shear_to_bulk(body.poissons_ratio).ln().clamp(low, high);
+        if self.nodes.iter().any(|(node, _)| *node == coordinate) {
+            return self.nodes.iter().map(|(node, _)| f64::from(*node == coordinate)).collect();
         }
-        let weights: Vec<f64> = nodes().map(|(node, weight)| weight / (coordinate - node)).collect();
-        let sum: f64 = weights.iter().sum();
-        weights.into_iter().map(|weight| weight / sum).collect()
+        let mut shares: Vec<f64> =
+            self.nodes.iter().map(|(node, weight)| weight / (coordinate - node)).collect();
+        let sum: f64 = shares.iter().sum();
+        shares.iter_mut().for_each(|share| *share /= sum);
+        shares
     }
 
     /// Adds to the condensed works of a body the near field that lies `between` (0 to 1) the first and the second of two
@@ -301,11 +300,6 @@ impl LoadedRing {
     pub fn of(shape: &Shape, class: &GradingClass) -> LoadedRing {
         let half_ring = shape.end_angle < PI;
         LoadedRing { side: shape.side, half_ring, grading: without_layers(class), is_whole: false }
-    }
-
-    /// Of the references of a class of near fields.
-    pub fn of_near_field(class: &NearFieldClass) -> LoadedRing {
-        LoadedRing::of_reference(class.side, class.half_ring, class.grading)
     }
 
     /// Of references on meshes of a class, of bodies of a side whose ring may end at pi/2.

@@ -13,7 +13,8 @@ pub static FAMILY: Family = Family {
     choices,
 };
 
-const LEVEL: usize = 3;
+/// Of the mesh.
+pub const LEVEL: usize = 3;
 
 fn choices<'a>(family: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
     let fidelity = Fidelity::Mesh { level: LEVEL };
