@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use crate::engine::backend::Device;
 use crate::engine::backend::adapter::GpuError;
 use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
+use crate::engine::hashed::Hashed;
 use crate::engine::near_fields::NearFieldLibrary;
 use crate::engine::outcome::BackendKind;
 use crate::engine::ring_loads::RingLoads;
@@ -57,9 +58,9 @@ struct Keyed {
 }
 
 impl Keyed {
-    fn new(request: &BodyRequest, compliance: BodyCompliance, backend: BackendKind) -> Keyed {
+    fn new(key: RequestKey, compliance: BodyCompliance, backend: BackendKind) -> Keyed {
         let bytes = compliance.bytes();
-        Keyed { key: request.key(), body: SolvedBody { compliance: Arc::new(compliance), backend }, bytes }
+        Keyed { key, body: SolvedBody { compliance: Arc::new(compliance), backend }, bytes }
     }
 }
 
@@ -110,7 +111,7 @@ impl<'a> BodyLibrary<'a> {
     pub fn solve(&mut self, requests: &[BodyRequest]) {
         let keys: Vec<RequestKey> = requests.par_iter().with_min_len(MANY).map(BodyRequest::key).collect();
         let mut missing: Vec<BodyRequest> = Vec::new();
-        let mut asked = HashSet::default();
+        let mut asked = HashSet::with_capacity_and_hasher(requests.len(), Default::default());
         for (request, key) in requests.iter().zip(keys) {
             let is_missing = !self.solved.contains_key(&key);
             if asked.insert(key) && is_missing {
@@ -121,7 +122,9 @@ impl<'a> BodyLibrary<'a> {
             return;
         }
         if self.solved_bytes > KEPT_BODIES {
-            self.solved.retain(|key, _| asked.contains(key));
+            let unused: Vec<_> = self.solved.extract_if(|key, _| !asked.contains(key)).collect();
+            // By any thread, when it has nothing better to do.
+            rayon::spawn(move || drop(unused));
             self.solved_bytes = self.solved.values().map(|body| body.compliance.bytes()).sum();
         }
         let (series, meshed): (Vec<BodyRequest>, Vec<BodyRequest>) =
@@ -131,7 +134,7 @@ impl<'a> BodyLibrary<'a> {
             .map(|request| {
                 let started = Stopwatch::start();
                 let compliance = concentric(&request.body).compliance();
-                (Keyed::new(&request, compliance, BackendKind::Cpu), started.elapsed())
+                (Keyed::new(request.key(), compliance, BackendKind::Cpu), started.elapsed())
             })
             .collect();
         for (solved, time) in exact {
@@ -177,24 +180,40 @@ impl<'a> BodyLibrary<'a> {
             started.elapsed()
         };
         let condense = |group| condense_group(plans, ring_loads, group, &room);
-        let (near_field_time, condensed): (_, Vec<CondensedGroup>) =
+        let (near_field_time, mut condensed): (_, Vec<CondensedGroup>) =
             rayon::join(prepare, || groups.into_par_iter().map(condense).collect());
         self.times.shared += near_field_time;
-        for CondensedGroup { key, plan, plan_time, batches } in condensed {
-            self.times.shared += plan_time;
-            self.times.condense += batches.iter().map(|(_, time)| *time).sum::<Duration>();
+        let correct = |key: &TopologyKey, works: Vec<Condensed>| {
             let started = Stopwatch::start();
-            let works: Vec<Condensed> = batches.into_iter().flat_map(|(works, _)| works).collect();
-            let correct = |(request, works): Condensed| {
-                let compliance = match references.get(&request.key()) {
+            let solve = |(request, works): Condensed| {
+                let key_of_request = request.key();
+                let compliance = match references.get(&key_of_request) {
                     Some((reference, own)) => reference.compliance(&request.body, works, own),
-                    None => self.corrected(&key, &request.body, works),
+                    None => self.corrected(key, &request.body, works),
                 };
-                Keyed::new(&request, compliance, BackendKind::Cpu)
+                Keyed::new(key_of_request, compliance, BackendKind::Cpu)
             };
-            let solved: Vec<Keyed> = works.into_par_iter().map(correct).collect();
-            self.times.condense += started.elapsed();
+            let solved: Vec<Keyed> = works.into_iter().map(solve).collect();
+            (solved, started.elapsed())
+        };
+        let corrected: Vec<(Vec<Keyed>, Duration)> = condensed
+            .par_iter_mut()
+            .flat_map(|group| {
+                let batches = std::mem::take(&mut group.batches).into_par_iter();
+                let key = &group.key;
+                batches.map(move |(works, time)| {
+                    let (solved, more) = correct(key, works);
+                    (solved, time + more)
+                })
+            })
+            .collect();
+        self.solved.reserve(corrected.iter().map(|(solved, _)| solved.len()).sum());
+        for (solved, time) in corrected {
+            self.times.condense += time;
             solved.into_iter().for_each(|solved| self.keep(solved));
+        }
+        for CondensedGroup { key, plan, plan_time, .. } in condensed {
+            self.times.shared += plan_time;
             self.plans.extend(plan.map(|plan| (key, plan)));
         }
     }
@@ -230,7 +249,7 @@ impl<'a> BodyLibrary<'a> {
                 match works {
                     Some(works) => {
                         let compliance = self.corrected(&key, &request.body, works);
-                        self.keep(Keyed::new(&request, compliance, BackendKind::Gpu));
+                        self.keep(Keyed::new(request.key(), compliance, BackendKind::Gpu));
                     }
                     None => of_group.push(request),
                 }
@@ -343,10 +362,11 @@ fn portions(requests: Vec<BodyRequest>) -> Vec<Portion> {
         let key = TopologyKey::of(&request);
         // Lined bodies have references of their own.
         let around = (!key.class.is_lined()).then(|| NearFieldClass::around(&request.body, key.class).0);
-        (key, request, around)
+        (Hashed::new(key), request, around.map(|around| around.map(Hashed::new)))
     };
     let classed: Vec<_> = requests.into_par_iter().with_min_len(MANY).map(classed).collect();
-    let mut groups: HashMap<TopologyKey, (Vec<BodyRequest>, HashSet<NearFieldClass>)> = HashMap::default();
+    let mut groups: HashMap<Hashed<TopologyKey>, (Vec<BodyRequest>, HashSet<Hashed<NearFieldClass>>)> =
+        HashMap::default();
     for (key, request, around) in classed {
         let (group, near_fields) = groups.entry(key).or_default();
         group.push(request);
@@ -355,8 +375,8 @@ fn portions(requests: Vec<BodyRequest>) -> Vec<Portion> {
     let mut portions = Vec::new();
     let mut portion = Portion::default();
     for (key, (group, near_fields)) in groups {
-        portion.groups.push((key, group));
-        portion.near_fields.extend(near_fields);
+        portion.groups.push((key.key, group));
+        portion.near_fields.extend(near_fields.into_iter().map(|class| class.key));
         if portion.near_fields.len() > PORTION {
             portions.push(std::mem::take(&mut portion));
         }

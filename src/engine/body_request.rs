@@ -1,5 +1,6 @@
 //! What is asked of a body: how finely, and what it then shares with others.
 
+use crate::engine::hashed::Hashed;
 use crate::mechanics::body::{Body, BodyKey};
 use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::element::ElementKind;
@@ -24,11 +25,11 @@ pub struct BodyRequest {
 }
 
 /// Equal for requests with the same answer.
-pub type RequestKey = (BodyKey, Fidelity);
+pub type RequestKey = Hashed<(BodyKey, Fidelity)>;
 
 impl BodyRequest {
     pub fn key(&self) -> RequestKey {
-        (self.body.key(), self.fidelity)
+        Hashed::new((self.body.key(), self.fidelity))
     }
 }
 

@@ -6,6 +6,7 @@ use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, ForceError, Want};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::body_request::{Fidelity, RequestKey};
+use crate::engine::hashed::Hashed;
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind, Method};
 use crate::engine::plan::JointPlan;
@@ -19,14 +20,14 @@ use crate::mechanics::contact::outlines::Outlines;
 use crate::study::design::{DesignCase, JointDesign, Part};
 
 /// Joints with one of these have a curve in common: sizes and loads are left.
-pub type JointKey = (RequestKey, RequestKey, [u64; 3], SpaceKey, Estimate);
+pub type JointKey = Hashed<(RequestKey, RequestKey, [u64; 3], SpaceKey, Estimate)>;
 
 /// Of a design with its plan.
 pub fn joint_key(plan: &JointPlan, case: &DesignCase) -> JointKey {
     let [pin, plate] =
         [&case.joint.pin, &case.joint.plate].map(|part| part.contact_material().youngs_modulus);
     let numbers = [pin, plate, JointScale::of(&case.joint).outlines.radial_clearance].map(f64::to_bits);
-    (plan.pin.key(), plan.plate.key(), numbers, plan.space, plan.estimate)
+    Hashed::new((plan.pin.key(), plan.plate.key(), numbers, plan.space, plan.estimate))
 }
 
 /// The curve of a joint, where it has one. Bodies and space of the plan were prepared.

@@ -1,4 +1,5 @@
 pub mod stopwatch;
+pub mod hashed;
 pub mod body_request;
 pub mod spaces;
 pub mod refusal;
