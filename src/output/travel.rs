@@ -4,7 +4,7 @@ use crate::engine::outcome::Response;
 use crate::study::columns::{INDENTATION, OFFSET};
 use crate::study::design::{JointDesign, Load};
 
-/// The way of the pin: in reports of tables that have it the offset, in exports that of a press fit, which has no first touch.
+/// The way of the pin: in reports of tables that have it the offset, in exports of press fits, which have no first touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Travel {
     Indentation,
@@ -12,6 +12,11 @@ pub enum Travel {
 }
 
 impl Travel {
+    /// From where the force begins: first touch, or where a press fit is concentric.
+    pub fn of_force(joint: &JointDesign) -> Travel {
+        if joint.is_press_fit() { Travel::Offset } else { Travel::Indentation }
+    }
+
     pub fn name(self) -> &'static str {
         match self {
             Travel::Indentation => "indentation",

@@ -60,10 +60,11 @@ fn continued(values: &[f64], line_break: &str) -> String {
 
 fn usage(sheet: &Sheet, spline: &str, hole: &str, pin: &str) -> String {
     let clearance = match sheet.is_family() {
+        true if sheet.has_press_fits() => "MAX(0, DR)".to_string(),
         true => "DR".to_string(),
         false => plain(sheet.table.clearances[0]),
     };
-    let z = if sheet.is_family() { clearance.as_str() } else { "0" };
+    let z = if sheet.is_family() { "DR" } else { "0" };
     let distance = format!("DM({pin}, {hole}) - {clearance}");
     let mut force = format!("MAX(0, AKISPL({distance}, {z}, {spline}))");
     if let Some(impact) = sheet.impact {

@@ -21,9 +21,11 @@ const AIM: f64 = 0.8;
 /// The stiffness of Hermite's rule may be off by so many times the force.
 const OF_STIFFNESS: f64 = 3.0;
 
-/// Indices of places that become points: halves segments until all rules are good on all curves.
+/// Indices of places that become points: halves segments until all rules are good on all curves. Curves bend at the places `bends`,
+/// which are points in any case: beside them halving would end with steps in which the digits of a force do not tell its slope.
 pub fn choose(
     places: &[f64],
+    bends: &[usize],
     curves: &[Samples],
     rules: &[Interpolation],
     least_step: f64,
@@ -43,7 +45,10 @@ pub fn choose(
     };
     let mut aim = AIM * error;
     loop {
-        let mut points: Vec<usize> = (0..=SPARSEST).map(|i| i * PLACES / SPARSEST).collect();
+        let even = (0..=SPARSEST).map(|i| i * PLACES / SPARSEST);
+        let mut points: Vec<usize> = even.chain(bends.iter().copied()).collect();
+        points.sort_unstable();
+        points.dedup();
         loop {
             let mut bad = vec![false; points.len() - 1];
             let off = |i: usize, force: f64, slope: f64| {

@@ -36,6 +36,7 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
         text += &FAMILY
             .replace("@nodes@", &nodes)
             .replace("@variable@", variable)
+            .replace("@above@", sheet.gap_in_words())
             .replace("@count@", &clearances.to_string())
             .replace("@width@", &clearances.min(4).to_string())
             .replace("@least@", &plain(table.clearances[0]))
@@ -132,7 +133,7 @@ static inline double @name@_at(double x, double clearance, double *slope)
     return force;
 }
 
-/* N, at an indentation in mm: pin's displacement from the hole's centre less the radial clearance. */
+/* N, at an indentation in mm: pin's displacement from the hole's centre less the radial clearance@above@. */
 static inline double @name@_force(double indentation_mm, double radial_clearance_mm)
 {
     double slope;

@@ -19,7 +19,9 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
         true => ("radial_clearance_mm", ", radial_clearance_mm"),
         false => ("radial_clearance_mm=RADIAL_CLEARANCE_MM", ""),
     };
+    let gap = if sheet.has_press_fits() { "max(radial_clearance_mm, 0.0)" } else { "radial_clearance_mm" };
     let mut function = USER_FUNCTION.replace("@clearance@", clearance).replace("@pass@", pass);
+    function = function.replace("@gap@", gap);
     let factor = match damping(sheet) {
         Some(factor) => DAMPED.replace("@factor@", &factor),
         None => String::new(),
@@ -40,7 +42,7 @@ def make_user_function(@clearance@, mm_per_unit=1000.0):
     def user_function(mbs, t, itemNumber, displacement, velocity, stiffness, damping, offset):
         x, y = displacement[0] - offset[0], displacement[1] - offset[1]
         distance = (x * x + y * y) ** 0.5
-        indentation = distance * mm_per_unit - radial_clearance_mm
+        indentation = distance * mm_per_unit - @gap@
         if indentation <= 0.0:
             return [0.0, 0.0, 0.0]
         magnitude = force(indentation@pass@)

@@ -31,7 +31,6 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, shortened, suggest};
 use crate::output::folder::MANIFEST;
 use crate::output::results::Results;
-use crate::output::travel::Travel;
 use crate::output::whole_file::{publish, stage_bytes, staged};
 use crate::study::fingerprint::Fingerprint;
 use impact::{Impact, ImpactRequest};
@@ -104,7 +103,7 @@ pub fn export(results: &Results, request: &Request) -> Result<Export, Error> {
     let Format { rules, between, least_step, .. } = *format;
     let wish = Wish { rules, between, least_step, error: request.error };
     let (table, quality) = tabulate(&source, wish, request.allow_warned)?;
-    if request.impact.is_some() && source.travel == Travel::Offset {
+    if request.impact.is_some() && source.has_press_fits() {
         let problem = "a press fit is never out of contact: there is no impact, and no damping of one";
         return source::refuse("restitution", problem);
     }

@@ -77,7 +77,8 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
         text += &DAMPED.replace("@input@", input).replace("@factor@", &factor).replace("@pass@", pass);
     }
     let clearance = plain(table.clearances[clearances / 2] * 1e-3);
-    text += &EXAMPLE.replace("@clearance@", &clearance).replace("@pass@", pass);
+    let gap = if sheet.has_press_fits() { "max(0, radial_clearance)" } else { "radial_clearance" };
+    text += &EXAMPLE.replace("@clearance@", &clearance).replace("@pass@", pass).replace("@gap@", gap);
     text += &format!("end {name};\n");
     vec![("", text), (".txt", combi_table(sheet))]
 }
@@ -156,7 +157,7 @@ const EXAMPLE: &str = "
     Real v(unit=\"m/s\", start=0.01, fixed=true);
   equation
     der(x) = v;
-    der(v) = force(-x - radial_clearance@pass@) - force(x - radial_clearance@pass@);
+    der(v) = force(-x - @gap@@pass@) - force(x - @gap@@pass@);
   end Example;
 ";
 

@@ -35,6 +35,7 @@ pub fn module(sheet: &Sheet) -> String {
             .replace("@nodes@", &array(&clearance_nodes(sheet), "[", "]"))
             .replace("@own@", &array(clearances, "[", "]"))
             .replace("@variable@", if table.over_logarithm() { "log(clearance)" } else { "clearance" })
+            .replace("@above@", sheet.gap_in_words())
             .replace("@width@", &clearances.len().min(4).to_string());
     } else {
         text += &ONE.replace("@clearance@", &plain(table.clearances[0]));
@@ -105,7 +106,7 @@ def _at(x, clearance):
 
 
 def force(indentation_mm, radial_clearance_mm):
-    \"\"\"N; the indentation is the pin's displacement from the hole's centre less the radial clearance.\"\"\"
+    \"\"\"N; the indentation is the pin's displacement from the hole's centre less the radial clearance@above@.\"\"\"
     return _at(indentation_mm, radial_clearance_mm)[0]
 
 

@@ -41,17 +41,22 @@ pub fn reached_force(source: &Source) -> Result<f64, Error> {
     let mut least = f64::INFINITY;
     for member in &source.members {
         let curve = solved(&member.joint, source.solve, None)?;
-        least = least.min(answer(&curve, source.travel.load(source.end))?.force);
+        least = least.min(answer(&curve, member.travel().load(source.end))?.force);
     }
     Ok(least)
 }
 
-/// Where a press fit opens, over what the table is over; `None` of joints with clearance.
-pub fn opening(source: &Source) -> Result<Option<f64>, Error> {
-    let Travel::Offset = source.travel else { return Ok(None) };
-    let curve = solved(&source.members[0].joint, source.solve, None)?;
-    let Some(opening) = curve.opening() else { return Ok(None) };
-    Ok(Some(opening - source.ring_compliance * answer(&curve, Load::Offset(opening))?.force))
+/// Where the press fits open, over what the table is over.
+pub fn openings(source: &Source) -> Result<Vec<f64>, Error> {
+    let mut openings = Vec::new();
+    for member in source.members.iter().filter(|member| member.joint.is_press_fit()) {
+        let curve = solved(&member.joint, source.solve, None)?;
+        if let Some(opening) = curve.opening() {
+            let force = answer(&curve, Load::Offset(opening))?.force;
+            openings.push(opening - source.ring_compliance * force);
+        }
+    }
+    Ok(openings)
 }
 
 fn solved(joint: &JointDesign, solve: SolveOptions, before: Option<JointCurve>) -> Result<JointCurve, Error> {
@@ -132,7 +137,8 @@ impl Solver<'_> {
         indentations: &[f64],
         member: Option<&Member>,
     ) -> Result<Vec<Response>, Error> {
-        let loads: Vec<Load> = indentations.iter().map(|delta| self.source.travel.load(*delta)).collect();
+        let travel = Travel::of_force(curve.joint());
+        let loads: Vec<Load> = indentations.iter().map(|delta| travel.load(*delta)).collect();
         let rows = member.into_iter().flat_map(|member| &member.rows);
         let first =
             rows.filter_map(|row| row.indentation).filter(|row| *row > 0.0).fold(f64::INFINITY, f64::min);
@@ -146,7 +152,7 @@ impl Solver<'_> {
                     let what = format!(
                         "radial_clearance {} mm, {} {delta} mm",
                         curve.joint().radial_clearance,
-                        self.source.travel.name()
+                        travel.name()
                     );
                     refuse(what, format!("{}: end the range before it (`up-to`){way_out}", step.status))
                 }
@@ -173,7 +179,7 @@ impl Solver<'_> {
         let inside: Vec<_> = answered
             .filter(|(_, indentation, _)| *indentation > 0.0 && *indentation <= self.source.end)
             .collect();
-        let loads: Vec<Load> = inside.iter().map(|(_, way, _)| self.source.travel.load(*way)).collect();
+        let loads: Vec<Load> = inside.iter().map(|(_, way, _)| member.travel().load(*way)).collect();
         for ((row, indentation, force), step) in inside.into_iter().zip(curve.answers(&loads)) {
             let own = row.force_error.unwrap_or(0.0) + self.source.solve.accuracy;
             let is_near = |found: Response| {

@@ -7,7 +7,6 @@ use crate::output::export::source::{Reference, Source};
 use crate::output::export::table::{Between, Quality, Table};
 use crate::output::host::Program;
 use crate::output::origin::Origin;
-use crate::output::travel::Travel;
 use crate::study::columns::{Cell, Column, joint_columns};
 
 /// A form for another program: one file of `output/export`, listed in `FORMATS`.
@@ -103,6 +102,16 @@ impl Sheet {
         self.pairs().into_iter().map(|(x, y)| format!("{}, {}\n", plain(y), plain(x))).collect()
     }
 
+    /// Whether some of the clearances are below zero: their force begins where the distance does.
+    pub fn has_press_fits(&self) -> bool {
+        self.table.clearances[0] < 0.0
+    }
+
+    /// Behind "less the radial clearance".
+    pub fn gap_in_words(&self) -> &'static str {
+        if self.has_press_fits() { ", where that is above 0" } else { "" }
+    }
+
     pub fn is_family(&self) -> bool {
         self.table.clearances.len() > 1
     }
@@ -134,11 +143,10 @@ pub fn head(
     let percent = |value: f64| format!("{} %", rounded(100.0 * value, 2));
     let mut said: Vec<String> = Vec::new();
     let program = Program::CURRENT;
-    let is_press_fit = source.travel == Travel::Offset;
-    let what = if is_press_fit {
-        "Pin pressed into a hole: force against offset"
-    } else {
-        "Pin in a hole with clearance: force against indentation"
+    let what = match (source.has_press_fits(), source.is_family()) {
+        (false, _) => "Pin in a hole with clearance: force against indentation",
+        (true, false) => "Pin pressed into a hole: force against offset",
+        (true, true) => "Pin in a hole, pressed in or with clearance: force against indentation",
     };
     said.push(format!("{what}, for {}.", format.name));
     said.push(format!(
@@ -172,9 +180,13 @@ pub fn head(
     }
     scene += " two dimensions, linear elastic, frictionless; nothing but pin and plate yields.";
     said.push(scene);
-    let (way, from) = match source.travel {
-        Travel::Indentation => ("Indentation", "after first touch"),
-        Travel::Offset => ("Offset", "from where pin and hole are concentric"),
+    let (way, from) = match (source.has_press_fits(), source.is_family()) {
+        (false, _) => ("Indentation", "after first touch"),
+        (true, false) => ("Offset", "from where pin and hole are concentric"),
+        (true, true) => (
+            "Indentation",
+            "after first touch, of press fits (radial clearance below 0) from where pin and hole are concentric",
+        ),
     };
     said.push(match source.reference {
         Reference::Support => format!(
@@ -187,11 +199,17 @@ pub fn head(
             plain(rounded(source.ring_compliance, 6))
         ),
     });
-    said.push(match source.travel {
-        Travel::Indentation => {
+    said.push(match (source.has_press_fits(), source.is_family()) {
+        (false, _) => {
             "Positive is pressed in; pin's displacement from the hole's centre = radial clearance + indentation.".into()
         }
-        Travel::Offset => {
+        (true, true) => {
+            "Positive is pressed in; pin's displacement from the hole's centre = indentation + radial clearance, where that is above 0: a \
+             press fit has no gap. Below 0, where a distance never is, stand zeros: a press fit's table along one direction needs its \
+             mirror image."
+                .to_string()
+        }
+        (true, false) => {
             "A press fit is a law without clearance: here the radial clearance is 0, and what is called indentation is the offset, the \
              pin's displacement from the hole's centre. Below 0, where a distance never is, stand zeros: a table along one direction \
              needs its mirror image."
@@ -247,7 +265,7 @@ pub fn head(
         "Range: 0 to {} {unit} ({reached}). Extrapolation: {}{}.",
         plain(end * length),
         format.beyond,
-        if is_press_fit { "" } else { "; in the gap force and slope are zero" }
+        if source.has_press_fits() { "" } else { "; in the gap force and slope are zero" }
     ));
     if source.members.len() > 1 {
         said.push("Extrapolation over the clearance: none; stay inside its range.".into());

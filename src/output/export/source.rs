@@ -52,9 +52,7 @@ pub struct Member {
 pub struct Source {
     pub members: Vec<Member>,
     pub solve: SolveOptions,
-    /// What the table is over: of a press fit the offset, as if it had no clearance.
-    pub travel: Travel,
-    /// Largest of it against the support, mm.
+    /// The table ends so far from where the force begins, mm against the support.
     pub end: f64,
     pub reference: Reference,
     /// What the mean motion of both rings adds to the indentation, mm/N; zero where the support is the reference.
@@ -88,15 +86,14 @@ impl Source {
             Selection::Only => vec![only(results)?],
             Selection::OverRadialClearance => family(results)?,
         };
-        let travel = travel(&members)?;
-        members.iter_mut().for_each(|member| member.go_over_to(travel));
+        members.iter_mut().for_each(Member::go_over_to_travel);
         let rows = || members.iter().flat_map(|member| &member.rows);
         let reached = rows().filter_map(|row| row.force.and(row.indentation));
         let largest = reached.fold(0.0, f64::max);
         let end = up_to.unwrap_or(largest);
         if end.is_nan() || end <= 0.0 {
-            let problem =
-                format!("no row has an answer at an {} above 0: there is nothing to export", travel.name());
+            let way = members[members.len() - 1].travel().name();
+            let problem = format!("no row has an answer at an {way} above 0: there is nothing to export");
             return refuse(designs_in_words(&members), problem);
         }
         for member in &members {
@@ -106,23 +103,15 @@ impl Source {
             Reference::Support => 0.0,
             Reference::RingMean => ring_compliance(&members[0].joint)?,
         };
-        Ok(Source { members, solve, travel, end, reference, ring_compliance })
+        Ok(Source { members, solve, end, reference, ring_compliance })
     }
-}
 
-/// What a table of these designs is over.
-fn travel(members: &[Member]) -> Result<Travel, Error> {
-    match (members, members.iter().find(|member| member.joint.is_press_fit())) {
-        (_, None) => Ok(Travel::Indentation),
-        ([_], Some(_)) => Ok(Travel::Offset),
-        (_, Some(fit)) => {
-            let problem = format!(
-                "design {} is a press fit, whose table is over the offset and not over the indentation: name a `design`, or run a sweep \
-                 over clearances",
-                fit.design
-            );
-            refuse("over radial_clearance", problem)
-        }
+    pub fn has_press_fits(&self) -> bool {
+        self.members.iter().any(|member| member.joint.is_press_fit())
+    }
+
+    pub fn is_family(&self) -> bool {
+        self.members.len() > 1
     }
 }
 
@@ -206,8 +195,14 @@ fn designs_in_words(members: &[Member]) -> String {
 const AT_REST: f64 = 1e-9;
 
 impl Member {
+    /// What its part of the table is over: of a press fit the offset.
+    pub fn travel(&self) -> Travel {
+        Travel::of_force(&self.joint)
+    }
+
     /// From the indentations that tables have.
-    fn go_over_to(&mut self, travel: Travel) {
+    fn go_over_to_travel(&mut self) {
+        let travel = self.travel();
         if travel == Travel::Indentation {
             return;
         }

@@ -5,17 +5,16 @@ use crate::error::Error;
 use crate::output::export::breakpoints::{PLACES, choose, deviations};
 use crate::output::export::interpolation::{Interpolant, Interpolation, cubic_weights};
 use crate::output::export::numbers::rounded;
-use crate::output::export::samples::{Samples, Solver, opening, reached_force};
+use crate::output::export::samples::{Samples, Solver, openings, reached_force};
 use crate::output::export::source::{Source, refuse};
-use crate::output::travel::Travel;
 use crate::study::design::JointDesign;
 
 /// Force and stiffness over indentation, for one clearance or several.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// mm, ascending.
+    /// mm, ascending; below zero of press fits, of a single one 0.
     pub clearances: Vec<f64>,
-    /// mm, ascending, from 0 on.
+    /// mm, ascending, from 0 on; of press fits the offset.
     pub indentations: Vec<f64>,
     /// N, for each clearance.
     pub forces: Vec<Vec<f64>>,
@@ -118,7 +117,8 @@ pub fn tabulate(
         );
         return refuse("range", problem);
     }
-    let places = spread(end, first, opening(source)?);
+    let is_loose = source.members.iter().any(|member| !member.joint.is_press_fit());
+    let (places, bends) = spread(end, first, openings(source)?, is_loose);
     let mut solver = Solver::new(source, allow_warned);
     let (mut curves, mut below) = (Vec::new(), Vec::new());
     // Below the first place, in front of the others.
@@ -129,13 +129,16 @@ pub fn tabulate(
         curve.stiffness.drain(..BELOW.len());
         curves.push(curve);
     }
-    let points = choose(&places, &curves, rules, least_step, error)?;
-    // From where a press fit is concentric the way is the whole distance.
-    let clearances = source.members.iter().map(|member| member.joint.radial_clearance.max(0.0)).collect();
+    let points = choose(&places, &bends, &curves, rules, least_step, error)?;
+    // From where a press fit is concentric the way is the whole distance: alone it is a law without clearance.
+    let least = if source.is_family() { f64::NEG_INFINITY } else { 0.0 };
+    let clearances = source.members.iter().map(|member| member.joint.radial_clearance.max(least)).collect();
     let (mut table, mut quality) = measured(clearances, &places, &curves, &points, rules);
-    if source.travel == Travel::Offset {
-        // Linear from the first on.
-        table.stiffnesses.iter_mut().for_each(|own| own[0] = own[1]);
+    for (own, member) in table.stiffnesses.iter_mut().zip(&source.members) {
+        if member.joint.is_press_fit() {
+            // Linear from the first on.
+            own[0] = own[1];
+        }
     }
     for rule in rules {
         for (interpolant, truth) in table.interpolants(*rule).iter().zip(&below) {
@@ -171,27 +174,48 @@ pub fn tabulate(
     Ok((table, quality))
 }
 
-/// Places of a press fit up to where it opens: it is linear there.
+/// Places of press fits up to where the first of them opens: they are linear there.
 const BEFORE_OPENING: usize = PLACES / 8;
 
-/// Places up to an end, evenly by their logarithms from a share of it on; of a press fit that opens before, by those of their distances from there on, because its stiffness falls like a
-/// root of them.
-fn spread(end: f64, first: f64, opening: Option<f64>) -> Vec<f64> {
-    let by_logarithm =
-        |end: f64, place: usize, last: usize| end * first.powf(1.0 - place as f64 / last as f64);
-    let mut places: Vec<f64> = match opening
-        .filter(|opening| *opening < 0.999 * end && *opening > first * end)
-    {
-        None => (0..=PLACES).map(|i| rounded(by_logarithm(end, i, PLACES), 6)).collect(),
-        Some(opening) => {
-            let before = (0..=BEFORE_OPENING).map(|i| rounded(by_logarithm(opening, i, BEFORE_OPENING), 6));
-            let after = 1..=PLACES - BEFORE_OPENING;
-            let after = after.map(|i| opening + by_logarithm(end - opening, i, PLACES - BEFORE_OPENING));
-            before.chain(after.map(|place| rounded(place, 12))).collect()
+/// Places may become points by fours.
+const FOUR: usize = 4;
+
+/// Places up to an end, evenly by their logarithms from a share of it on. From where a press fit opens by those of the distances from
+/// there on, because its stiffness falls like a root of them; `is_loose` where there are joints with clearance beside them. With the
+/// indices of these bends.
+fn spread(end: f64, first: f64, mut openings: Vec<f64>, is_loose: bool) -> (Vec<f64>, Vec<usize>) {
+    openings.sort_by(f64::total_cmp);
+    // Where pieces begin; too close to the next, an opening has no room of its own.
+    let mut starts: Vec<f64> = Vec::new();
+    for opening in openings {
+        if opening > first * end && starts.last().is_none_or(|last| *last < 0.999 * opening) {
+            starts.push(opening);
         }
+    }
+    starts.retain(|start| *start < 0.999 * end);
+    let by_logarithm =
+        |length: f64, place: usize, last: usize| length * first.powf(1.0 - place as f64 / last as f64);
+    let before = match starts.len() {
+        0 => PLACES,
+        _ if !is_loose => BEFORE_OPENING,
+        count => PLACES / (count + 1) / FOUR * FOUR,
     };
+    let reach = starts.first().copied().unwrap_or(end);
+    let mut places: Vec<f64> =
+        (0..=before).map(|place| rounded(by_logarithm(reach, place, before), 6)).collect();
+    let mut bends = Vec::new();
+    for (i, start) in starts.iter().enumerate() {
+        bends.push(places.len() - 1);
+        let left = starts.len() - i;
+        let count = match left {
+            1 => PLACES + 1 - places.len(),
+            _ => (PLACES + 1 - places.len()) / left / FOUR * FOUR,
+        };
+        let length = starts.get(i + 1).unwrap_or(&end) - start;
+        places.extend((1..=count).map(|place| rounded(start + by_logarithm(length, place, count), 12)));
+    }
     places[PLACES] = end;
-    places
+    (places, bends)
 }
 
 /// With nine digits, not below the value.

@@ -95,6 +95,122 @@ fn modules_of_press_fits_have_no_clearance() {
     }
 }
 
+/// From pressed in to loose, mm.
+const CLEARANCES: [f64; 5] = [-0.008, -0.004, 0.0, 0.01, 0.02];
+
+/// Joints that differ in their clearance only, in `out/family`.
+fn family(name: &str, clearances: &[f64]) -> Workdir {
+    let all: Vec<String> = clearances.iter().map(|clearance| format!("\"{clearance} mm\"")).collect();
+    let work = solved(name, "\"0.02 mm\"", "3");
+    let config = work.read("sweep.toml").replace("\"0.02 mm\"", &format!("[{}]", all.join(", ")));
+    let (before, after) = config.split_once("indentation").unwrap();
+    let rest = after.split_once('\n').unwrap().1;
+    work.write("family.toml", &format!("{before}force = [\"10 N\", \"1 kN\", \"15 kN\"]\n{rest}"));
+    work.run(&["run", "family.toml", "--quiet"]).expect(0);
+    work
+}
+
+/// One axis through zero: of press fits the offset, of joints with clearance the indentation.
+#[test]
+fn a_table_over_the_clearance_goes_through_zero() {
+    let pressed = [-0.008, -0.0065, -0.004];
+    for (name, clearances) in [("export-through-zero", &CLEARANCES[..]), ("export-pressed", &pressed)] {
+        let work = family(name, clearances);
+        let out = ["--over", "radial_clearance", "--out", "t.csv"];
+        work.run(&[&["export", "out/family", "--to", "csv"], &out[..]].concat()).expect(0);
+        let text = work.read("t.csv");
+        let rows: Vec<[f64; 3]> = text
+            .lines()
+            .skip(1)
+            .map(|line| {
+                let cells: Vec<f64> = line.split(',').take(3).map(|cell| cell.parse().unwrap()).collect();
+                cells.try_into().unwrap()
+            })
+            .collect();
+        let end = rows.iter().map(|row| row[1]).fold(0.0, f64::max);
+        for clearance in clearances {
+            let pairs: Vec<(f64, f64)> =
+                rows.iter().filter(|row| row[0] == *clearance).map(|row| (row[1], row[2])).collect();
+            assert!(pairs.len() > 10 && pairs.len() < 160, "{clearance} mm: {} points", pairs.len());
+            let curve = curve(*clearance);
+            let mut is_open = false;
+            for place in places().iter().map(|place| place * end / END) {
+                let found = curve.at(Load::Offset(place + clearance.max(0.0))).unwrap();
+                is_open |= found.contact_half_angle != Some(std::f64::consts::PI);
+                let off = linear(&pairs, place) / found.force - 1.0;
+                assert!(off.abs() < ERROR, "{clearance} mm at {place} mm: {off:e}");
+            }
+            assert!(is_open, "{clearance} mm stays closed: nothing was asked where it opens");
+        }
+        let about = work.read("t_about.txt").split_whitespace().collect::<Vec<_>>().join(" ");
+        for said in
+            ["pressed in or with clearance", "Indentation (reference: support)", "a press fit has no gap"]
+        {
+            assert!(about.contains(said), "the head does not say {said}: {about}");
+        }
+        let first = format!("radial_clearance {:?} to", clearances[0]);
+        assert!(about.contains(&first) && !about.contains("in the gap force"), "{about}");
+        // Nobody takes a clearance off a distance that has none.
+        let cases = [
+            ("adams", "t.adm", "AKISPL(DM(10101, 10201) - MAX(0, DR), DR, 1)"),
+            ("exudyn", "t.py", "distance * mm_per_unit - max(radial_clearance_mm, 0.0)"),
+            ("modelica", "t.mo", "force(x - max(0, radial_clearance), radial_clearance)"),
+            ("c", "t.h", "less the radial clearance, where that is above 0."),
+        ];
+        for (format, file, said) in cases {
+            work.run(&["export", "out/family", "--to", format, "--over", "radial_clearance", "--out", file])
+                .expect(0);
+            assert!(work.read(file).contains(said), "{format} does not say {said}");
+        }
+    }
+}
+
+/// Of one clearance after the other the distance between the centres, the force there, and the stiffness, by the exported module.
+fn by_module(work: &Workdir, asked: &[f64]) -> Vec<Vec<f64>> {
+    let out = ["--to", "exudyn", "--over", "radial_clearance", "--out", "joint.py", "--force"];
+    work.run(&[&["export", "out/family"], &out[..]].concat()).expect(0);
+    let main = "import joint\n\
+         for clearance in ASKED:\n\
+         \x20   pull = joint.make_user_function(clearance, 1.0)\n\
+         \x20   distance = max(clearance, 0.0) + 0.012\n\
+         \x20   found = pull(None, 0.0, 0, [0.0, distance, 0.0], [0.0] * 3, 0, 0, [0.0] * 3)\n\
+         \x20   print(distance, found[1], joint.stiffness(0.012, clearance))\n";
+    work.write("main.py", &main.replace("ASKED", &format!("{asked:?}")));
+    numbers(&run_in(work, "python3", &["-B", "main.py"]))
+}
+
+#[test]
+#[cfg_attr(not(python3), ignore = "no python3 here")]
+fn a_module_goes_through_zero_clearance() {
+    let work = family("export-through-zero-python", &CLEARANCES);
+    for (clearance, row) in CLEARANCES.iter().zip(by_module(&work, &CLEARANCES)) {
+        let truth = curve(*clearance).at(Load::Offset(row[0])).unwrap();
+        let off = [row[1] / truth.force - 1.0, row[2] / truth.tangent_stiffness - 1.0];
+        assert!(off[0].abs() < ERROR && off[1].abs() < 3.0 * ERROR, "{clearance} mm, {row:?}: {off:?}");
+    }
+}
+
+/// Where fits open a cubic over the clearance is not good, and this is told.
+#[test]
+#[cfg_attr(not(python3), ignore = "no python3 here")]
+fn what_is_left_between_press_fits_is_told() {
+    let clearances: Vec<f64> = (-8..=-1).map(|i| 0.001 * f64::from(i)).collect();
+    let work = family("export-between-fits", &clearances);
+    let out = ["--to", "c", "--over", "radial_clearance", "--out", "joint.h"];
+    let said = work.run(&[&["export", "out/family"], &out[..]].concat()).expect(0).stderr;
+    let told = said.split_once("the force is off by up to ").expect("a warning").1;
+    let told: f64 = told.split_once(" %").unwrap().0.parse().unwrap();
+    assert!(told > 0.1 && told < 20.0, "{told} %");
+    let asked = [-0.0075, -0.0055, -0.0035, -0.0015];
+    let found = by_module(&work, &asked);
+    assert_eq!(found.len(), asked.len());
+    for (clearance, row) in asked.into_iter().zip(found) {
+        let truth = curve(clearance).at(Load::Offset(row[0])).unwrap();
+        let off = row[1] / truth.force - 1.0;
+        assert!(off.abs() < 1.05e-2 * told, "{clearance} mm, {row:?}: {off:e}, told {told} %");
+    }
+}
+
 #[test]
 fn what_press_fits_have_no_table_for_is_refused() {
     let (work, _) = fit("export-fit-refused");
@@ -103,18 +219,12 @@ fn what_press_fits_have_no_table_for_is_refused() {
         .expect(1)
         .stderr;
     assert!(said.contains("restitution: a press fit is never out of contact"), "{said}");
-    let both = work.read("fit.toml").replace("\"-0.01 mm\"", "[\"-0.01 mm\", \"0.02 mm\"]");
-    work.write("both.toml", &both);
-    work.run(&["run", "both.toml", "--quiet"]).expect(0);
-    let over = ["export", "out/both", "--to", "c", "--over", "radial_clearance", "--out", "both.h"];
-    let said = work.run(&over).expect(1).stderr;
-    assert!(
-        said.contains("over radial_clearance: design 0 is a press fit, whose table is over the offset"),
-        "{said}"
-    );
-    assert!(!work.path("both.h").exists());
-    work.run(&["export", "out/both", "--to", "c", "--design", "0"]).expect(0);
-    work.run(&["export", "out/both", "--to", "c", "--design", "1", "--force"]).expect(0);
+    let both = family("export-both", &CLEARANCES);
+    let damped = ["--to", "c", "--over", "radial_clearance", "--restitution", "0.8", "--speed", "100 mm/s"];
+    let said = both.run(&[&["export", "out/family"], &damped[..]].concat()).expect(1).stderr;
+    assert!(said.contains("restitution: a press fit is never out of contact"), "{said}");
+    both.run(&["export", "out/family", "--to", "c", "--design", "0"]).expect(0);
+    both.run(&["export", "out/family", "--to", "c", "--design", "4", "--force"]).expect(0);
     // Nothing of an offset above 0.
     work.write(
         "rest.toml",
