@@ -152,7 +152,7 @@ fn a_table_over_the_clearance_goes_through_zero() {
         assert!(about.contains(&first) && !about.contains("in the gap force"), "{about}");
         // Nobody takes a clearance off a distance that has none.
         let cases = [
-            ("adams", "t.adm", "AKISPL(DM(10101, 10201) - MAX(0, DR), DR, 1)"),
+            ("adams", "t.adm", "AKISPL(DM(10201, 10101) - MAX(0, DR), DR, 1)"),
             ("exudyn", "t.py", "distance * mm_per_unit - max(radial_clearance_mm, 0.0)"),
             ("modelica", "t.mo", "force(x - max(0, radial_clearance), radial_clearance)"),
             ("c", "t.h", "less the radial clearance, where that is above 0."),
