@@ -180,6 +180,9 @@ const BEFORE_OPENING: usize = PLACES / 8;
 /// Places may become points by fours.
 const FOUR: usize = 4;
 
+/// With more openings than these, some share a piece: each still has some places.
+const MOST_PIECES: usize = 64;
+
 /// Places up to an end, evenly by their logarithms from a share of it on. From where a press fit opens by those of the distances from
 /// there on, because its stiffness falls like a root of them; `is_loose` where there are joints with clearance beside them. With the
 /// indices of these bends.
@@ -193,16 +196,20 @@ fn spread(end: f64, first: f64, mut openings: Vec<f64>, is_loose: bool) -> (Vec<
         }
     }
     starts.retain(|start| *start < 0.999 * end);
+    let starts: Vec<f64> =
+        starts.iter().step_by(starts.len().div_ceil(MOST_PIECES).max(1)).copied().collect();
     let by_logarithm =
         |length: f64, place: usize, last: usize| length * first.powf(1.0 - place as f64 / last as f64);
     let before = match starts.len() {
         0 => PLACES,
         _ if !is_loose => BEFORE_OPENING,
-        count => PLACES / (count + 1) / FOUR * FOUR,
+        count => (PLACES / (count + 1) / FOUR * FOUR).max(FOUR),
     };
     let reach = starts.first().copied().unwrap_or(end);
     let mut places: Vec<f64> =
         (0..=before).map(|place| rounded(by_logarithm(reach, place, before), 6)).collect();
+    // What follows it may be as near as that.
+    places[before] = rounded(reach, 12);
     let mut bends = Vec::new();
     for (i, start) in starts.iter().enumerate() {
         bends.push(places.len() - 1);
@@ -263,4 +270,29 @@ fn measured(
         methods: Vec::new(),
     };
     (table, quality)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever there is to bend, places ascend from above zero to the end, and bends are among those that may become points.
+    #[test]
+    fn places_ascend_and_bends_may_become_points() {
+        let near = [0.3, 0.3004, 0.3009, 0.9995];
+        let many: Vec<f64> = (1..=1000).map(|i| 1e-3 * f64::from(i)).collect();
+        for openings in [&[][..], &[0.3], &near, &many] {
+            for is_loose in [false, true] {
+                let (places, bends) = spread(1.0, 1e-6, openings.to_vec(), is_loose);
+                assert_eq!((places.len(), places[PLACES]), (PLACES + 1, 1.0));
+                assert!(places[0] > 0.0 && places.windows(2).all(|pair| pair[0] < pair[1]), "{openings:?}");
+                assert!(bends.iter().all(|bend| bend % FOUR == 0), "{bends:?}");
+                for bend in bends {
+                    let place = places[bend];
+                    assert!(openings.iter().any(|opening| (opening - place).abs() < 1e-11), "{place}");
+                }
+            }
+        }
+        assert_eq!(spread(1.0, 1e-6, near.to_vec(), true).1.len(), 1);
+    }
 }
