@@ -180,6 +180,9 @@ const BEFORE_OPENING: usize = PLACES / 8;
 /// Places may become points by fours.
 const FOUR: usize = 4;
 
+/// A point lies this share before an opening: at it the slope is that of one side or the other.
+const JUST_BEFORE: f64 = 1e-6;
+
 /// With more openings than these, some share a piece: each still has some places.
 const MOST_PIECES: usize = 64;
 
@@ -205,7 +208,8 @@ fn spread(end: f64, first: f64, mut openings: Vec<f64>, is_loose: bool) -> (Vec<
         _ if !is_loose => BEFORE_OPENING,
         count => (PLACES / (count + 1) / FOUR * FOUR).max(FOUR),
     };
-    let reach = starts.first().copied().unwrap_or(end);
+    let end_of_piece = |next: usize| starts.get(next).map_or(end, |start| start * (1.0 - JUST_BEFORE));
+    let reach = end_of_piece(0);
     let mut places: Vec<f64> =
         (0..=before).map(|place| rounded(by_logarithm(reach, place, before), 6)).collect();
     // What follows it may be as near as that.
@@ -218,7 +222,7 @@ fn spread(end: f64, first: f64, mut openings: Vec<f64>, is_loose: bool) -> (Vec<
             1 => PLACES + 1 - places.len(),
             _ => (PLACES + 1 - places.len()) / left / FOUR * FOUR,
         };
-        let length = starts.get(i + 1).unwrap_or(&end) - start;
+        let length = end_of_piece(i + 1) - start;
         places.extend((1..=count).map(|place| rounded(start + by_logarithm(length, place, count), 12)));
     }
     places[PLACES] = end;
@@ -289,7 +293,8 @@ mod tests {
                 assert!(bends.iter().all(|bend| bend % FOUR == 0), "{bends:?}");
                 for bend in bends {
                     let place = places[bend];
-                    assert!(openings.iter().any(|opening| (opening - place).abs() < 1e-11), "{place}");
+                    let is_just_before = |opening: &f64| (1e-7..2e-6).contains(&(1.0 - place / opening));
+                    assert!(openings.iter().any(is_just_before), "{place}");
                 }
             }
         }
