@@ -365,8 +365,8 @@ fn portions(requests: Vec<BodyRequest>) -> Vec<Portion> {
         (Hashed::new(key), request, around.map(|around| around.map(Hashed::new)))
     };
     let classed: Vec<_> = requests.into_par_iter().with_min_len(MANY).map(classed).collect();
-    let mut groups: HashMap<Hashed<TopologyKey>, (Vec<BodyRequest>, HashSet<Hashed<NearFieldClass>>)> =
-        HashMap::default();
+    type Needs = (Vec<BodyRequest>, HashSet<Hashed<NearFieldClass>>);
+    let mut groups: HashMap<Hashed<TopologyKey>, Needs> = HashMap::default();
     for (key, request, around) in classed {
         let (group, near_fields) = groups.entry(key).or_default();
         group.push(request);
