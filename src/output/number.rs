@@ -40,8 +40,7 @@ pub fn push_rounded(out: &mut Vec<u8>, value: f64) {
                 pair.copy_from_slice(&PAIRS[(integer % 100) as usize]);
                 integer /= 100;
             }
-            let digits = digits[1..].try_into().expect("nine of ten");
-            push_nine_digits(out, value < 0.0, digits, exponent);
+            push_digits(out, value < 0.0, &digits[1..], exponent);
         }
         None => push_decimal(out, format!("{value:.8e}").as_bytes()),
     }
@@ -105,35 +104,6 @@ fn push_decimal(out: &mut Vec<u8>, text: &[u8]) {
     }
     let exponent = if negative_exponent { -exponent } else { exponent };
     push_digits(out, text[0] == b'-', &digits[..digit_count], place + exponent);
-}
-
-/// Appends the number d.ddd x 10^exponent, less its trailing zeros: `push_digits` for most of what stands in tables, by copies of known
-/// lengths, which are a few instructions each.
-fn push_nine_digits(out: &mut Vec<u8>, negative: bool, digits: &[u8; 9], exponent: i32) {
-    let last = digits.iter().rposition(|digit| *digit != b'0');
-    let (Some(last), -5..=8) = (last, exponent) else { return push_digits(out, negative, digits, exponent) };
-    let mut text = [0; 24];
-    text[0] = b'-';
-    let start = usize::from(negative);
-    let end = if exponent < 0 {
-        text[start..start + 7].copy_from_slice(b"0.00000");
-        let first = start + (1 - exponent) as usize;
-        text[first..first + 9].copy_from_slice(digits);
-        first + last + 1
-    } else {
-        let point = exponent as usize + 1;
-        let mut padded = [0; 18];
-        padded[..9].copy_from_slice(digits);
-        text[start..start + 9].copy_from_slice(digits);
-        if last < point {
-            start + point
-        } else {
-            text[start + point] = b'.';
-            text[start + point + 1..start + point + 10].copy_from_slice(&padded[point..point + 9]);
-            start + last + 2
-        }
-    };
-    out.extend_from_slice(&text[..end]);
 }
 
 /// Appends the number d.ddd x 10^exponent, less its trailing zeros.

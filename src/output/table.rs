@@ -19,9 +19,6 @@ pub struct Table {
     input_count: usize,
 }
 
-/// Bytes that a cell of numbers takes at most, with few exceptions, on the average of a row.
-const CELL: usize = 14;
-
 /// Of all columns of bare joints.
 impl Default for Table {
     fn default() -> Table {
@@ -49,9 +46,7 @@ impl Sink for Table {
     }
 
     fn rows(&self, outcomes: &[DesignOutcome]) -> Vec<u8> {
-        let rows: usize = outcomes.iter().map(|outcome| outcome.steps.len()).sum();
-        let mut out = Vec::with_capacity(rows * self.columns.len() * CELL);
-        let mut common = Common::default();
+        let (mut out, mut common) = (Vec::new(), Common::default());
         for outcome in outcomes {
             self.push_rows(&mut out, &mut common, outcome);
         }
