@@ -34,6 +34,7 @@ fn bodies() -> [Body; LANES] {
             poissons_ratio,
             idealization,
             lining: Default::default(),
+            all_around: false,
         }
     })
 }

@@ -67,7 +67,15 @@ fn draw(random: &mut Random) -> Body {
         _ => (&block::SHAPE, [side(random), side(random), side(random)]),
     };
     let support = (random.unit() * shape.supports.len() as f64) as usize;
-    Body { shape, parameters, support, poissons_ratio, idealization, lining: Default::default() }
+    Body {
+        shape,
+        parameters,
+        support,
+        poissons_ratio,
+        idealization,
+        lining: Default::default(),
+        all_around: false,
+    }
 }
 
 /// A body with all its meshes that are not too large.

@@ -66,7 +66,15 @@ fn draw(random: &mut Random, group: Group, stiffness: Stiffness, depths: [f64; 2
             (&block::SHAPE, sides, usize::from(group == Group::BlockHeldAround))
         }
     };
-    Body { shape, parameters, support, poissons_ratio, idealization, lining: Default::default() }
+    Body {
+        shape,
+        parameters,
+        support,
+        poissons_ratio,
+        idealization,
+        lining: Default::default(),
+        all_around: false,
+    }
 }
 
 /// A body with the levels that are to be known and what they are measured against.

@@ -270,6 +270,7 @@ fn body(shape: &'static jointsweep::internals::mechanics::body::Shape, parameter
         poissons_ratio: 0.3,
         idealization: Idealization::PlaneStrain,
         lining: Default::default(),
+        all_around: false,
     }
 }
 

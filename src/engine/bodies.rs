@@ -402,6 +402,7 @@ mod tests {
                 poissons_ratio: if index.is_multiple_of(2) { 0.3 } else { -0.3 },
                 idealization: Idealization::PlaneStress,
                 lining: Default::default(),
+                all_around: false,
             },
             fidelity: Fidelity::Mesh { level: index % 4 },
         };

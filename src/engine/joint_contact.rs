@@ -123,7 +123,8 @@ pub fn solve_joint<'a>(
     let errors = BodyErrors::new(&curve, bodies, trust);
     let of_curve = curve.error(solving.method == Method::Series);
     let answer = |case: &DesignCase| {
-        let may_peak_aside = [&case.joint.pin, &case.joint.plate].into_iter().any(Part::is_stiff_on_soft);
+        let may_peak_aside = case.joint.is_lopsided_fit()
+            || [&case.joint.pin, &case.joint.plate].into_iter().any(Part::is_stiff_on_soft);
         let scale = JointScale::of(&case.joint);
         let of_outlines = OutlineError::of(&case.joint, &outlines);
         let states = curve.states_of_fit(scale.loads_in_contact(&case.steps));

@@ -46,9 +46,9 @@ impl BackendKind {
 /// The state of contact after one load step. Everything is for the whole joint (both halves, times thickness).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
-    /// mm; of press fits the overlap of the outlines on the load line, e + |dR|.
+    /// mm; of press fits the offset and the overlap, e + |dR|.
     pub indentation: f64,
-    /// Of the centres from where pin and hole are concentric, e, mm: the clearance and the indentation.
+    /// Of the pin from where pin and hole are concentric, of press fits from where they are at rest, e, mm: the clearance and the indentation.
     pub offset: f64,
     /// N.
     pub force: f64,

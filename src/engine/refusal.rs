@@ -1,6 +1,7 @@
 //! Designs that are not solved, and why, in the words of the table's status. What is refused is known beforehand, so that
 //! one design takes neither minutes nor gigabytes.
 
+use std::f64::consts::PI;
 use std::fmt;
 
 use crate::engine::body_request::{BodyRequest, Fidelity, mesh_size};
@@ -23,8 +24,8 @@ pub enum Refusal {
     ThinBeyondLayers { part: &'static str, wall: f64, thinnest: f64 },
     /// Closed forms know one material a part.
     LayersInClosedForm,
-    /// A press fit that no exact modes carry.
-    PressFitOnMesh,
+    /// A press fit of a pin that is no whole ring.
+    PressFitOfHalfPin,
     /// A press fit in or of a wall so thin that modes do not carry it.
     ThinPressFit,
     /// Closed forms know clearance alone.
@@ -55,9 +56,10 @@ impl Refusal {
             _ if case.steps.iter().any(|load| matches!(load, Load::Indentation(_))) => {
                 Some(Refusal::PressFitFromTouch)
             }
-            MethodChoice::Fe => Some(Refusal::PressFitOnMesh),
-            _ if parts.iter().any(|part| !part.shape.concentric) => Some(Refusal::PressFitOnMesh),
-            _ if parts.iter().any(|part| is_thin(part)) => Some(Refusal::ThinPressFit),
+            _ if parts.iter().any(|part| part.shape.end_angle < PI) => Some(Refusal::PressFitOfHalfPin),
+            _ if parts.iter().any(|part| part.shape.concentric && is_thin(part)) => {
+                Some(Refusal::ThinPressFit)
+            }
             _ => None,
         }
     }
@@ -129,8 +131,11 @@ impl fmt::Display for Refusal {
                 )
             }
             Refusal::LayersInClosedForm => write!(out, "closed forms know no layers"),
-            Refusal::PressFitOnMesh => {
-                write!(out, "press fits need a rigid-core pin in an annulus, and method auto or series")
+            Refusal::PressFitOfHalfPin => {
+                write!(
+                    out,
+                    "half a pin is held by no press fit: the pin's model is rigid-core or tube"
+                )
             }
             Refusal::ThinPressFit => {
                 let thinnest = one_digit(100.0 * THINNEST_RING);

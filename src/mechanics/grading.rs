@@ -64,6 +64,8 @@ pub struct GradingClass {
     pub shrinking: usize,
     /// Whether the ring ends where a held face begins: a corner that contact may come near.
     pub ends_held: bool,
+    /// Whether contact may be anywhere on the ring.
+    pub all_around: bool,
     /// Of the layers those that divide a lining; none of a bare body.
     pub lining: LiningRows,
     /// As `depth_class`, of what is left beyond the lining; 0 of a bare body.
@@ -115,6 +117,7 @@ impl GradingClass {
             layer_count: 2,
             shrinking,
             ends_held,
+            all_around: body.all_around,
             lining: LiningRows::default(),
             rest_depth_class: 0,
         };
@@ -251,6 +254,7 @@ mod tests {
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStress,
             lining: Default::default(),
+            all_around: false,
         }
     }
 

@@ -12,7 +12,7 @@ pub enum Travel {
 }
 
 impl Travel {
-    /// From where the force begins: first touch, or where a press fit is concentric.
+    /// From where the force begins: first touch, or where a press fit is at rest.
     pub fn of_force(joint: &JointDesign) -> Travel {
         if joint.is_press_fit() { Travel::Offset } else { Travel::Indentation }
     }

@@ -61,12 +61,14 @@ pub struct Extras {
     pub layers: LayerCounts,
     /// Whether joints are loaded by an offset, or may be press fits.
     pub offset: bool,
+    /// Whether joints may press most beside the load line.
+    pub peak_angle: bool,
 }
 
 impl Extras {
-    pub const NONE: Extras = Extras { layers: LayerCounts::NONE, offset: false };
+    pub const NONE: Extras = Extras { layers: LayerCounts::NONE, offset: false, peak_angle: false };
     /// All that there can be.
-    pub const MOST: Extras = Extras { layers: LayerCounts::MOST, offset: true };
+    pub const MOST: Extras = Extras { layers: LayerCounts::MOST, offset: true, peak_angle: true };
 }
 
 /// How many layers columns of these names are for.
@@ -128,11 +130,11 @@ impl Quantity {
         Quantity::Status,
     ];
 
-    /// Those in tables with these columns: bare joints press most at the load line.
+    /// Those in tables with these columns.
     pub fn of_tables(extras: Extras) -> impl Iterator<Item = Quantity> {
         let is_there = move |quantity: &Quantity| match quantity {
             Quantity::Offset => extras.offset,
-            Quantity::PeakPressureAngle => extras.layers != LayerCounts::NONE,
+            Quantity::PeakPressureAngle => extras.peak_angle,
             _ => true,
         };
         Quantity::ALL.into_iter().filter(is_there)
@@ -182,14 +184,13 @@ impl Quantity {
             Quantity::Indentation => (
                 INDENTATION,
                 "mm",
-                "descent of the pin's rigid part after first touch, from where the plate is held; of press fits the overlap of the \
-                 outlines at the load line",
+                "descent of the pin's rigid part after first touch, from where the plate is held; of press fits the offset and the overlap",
             ),
             Quantity::Offset => (
                 OFFSET,
                 "mm",
-                "of the pin's rigid part from where pin and hole are concentric: the clearance and the indentation; only in tables of \
-                 sweeps with that load or with press fits",
+                "of the pin's rigid part from where pin and hole are concentric, of press fits from where they are at rest: the clearance and \
+                 the indentation; only in tables of sweeps with that load or with press fits",
             ),
             Quantity::Force => (FORCE, "N", "of the whole joint, both halves"),
             Quantity::TangentStiffness => {
@@ -206,8 +207,8 @@ impl Quantity {
             Quantity::PeakPressureAngle => (
                 "peak_pressure_angle_deg",
                 "deg",
-                "where that is, at the hole's centre, from the load line: 0 but for stiff layers on soft ones; only in tables of \
-                 joints with layers",
+                "where that is, at the hole's centre, from the load line: 0 but for stiff layers on soft ones and press fits in blocks; only \
+                 in tables of such press fits and of joints with layers",
             ),
             Quantity::Energy => ("energy_mj", "mJ", "strain energy of both bodies"),
             Quantity::ForceError => {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
+use crate::study::layers::LayerCounts;
 use crate::study::columns::{Cell, Column, Extras};
 use crate::study::design::{DesignCase, Limits, Load};
 use crate::study::designs_file::{DesignsFile, Rows};
@@ -96,7 +97,11 @@ impl Designs {
         match self {
             Designs::Sampled { recipe, steps } => {
                 let is_offset = steps.iter().any(|load| matches!(load, Load::Offset(_)));
-                Extras { layers: recipe.layer_counts(), offset: is_offset || recipe.has_press_fits() }
+                Extras {
+                    layers: recipe.layer_counts(),
+                    offset: is_offset || recipe.has_press_fits(),
+                    peak_angle: recipe.layer_counts() != LayerCounts::NONE || recipe.has_lopsided_fits(),
+                }
             }
             Designs::Listed(file) => file.extras(),
         }

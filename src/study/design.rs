@@ -248,6 +248,11 @@ impl JointDesign {
         self.radial_clearance < 0.0
     }
 
+    /// Whether it is one in a plate that is not concentric: it presses most anywhere on its ring.
+    pub fn is_lopsided_fit(&self) -> bool {
+        self.is_press_fit() && !self.plate.shape.concentric
+    }
+
     /// The same load, an offset as the indentation that it is of a joint with clearance: 0 before the bodies touch.
     pub fn from_first_touch(&self, load: Load) -> Load {
         match load {
@@ -282,6 +287,7 @@ impl JointDesign {
             poissons_ratio: part.contact_material().poissons_ratio,
             idealization: self.idealization,
             lining: self.lining(part),
+            all_around: self.is_press_fit(),
         }
     }
 
@@ -371,7 +377,7 @@ pub fn refuse_clearance(radial_clearance: f64, hole_radius: f64) -> Option<Strin
 pub enum Load {
     /// The pin's descent after first touch; press fits have none.
     Indentation(f64),
-    /// Of the centres, from where pin and hole are concentric.
+    /// Of the pin, from where pin and hole are concentric; of a press fit from where it is at rest.
     Offset(f64),
     Force(f64),
 }

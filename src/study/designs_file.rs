@@ -39,6 +39,7 @@ impl DesignsFile {
         for case in rows.by_ref() {
             let joint = case?.joint;
             extras.offset |= joint.is_press_fit();
+            extras.peak_angle |= joint.is_lopsided_fit();
             match row_count {
                 0 => constants.extend(columns.iter().map(|column| (*column, column.cell(&joint)))),
                 _ => constants.retain(|(column, cell)| column.cell(&joint) == *cell),
@@ -312,7 +313,11 @@ impl Rows {
     }
 
     fn extras(&self) -> Extras {
-        Extras { layers: self.layers, offset: self.place(OFFSET).is_some() }
+        Extras {
+            layers: self.layers,
+            offset: self.place(OFFSET).is_some(),
+            peak_angle: self.layers != LayerCounts::NONE,
+        }
     }
 
     /// The cell of the current row; `None` when it is empty or its column was left out.

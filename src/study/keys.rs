@@ -132,7 +132,7 @@ pub fn config_keys() -> Vec<ConfigKey> {
     keys.extend([
         key("load", "indentation", "steps of the pin's descent after first touch", LENGTH, &steps, "[\"1 um\", \"2 um\"]")
             .needed("needed, or `offset` or `force`; press fits have none"),
-        key("load", "offset", "steps of the pin's way from where pin and hole are concentric: the clearance and the indentation", LENGTH, &steps, "[\"0 um\", \"20 um\"]")
+        key("load", "offset", "steps of the pin's way from where pin and hole are concentric, of a press fit from where it is at rest: the clearance and the indentation", LENGTH, &steps, "[\"0 um\", \"20 um\"]")
             .needed("instead of `indentation`"),
         key("load", "force", "steps of the force of the whole joint", "force", &steps, "{ from = \"10 N\", to = \"10 kN\", count = 20, spacing = \"log\" }")
             .needed("instead of `indentation`"),

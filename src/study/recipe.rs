@@ -124,6 +124,11 @@ impl Recipe {
         self.radial_clearance.values.smallest() < 0.0
     }
 
+    /// Whether such a hole is in a plate that is not concentric.
+    pub fn has_lopsided_fits(&self) -> bool {
+        self.has_press_fits() && !self.plate.shape.concentric
+    }
+
     /// Layers of pin and plate.
     pub fn layer_counts(&self) -> LayerCounts {
         LayerCounts { pin: self.pin.layers.len(), plate: self.plate.layers.len() }

@@ -56,5 +56,6 @@ fn body(random: &mut Random, shape: &'static Shape, parameters: [f64; 3], lining
         poissons_ratio: random.linear(-0.2, 0.46),
         idealization: Idealization::ALL[(random.unit() * 2.0) as usize],
         lining,
+        all_around: false,
     }
 }

@@ -220,7 +220,7 @@ fn no_coating_is_too_thin_for_a_mesh() {
 
 fn lined(shape: &'static Shape, parameters: [f64; 3], lining: Lining) -> Body {
     let idealization = Idealization::PlaneStress;
-    Body { shape, parameters, support: 0, poissons_ratio: 0.3, idealization, lining }
+    Body { shape, parameters, support: 0, poissons_ratio: 0.3, idealization, lining, all_around: false }
 }
 
 /// A body cut into layers of its own material is the bare one, though its mesh and what stands beside it are not.

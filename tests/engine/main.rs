@@ -10,6 +10,7 @@ mod common {
     pub mod nodal_ring;
     pub mod true_outlines;
     pub mod plain_mesh;
+    pub mod meshed_body;
     pub mod study_joint;
 }
 mod batches;
@@ -29,4 +30,5 @@ mod layers;
 mod material_shares;
 mod press_fits;
 mod lined_meshes;
+mod fitted_meshes;
 mod liu2007;

@@ -298,6 +298,7 @@ fn no_mesh_has_more_modes_than_the_kernel() {
                     poissons_ratio: 0.3,
                     idealization: Idealization::PlaneStrain,
                     lining: Default::default(),
+                    all_around: false,
                 };
                 let class = GradingClass::of(&body, ElementKind::Quad8, level);
                 most = most.max(RingModes::of(&class).count);

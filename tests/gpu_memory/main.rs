@@ -44,6 +44,7 @@ fn elimination_goes_on_with_smaller_buffers(gpu: &GpuDevice) {
         poissons_ratio: 0.3,
         idealization: Idealization::PlaneStress,
         lining: Default::default(),
+        all_around: false,
     };
     let bodies: Vec<Body> = (0..MANY).map(plate).collect();
     let class = mesh_class(&bodies[0], 1);

@@ -8,6 +8,7 @@ mod common {
     pub mod random;
     pub mod draws;
     pub mod greatest;
+    pub mod meshed_body;
     pub mod rings;
 }
 mod elimination;

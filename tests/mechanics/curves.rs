@@ -72,6 +72,7 @@ fn curves_leave_what_is_said() {
                     poissons_ratio,
                     idealization,
                     lining: Default::default(),
+                    all_around: false,
                 }
             };
             let (pin_body, plate_body) = (body(&cored_disc::SHAPE, core), body(&annulus::SHAPE, ratio));

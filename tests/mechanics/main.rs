@@ -5,6 +5,7 @@ mod common {
     pub mod random;
     pub mod greatest;
     pub mod meshes;
+    pub mod meshed_body;
     pub mod rings;
     pub mod ring_loads;
     pub mod stepped_ring;

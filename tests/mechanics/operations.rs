@@ -96,6 +96,7 @@ fn structure(level: usize) -> BandStructure {
         poissons_ratio: 0.3,
         idealization: Idealization::PlaneStress,
         lining: Default::default(),
+        all_around: false,
     };
     let class = GradingClass::of(&body, ElementKind::Quad8, level);
     BandStructure::new(&RingTopology::new(&body, &class.grading(PI)))

@@ -90,6 +90,11 @@ impl<'a> BodyErrors<'a> {
                 change.iter_mut().zip(changes).for_each(|(sum, change)| *sum += change.abs());
             }
         }
+        if curve.outlines.radial_clearance < 0.0 {
+            // The force is the slope of the work: what a press fit is wrong by under one load counts under others.
+            let most = change.iter().copied().fold(0.0, f64::max);
+            change.fill(most);
+        }
         BodyErrors { trust, change, bodies: [(pin, of_pin), (plate, of_plate)] }
     }
 

@@ -134,7 +134,7 @@ pub struct Kind {
 impl Kind {
     /// `None` for bodies that were not measured, or behave otherwise.
     pub fn of(body: &Body) -> Option<Kind> {
-        if !body.lining.is_empty() {
+        if !body.lining.is_empty() || body.all_around {
             return None;
         }
         let group = Group::of(body)?;

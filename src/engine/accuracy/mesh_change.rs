@@ -53,7 +53,7 @@ impl Trust {
         };
         let thinnest = request.body.depth_range().0;
         let is_unknown_block = || {
-            let beyond = request.body.beyond_lining().0;
+            let beyond = Body { all_around: false, ..request.body.beyond_lining().0 };
             !shape.sides.is_empty() && known_error(&beyond, 0, 0.0).is_none()
         };
         match request.fidelity {

@@ -100,10 +100,12 @@ pub struct Body {
     pub poissons_ratio: f64,
     pub idealization: Idealization,
     pub lining: Lining,
+    /// Whether it may be pressed all around its ring, as in a press fit: its mesh is as good there as at the load line.
+    pub all_around: bool,
 }
 
 /// A body as bits: equal for equal bodies, usable as the key of a map.
-pub type BodyKey = (&'static str, [u64; MAX_PARAMETERS], usize, u64, Idealization, Lining);
+pub type BodyKey = (&'static str, [u64; MAX_PARAMETERS], usize, u64, Idealization, Lining, bool);
 
 impl Body {
     /// Depth |ln r| of the thinnest place between the ring and the far boundary, and of the deepest.
@@ -168,6 +170,7 @@ impl Body {
             self.poissons_ratio.to_bits(),
             self.idealization,
             self.lining.clone(),
+            self.all_around,
         )
     }
 }

@@ -195,6 +195,7 @@ impl ReferenceMesh {
             poissons_ratio: reference.poissons_ratio,
             idealization: reference.idealization,
             lining: Lining::NONE,
+            all_around: self.layers.all_around,
         }
     }
 }

@@ -56,6 +56,13 @@ const WHOLE: [[(u32, usize); 12]; 3] = [
     [(4, 8), (4, 12), (4, 16), (5, 24), (5, 32), (5, 32), (5, 48), (5, 48), (6, 48), (8, 48), (12, 48), (16, 48)],
 ];
 
+/// Functions of a ring that may be pressed all around, which nothing stretches.
+const ALL_AROUND: [[usize; 12]; 3] = [
+    [8, 8, 12, 16, 24, 32, 48, 48, 48, 48, 48, 48],
+    [12, 12, 16, 24, 32, 48, 48, 48, 48, 48, 48, 48],
+    [12, 16, 24, 32, 48, 48, 48, 48, 48, 48, 48, 48],
+];
+
 /// The greatest count.
 pub const MOST_MODES: usize = 48;
 
@@ -92,8 +99,9 @@ impl RingModes {
         if class.ends_held {
             return RingModes { ring: Ring::EndsHeld, count: COUNT_HELD[fineness] };
         }
-        let of_level = &WHOLE[fineness];
-        let (quarters, count) = of_level[(class.depth_class as usize).min(of_level.len() - 1)];
+        let depth = (class.depth_class as usize).min(WHOLE[fineness].len() - 1);
+        let (quarters, count) =
+            if class.all_around { (4, ALL_AROUND[fineness][depth]) } else { WHOLE[fineness][depth] };
         RingModes::whole(quarters, count)
     }
 

@@ -27,7 +27,7 @@ impl ContactCurve<'_> {
     pub fn pressure(&self, state: &ContactState, above: usize) -> ArcPressure {
         let map = self.space.map();
         if state.is_closed() {
-            return ArcPressure { map, b: 1.0, coefficients: self.closed_coefficients(state) };
+            return self.pressure_of_closed(state);
         }
         let b = map.of_half(state.half_angle);
         let place_of = |b: f64| self.space.place(Lanes::<false>::from_f64(b)).0[0];
@@ -57,9 +57,10 @@ impl ContactCurve<'_> {
 }
 
 impl ContactCurve<'_> {
-    /// A state with its greatest pressure, which a stiff layer on a soft one has beside the load line; not where contact is closed all around.
+    /// A state with its greatest pressure, which a stiff layer on a soft one has beside the load line, and a press fit of bodies that are not
+    /// concentric anywhere. Closed all around concentric ones press most at the load line.
     pub fn peaked(&self, state: ContactState, above: usize) -> ContactState {
-        if state.is_closed() {
+        if state.is_closed() && self.is_uncoupled() {
             return state;
         }
         let (peak_angle, peak_pressure) = self.pressure(&state, above).greatest();
@@ -68,6 +69,17 @@ impl ContactCurve<'_> {
 }
 
 impl ArcPressure {
+    /// Of a contact that is closed all around, by its trial pressures.
+    pub(super) fn of_whole_ring(coefficients: Vec<f64>) -> ArcPressure {
+        ArcPressure { map: ArcMap::Sine, b: 1.0, coefficients }
+    }
+
+    /// Angles all around the ring, the load line and the far side among them, as many as tell the pressure between them, rad.
+    pub(super) fn places(&self) -> impl Iterator<Item = f64> + use<> {
+        let places = PLACES_PER_TERM * self.coefficients.len();
+        (0..=places).map(move |place| PI * place as f64 / places as f64)
+    }
+
     /// The greatest pressure and its angle; of equal ones that nearest to the load line.
     fn greatest(&self) -> (f64, f64) {
         let places = PLACES_PER_TERM * self.coefficients.len();
@@ -89,6 +101,9 @@ impl ArcPressure {
         }
         if best == 0 {
             return (0.0, self.at(0.0));
+        }
+        if self.is_closed() && self.at(PI) >= around[1] {
+            return (PI, self.at(PI));
         }
         // The parabola through the places around, the last of which has a pressure of zero beyond it.
         let [before, most, after] = around.map(|pressure| if pressure.is_nan() { 0.0 } else { pressure });

@@ -81,6 +81,8 @@ pub struct EdgeStates {
     edges: Vec<Edges>,
     /// Coefficients of the trial pressures over e b^2: `[arc / LANES][k]`, an arc a lane.
     pressure: Vec<[f64; LANES]>,
+    /// y of the first arc where that is the whole ring, behind a zero; else nothing.
+    coupling: Vec<f64>,
 }
 
 impl EdgeStates {
@@ -169,6 +171,11 @@ impl EdgeStates {
     /// That of a trial pressure, of so many, over e b^2 at an arc.
     pub(super) fn coefficient(&self, terms: usize, arc: usize, k: usize) -> f64 {
         self.pressure[arc / LANES * terms + k][arc % LANES]
+    }
+
+    /// What a first trial pressure on the whole ring, the first arc, is answered by: y, behind a zero.
+    pub(super) fn coupling(&self) -> &[f64] {
+        &self.coupling
     }
 
     /// At each arc, the share by which a change of the joint's compliance changes the work of the pressure: since that is
@@ -264,6 +271,12 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
         let mut solved = [coupling, versine, gap];
         solve_in_place(&mut matrix, &mut solved);
         let [y, w_v, w_g] = solved;
+        if at == 0 {
+            found.coupling.clear();
+            if arcs[0].map == ArcMap::Sine {
+                found.coupling.extend(std::iter::once(0.0).chain(y[1..].iter().map(|value| value.0[0])));
+            }
+        }
         let mut reduced = Reduced {
             singular: coupling[0] - logarithm,
             edge: one,

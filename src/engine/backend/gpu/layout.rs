@@ -417,6 +417,7 @@ mod tests {
                 poissons_ratio,
                 idealization,
                 lining: Default::default(),
+                all_around: false,
             };
             let class = GradingClass::of(&body, ElementKind::Quad8, level);
             let layout = MeshLayout::new(&body, &class.grading(shape.end_angle)).unwrap();
