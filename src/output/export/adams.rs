@@ -60,7 +60,7 @@ fn continued(values: &[f64], line_break: &str) -> String {
 
 fn usage(sheet: &Sheet, spline: &str, hole: &str, pin: &str) -> String {
     let clearance = match sheet.is_family() {
-        true if sheet.has_press_fits() => "MAX(0, DR)".to_string(),
+        true if sheet.goes_below_zero() => "MAX(0, DR)".to_string(),
         true => "DR".to_string(),
         false => plain(sheet.table.clearances[0]),
     };

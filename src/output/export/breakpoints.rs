@@ -12,6 +12,9 @@ const MOST_POINTS: usize = 400;
 /// ones, which nothing has seen, measure what was reached.
 pub const PLACES: usize = 2400;
 
+/// Every how many of them may become points.
+pub const STRIDE: usize = 4;
+
 /// Points at the start.
 const SPARSEST: usize = 8;
 
@@ -62,7 +65,7 @@ pub fn choose(
             }
             let mut finer = vec![points[0]];
             for (pair, is_bad) in points.windows(2).zip(bad) {
-                let middle = (pair[0] + pair[1]) / 8 * 4;
+                let middle = (pair[0] + pair[1]) / (2 * STRIDE) * STRIDE;
                 if is_bad && middle == pair[0] {
                     return Err(too_many());
                 }

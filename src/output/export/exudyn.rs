@@ -19,7 +19,7 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
         true => ("radial_clearance_mm", ", radial_clearance_mm"),
         false => ("radial_clearance_mm=RADIAL_CLEARANCE_MM", ""),
     };
-    let gap = if sheet.has_press_fits() { "max(radial_clearance_mm, 0.0)" } else { "radial_clearance_mm" };
+    let gap = if sheet.goes_below_zero() { "max(radial_clearance_mm, 0.0)" } else { "radial_clearance_mm" };
     let mut function = USER_FUNCTION.replace("@clearance@", clearance).replace("@pass@", pass);
     function = function.replace("@gap@", gap);
     let factor = match damping(sheet) {

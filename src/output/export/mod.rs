@@ -35,7 +35,7 @@ use crate::output::whole_file::{publish, stage_bytes, staged};
 use crate::study::fingerprint::Fingerprint;
 use impact::{Impact, ImpactRequest};
 use sheet::{Format, Sheet, head};
-use source::{Reference, Selection, Source};
+use source::{Fits, Reference, Selection, Source};
 use table::{Quality, Wish, tabulate};
 
 /// Every format there is.
@@ -103,7 +103,7 @@ pub fn export(results: &Results, request: &Request) -> Result<Export, Error> {
     let Format { rules, between, least_step, .. } = *format;
     let wish = Wish { rules, between, least_step, error: request.error };
     let (table, quality) = tabulate(&source, wish, request.allow_warned)?;
-    if request.impact.is_some() && source.has_press_fits() {
+    if request.impact.is_some() && source.fits() != Fits::Clearance {
         let problem = "a press fit is never out of contact: there is no impact, and no damping of one";
         return source::refuse("restitution", problem);
     }

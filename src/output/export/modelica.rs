@@ -77,7 +77,7 @@ fn write(sheet: &Sheet) -> Vec<(&'static str, String)> {
         text += &DAMPED.replace("@input@", input).replace("@factor@", &factor).replace("@pass@", pass);
     }
     let clearance = plain(table.clearances[clearances / 2] * 1e-3);
-    let gap = if sheet.has_press_fits() { "max(0, radial_clearance)" } else { "radial_clearance" };
+    let gap = if sheet.goes_below_zero() { "max(0, radial_clearance)" } else { "radial_clearance" };
     text += &EXAMPLE.replace("@clearance@", &clearance).replace("@pass@", pass).replace("@gap@", gap);
     text += &format!("end {name};\n");
     vec![("", text), (".txt", combi_table(sheet))]

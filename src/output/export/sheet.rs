@@ -3,7 +3,7 @@
 use crate::output::export::impact::Impact;
 use crate::output::export::interpolation::Interpolation;
 use crate::output::export::numbers::{plain, rounded};
-use crate::output::export::source::{Reference, Source};
+use crate::output::export::source::{Fits, Reference, Source};
 use crate::output::export::table::{Between, Quality, Table};
 use crate::output::host::Program;
 use crate::output::origin::Origin;
@@ -102,14 +102,15 @@ impl Sheet {
         self.pairs().into_iter().map(|(x, y)| format!("{}, {}\n", plain(y), plain(x))).collect()
     }
 
-    /// Whether some of the clearances are below zero: their force begins where the distance does.
-    pub fn has_press_fits(&self) -> bool {
+    /// Whether some of its clearances are below zero, which are of press fits: their force begins where the distance does. One alone has a
+    /// clearance of 0 here.
+    pub fn goes_below_zero(&self) -> bool {
         self.table.clearances[0] < 0.0
     }
 
     /// Behind "less the radial clearance".
     pub fn gap_in_words(&self) -> &'static str {
-        if self.has_press_fits() { ", where that is above 0" } else { "" }
+        if self.goes_below_zero() { ", where that is above 0" } else { "" }
     }
 
     pub fn is_family(&self) -> bool {
@@ -143,10 +144,10 @@ pub fn head(
     let percent = |value: f64| format!("{} %", rounded(100.0 * value, 2));
     let mut said: Vec<String> = Vec::new();
     let program = Program::CURRENT;
-    let what = match (source.has_press_fits(), source.is_family()) {
-        (false, _) => "Pin in a hole with clearance: force against indentation",
-        (true, false) => "Pin pressed into a hole: force against offset",
-        (true, true) => "Pin in a hole, pressed in or with clearance: force against indentation",
+    let what = match source.fits() {
+        Fits::Clearance => "Pin in a hole with clearance: force against indentation",
+        Fits::Press => "Pin pressed into a hole: force against offset",
+        Fits::Both => "Pin in a hole, pressed in or with clearance: force against indentation",
     };
     said.push(format!("{what}, for {}.", format.name));
     said.push(format!(
@@ -168,7 +169,7 @@ pub fn head(
         let name = column.name();
         let name = name.strip_suffix("_mm").or(name.strip_suffix("_mpa")).unwrap_or(&name).to_string();
         match column.cell(joint) {
-            _ if column == Column::RadialClearance && source.members.len() > 1 => {
+            _ if column == Column::RadialClearance && source.is_family() => {
                 let all = &table.clearances;
                 let (first, last) = (plain(all[0]), plain(all[all.len() - 1]));
                 scene += &format!(" {name} {first} to {last} mm in {} steps;", all.len());
@@ -180,12 +181,12 @@ pub fn head(
     }
     scene += " two dimensions, linear elastic, frictionless; nothing but pin and plate yields.";
     said.push(scene);
-    let (way, from) = match (source.has_press_fits(), source.is_family()) {
-        (false, _) => ("Indentation", "after first touch"),
-        (true, false) => ("Offset", "from where pin and hole are concentric"),
-        (true, true) => (
+    let (way, from) = match source.fits() {
+        Fits::Clearance => ("Indentation", "after first touch"),
+        Fits::Press => ("Offset", "from where the press fit is at rest"),
+        Fits::Both => (
             "Indentation",
-            "after first touch, of press fits (radial clearance below 0) from where pin and hole are concentric",
+            "after first touch, of press fits (radial clearance below 0) from where they are at rest",
         ),
     };
     said.push(match source.reference {
@@ -199,19 +200,19 @@ pub fn head(
             plain(rounded(source.ring_compliance, 6))
         ),
     });
-    said.push(match (source.has_press_fits(), source.is_family()) {
-        (false, _) => {
+    said.push(match source.fits() {
+        Fits::Clearance => {
             "Positive is pressed in; pin's displacement from the hole's centre = radial clearance + indentation.".into()
         }
-        (true, true) => {
+        Fits::Both => {
             "Positive is pressed in; pin's displacement from the hole's centre = indentation + radial clearance, where that is above 0: a \
              press fit has no gap. Below 0, where a distance never is, stand zeros: a press fit's table along one direction needs its \
              mirror image."
                 .to_string()
         }
-        (true, false) => {
+        Fits::Press => {
             "A press fit is a law without clearance: here the radial clearance is 0, and what is called indentation is the offset, the \
-             pin's displacement from the hole's centre. Below 0, where a distance never is, stand zeros: a table along one direction \
+             pin's displacement from where the press fit is at rest. Below 0, where a distance never is, stand zeros: a table along one direction \
              needs its mirror image."
                 .to_string()
         }
@@ -265,9 +266,9 @@ pub fn head(
         "Range: 0 to {} {unit} ({reached}). Extrapolation: {}{}.",
         plain(end * length),
         format.beyond,
-        if source.has_press_fits() { "" } else { "; in the gap force and slope are zero" }
+        if source.fits() == Fits::Clearance { "; in the gap force and slope are zero" } else { "" }
     ));
-    if source.members.len() > 1 {
+    if source.is_family() {
         said.push("Extrapolation over the clearance: none; stay inside its range.".into());
     }
     if let Some(impact) = impact {
@@ -282,7 +283,7 @@ pub fn head(
             plain(rounded(1e3 * impact.mass, 4)),
         ));
     }
-    if joint.radial_clearance == 0.0 && source.members.len() == 1 {
+    if joint.radial_clearance == 0.0 && !source.is_family() {
         said.push("A neat fit: the force is proportional to the indentation.".into());
     }
     said.iter().flat_map(|text| wrapped(&harmless(text))).collect()

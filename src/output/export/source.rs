@@ -59,6 +59,17 @@ pub struct Source {
     pub ring_compliance: f64,
 }
 
+/// What its designs are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fits {
+    /// One or more with clearance, or neat fits.
+    Clearance,
+    /// One press fit, whose table is that of a law without clearance.
+    Press,
+    /// Several of which some are press fits, with clearances below zero.
+    Both,
+}
+
 /// Rows named in a complaint.
 const NAMED_ROWS: usize = 5;
 
@@ -106,8 +117,12 @@ impl Source {
         Ok(Source { members, solve, end, reference, ring_compliance })
     }
 
-    pub fn has_press_fits(&self) -> bool {
-        self.members.iter().any(|member| member.joint.is_press_fit())
+    pub fn fits(&self) -> Fits {
+        match self.members.iter().any(|member| member.joint.is_press_fit()) {
+            false => Fits::Clearance,
+            true if self.is_family() => Fits::Both,
+            true => Fits::Press,
+        }
     }
 
     pub fn is_family(&self) -> bool {

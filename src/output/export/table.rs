@@ -2,7 +2,7 @@
 //! within an error.
 
 use crate::error::Error;
-use crate::output::export::breakpoints::{PLACES, choose, deviations};
+use crate::output::export::breakpoints::{PLACES, STRIDE, choose, deviations};
 use crate::output::export::interpolation::{Interpolant, Interpolation, cubic_weights};
 use crate::output::export::numbers::rounded;
 use crate::output::export::samples::{Samples, Solver, openings, reached_force};
@@ -177,9 +177,6 @@ pub fn tabulate(
 /// Places of press fits up to where the first of them opens: they are linear there.
 const BEFORE_OPENING: usize = PLACES / 8;
 
-/// Places may become points by fours.
-const FOUR: usize = 4;
-
 /// A point lies this share before an opening: at it the slope is that of one side or the other.
 const JUST_BEFORE: f64 = 1e-6;
 
@@ -206,7 +203,7 @@ fn spread(end: f64, first: f64, mut openings: Vec<f64>, is_loose: bool) -> (Vec<
     let before = match starts.len() {
         0 => PLACES,
         _ if !is_loose => BEFORE_OPENING,
-        count => (PLACES / (count + 1) / FOUR * FOUR).max(FOUR),
+        count => (PLACES / (count + 1) / STRIDE * STRIDE).max(STRIDE),
     };
     let end_of_piece = |next: usize| starts.get(next).map_or(end, |start| start * (1.0 - JUST_BEFORE));
     let reach = end_of_piece(0);
@@ -220,7 +217,7 @@ fn spread(end: f64, first: f64, mut openings: Vec<f64>, is_loose: bool) -> (Vec<
         let left = starts.len() - i;
         let count = match left {
             1 => PLACES + 1 - places.len(),
-            _ => (PLACES + 1 - places.len()) / left / FOUR * FOUR,
+            _ => (PLACES + 1 - places.len()) / left / STRIDE * STRIDE,
         };
         let length = end_of_piece(i + 1) - start;
         places.extend((1..=count).map(|place| rounded(start + by_logarithm(length, place, count), 12)));
@@ -290,7 +287,7 @@ mod tests {
                 let (places, bends) = spread(1.0, 1e-6, openings.to_vec(), is_loose);
                 assert_eq!((places.len(), places[PLACES]), (PLACES + 1, 1.0));
                 assert!(places[0] > 0.0 && places.windows(2).all(|pair| pair[0] < pair[1]), "{openings:?}");
-                assert!(bends.iter().all(|bend| bend % FOUR == 0), "{bends:?}");
+                assert!(bends.iter().all(|bend| bend % STRIDE == 0), "{bends:?}");
                 for bend in bends {
                     let place = places[bend];
                     let is_just_before = |opening: &f64| (1e-7..2e-6).contains(&(1.0 - place / opening));

@@ -60,7 +60,7 @@ fn tables_of_press_fits_follow_their_curves_over_the_offset() {
             "Pin pressed into a hole: force against offset",
             "radial_clearance -0.01 mm",
             "here the radial clearance is 0",
-            "from where pin and hole are concentric",
+            "from where the press fit is at rest",
         ] {
             assert!(joined.contains(said), "{format} does not say {said}: {joined}");
         }
