@@ -125,8 +125,9 @@ impl JointCurve {
         if !self.joint.is_press_fit() {
             return None;
         }
+        let (library, spaces) = (&self.library, &self.spaces);
         let opening =
-            with_curve(&self.library, &self.spaces, &self.plan, &self.joint, |curve| curve.opening())?;
+            with_curve(library, spaces, &self.plan, &self.joint, |curve| curve.opening()).flatten()?;
         Some(opening * -self.joint.radial_clearance)
     }
 

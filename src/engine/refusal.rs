@@ -132,10 +132,7 @@ impl fmt::Display for Refusal {
             }
             Refusal::LayersInClosedForm => write!(out, "closed forms know no layers"),
             Refusal::PressFitOfHalfPin => {
-                write!(
-                    out,
-                    "half a pin is held by no press fit: the pin's model is rigid-core or tube"
-                )
+                write!(out, "half a pin is held by no press fit: the pin's model is rigid-core or tube")
             }
             Refusal::ThinPressFit => {
                 let thinnest = one_digit(100.0 * THINNEST_RING);

@@ -69,9 +69,6 @@ impl fmt::Display for Failure {
             Failure::NoState(NoState::BrokenCompliance, _) => {
                 out.write_str("compliance not positive definite")
             }
-            Failure::NoState(NoState::OpensAside, _) => out.write_str(
-                "the press fit opens beside its far side first, where two arcs of contact would be left",
-            ),
             Failure::NoState(NoState::ClearanceTooWide, _) => out.write_str("clearance beyond the model"),
             Failure::NotAPush => {
                 out.write_str("the bodies do not push each other, the mesh is too coarse for them")

@@ -183,7 +183,8 @@ pub fn table_columns(extras: Extras) -> Vec<TableColumn> {
 
 /// The columns of `table.csv` as a table in Markdown.
 pub fn documentation() -> String {
-    let columns = table_columns(Extras { layers: LayerCounts { pin: 1, plate: 1 }, offset: true, peak_angle: true });
+    let columns =
+        table_columns(Extras { layers: LayerCounts { pin: 1, plate: 1 }, offset: true, peak_angle: true });
     markdown(columns.iter().map(|column| (&*column.name, column.unit, &*column.about)))
 }
 

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::study::layers::LayerCounts;
 use crate::study::columns::{Cell, Column, Extras};
 use crate::study::design::{DesignCase, Limits, Load};
 use crate::study::designs_file::{DesignsFile, Rows};
 use crate::study::expression::Expression;
 use crate::study::fingerprint::Fingerprint;
+use crate::study::layers::LayerCounts;
 use crate::study::output_options::OutputOptions;
 use crate::study::recipe::Recipe;
 use crate::study::reduce::{Reduce, read_select};

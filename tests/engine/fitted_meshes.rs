@@ -58,6 +58,9 @@ fn answered(step: &StepOutcome) -> Response {
 /// From at rest to wide open, over the overlap.
 const OFFSETS: [f64; 8] = [0.0, 0.3, 0.8, 1.2, 1.8, 3.0, 6.0, 20.0];
 
+/// Over the offset at which the contact opens.
+const NEAR_OPENING: [f64; 6] = [0.99, 1.01, 1.03, 1.1, 1.2, 1.4];
+
 fn loads() -> [Load; OFFSETS.len()] {
     OFFSETS.map(|offset| Load::Offset(offset * OVERLAP))
 }
@@ -178,24 +181,23 @@ fn is_one_arc(contact: &NodalContact) -> bool {
 #[test]
 fn press_fits_of_blocks_are_those_of_plain_meshes() {
     let mut random = Random::new(321);
-    let (mut count, mut open, mut aside, mut asymmetric) = (0, 0, 0, 0);
+    let (mut count, mut open, mut aside, mut faint, mut asymmetric) = (0, 0, 0, 0, 0);
     for _ in 0..10 {
         let plate = block(&mut random, 1.3);
         let joint = joint(&mut random, plate);
         let meshes = [40, 80].map(|columns| Nodal::new(&joint, columns));
+        // Beyond the opening two arcs may be left.
+        let opening = curve(&joint).opening().unwrap() / OVERLAP;
+        let offsets: Vec<f64> =
+            OFFSETS[1..].iter().copied().chain(NEAR_OPENING.map(|share| share * opening)).collect();
+        let loads: Vec<Load> = offsets.iter().map(|offset| Load::Offset(offset * OVERLAP)).collect();
         asymmetric += usize::from(meshes[1].rest.abs() > 0.1 * OVERLAP);
         for accuracy in [1e-2, 1e-3, 1e-4] {
-            let found = steps(&joint, MethodChoice::Auto, accuracy, &loads());
-            for (offset, found) in OFFSETS.iter().zip(&found).skip(1) {
+            let found = steps(&joint, MethodChoice::Auto, accuracy, &loads);
+            for (offset, found) in offsets.iter().zip(&found) {
                 let contacts = meshes.each_ref().map(|mesh| mesh.at(offset * OVERLAP));
-                let Some(response) = found.response else {
-                    let text = found.status.to_string();
-                    assert!(text.starts_with("failed: the press fit opens beside its far side"), "{text}");
-                    assert!(!is_one_arc(&contacts[1]), "{joint:?} {offset}");
-                    aside += 1;
-                    continue;
-                };
-                assert!(is_one_arc(&contacts[1]), "{joint:?} {offset}");
+                let response = answered(found);
+                aside += usize::from(!is_one_arc(&contacts[1]));
                 let [coarse, fine] = [0, 1].map(|i| meshes[i].joint.force(&contacts[i].forces));
                 let expected = fine + (fine - coarse) / 3.0;
                 let error = (response.force / expected - 1.0).abs();
@@ -203,7 +205,19 @@ fn press_fits_of_blocks_are_those_of_plain_meshes() {
                 println!("{accuracy} {offset}: {error:.1e}, said {:.1e}", response.force_error);
                 assert!(error < allowed && response.force_error < accuracy, "{joint:?} {offset}: {error:e}");
                 let half_angle = response.contact_half_angle.unwrap();
-                assert!((meshes[1].joint.contact_half_angle(&contacts[1].active) - half_angle).abs() < 0.08);
+                let nodal = meshes[1].joint.contact_half_angle(&contacts[1].active);
+                // What presses next to nothing beyond the angle told.
+                let angles = &meshes[1].joint.angles;
+                let forces = || contacts[1].forces.iter().zip(angles);
+                let beyond: f64 =
+                    forces().filter(|(_, angle)| **angle > half_angle).map(|(force, _)| force).sum();
+                let is_faint =
+                    half_angle < nodal && beyond < 5e-3 * forces().map(|(force, _)| force).sum::<f64>();
+                faint += usize::from(is_faint);
+                // Until contact is one arc the whole ring tells it, by few trial pressures.
+                let limit = if *offset < 1.5 * opening { 0.2 } else { 0.08 };
+                let is_near = (nodal - half_angle).abs() < limit;
+                assert!(is_faint || is_near, "{joint:?} {offset}: {half_angle} {nodal}");
                 let NodalContact { active, forces, .. } = &contacts[1];
                 let at_load_line = meshes[1].joint.peak_pressure(active, forces).unwrap();
                 let peak = response.peak_pressure.unwrap();
@@ -216,8 +230,10 @@ fn press_fits_of_blocks_are_those_of_plain_meshes() {
             }
         }
     }
-    println!("{count} compared, {open} of them open, {aside} not of one arc, {asymmetric} of 10 asymmetric");
-    assert!(count > 150 && open > 60 && aside > 0 && asymmetric > 4);
+    println!(
+        "{count} compared, {open} of them open, {aside} of two arcs, {faint} faint at their end, {asymmetric} of 10 asymmetric"
+    );
+    assert!(count == 390 && open > 150 && aside > 6 && 4 * faint < open && asymmetric > 4);
 }
 
 /// Thin ligaments, and materials up to those that are nearly incompressible, held against finer meshes.

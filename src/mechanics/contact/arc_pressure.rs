@@ -26,8 +26,9 @@ impl ContactCurve<'_> {
     /// Of a state of this curve, with the node at or above it.
     pub fn pressure(&self, state: &ContactState, above: usize) -> ArcPressure {
         let map = self.space.map();
-        if state.is_closed() {
-            return self.pressure_of_closed(state);
+        if state.on_whole_ring {
+            // A state that was found has a pressure; a table would tell what is no number.
+            return self.pressure_of_ring(state).unwrap_or(ArcPressure::of_whole_ring(vec![f64::NAN]));
         }
         let b = map.of_half(state.half_angle);
         let place_of = |b: f64| self.space.place(Lanes::<false>::from_f64(b)).0[0];
@@ -60,7 +61,7 @@ impl ContactCurve<'_> {
     /// A state with its greatest pressure, which a stiff layer on a soft one has beside the load line, and a press fit of bodies that are not
     /// concentric anywhere. Closed all around concentric ones press most at the load line.
     pub fn peaked(&self, state: ContactState, above: usize) -> ContactState {
-        if state.is_closed() && self.is_uncoupled() {
+        if state.on_whole_ring && !self.is_coupled() {
             return state;
         }
         let (peak_angle, peak_pressure) = self.pressure(&state, above).greatest();

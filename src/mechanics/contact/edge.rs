@@ -81,8 +81,8 @@ pub struct EdgeStates {
     edges: Vec<Edges>,
     /// Coefficients of the trial pressures over e b^2: `[arc / LANES][k]`, an arc a lane.
     pressure: Vec<[f64; LANES]>,
-    /// y of the first arc where that is the whole ring, behind a zero; else nothing.
-    coupling: Vec<f64>,
+    /// A of the first arc, packed, where that is the whole ring; else nothing.
+    whole_ring: Vec<f64>,
 }
 
 impl EdgeStates {
@@ -164,6 +164,7 @@ impl EdgeStates {
             peak_angle: 0.0,
             truncation: self.truncation(place),
             pressure_is_positive: self.pressure_is_positive(place),
+            on_whole_ring: false,
         };
         (self.is_sound(place) && state.indentation.is_finite() && state.force.is_finite()).then_some(state)
     }
@@ -173,9 +174,9 @@ impl EdgeStates {
         self.pressure[arc / LANES * terms + k][arc % LANES]
     }
 
-    /// What a first trial pressure on the whole ring, the first arc, is answered by: y, behind a zero.
-    pub(super) fn coupling(&self) -> &[f64] {
-        &self.coupling
+    /// The compliance of the joint on the whole ring, the first arc of press fits, packed.
+    pub(super) fn whole_ring(&self) -> &[f64] {
+        &self.whole_ring
     }
 
     /// At each arc, the share by which a change of the joint's compliance changes the work of the pressure: since that is
@@ -268,15 +269,19 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
                 gap[k] = gap[k].minus_product(Lanes::from_f64(-bend), own[k]);
             }
         }
+        if at == 0 {
+            found.whole_ring.clear();
+            if arcs[0].map == ArcMap::Sine {
+                for row in 0..TERMS {
+                    for column in 0..=row {
+                        found.whole_ring.push(self.entry::<FUSED>(0, row, column).0[0]);
+                    }
+                }
+            }
+        }
         let mut solved = [coupling, versine, gap];
         solve_in_place(&mut matrix, &mut solved);
         let [y, w_v, w_g] = solved;
-        if at == 0 {
-            found.coupling.clear();
-            if arcs[0].map == ArcMap::Sine {
-                found.coupling.extend(std::iter::once(0.0).chain(y[1..].iter().map(|value| value.0[0])));
-            }
-        }
         let mut reduced = Reduced {
             singular: coupling[0] - logarithm,
             edge: one,

@@ -14,8 +14,6 @@ pub enum DimensionlessLoad {
 pub enum NoState {
     /// The contact would reach beyond the largest half angle the scene allows.
     ContactTooWide,
-    /// A press fit has opened elsewhere than at the far side, and is not yet one arc.
-    OpensAside,
     /// The compliance is not positive definite, or not finite.
     BrokenCompliance,
     /// It is not because second order in the clearance does not bear such a clearance.

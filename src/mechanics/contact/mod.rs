@@ -12,4 +12,5 @@ pub mod curve_error;
 pub mod arc_pressure;
 pub mod search;
 pub mod press_fit;
+pub mod whole_ring;
 pub mod node_contact;

@@ -8,34 +8,17 @@
 //!
 //! which is the equation of the clearance (`edge`) with 1 - cos(phi) for both versines: x = 1 + |dR|/e, from 1, the neat fit that
 //! every press fit is under ever larger loads, to the x at which the contact closes on the far side. Where it is closed no edge
-//! moves, and everything is linear in |dR| and e. With S, V, Q and y of the whole ring and a = pi/2 - V,
-//!
-//! ```text
-//!   p_0 = W,    p' = -W y - e w_v,    W = (pi/2 |dR| + a e)/S,
-//!   F = 2 [pi/2 a/S |dR| + (a^2/S + Q) e],     U = (pi/2)^2/S dR^2 + pi a/S |dR| e + (a^2/S + Q) e^2.
-//! ```
-//!
-//! A body that is not concentric is pushed aside by the overlap alone: F is zero at a certain e, where the joint is at rest. The
-//! offset of a press fit is counted from there. Modes of concentric bodies do not couple: a is zero, at rest they are concentric, and
-//! with the compliance lambda_n of both bodies to cos(n phi) it is S = pi lambda_0/4, Q = pi/(2 lambda_1),
-//!
-//! ```text
-//!   p = |dR|/lambda_0 + e cos(phi)/lambda_1,     up to e = |dR| lambda_1/lambda_0,
-//! ```
-//!
-//! where the pressure ends at phi = pi. Of other bodies it may end elsewhere first. Then the contact is two arcs until it is one again: there
-//! is no state between.
+//! moves, and the rest is `whole_ring`.
 //!
 //! The stiffness of the open contact is the slope of the force along the curve, dF/de = F/e - (x - 1) (F/e)'/x', because that of a punch
 //! (`edge`) is off by more: ten trial pressures give the force to 1e-9 and where its arc ends, on which a punch depends, to 1e-5.
 
-use std::f64::consts::{FRAC_PI_2, PI};
-
 use super::arc_pressure::ArcPressure;
 use super::curve::ContactCurve;
 use super::load::{DimensionlessLoad, NoState};
-use super::reduced::Reduced;
 use super::state::ContactState;
+use super::whole_ring::{RingState, WholeRing};
+use crate::mechanics::compliance::arc::packed;
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Steps of a difference, and the weights of values there.
@@ -63,9 +46,11 @@ impl ContactCurve<'_> {
         loads: impl Iterator<Item = DimensionlessLoad>,
     ) -> Vec<Result<(ContactState, usize), NoState>> {
         let loads: Vec<DimensionlessLoad> = loads.collect();
+        let Some(ring) = WholeRing::of(self) else {
+            return vec![Err(NoState::BrokenCompliance); loads.len()];
+        };
         let overlap = -self.outlines.radial_clearance;
-        let ring = WholeRing::of(self);
-        let (opening, rest) = (self.opening(), ring.rest());
+        let (opening, rest) = (self.opening_of(&ring), ring.rest());
         // e/|dR| from where the joint is at rest.
         let offset = |load: &DimensionlessLoad| match *load {
             DimensionlessLoad::Indentation(delta) => delta / overlap - 1.0,
@@ -79,74 +64,105 @@ impl ContactCurve<'_> {
             DimensionlessLoad::Offset(offset) => DimensionlessLoad::Offset(offset + rest * overlap),
             DimensionlessLoad::Force(force) => DimensionlessLoad::Force(force),
         };
-        let open = loads.iter().filter(|load| closed(load).is_none()).map(from_concentric);
-        let mut opened = self.states(open).into_iter();
-        let state = |load: &DimensionlessLoad| match closed(load) {
-            Some(offset) => Ok((self.closed_state(&ring, offset), 0)),
-            None => {
-                let (state, node) = match opened.next() {
-                    // Wider than one arc that grows with the load.
-                    Some(Err(NoState::ContactTooWide)) => Err(NoState::OpensAside),
-                    found => found.unwrap_or(Err(NoState::BrokenCompliance)),
-                }?;
-                let tangent_stiffness = self.slope(&state);
-                let offset = match *load {
-                    DimensionlessLoad::Force(force) => force / state.force / overlap - rest,
-                    _ => offset(load),
-                };
-                Ok((ContactState { tangent_stiffness, ..per_overlap(state, offset, rest) }, node))
+        let open: Vec<_> = loads.iter().filter(|load| closed(load).is_none()).map(from_concentric).collect();
+        let seam = if open.is_empty() { None } else { self.seam(&ring) };
+        let mut opened = self.states(open.into_iter()).into_iter();
+        let state = |load: &DimensionlessLoad| {
+            if let Some(offset) = closed(load) {
+                return Ok((
+                    self.state_of_ring(&ring, &ring.closed(rest + offset), self.states.truncation(0)),
+                    0,
+                ));
+            }
+            let (one_arc, left) = seam.ok_or(NoState::BrokenCompliance)?;
+            match opened.next().unwrap_or(Err(NoState::BrokenCompliance)) {
+                Ok((state, node)) if node >= one_arc => {
+                    let tangent_stiffness = self.slope(&state);
+                    let offset = match *load {
+                        DimensionlessLoad::Force(force) => force / state.force / overlap - rest,
+                        _ => offset(load),
+                    };
+                    Ok((ContactState { tangent_stiffness, ..per_overlap(state, offset, rest) }, node))
+                }
+                Ok(_) | Err(NoState::ContactTooWide) => {
+                    let found = match *load {
+                        DimensionlessLoad::Force(force) => {
+                            ring.under_force(force / overlap, rest + opening.max(0.0))
+                        }
+                        _ => ring.open(rest + offset(load)),
+                    };
+                    let found = found.ok_or(NoState::BrokenCompliance)?;
+                    Ok((self.state_of_ring(&ring, &found, left), 0))
+                }
+                Err(reason) => Err(reason),
             }
         };
         loads.iter().map(state).collect()
     }
 
-    /// The e/|dR| up to which the contact is closed all around, from where the joint is at rest; below zero where it is open there.
-    pub fn opening(&self) -> f64 {
-        let ring = WholeRing::of(self);
+    /// The e/|dR| up to which the contact is closed all around, from where the joint is at rest; below zero where it is open there. `None`
+    /// where the compliance is not positive definite.
+    pub fn opening(&self) -> Option<f64> {
+        Some(self.opening_of(&WholeRing::of(self)?))
+    }
+
+    fn opening_of(&self, ring: &WholeRing) -> f64 {
         let at_far_side = 1.0 / (self.states.indentation(0) - 1.0) - ring.rest();
-        if self.is_uncoupled() {
+        if !self.is_coupled() {
             return at_far_side;
         }
-        // Closed, the pressure is linear in the offset: where it ends first.
-        let [at_rest, beyond] = [0.0, 1.0].map(|offset| self.closed_pressure(&ring, offset));
-        let ends = |angle: f64| {
-            let (pressure, slope) = (at_rest.at(angle), beyond.at(angle) - at_rest.at(angle));
-            match slope < 0.0 {
-                _ if pressure < 0.0 => f64::NEG_INFINITY,
-                true => -pressure / slope,
-                false => f64::INFINITY,
-            }
-        };
-        let first = at_rest.places().map(ends).fold(f64::INFINITY, f64::min);
         // Not apart from the curve by rounding.
+        let first = ring.opening();
         if self.first == 0 && first >= at_far_side * (1.0 - ROUNDING) { at_far_side } else { first }
     }
 
-    /// The pressure of the contact that is closed all around.
-    fn closed_pressure(&self, ring: &WholeRing, offset: f64) -> ArcPressure {
-        ArcPressure::of_whole_ring(self.closed_coefficients(ring, ring.rest() + offset))
+    /// Whether a uniform pressure is not answered by one, as it is of concentric bodies.
+    pub(super) fn is_coupled(&self) -> bool {
+        let ring = self.states.whole_ring();
+        (1..self.space.pressures.terms).any(|k| ring[packed(k, 0)].abs() > UNCOUPLED * ring[0])
     }
 
-    /// Of the contact that is closed all around, at an e/|dR| from where the joint is at rest.
-    fn closed_state(&self, ring: &WholeRing, offset: f64) -> ContactState {
-        let from_concentric = ring.rest() + offset;
-        let first = ring.first(from_concentric);
+    /// The widest node at which contact is one arc, and what the force of the whole ring differs from that of the curve there, relative. On wider
+    /// arcs the bodies would overlap at the far side, on narrower ones the whole ring leaves more: it is where they differ least. Of concentric
+    /// bodies that is the whole ring itself.
+    fn seam(&self, ring: &WholeRing) -> Option<(usize, f64)> {
+        if !self.is_coupled() {
+            return (self.first == 0).then_some((0, 0.0));
+        }
+        let left = |node: usize| {
+            let offset = 1.0 / (self.states.indentation(node) - 1.0);
+            let found = ring.open(offset)?;
+            Some((node, (found.force / (offset * self.states.force(node)) - 1.0).abs()))
+        };
+        let nodes = self.first..self.states.count().min(self.first + SEAM_NODES);
+        nodes.filter_map(left).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// As a state of the curve, with what is left out of its pressure.
+    fn state_of_ring(&self, ring: &WholeRing, state: &RingState, truncation: f64) -> ContactState {
         ContactState {
-            half_angle: PI,
-            indentation: 1.0 + offset,
-            force: ring.stiffness() * offset,
-            tangent_stiffness: ring.stiffness(),
-            energy: ring.energy(from_concentric),
-            peak_pressure: 0.5 * (first * ring.reduced.peak - from_concentric * ring.reduced.peak_of_versine),
+            half_angle: state.half_angle,
+            indentation: 1.0 + state.offset - ring.rest(),
+            force: state.force,
+            tangent_stiffness: state.stiffness,
+            energy: state.energy,
+            peak_pressure: state.pressure.at(0.0),
             peak_angle: 0.0,
-            truncation: self.states.truncation(0),
+            truncation,
             pressure_is_positive: true,
+            on_whole_ring: true,
         }
     }
 
-    /// Whether a uniform pressure and cos(phi) are all there is while the contact is closed, as of concentric bodies.
-    pub(super) fn is_uncoupled(&self) -> bool {
-        self.states.coupling().iter().all(|coupling| coupling.abs() < UNCOUPLED)
+    /// The pressure of a state that presses all around, or in more than one arc; none where the compliance is not positive definite.
+    pub(super) fn pressure_of_ring(&self, state: &ContactState) -> Option<ArcPressure> {
+        let ring = WholeRing::of(self)?;
+        let offset = state.indentation - 1.0;
+        let found = match offset <= self.opening_of(&ring) {
+            true => ring.closed(ring.rest() + offset),
+            false => ring.open(ring.rest() + offset)?,
+        };
+        Some(found.pressure)
     }
 
     /// dF/de of an open state of the curve, told per e: by differences of the fourth order over cos(eps/2).
@@ -166,71 +182,16 @@ impl ContactCurve<'_> {
         };
         state.force - (state.indentation - 1.0) * difference(force.0) / difference(indentation.0)
     }
-
-    /// The pressure of a state that is closed all around.
-    pub(super) fn pressure_of_closed(&self, state: &ContactState) -> ArcPressure {
-        self.closed_pressure(&WholeRing::of(self), state.indentation - 1.0)
-    }
-
-    /// Coefficients of its trial pressures, at an offset from where pin and hole are concentric.
-    fn closed_coefficients(&self, ring: &WholeRing, offset: f64) -> Vec<f64> {
-        let terms = self.space.pressures.terms;
-        let first = ring.first(offset);
-        // The state that is about to open has -W y - w_v, with a W of its own.
-        let of_opening = |k: usize| self.states.coefficient(terms, 0, k);
-        let more = first - offset * of_opening(0);
-        let mut coefficients: Vec<f64> = self.states.coupling().iter().map(|y| -more * y).collect();
-        coefficients.iter_mut().enumerate().for_each(|(k, value)| *value += offset * of_opening(k));
-        coefficients[0] = first;
-        coefficients
-    }
 }
 
-/// y of bodies that do not couple, at most.
+/// Nodes that the seam of the whole ring and the curve is looked for at.
+const SEAM_NODES: usize = 10;
+
+/// Compliances of concentric bodies between different modes, over that to a uniform pressure.
 const UNCOUPLED: f64 = 1e-9;
 
 /// Offsets that are equal, relative.
 const ROUNDING: f64 = 1e-6;
-
-/// What the equations come to on the whole ring, the first node. Lengths are over |dR|, offsets from where pin and hole are concentric.
-struct WholeRing {
-    reduced: Reduced<f64>,
-    /// a.
-    arm: f64,
-}
-
-impl WholeRing {
-    fn of(curve: &ContactCurve) -> WholeRing {
-        let reduced = Reduced::of_functions(curve.states.functions(0).map(|values| values[0]));
-        WholeRing { arm: FRAC_PI_2 - reduced.versine, reduced }
-    }
-
-    /// dF/de.
-    fn stiffness(&self) -> f64 {
-        2.0 * (self.arm * self.arm / self.reduced.singular + self.reduced.work)
-    }
-
-    /// The force of the overlap alone.
-    fn force_of_overlap(&self) -> f64 {
-        PI * self.arm / self.reduced.singular
-    }
-
-    /// Where there is no force.
-    fn rest(&self) -> f64 {
-        -self.force_of_overlap() / self.stiffness()
-    }
-
-    /// W.
-    fn first(&self, offset: f64) -> f64 {
-        (FRAC_PI_2 + self.arm * offset) / self.reduced.singular
-    }
-
-    /// U.
-    fn energy(&self, offset: f64) -> f64 {
-        let of_overlap = FRAC_PI_2 * FRAC_PI_2 / self.reduced.singular;
-        of_overlap + offset * (self.force_of_overlap() + 0.5 * self.stiffness() * offset)
-    }
-}
 
 /// From a state per e to the same per |dR|, from its e/|dR| from where the joint is at rest, and where that is.
 fn per_overlap(state: ContactState, offset: f64, rest: f64) -> ContactState {

@@ -116,6 +116,7 @@ impl<const FUSED: bool, const COUNT: usize> Found<FUSED, COUNT> {
             peak_angle: 0.0,
             truncation: states.truncation(above).max(states.truncation(below)),
             pressure_is_positive: states.pressure_is_positive(above) && states.pressure_is_positive(below),
+            on_whole_ring: false,
         };
         Ok((state, above))
     }

@@ -1,7 +1,5 @@
 //! The state of contact of a joint under one load.
 
-use std::f64::consts::PI;
-
 /// Of the whole joint (both halves), per unit thickness, hole radius 1, and per unit of the centres' offset e, of a press fit of
 /// |dR|; forces in the unit of the moduli.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +23,8 @@ pub struct ContactState {
     pub truncation: f64,
     /// Whether there is no tension.
     pub pressure_is_positive: bool,
+    /// Whether it is told by the whole ring (`whole_ring`), as that of a press fit is until its contact is one arc.
+    pub on_whole_ring: bool,
 }
 
 impl ContactState {
@@ -33,14 +33,9 @@ impl ContactState {
         1.0 - self.indentation
     }
 
-    /// Whether the contact is closed all around, as that of a press fit is until its load opens it.
-    pub fn is_closed(&self) -> bool {
-        self.half_angle == PI
-    }
-
     /// Whether the bodies push each other: a mesh far too coarse for its body may answer with a pull.
     pub fn is_a_push(&self) -> bool {
-        let is_held = self.force > 0.0 || self.is_closed();
+        let is_held = self.force > 0.0 || self.on_whole_ring;
         is_held && [self.tangent_stiffness, self.energy, self.peak_pressure].iter().all(|value| *value > 0.0)
     }
 }

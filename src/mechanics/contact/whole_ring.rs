@@ -1,0 +1,220 @@
+//! The pressure of a press fit on the whole ring: closed all around, or open in places that are not the far side alone.
+//!
+//! With b_1 and b_c the integrals of the trial pressures and of their products with cos(phi), and lengths over |dR|, the pressure that is
+//! closed all around is linear in the offset e from where pin and hole are concentric,
+//!
+//! ```text
+//!   A c = b_1 + e b_c,    c = c_1 + e c_c,    F = 2 b_c.c = 2 (b_c.c_1 + e b_c.c_c),    U = (b_1 + e b_c).c.
+//! ```
+//!
+//! A body that is not concentric is pushed aside by the overlap alone: F is zero at a certain e, where the joint is at rest. The
+//! offset of a press fit is counted from there. Modes of concentric bodies do not couple: b_c.c_1 is zero, at rest they are concentric, and
+//! with the compliance lambda_n of both bodies to cos(n phi)
+//!
+//! ```text
+//!   p = 1/lambda_0 + e cos(phi)/lambda_1,     F = pi e/lambda_1,     up to e = lambda_1/lambda_0,
+//! ```
+//!
+//! where the pressure ends at phi = pi. Of other bodies it may end elsewhere first; until that gap has reached the far side there are two arcs of
+//! contact. Of all pressures that nowhere pull, the true one has the least complementary energy,
+//!
+//! ```text
+//!   c.A c/2 - (b_1 + e b_c).c = min,     p >= 0 at places all around:     A c = b_1 + e b_c + sum of g_i l_i,
+//! ```
+//!
+//! l_i >= 0 where p = g_i.c is zero, a gap. Places with a gap are found one by one (Lawson & Hanson, Solving Least Squares Problems, chapter 23).
+//! Few trial pressures carry the edges of a gap, but the force, a slope of the least energy, is off by the square of what they leave.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+
+use super::arc_pressure::ArcPressure;
+use super::curve::ContactCurve;
+use crate::mechanics::compliance::arc::packed;
+
+/// The joint on the whole ring. Lengths are over |dR|, offsets from where pin and hole are concentric.
+pub(super) struct WholeRing {
+    /// Of A.
+    inverse: Mat<f64>,
+    /// c_1 and c_c.
+    of_overlap: Vec<f64>,
+    of_offset: Vec<f64>,
+}
+
+/// A state of it.
+pub(super) struct RingState {
+    pub offset: f64,
+    /// Where the pressure ends, rad.
+    pub half_angle: f64,
+    pub force: f64,
+    /// dF/de.
+    pub stiffness: f64,
+    pub energy: f64,
+    pub pressure: ArcPressure,
+}
+
+/// Tension that is left at places, over the greatest pressure.
+const TENSION: f64 = 1e-7;
+
+/// Pressure that is that of few trial pressures beside a gap, over the greatest.
+const FAINT: f64 = 2e-3;
+
+/// A gap that has closed, over the widest.
+const CLOSED: f64 = 1e-12;
+
+/// Steps of a search for the offset at most.
+const MOST_STEPS: usize = 50;
+
+/// Where it ends: the force that is left, relative.
+const TOLERANCE: f64 = 1e-12;
+
+impl WholeRing {
+    /// `None` where the compliance is not positive definite.
+    pub(super) fn of(curve: &ContactCurve) -> Option<WholeRing> {
+        let (terms, ring) = (curve.space.pressures.terms, curve.states.whole_ring());
+        let matrix = Mat::from_fn(terms, terms, |i, j| ring[packed(i.max(j), i.min(j))]);
+        let inverse = matrix.llt(Side::Lower).ok()?.solve(Mat::<f64>::identity(terms, terms));
+        let column = |place, times: f64| (0..terms).map(|k| times * inverse[(k, place)]).collect();
+        // On the whole ring cos(phi) is -cos(2 tau).
+        Some(WholeRing { of_overlap: column(0, FRAC_PI_2), of_offset: column(1, -FRAC_PI_4), inverse })
+    }
+
+    /// dF/de of the contact that is closed all around.
+    pub(super) fn stiffness(&self) -> f64 {
+        force(&self.of_offset)
+    }
+
+    /// Where there is no force.
+    pub(super) fn rest(&self) -> f64 {
+        -force(&self.of_overlap) / self.stiffness()
+    }
+
+    /// Of the contact that is closed all around, at an offset.
+    pub(super) fn closed(&self, offset: f64) -> RingState {
+        let coefficients = self.closed_coefficients(offset);
+        let force = (offset - self.rest()) * self.stiffness();
+        RingState { force, ..self.state(offset, coefficients, self.stiffness()) }
+    }
+
+    fn closed_coefficients(&self, offset: f64) -> Vec<f64> {
+        self.of_overlap.iter().zip(&self.of_offset).map(|(own, more)| own + offset * more).collect()
+    }
+
+    fn state(&self, offset: f64, coefficients: Vec<f64>, stiffness: f64) -> RingState {
+        let force = force(&coefficients);
+        let energy = FRAC_PI_2 * coefficients[0] + 0.5 * offset * force;
+        let pressure = ArcPressure::of_whole_ring(coefficients);
+        RingState { offset, half_angle: PI, force, stiffness, energy, pressure }
+    }
+
+    /// The offset, from where the joint is at rest, at which the pressure that is closed all around ends first; below zero where it does so at rest.
+    pub(super) fn opening(&self) -> f64 {
+        let [at_rest, beyond] = [0.0, 1.0].map(|offset| self.closed(self.rest() + offset).pressure);
+        let ends = |angle: f64| {
+            let (pressure, slope) = (at_rest.at(angle), beyond.at(angle) - at_rest.at(angle));
+            match slope < 0.0 {
+                _ if pressure < 0.0 => f64::NEG_INFINITY,
+                true => -pressure / slope,
+                false => f64::INFINITY,
+            }
+        };
+        at_rest.places().map(ends).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Of the contact with gaps wherever it would pull, at an offset; `None` where gaps are not found.
+    pub(super) fn open(&self, offset: f64) -> Option<RingState> {
+        let closed = self.closed_coefficients(offset);
+        let terms = closed.len();
+        let places: Vec<f64> = ArcPressure::of_whole_ring(closed.clone()).places().collect();
+        // g of a place, and what it is answered by.
+        let row = |place: usize| -> Vec<f64> {
+            (0..terms).map(|k| 0.5 * (k as f64 * (PI - places[place])).cos()).collect()
+        };
+        let answer = |row: &[f64]| -> Vec<f64> {
+            (0..terms).map(|i| (0..terms).map(|j| self.inverse[(i, j)] * row[j]).sum()).collect()
+        };
+        let mut gaps: Vec<Gap> = Vec::new();
+        for _ in 0..4 * places.len() {
+            let mut coefficients = closed.clone();
+            for gap in &gaps {
+                coefficients.iter_mut().zip(&gap.answer).for_each(|(sum, own)| *sum += gap.width * own);
+            }
+            let pressures: Vec<f64> =
+                (0..places.len()).map(|place| dot(&row(place), &coefficients)).collect();
+            let greatest = pressures.iter().copied().fold(0.0, f64::max);
+            let least = (0..places.len()).min_by(|a, b| pressures[*a].total_cmp(&pressures[*b]))?;
+            if pressures[least] >= -TENSION * greatest || gaps.iter().any(|gap| gap.place == least) {
+                let mut change = self.of_offset.clone();
+                for (width, gap) in widths(&gaps, &self.of_offset)?.into_iter().zip(&gaps) {
+                    change.iter_mut().zip(&gap.answer).for_each(|(sum, own)| *sum += width * own);
+                }
+                let presses = |pressure: &f64| *pressure > FAINT * greatest;
+                let last = pressures.iter().rposition(presses)?;
+                let half_angle = places[last];
+                return Some(RingState { half_angle, ..self.state(offset, coefficients, force(&change)) });
+            }
+            let row = row(least);
+            gaps.push(Gap { place: least, answer: answer(&row), row, width: 0.0 });
+            loop {
+                let wanted = widths(&gaps, &closed)?;
+                // As far on the way there as no gap is negative.
+                let of_gap = |(gap, wanted): (&Gap, &f64)| gap.width / (gap.width - wanted);
+                let closing = gaps.iter().zip(&wanted).filter(|(_, wanted)| **wanted <= 0.0);
+                let share = closing.map(of_gap).fold(1.0, f64::min);
+                for (gap, wanted) in gaps.iter_mut().zip(&wanted) {
+                    gap.width += share * (wanted - gap.width);
+                }
+                if share == 1.0 {
+                    break;
+                }
+                let widest = gaps.iter().map(|gap| gap.width).fold(0.0, f64::max);
+                gaps.retain(|gap| gap.width > CLOSED * widest);
+            }
+        }
+        None
+    }
+
+    /// The same under a force, from an offset that is too small on: forces grow ever less with it, so that Newton's steps end short of it.
+    pub(super) fn under_force(&self, wanted: f64, least: f64) -> Option<RingState> {
+        let mut state = self.open(least)?;
+        for _ in 0..MOST_STEPS {
+            let left = wanted - state.force;
+            if left.abs() <= TOLERANCE * wanted {
+                return Some(state);
+            }
+            state = self.open(state.offset + left / state.stiffness)?;
+        }
+        None
+    }
+}
+
+/// A place where the bodies do not touch.
+struct Gap {
+    place: usize,
+    row: Vec<f64>,
+    answer: Vec<f64>,
+    /// l.
+    width: f64,
+}
+
+/// Those that leave no pressure at the gaps.
+fn widths(gaps: &[Gap], coefficients: &[f64]) -> Option<Vec<f64>> {
+    if gaps.is_empty() {
+        return Some(Vec::new());
+    }
+    let matrix = Mat::from_fn(gaps.len(), gaps.len(), |i, j| dot(&gaps[i].row, &gaps[j].answer));
+    let right = Mat::from_fn(gaps.len(), 1, |i, _| -dot(&gaps[i].row, coefficients));
+    let widths = matrix.llt(Side::Lower).ok()?.solve(&right);
+    Some((0..gaps.len()).map(|i| widths[(i, 0)]).collect())
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Of both halves.
+fn force(coefficients: &[f64]) -> f64 {
+    -FRAC_PI_2 * coefficients[1]
+}
