@@ -22,6 +22,7 @@ fn shipped_configs_load() {
         ("liu2007", 14, 140),
         ("liu2007-plates", 70, 700),
         ("press-fit", 4, 164),
+        ("press-fit-lug", 6, 198),
         ("quickstart", 10, 100),
         ("random", 10_000, 100_000),
         ("requirements", 10_000, 10_000),

@@ -142,7 +142,7 @@ impl ContactCurve<'_> {
     fn state_of_ring(&self, ring: &WholeRing, state: &RingState, truncation: f64) -> ContactState {
         ContactState {
             half_angle: state.half_angle,
-            indentation: 1.0 + state.offset - ring.rest(),
+            indentation: 1.0 + (state.offset - ring.rest()),
             force: state.force,
             tangent_stiffness: state.stiffness,
             energy: state.energy,
