@@ -194,7 +194,11 @@ fn press_fits_of_blocks_are_those_of_plain_meshes() {
         asymmetric += usize::from(meshes[1].rest.abs() > 0.1 * OVERLAP);
         for accuracy in [1e-2, 1e-3, 1e-4] {
             let found = steps(&joint, MethodChoice::Auto, accuracy, &loads);
-            for (offset, found) in offsets.iter().zip(&found) {
+            let forces: Vec<Load> = found.iter().map(|found| Load::Force(answered(found).force)).collect();
+            let by_force = steps(&joint, MethodChoice::Auto, accuracy, &forces);
+            for ((offset, found), by_force) in offsets.iter().zip(&found).zip(&by_force) {
+                let back = answered(by_force).offset / (offset * OVERLAP) - 1.0;
+                assert!(back.abs() < 1e-7, "{joint:?} {offset}: {back:e}");
                 let contacts = meshes.each_ref().map(|mesh| mesh.at(offset * OVERLAP));
                 let response = answered(found);
                 aside += usize::from(!is_one_arc(&contacts[1]));

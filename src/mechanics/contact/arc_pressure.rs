@@ -58,10 +58,9 @@ impl ContactCurve<'_> {
 }
 
 impl ContactCurve<'_> {
-    /// A state with its greatest pressure, which a stiff layer on a soft one has beside the load line, and a press fit of bodies that are not
-    /// concentric anywhere. Closed all around concentric ones press most at the load line.
+    /// A state with its greatest pressure, which a stiff layer on a soft one has beside the load line. What the whole ring tells has it.
     pub fn peaked(&self, state: ContactState, above: usize) -> ContactState {
-        if state.on_whole_ring && !self.is_coupled() {
+        if state.on_whole_ring {
             return state;
         }
         let (peak_angle, peak_pressure) = self.pressure(&state, above).greatest();
@@ -75,14 +74,19 @@ impl ArcPressure {
         ArcPressure { map: ArcMap::Sine, b: 1.0, coefficients }
     }
 
-    /// Angles all around the ring, the load line and the far side among them, as many as tell the pressure between them, rad.
-    pub(super) fn places(&self) -> impl Iterator<Item = f64> + use<> {
-        let places = PLACES_PER_TERM * self.coefficients.len();
-        (0..=places).map(move |place| PI * place as f64 / places as f64)
+    /// Angles all around the ring, the load line and the far side among them, as many as tell a pressure between them, with what each trial
+    /// pressure on the whole ring is there.
+    pub(super) fn around(terms: usize) -> Vec<(f64, Vec<f64>)> {
+        let places = PLACES_PER_TERM * terms;
+        let at_place = |place: usize| {
+            let angle = PI * place as f64 / places as f64;
+            (angle, (0..terms).map(|k| 0.5 * (k as f64 * (PI - angle)).cos()).collect())
+        };
+        (0..=places).map(at_place).collect()
     }
 
     /// The greatest pressure and its angle; of equal ones that nearest to the load line.
-    fn greatest(&self) -> (f64, f64) {
+    pub(super) fn greatest(&self) -> (f64, f64) {
         let places = PLACES_PER_TERM * self.coefficients.len();
         let step = FRAC_PI_2 / places as f64;
         // tau is pi/2 at the load line, where the places begin, and 0 at the edge, where the pressure ends.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use super::arc_pressure::ArcPressure;
 use super::outlines::Outlines;
 use crate::mechanics::body::Side;
 use crate::mechanics::compliance::BodyCompliance;
@@ -50,6 +51,8 @@ pub struct CurveSpace {
     /// T_degree(x) of the Chebyshev nodes x > 0: `[degree / LANES][node]`, as many degrees as there are lanes. Even degrees before odd
     /// ones, each in whole chunks.
     pub(super) chebyshev: Vec<Vec<[f64; LANES]>>,
+    /// Of press fits, angles all around the ring with the pressures there of each trial pressure on it.
+    pub(super) around: Vec<(f64, Vec<f64>)>,
 }
 
 impl CurveSpace {
@@ -102,6 +105,7 @@ impl CurveSpace {
             logarithms,
             weighted: (0..nodes).map(|node| (unit(node), weight(node))).collect(),
             chebyshev: chebyshev.collect(),
+            around: if variable == Variable::Gap { ArcPressure::around(terms) } else { Vec::new() },
         }
     }
 

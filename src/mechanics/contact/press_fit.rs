@@ -140,14 +140,18 @@ impl ContactCurve<'_> {
 
     /// As a state of the curve, with what is left out of its pressure.
     fn state_of_ring(&self, ring: &WholeRing, state: &RingState, truncation: f64) -> ContactState {
+        // Concentric bodies press most at the load line, or alike all around.
+        let at_load_line = || (0.0, state.pressure.at(0.0));
+        let (peak_angle, peak_pressure) =
+            if self.is_coupled() { state.pressure.greatest() } else { at_load_line() };
         ContactState {
             half_angle: state.half_angle,
             indentation: 1.0 + (state.offset - ring.rest()),
             force: state.force,
             tangent_stiffness: state.stiffness,
             energy: state.energy,
-            peak_pressure: state.pressure.at(0.0),
-            peak_angle: 0.0,
+            peak_pressure,
+            peak_angle,
             truncation,
             pressure_is_positive: true,
             on_whole_ring: true,

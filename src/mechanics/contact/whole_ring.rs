@@ -35,7 +35,9 @@ use super::curve::ContactCurve;
 use crate::mechanics::compliance::arc::packed;
 
 /// The joint on the whole ring. Lengths are over |dR|, offsets from where pin and hole are concentric.
-pub(super) struct WholeRing {
+pub(super) struct WholeRing<'a> {
+    /// Angles, and g at each.
+    places: &'a [(f64, Vec<f64>)],
     /// Of A.
     inverse: Mat<f64>,
     /// c_1 and c_c.
@@ -61,24 +63,25 @@ const TENSION: f64 = 1e-7;
 /// Pressure that is that of few trial pressures beside a gap, over the greatest.
 const FAINT: f64 = 2e-3;
 
-/// A gap that has closed, over the widest.
-const CLOSED: f64 = 1e-12;
+/// So many times as many gaps are tried at most as there are places.
+const MOST_TRIED: usize = 4;
 
 /// Steps of a search for the offset at most.
 const MOST_STEPS: usize = 50;
 
-/// Where it ends: the force that is left, relative.
-const TOLERANCE: f64 = 1e-12;
+/// Where it ends: the force that is left, relative. `TENSION` leaves less.
+const TOLERANCE: f64 = 1e-9;
 
-impl WholeRing {
+impl<'a> WholeRing<'a> {
     /// `None` where the compliance is not positive definite.
-    pub(super) fn of(curve: &ContactCurve) -> Option<WholeRing> {
+    pub(super) fn of(curve: &ContactCurve<'a>) -> Option<WholeRing<'a>> {
         let (terms, ring) = (curve.space.pressures.terms, curve.states.whole_ring());
         let matrix = Mat::from_fn(terms, terms, |i, j| ring[packed(i.max(j), i.min(j))]);
         let inverse = matrix.llt(Side::Lower).ok()?.solve(Mat::<f64>::identity(terms, terms));
         let column = |place, times: f64| (0..terms).map(|k| times * inverse[(k, place)]).collect();
         // On the whole ring cos(phi) is -cos(2 tau).
-        Some(WholeRing { of_overlap: column(0, FRAC_PI_2), of_offset: column(1, -FRAC_PI_4), inverse })
+        let (of_overlap, of_offset) = (column(0, FRAC_PI_2), column(1, -FRAC_PI_4));
+        Some(WholeRing { places: &curve.space.around, of_overlap, of_offset, inverse })
     }
 
     /// dF/de of the contact that is closed all around.
@@ -111,69 +114,58 @@ impl WholeRing {
 
     /// The offset, from where the joint is at rest, at which the pressure that is closed all around ends first; below zero where it does so at rest.
     pub(super) fn opening(&self) -> f64 {
-        let [at_rest, beyond] = [0.0, 1.0].map(|offset| self.closed(self.rest() + offset).pressure);
-        let ends = |angle: f64| {
-            let (pressure, slope) = (at_rest.at(angle), beyond.at(angle) - at_rest.at(angle));
+        let at_rest = self.closed_coefficients(self.rest());
+        let ends = |(_, row): &(f64, Vec<f64>)| {
+            let (pressure, slope) = (dot(row, &at_rest), dot(row, &self.of_offset));
             match slope < 0.0 {
                 _ if pressure < 0.0 => f64::NEG_INFINITY,
                 true => -pressure / slope,
                 false => f64::INFINITY,
             }
         };
-        at_rest.places().map(ends).fold(f64::INFINITY, f64::min)
+        self.places.iter().map(ends).fold(f64::INFINITY, f64::min)
     }
 
     /// Of the contact with gaps wherever it would pull, at an offset; `None` where gaps are not found.
     pub(super) fn open(&self, offset: f64) -> Option<RingState> {
         let closed = self.closed_coefficients(offset);
-        let terms = closed.len();
-        let places: Vec<f64> = ArcPressure::of_whole_ring(closed.clone()).places().collect();
-        // g of a place, and what it is answered by.
-        let row = |place: usize| -> Vec<f64> {
-            (0..terms).map(|k| 0.5 * (k as f64 * (PI - places[place])).cos()).collect()
-        };
-        let answer = |row: &[f64]| -> Vec<f64> {
-            (0..terms).map(|i| (0..terms).map(|j| self.inverse[(i, j)] * row[j]).sum()).collect()
-        };
         let mut gaps: Vec<Gap> = Vec::new();
-        for _ in 0..4 * places.len() {
-            let mut coefficients = closed.clone();
-            for gap in &gaps {
-                coefficients.iter_mut().zip(&gap.answer).for_each(|(sum, own)| *sum += gap.width * own);
-            }
-            let pressures: Vec<f64> =
-                (0..places.len()).map(|place| dot(&row(place), &coefficients)).collect();
+        for _ in 0..MOST_TRIED * self.places.len() {
+            let coefficients = with_gaps(&closed, &gaps, gaps.iter().map(|gap| gap.width));
+            let pressures: Vec<f64> = self.places.iter().map(|(_, row)| dot(row, &coefficients)).collect();
             let greatest = pressures.iter().copied().fold(0.0, f64::max);
-            let least = (0..places.len()).min_by(|a, b| pressures[*a].total_cmp(&pressures[*b]))?;
+            let least = (0..pressures.len()).min_by(|a, b| pressures[*a].total_cmp(&pressures[*b]))?;
             if pressures[least] >= -TENSION * greatest || gaps.iter().any(|gap| gap.place == least) {
-                let mut change = self.of_offset.clone();
-                for (width, gap) in widths(&gaps, &self.of_offset)?.into_iter().zip(&gaps) {
-                    change.iter_mut().zip(&gap.answer).for_each(|(sum, own)| *sum += width * own);
-                }
-                let presses = |pressure: &f64| *pressure > FAINT * greatest;
-                let last = pressures.iter().rposition(presses)?;
-                let half_angle = places[last];
+                let change = with_gaps(&self.of_offset, &gaps, widths(&gaps, &self.of_offset)?.into_iter());
+                let last = pressures.iter().rposition(|pressure| *pressure > FAINT * greatest)?;
+                let half_angle = self.places[last].0;
                 return Some(RingState { half_angle, ..self.state(offset, coefficients, force(&change)) });
             }
-            let row = row(least);
-            gaps.push(Gap { place: least, answer: answer(&row), row, width: 0.0 });
+            gaps.push(self.gap(least));
             loop {
                 let wanted = widths(&gaps, &closed)?;
-                // As far on the way there as no gap is negative.
-                let of_gap = |(gap, wanted): (&Gap, &f64)| gap.width / (gap.width - wanted);
-                let closing = gaps.iter().zip(&wanted).filter(|(_, wanted)| **wanted <= 0.0);
-                let share = closing.map(of_gap).fold(1.0, f64::min);
+                // As far on the way there as no gap is negative; the one that closes first is none.
+                let of_gap = |(place, gap): (usize, &Gap)| (place, gap.width / (gap.width - wanted[place]));
+                let closing = gaps.iter().enumerate().filter(|(place, _)| wanted[*place] <= 0.0).map(of_gap);
+                let first = closing.min_by(|a, b| a.1.total_cmp(&b.1));
+                let share = first.map_or(1.0, |(_, share)| share.clamp(0.0, 1.0));
                 for (gap, wanted) in gaps.iter_mut().zip(&wanted) {
                     gap.width += share * (wanted - gap.width);
                 }
-                if share == 1.0 {
-                    break;
+                match first {
+                    Some((place, _)) => drop(gaps.swap_remove(place)),
+                    None => break,
                 }
-                let widest = gaps.iter().map(|gap| gap.width).fold(0.0, f64::max);
-                gaps.retain(|gap| gap.width > CLOSED * widest);
             }
         }
         None
+    }
+
+    /// A new one.
+    fn gap(&self, place: usize) -> Gap<'a> {
+        let row = &self.places[place].1;
+        let answer = |i: usize| (0..row.len()).map(|j| self.inverse[(i, j)] * row[j]).sum();
+        Gap { place, row, answer: (0..row.len()).map(answer).collect(), width: 0.0 }
     }
 
     /// The same under a force, from an offset that is too small on: forces grow ever less with it, so that Newton's steps end short of it.
@@ -191,12 +183,22 @@ impl WholeRing {
 }
 
 /// A place where the bodies do not touch.
-struct Gap {
+struct Gap<'a> {
     place: usize,
-    row: Vec<f64>,
+    /// g, and what it is answered by.
+    row: &'a [f64],
     answer: Vec<f64>,
     /// l.
     width: f64,
+}
+
+/// Coefficients with what gaps of such widths add.
+fn with_gaps(coefficients: &[f64], gaps: &[Gap], widths: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut sum = coefficients.to_vec();
+    for (width, gap) in widths.zip(gaps) {
+        sum.iter_mut().zip(&gap.answer).for_each(|(sum, own)| *sum += width * own);
+    }
+    sum
 }
 
 /// Those that leave no pressure at the gaps.
@@ -204,8 +206,8 @@ fn widths(gaps: &[Gap], coefficients: &[f64]) -> Option<Vec<f64>> {
     if gaps.is_empty() {
         return Some(Vec::new());
     }
-    let matrix = Mat::from_fn(gaps.len(), gaps.len(), |i, j| dot(&gaps[i].row, &gaps[j].answer));
-    let right = Mat::from_fn(gaps.len(), 1, |i, _| -dot(&gaps[i].row, coefficients));
+    let matrix = Mat::from_fn(gaps.len(), gaps.len(), |i, j| dot(gaps[i].row, &gaps[j].answer));
+    let right = Mat::from_fn(gaps.len(), 1, |i, _| -dot(gaps[i].row, coefficients));
     let widths = matrix.llt(Side::Lower).ok()?.solve(&right);
     Some((0..gaps.len()).map(|i| widths[(i, 0)]).collect())
 }
