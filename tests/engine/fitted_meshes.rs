@@ -240,6 +240,26 @@ fn press_fits_of_blocks_are_those_of_plain_meshes() {
     assert!(count == 390 && open > 150 && aside > 6 && 4 * faint < open && asymmetric > 4);
 }
 
+/// Ligaments of 6 % of the radius on both sides and in front yield so much that the overlap alone opens the contact.
+#[test]
+fn a_block_may_be_open_at_rest() {
+    let mut joint = lug(-OVERLAP);
+    joint.plate.parameters = [1.06, 1.06, 6.0];
+    let meshes = [40, 80].map(|columns| Nodal::new(&joint, columns));
+    assert!(meshes[1].at(0.0).active.contains(&false));
+    let found = steps(&joint, MethodChoice::Auto, 1e-3, &loads());
+    let at_rest = answered(&found[0]);
+    assert!(at_rest.force.abs() < 1e-7 * at_rest.tangent_stiffness * OVERLAP, "{}", at_rest.force);
+    for (offset, found) in OFFSETS.iter().zip(&found).skip(1) {
+        let found = answered(found);
+        let [coarse, fine] =
+            meshes.each_ref().map(|mesh| mesh.joint.force(&mesh.at(offset * OVERLAP).forces));
+        let (error, change) = ((found.force / fine - 1.0).abs(), (fine / coarse - 1.0).abs());
+        println!("{offset}: {error:.1e}, said {:.1e}, of the mesh {change:.1e}", found.force_error);
+        assert!(error < found.force_error + change && found.force_error < 0.03, "{offset}: {error:e}");
+    }
+}
+
 /// Thin ligaments, and materials up to those that are nearly incompressible, held against finer meshes.
 #[test]
 fn what_is_said_of_press_fits_of_blocks_bounds_their_error() {

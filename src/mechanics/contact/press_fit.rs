@@ -50,7 +50,7 @@ impl ContactCurve<'_> {
             return vec![Err(NoState::BrokenCompliance); loads.len()];
         };
         let overlap = -self.outlines.radial_clearance;
-        let (opening, rest) = (self.opening_of(&ring), ring.rest());
+        let (opening, rest) = (self.opening_of(&ring), ring.rest);
         // e/|dR| from where the joint is at rest.
         let offset = |load: &DimensionlessLoad| match *load {
             DimensionlessLoad::Indentation(delta) => delta / overlap - 1.0,
@@ -107,7 +107,7 @@ impl ContactCurve<'_> {
     }
 
     fn opening_of(&self, ring: &WholeRing) -> f64 {
-        let at_far_side = 1.0 / (self.states.indentation(0) - 1.0) - ring.rest();
+        let at_far_side = 1.0 / (self.states.indentation(0) - 1.0) - ring.rest;
         if !self.is_coupled() {
             return at_far_side;
         }
@@ -146,7 +146,7 @@ impl ContactCurve<'_> {
             if self.is_coupled() { state.pressure.greatest() } else { at_load_line() };
         ContactState {
             half_angle: state.half_angle,
-            indentation: 1.0 + (state.offset - ring.rest()),
+            indentation: 1.0 + (state.offset - ring.rest),
             force: state.force,
             tangent_stiffness: state.stiffness,
             energy: state.energy,
@@ -163,8 +163,8 @@ impl ContactCurve<'_> {
         let ring = WholeRing::of(self)?;
         let offset = state.indentation - 1.0;
         let found = match offset <= self.opening_of(&ring) {
-            true => ring.closed(ring.rest() + offset),
-            false => ring.open(ring.rest() + offset)?,
+            true => ring.closed(ring.rest + offset),
+            false => ring.open(ring.rest + offset)?,
         };
         Some(found.pressure)
     }

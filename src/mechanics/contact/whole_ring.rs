@@ -7,7 +7,7 @@
 //!   A c = b_1 + e b_c,    c = c_1 + e c_c,    F = 2 b_c.c = 2 (b_c.c_1 + e b_c.c_c),    U = (b_1 + e b_c).c.
 //! ```
 //!
-//! A body that is not concentric is pushed aside by the overlap alone: F is zero at a certain e, where the joint is at rest. The
+//! A body that is not concentric is pushed aside by the overlap alone: F is zero at a certain e, where the joint is at rest, open or closed. The
 //! offset of a press fit is counted from there. Modes of concentric bodies do not couple: b_c.c_1 is zero, at rest they are concentric, and
 //! with the compliance lambda_n of both bodies to cos(n phi)
 //!
@@ -43,6 +43,8 @@ pub(super) struct WholeRing<'a> {
     /// c_1 and c_c.
     of_overlap: Vec<f64>,
     of_offset: Vec<f64>,
+    /// Where there is no force, whether the contact is closed there or not.
+    pub rest: f64,
 }
 
 /// A state of it.
@@ -69,7 +71,7 @@ const MOST_TRIED: usize = 4;
 /// Steps of a search for the offset at most.
 const MOST_STEPS: usize = 50;
 
-/// Where it ends: the force that is left, relative. `TENSION` leaves less.
+/// Where it ends: the offset that is left, by the stiffness of the closed contact.
 const TOLERANCE: f64 = 1e-9;
 
 impl<'a> WholeRing<'a> {
@@ -81,7 +83,12 @@ impl<'a> WholeRing<'a> {
         let column = |place, times: f64| (0..terms).map(|k| times * inverse[(k, place)]).collect();
         // On the whole ring cos(phi) is -cos(2 tau).
         let (of_overlap, of_offset) = (column(0, FRAC_PI_2), column(1, -FRAC_PI_4));
-        Some(WholeRing { places: &curve.space.around, of_overlap, of_offset, inverse })
+        let mut ring = WholeRing { places: &curve.space.around, of_overlap, of_offset, inverse, rest: 0.0 };
+        ring.rest = ring.rest_of_closed();
+        if curve.is_coupled() && ring.opening() < 0.0 {
+            ring.rest = ring.under_force(0.0, ring.rest)?.offset;
+        }
+        Some(ring)
     }
 
     /// dF/de of the contact that is closed all around.
@@ -89,15 +96,15 @@ impl<'a> WholeRing<'a> {
         force(&self.of_offset)
     }
 
-    /// Where there is no force.
-    pub(super) fn rest(&self) -> f64 {
+    /// Where there is no force as long as the contact is closed all around.
+    fn rest_of_closed(&self) -> f64 {
         -force(&self.of_overlap) / self.stiffness()
     }
 
     /// Of the contact that is closed all around, at an offset.
     pub(super) fn closed(&self, offset: f64) -> RingState {
         let coefficients = self.closed_coefficients(offset);
-        let force = (offset - self.rest()) * self.stiffness();
+        let force = (offset - self.rest_of_closed()) * self.stiffness();
         RingState { force, ..self.state(offset, coefficients, self.stiffness()) }
     }
 
@@ -114,7 +121,7 @@ impl<'a> WholeRing<'a> {
 
     /// The offset, from where the joint is at rest, at which the pressure that is closed all around ends first; below zero where it does so at rest.
     pub(super) fn opening(&self) -> f64 {
-        let at_rest = self.closed_coefficients(self.rest());
+        let at_rest = self.closed_coefficients(self.rest_of_closed());
         let ends = |(_, row): &(f64, Vec<f64>)| {
             let (pressure, slope) = (dot(row, &at_rest), dot(row, &self.of_offset));
             match slope < 0.0 {
@@ -168,12 +175,12 @@ impl<'a> WholeRing<'a> {
         Gap { place, row, answer: (0..row.len()).map(answer).collect(), width: 0.0 }
     }
 
-    /// The same under a force, from an offset that is too small on: forces grow ever less with it, so that Newton's steps end short of it.
+    /// The same under a force, from an offset on: forces grow ever less with it, so that after the first of Newton's steps all end short of it.
     pub(super) fn under_force(&self, wanted: f64, least: f64) -> Option<RingState> {
         let mut state = self.open(least)?;
         for _ in 0..MOST_STEPS {
             let left = wanted - state.force;
-            if left.abs() <= TOLERANCE * wanted {
+            if left.abs() <= TOLERANCE * self.stiffness() {
                 return Some(state);
             }
             state = self.open(state.offset + left / state.stiffness)?;
