@@ -2,13 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::curve::ContactCurve;
-use super::state::ContactState;
 use crate::mechanics::compliance::arc::ArcMap;
-use crate::mechanics::real::{Lanes, Real};
-
-/// Nodes around a state that its trial pressures are interpolated between.
-const AROUND: usize = 6;
 
 /// Places per trial pressure among which the greatest pressure is looked for: the fastest wave has a dozen a period.
 const PLACES_PER_TERM: usize = 6;
@@ -22,56 +16,18 @@ pub struct ArcPressure {
     coefficients: Vec<f64>,
 }
 
-impl ContactCurve<'_> {
-    /// Of a state of this curve, with the node at or above it.
-    pub fn pressure(&self, state: &ContactState, above: usize) -> ArcPressure {
-        let map = self.space.map();
-        if state.on_whole_ring {
-            // A state that was found has a pressure; a table would tell what is no number.
-            return self.pressure_of_ring(state).unwrap_or(ArcPressure::of_whole_ring(vec![f64::NAN]));
-        }
-        let b = map.of_half(state.half_angle);
-        let place_of = |b: f64| self.space.place(Lanes::<false>::from_f64(b)).0[0];
-        let wanted = place_of(self.outlines.ratio() * b);
-        let count = self.space.arcs().len();
-        let from = (above + 1).saturating_sub(AROUND / 2).max(self.first).min(count.saturating_sub(AROUND));
-        let nodes = from..(from + AROUND).min(count);
-        let place = |node: usize| place_of(self.space.arcs()[node].b);
-        let weight = |node: usize| -> f64 {
-            let others = nodes.clone().filter(|other| *other != node);
-            others.map(|other| (wanted - place(other)) / (place(node) - place(other))).product()
-        };
-        let terms = self.space.pressures.terms;
-        let mut coefficients = vec![0.0; terms];
-        for node in nodes.clone() {
-            let weight = weight(node);
-            for (k, sum) in coefficients.iter_mut().enumerate() {
-                *sum += weight * self.states.coefficient(terms, node, k);
-            }
-        }
-        let mut pressure = ArcPressure { map, b, coefficients };
-        // What interpolation leaves is taken out at the load line, where the pressure is known.
-        let scale = state.peak_pressure / pressure.at(0.0);
-        pressure.coefficients.iter_mut().for_each(|value| *value *= scale);
-        pressure
-    }
-}
-
-impl ContactCurve<'_> {
-    /// A state with its greatest pressure, which a stiff layer on a soft one has beside the load line. What the whole ring tells has it.
-    pub fn peaked(&self, state: ContactState, above: usize) -> ContactState {
-        if state.on_whole_ring {
-            return state;
-        }
-        let (peak_angle, peak_pressure) = self.pressure(&state, above).greatest();
-        ContactState { peak_angle, peak_pressure, ..state }
-    }
-}
-
 impl ArcPressure {
     /// Of a contact that is closed all around, by its trial pressures.
     pub(super) fn of_whole_ring(coefficients: Vec<f64>) -> ArcPressure {
         ArcPressure { map: ArcMap::Sine, b: 1.0, coefficients }
+    }
+
+    /// Of a contact that ends at `b`, by the pressure at the load line and the trial pressures up to a factor.
+    pub(super) fn with_peak(map: ArcMap, b: f64, coefficients: Vec<f64>, peak: f64) -> ArcPressure {
+        let mut pressure = ArcPressure { map, b, coefficients };
+        let scale = peak / pressure.at(0.0);
+        pressure.coefficients.iter_mut().for_each(|value| *value *= scale);
+        pressure
     }
 
     /// Angles all around the ring, the load line and the far side among them, as many as tell a pressure between them, with what each trial
