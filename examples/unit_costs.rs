@@ -186,13 +186,13 @@ fn made(key: SpaceKey) -> CurveSpace {
 fn in_modes(count: usize) -> BodyCompliance {
     let modes = || (0..=count).map(|n| 1e-3 * n as f64).collect();
     let boundary = Boundary::Modes { normal: modes(), along: modes() };
-    BodyCompliance { even: 1.0, odd: 0.3, boundary, second: Vec::new() }
+    BodyCompliance { even: 1.0, odd: 0.3, bed: 0.0, boundary, second: Vec::new() }
 }
 
 fn in_ring_modes(count: usize) -> BodyCompliance {
     let works = vec![1e-3; count * (count + 1)];
     let boundary = Boundary::RingModes(RingModes::whole(5, count), works);
-    BodyCompliance { even: 1.0, odd: 0.3, boundary, second: Vec::new() }
+    BodyCompliance { even: 1.0, odd: 0.3, bed: 0.0, boundary, second: Vec::new() }
 }
 
 /// Pressure spaces, with what bodies need in them.

@@ -61,7 +61,7 @@ fn judged_bodies<'a>(
         }
         let (compliance, share) = (&*solved.compliance, 1.0 / part.contact_material().youngs_modulus);
         let source = match (request.fidelity, plan.coarser(request)) {
-            (Fidelity::Series, _) if matches!(compliance.boundary, Boundary::Bed(_)) => ErrorSource::Bed,
+            (Fidelity::Series, _) if matches!(compliance.boundary, Boundary::Nothing) => ErrorSource::Bed,
             (Fidelity::Series, _) => ErrorSource::Exact,
             (Fidelity::Mesh { .. }, Some(coarser)) => {
                 let coarse = &*library.solved(&coarser).compliance;

@@ -95,7 +95,10 @@ impl JointPlan {
             Want::MoreNodes if self.estimate != Estimate::Exact && self.space.nodes >= NODES_OF_NOISE => {
                 self.finer().or(in_space(self.space.with_more_nodes()))
             }
-            Want::MoreNodes => in_space(self.space.with_more_nodes()).or_else(|| self.finer()),
+            // Functions of few trial pressures may be rougher than those of more.
+            Want::MoreNodes => in_space(self.space.with_more_nodes())
+                .or_else(|| self.finer())
+                .or_else(|| in_space(self.space.with_more_terms())),
             // No mesh there is makes up for what is held back of it.
             Want::FinerMesh if self.estimate == Estimate::Change(Trust::SqueezedFilm) => None,
             Want::FinerMesh => self.finer(),

@@ -31,15 +31,15 @@ fn solved(joint: JointDesign, method: MethodChoice, accuracy: f64, load: Load) -
     Ladder::new(Options { accuracy, method }).solve(&[case]).remove(0).steps[0].clone()
 }
 
-/// Coatings of a hundredth down to a ten-thousandth of the radius, softer and stiffer than what they lie on, against references with
-/// all modes: what is said of them holds, and where nothing is said they are right.
+/// Coatings of a hundredth down to a thirty-thousandth of the radius, from rubber to what is stiffer than what they lie on, against references
+/// with all modes: what is said of them holds, and where nothing is said they are right.
 #[test]
 fn thin_layers_are_right_or_say_so() {
     let mut random = Random::new(181);
-    let (mut compared, mut bounded, mut worst_met, mut worst_peak) = (0, 0, 0.0_f64, 0.0_f64);
-    for _ in 0..40 {
-        let thickness = random.log(1e-4, 1e-2);
-        let modulus = 210e3 * random.log(0.01, 10.0);
+    let (mut compared, mut bounded, mut met, mut worst_met, mut worst_peak) = (0, 0, 0, 0.0_f64, 0.0_f64);
+    for _ in 0..60 {
+        let thickness = random.log(3e-5, 1e-2);
+        let modulus = 210e3 * random.log(1e-4, 10.0);
         let poissons_ratio = random.linear(0.0, 0.45);
         let beyond = Beyond { radius_ratio: 1.0 + thickness, youngs_modulus: 210e3, poissons_ratio: 0.3 };
         let steel = |fixed_radius_ratio| Ring {
@@ -65,6 +65,7 @@ fn thin_layers_are_right_or_say_so() {
         compared += 1;
         bounded += usize::from(off <= response.force_error);
         if response.force_error <= 1e-3 {
+            met += 1;
             worst_met = worst_met.max(off);
             // At the load line, where a thin coating presses most.
             let peak = response.peak_pressure.unwrap() / state.peak_pressure - 1.0;
@@ -73,9 +74,10 @@ fn thin_layers_are_right_or_say_so() {
         }
     }
     println!(
-        "{bounded} of {compared} bounded; worst of those that need no warning {worst_met:.1e}, peak {worst_peak:.1e}"
+        "{bounded} of {compared} bounded, {met} at the accuracy asked; worst of these {worst_met:.1e}, peak {worst_peak:.1e}"
     );
-    assert!(compared == 40 && 100 * bounded >= 95 * compared, "{bounded} of {compared}");
+    assert!(compared == 60 && 100 * bounded >= 95 * compared, "{bounded} of {compared}");
+    assert!(met >= 48, "{met} of {compared}");
     assert!(worst_met > 0.0 && worst_met < 1e-3, "{worst_met:e}");
 }
 

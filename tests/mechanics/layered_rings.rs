@@ -8,8 +8,9 @@
 //! ```
 
 use crate::common::random::Random;
+use crate::common::stepped_ring::{Beyond, Ring};
 use jointsweep::internals::mechanics::body::lining::{Interface, Lining};
-use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
+use jointsweep::internals::mechanics::compliance::series::{ConcentricBody, Infinite};
 use jointsweep::internals::mechanics::material::Idealization;
 
 /// U, V, S, T.
@@ -82,14 +83,16 @@ fn integrated(body: &ConcentricBody, n: usize) -> [f64; 2] {
 /// The same by `series`.
 fn by_modes(body: &ConcentricBody, n: usize) -> [f64; 2] {
     let [normal, along] = body.boundary_modes();
+    let Infinite { even, odd, bed } = body.infinite();
+    let (m, is_plate) = (n as f64, body.fixed_radius_ratio > 1.0);
     let far = match n {
-        0 => return [2.0 * normal[0], 0.0],
-        1 => [body.amplitude(), 0.0],
+        0 => return [2.0 * normal[0] + bed, 0.0],
+        1 => [even, 0.0],
         _ => {
-            [body.far_mode(n), if body.fixed_radius_ratio > 1.0 { f64::NAN } else { body.far_mode_along(n) }]
+            [even * m + odd, if is_plate { f64::NAN } else { even + odd * m }].map(|far| far / (m * m - 1.0))
         }
     };
-    [normal[n] + far[0], along[n] + far[1]]
+    [normal[n] + far[0] + bed, along[n] + far[1]]
 }
 
 fn drawn(random: &mut Random, side: usize) -> ConcentricBody {
@@ -132,6 +135,48 @@ fn modes_are_those_of_the_radial_equations() {
     println!("{compared} amplitudes, worst {worst:e}");
     // Of plates what is along the ring is compared in modes 0 and 1.
     assert_eq!(compared, 12 * 14 + 12 * 9);
+}
+
+/// Films too thin for all modes are a bed on what lies beyond them, alone or on another layer: the modes that there are stay what they are.
+#[test]
+fn modes_of_films_are_those_of_rings_that_are_stepped_through() {
+    let mut random = Random::new(20);
+    let (mut compared, mut on_beds, mut worst) = (0, 0, 0.0_f64);
+    for draw in 0..40 {
+        let idealization = Idealization::ALL[draw / 2 % 2];
+        let outwards = if draw % 2 == 0 { 1.0 } else { -1.0 };
+        let thickness = random.log(3e-5, 2e-3);
+        let mut interface = |radius_ratio: f64| Interface {
+            radius_ratio,
+            modulus_ratio: random.log(10.0, 1000.0),
+            poissons_ratio: random.linear(0.0, 0.45),
+        };
+        let mut interfaces = vec![interface(1.0 + outwards * thickness)];
+        if draw % 3 == 0 {
+            interfaces.push(interface(1.0 + outwards * 0.1));
+        }
+        let poissons_ratio = random.linear(0.0, 0.49);
+        let beyond = interfaces.iter().map(|one| Beyond {
+            radius_ratio: one.radius_ratio,
+            youngs_modulus: one.modulus_ratio,
+            poissons_ratio: one.poissons_ratio,
+        });
+        let beyond: &[Beyond] = beyond.collect::<Vec<_>>().leak();
+        let fixed_radius_ratio = if draw % 2 == 0 { 2.5 } else { 0.3 };
+        let ring = Ring { fixed_radius_ratio, youngs_modulus: 1.0, poissons_ratio, idealization, beyond };
+        let lining = Lining::new(interfaces);
+        let body = ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization, lining };
+        on_beds += usize::from(body.infinite().bed > 0.0);
+        for n in [0, 1, 2, 9, 60, 400, 1500] {
+            let (exact, found) = (ring.mode(n), by_modes(&body, n)[0]);
+            let off = (found / exact - 1.0).abs();
+            assert!(off < 1e-8, "{body:?} {n}: {found} {exact}");
+            worst = worst.max(off);
+            compared += 1;
+        }
+    }
+    println!("{compared} amplitudes of 40 bodies, {on_beds} with beds, worst {worst:e}");
+    assert!(compared == 280 && on_beds >= 30, "{compared} {on_beds}");
 }
 
 /// A body that is cut into layers of its own material is the bare one.

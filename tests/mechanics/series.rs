@@ -4,15 +4,18 @@ use crate::common::greatest::greatest;
 use crate::common::random::Random;
 use crate::common::stepped_ring::Ring;
 use jointsweep::internals::mechanics::body::Side;
-use jointsweep::internals::mechanics::compliance::arc::packed_count;
-use jointsweep::internals::mechanics::compliance::pressure_space::Tilt;
+use jointsweep::internals::mechanics::compliance::arc::{ContactArc, packed_count};
+use jointsweep::internals::mechanics::compliance::pressure_space::{PressureSpace, Tilt};
 use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
+use jointsweep::internals::mechanics::compliance::{BodyCompliance, Boundary};
 use jointsweep::internals::mechanics::contact::curve::ContactCurve;
 use jointsweep::internals::mechanics::contact::curve_space::{CurveSpace, Variable};
 use jointsweep::internals::mechanics::contact::load::DimensionlessLoad;
 use jointsweep::internals::mechanics::contact::outlines::Outlines;
 use jointsweep::internals::mechanics::contact::state::ContactState;
 use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::real::LANES;
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 /// A pin and a plate with the plate's modulus over the pin's, and delta/dR.
 struct Joint {
@@ -213,4 +216,38 @@ fn a_broken_compliance_has_no_curve() {
             }
         }
     }
+}
+
+/// High modes on the widest arcs, where tan(phi/2) runs faster near the edge than in the mean, against a rule of many more points.
+#[test]
+fn high_modes_are_integrated_on_wide_arcs() {
+    let mut compared = 0;
+    for half_angle in [0.3, 1.5, 2.2, 2.3, 2.35, 2.4] {
+        let arc = ContactArc::new(half_angle);
+        let mut space = PressureSpace::new(6, vec![arc; LANES]);
+        for mode in [20, 300, 700, 1100, 1499] {
+            let mut normal = vec![0.0; mode + 1];
+            normal[mode] = 1.0;
+            let boundary = Boundary::Modes { normal, along: Vec::new() };
+            let body = BodyCompliance { even: 0.0, odd: 0.0, bed: 0.0, boundary, second: Vec::new() };
+            space.prepare(&body);
+            let found = space.joint(&[(&body, 1.0)], Tilt::NONE);
+            // p_0 d(phi) = d(tau).
+            const POINTS: usize = 20_000;
+            let step = FRAC_PI_2 / POINTS as f64;
+            let at = |i: usize| {
+                let angle = 2.0 * (arc.b * ((i as f64 + 0.5) * step).cos()).atan();
+                step * (mode as f64 * angle).cos()
+            };
+            let moment: f64 = (0..POINTS).map(at).sum();
+            let exact = FRAC_2_PI * moment * moment;
+            assert!(
+                (found.values[0] - exact).abs() < 1e-12,
+                "{half_angle} {mode}: {} {exact}",
+                found.values[0]
+            );
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 30);
 }

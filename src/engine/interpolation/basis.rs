@@ -84,6 +84,6 @@ impl Basis {
             }
             First::RingModes(modes) => Boundary::RingModes(modes, first.to_vec()),
         };
-        BodyCompliance { even, odd, boundary, second: second.as_chunks().0.to_vec() }
+        BodyCompliance { even, odd, bed: 0.0, boundary, second: second.as_chunks().0.to_vec() }
     }
 }

@@ -134,8 +134,13 @@ impl Family {
 impl FittedFamily {
     /// Makes what joints in these spaces need.
     pub fn prepare(&mut self, keys: impl Iterator<Item = SpaceKey>, spaces: &mut Spaces) {
-        let infinite =
-            |even, odd| BodyCompliance { even, odd, boundary: Boundary::Bed(0.0), second: Vec::new() };
+        let infinite = |even, odd| BodyCompliance {
+            even,
+            odd,
+            bed: 0.0,
+            boundary: Boundary::Nothing,
+            second: Vec::new(),
+        };
         let member = |numbers| self.basis.compliance([0.0; 2], numbers);
         let unit: Vec<BodyCompliance> = [infinite(1.0, 0.0), infinite(0.0, 1.0)]
             .into_iter()

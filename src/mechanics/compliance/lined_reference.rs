@@ -16,7 +16,7 @@
 use super::lane_condensation::CondensationPlan;
 use super::near_field::{DEEPEST_REFERENCE, LoadedRing, end_angle, whole_ring};
 use super::ring_modes::RingModes;
-use super::series::ConcentricBody;
+use super::series::{ConcentricBody, Infinite};
 use super::{BodyCompliance, Boundary};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
 use crate::mechanics::grading::GradingClass;
@@ -61,14 +61,15 @@ impl LinedReference {
     /// The compliance of the body by its condensed works and those of this reference.
     pub fn compliance(&self, body: &Body, mut works: Vec<f64>, own_works: &[f64]) -> BodyCompliance {
         works.iter_mut().zip(own_works).for_each(|(work, own)| *work -= own);
-        let exact = ConcentricBody::of(&self.body).map(|reference| reference.boundary_modes());
-        let [normal, mut along] = exact.unwrap_or_default();
+        let Some(reference) = ConcentricBody::of(&self.body) else {
+            unreachable!("a reference is concentric")
+        };
+        let [normal, mut along] = reference.boundary_modes();
         if body.shape.side == Side::Plate {
             along.clear();
         }
-        BodyCompliance::new(
-            body,
-            Boundary::BesideModes { normal, along, modes: RingModes::of(&self.class), works },
-        )
+        let boundary = Boundary::BesideModes { normal, along, modes: RingModes::of(&self.class), works };
+        let Infinite { even, odd, bed } = reference.infinite();
+        BodyCompliance { even, odd, bed, ..BodyCompliance::new(body, boundary) }
     }
 }

@@ -34,7 +34,7 @@ pub struct RingCompliance {
 
 /// How the ring of a body yields under normal pressure, for Young's modulus 1 and ring radius 1: as that of an infinite body,
 /// whose normal displacement under cos(n phi) is `even` n/(n^2 - 1) + `odd`/(n^2 - 1), and that along the ring, of a disc,
-/// `even`/(n^2 - 1) + `odd` n/(n^2 - 1) times sin(n phi); plus what its boundary changes.
+/// `even`/(n^2 - 1) + `odd` n/(n^2 - 1) times sin(n phi); plus `bed` at each place; plus what its boundary changes.
 ///
 /// A pin is not pressed along its own normal but along the hole's (`contact::outlines`). What that changes of its compliance
 /// is told per unit of tilt, and to second order per unit of the clearance ratio squared.
@@ -44,6 +44,9 @@ pub struct BodyCompliance {
     pub even: f64,
     /// c (kappa - 1)/(kappa + 1), positive for a hole and negative for a disc.
     pub odd: f64,
+    /// What is so thin that each place of it yields by itself, a Winkler bed: displacement per unit pressure. A thin wall is nothing
+    /// else, thin soft layers lie on what is infinite.
+    pub bed: f64,
     pub boundary: Boundary,
     /// Of a concentric pin that is no bed: what its boundary adds to second order (`second_order`).
     pub second: Vec<Bands>,
@@ -52,8 +55,8 @@ pub struct BodyCompliance {
 /// What its boundary changes of a body's compliance.
 #[derive(Clone, Debug)]
 pub enum Boundary {
-    /// Everything: a wall so thin that it yields like a Winkler bed, by so much per unit pressure.
-    Bed(f64),
+    /// Nothing: of a wall that is a bed.
+    Nothing,
     /// Of a concentric body: the displacement under cos(n phi), n = 0, 1, ...; half of it for n = 0. Of a pin also the amplitude
     /// of what is along the ring, sin(n phi).
     Modes { normal: Vec<f64>, along: Vec<f64> },
@@ -64,18 +67,13 @@ pub enum Boundary {
 }
 
 impl Boundary {
-    /// Of a bed.
-    pub fn bed(&self) -> Option<f64> {
-        if let Boundary::Bed(compliance) = self { Some(*compliance) } else { None }
-    }
-
     /// Normal and along the ring, of what concentric circles change.
     pub fn modes(&self) -> Option<[&[f64]; 2]> {
         match self {
             Boundary::Modes { normal, along } | Boundary::BesideModes { normal, along, .. } => {
                 Some([normal, along])
             }
-            Boundary::Bed(_) | Boundary::RingModes(..) => None,
+            Boundary::Nothing | Boundary::RingModes(..) => None,
         }
     }
 
@@ -85,7 +83,7 @@ impl Boundary {
             Boundary::RingModes(modes, works) | Boundary::BesideModes { modes, works, .. } => {
                 Some((modes, works))
             }
-            Boundary::Bed(_) | Boundary::Modes { .. } => None,
+            Boundary::Nothing | Boundary::Modes { .. } => None,
         }
     }
 
@@ -93,7 +91,7 @@ impl Boundary {
     fn values(&self) -> impl Iterator<Item = f64> {
         let modes = self.modes().into_iter().flatten().flatten();
         let works = self.ring_modes().into_iter().flat_map(|(_, works)| works);
-        self.bed().into_iter().chain(modes.chain(works).copied())
+        modes.chain(works).copied()
     }
 }
 
@@ -103,12 +101,13 @@ impl BodyCompliance {
         let [even, odd] = infinite(body);
         let concentric = ConcentricBody::of(body).filter(|_| body.shape.side == Side::Pin);
         let second = concentric.map_or_else(Vec::new, |body| body.second_order());
-        BodyCompliance { even, odd, boundary, second }
+        BodyCompliance { even, odd, bed: 0.0, boundary, second }
     }
 
     pub fn is_finite(&self) -> bool {
         let second = self.second.as_flattened().iter().copied();
-        [self.even, self.odd].into_iter().chain(self.boundary.values()).chain(second).all(f64::is_finite)
+        let own = [self.even, self.odd, self.bed].into_iter();
+        own.chain(self.boundary.values()).chain(second).all(f64::is_finite)
     }
 
     /// What it takes, in bytes, with what keeps it.

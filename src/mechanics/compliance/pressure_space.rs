@@ -149,8 +149,8 @@ impl PressureSpace {
     /// tilt. Every body was prepared for.
     pub fn joint(&self, bodies: &[(&BodyCompliance, f64)], tilt: Tilt) -> JointCompliance<'static> {
         let sum = |of: fn(&BodyCompliance) -> f64| bodies.iter().map(|(body, share)| share * of(body)).sum();
-        let bed_of = |body: &BodyCompliance| body.boundary.bed().unwrap_or(0.0);
-        let (even, odd, bed): (f64, f64, f64) = (sum(|body| body.even), sum(|body| body.odd), sum(bed_of));
+        let (even, odd, bed): (f64, f64, f64) =
+            (sum(|body| body.even), sum(|body| body.odd), sum(|body| body.bed));
         let mut values: Vec<f64> =
             self.even.iter().zip(&self.odd).map(|(own, other)| even * own + odd * other).collect();
         let added = [
@@ -247,9 +247,10 @@ impl WithSimd for ModeMoments<'_> {
         let mut sums = [[0.0; BLOCK]; MAX_TERMS];
         let mut waves = [0.0; BLOCK];
         // The integrand is analytic and has period pi in tau, so the midpoint rule converges exponentially once it
-        // resolves the fastest wave, which has n eps/2 periods.
+        // resolves the fastest wave. A mode n has n eps/2 periods of phi in all, and where tan(phi/2) = b cos(tau) is steepest, at the edge
+        // of the arc, as many as n b/2 in the place of that; and what is faster fades out.
         let fastest = (first + BLOCK) as f64;
-        let points = 24 + terms + (0.5 * fastest * arc.half_angle) as usize;
+        let points = 24 + terms + (0.5 * fastest * arc.half_angle.max(FADED * arc.b)) as usize;
         let weight = FRAC_PI_2 / points as f64;
         for i in 0..points {
             let tau = (i as f64 + 0.5) * weight;
@@ -282,6 +283,9 @@ impl WithSimd for ModeMoments<'_> {
         }
     }
 }
+
+/// Waves so much faster than the fastest have faded out.
+const FADED: f64 = 1.1;
 
 /// Modes whose waves follow from those as many before.
 const TOGETHER: usize = 8;

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 use super::layered_ring::{Fields, Layer, Matrix, ZERO, apply, inverse, product};
 use super::second_order::{Bands, bands};
-use super::thin_wall::bed_compliance;
+use super::thin_wall::{bed_compliance, strip_error};
 use super::{BodyCompliance, Boundary};
 use crate::mechanics::body::lining::{Interface, Lining};
 use crate::mechanics::body::{Body, Side, THINNEST_RING};
@@ -40,6 +40,12 @@ const NEGLIGIBLE_BEYOND: f64 = 1e-7;
 /// No more modes than these: of layers that are thinner than waves so short, `left_out` tells what that leaves.
 const MOST_MODES: usize = 1500;
 
+/// A layer that takes up more of the waves beyond all modes than this, over what the body does, is taken for a bed.
+const TOO_SOFT: f64 = 2.0;
+
+/// So many times its inverse depth of modes resolve a layer.
+const RESOLVED: f64 = 5.0;
+
 /// The same of what counts by the clearance ratio squared.
 const NEGLIGIBLE_SECOND: f64 = 1e-3;
 
@@ -47,6 +53,20 @@ const NEGLIGIBLE_SECOND: f64 = 1e-3;
 type Stress = [f64; 2];
 const PRESSURE: Stress = [-1.0, 0.0];
 const SHEAR: Stress = [0.0, 1.0];
+
+/// What the modes of a body are told from, as `BodyCompliance` has it.
+#[derive(Clone, Copy, Debug)]
+pub struct Infinite {
+    pub even: f64,
+    pub odd: f64,
+    pub bed: f64,
+}
+
+/// First layers that are taken for a bed, and the material beyond them.
+struct Film {
+    bed: f64,
+    beyond: Layer,
+}
 
 impl ConcentricBody {
     /// `None` where no concentric circle bounds the body.
@@ -131,7 +151,56 @@ impl ConcentricBody {
 
     /// c, the amplitude of the logarithmic kernel, for Young's modulus 1: 2/E'.
     pub fn amplitude(&self) -> f64 {
-        (self.kolosov() + 1.0) / (2.0 * self.twice_shear_modulus())
+        amplitude(&self.near_layer())
+    }
+
+    /// The infinite body that the modes are told from, of the material at the ring; of first layers that are a bed that of the material
+    /// beyond them.
+    pub fn infinite(&self) -> Infinite {
+        let film = self.film();
+        let layer = film.as_ref().map_or_else(|| self.near_layer(), |film| film.beyond);
+        let (even, kappa) = (amplitude(&layer), layer.kolosov);
+        let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
+        let odd = sign * even * (kappa - 1.0) / (kappa + 1.0);
+        Infinite { even, odd, bed: film.map_or(0.0, |film| film.bed) }
+    }
+
+    /// First layers so thin and soft that they are no bodies to the waves of any mode. As a bed they yield by what the highest mode finds
+    /// of them, so that nothing jumps where modes end.
+    fn film(&self) -> Option<Film> {
+        if !self.is_cut() || self.taken_up() < TOO_SOFT {
+            return None;
+        }
+        let interfaces = self.lining.list();
+        let is_resolved = |place: &usize| {
+            let end = interfaces.get(place + 1).map_or(self.fixed_radius_ratio, |next| next.radius_ratio);
+            end.ln().abs() * MOST_MODES as f64 > RESOLVED
+        };
+        let place = (0..interfaces.len()).find(is_resolved)?;
+        let beyond = self.layers()[place + 1];
+        let own = self.finite_part(MOST_MODES, PRESSURE)[0]
+            + self.alone(&self.near_layer(), MOST_MODES, PRESSURE)[0];
+        let bed = own - self.alone(&beyond, MOST_MODES, PRESSURE)[0];
+        (bed > 0.0).then_some(Film { bed, beyond })
+    }
+
+    /// What mode n, 1 and above, of an infinite body of a material has less than that of another; of mode 1 what `infinite_body` takes it for.
+    fn difference(&self, [less, more]: [&Layer; 2], n: usize, stress: Stress) -> [f64; 2] {
+        if n == 1 {
+            let own = amplitude(more) - amplitude(less);
+            return if stress == PRESSURE { [own, 0.0] } else { [0.0, own] };
+        }
+        let [less, more] = [less, more].map(|layer| self.alone(layer, n, stress));
+        [more[0] - less[0], more[1] - less[1]]
+    }
+
+    /// Mode n, 2 and above, of an infinite body of a material.
+    fn alone(&self, layer: &Layer, n: usize, stress: Stress) -> [f64; 2] {
+        let [rising, falling] = Fields::rising_and_falling(layer.kolosov, n as f64, 1.0);
+        let fields = if self.side() == Side::Plate { falling } else { rising };
+        let [radial, along] = apply(fields.displacements, apply(inverse(fields.stresses), stress));
+        let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
+        [sign * radial / layer.twice_shear_modulus, along / layer.twice_shear_modulus]
     }
 
     /// lambda_n, and the amplitude of the displacement along the ring, u_phi = along sin(n phi), or those under shear, each less that of the same body with
@@ -279,7 +348,24 @@ impl ConcentricBody {
     ///
     /// The pressure's share of mode n is (4/pi) (n eps)^-3, so that all beyond N have 4/(3 pi) (N eps)^-3 of the work of the first; what
     /// lies beyond a layer of depth d counts there like (1 + (n d)^2) exp(-2 n d).
+    ///
+    /// Where the layer is a bed, all beyond N that it yields too much is less than 0.4 (N eps)^-2 of its work under the pressure
+    /// of Hertz; and what a thin bed is wrong by (`thin_wall`).
     pub fn left_out(&self, half_angle: f64) -> f64 {
+        let reach = 0.5 * MOST_MODES as f64 * half_angle;
+        if self.film().is_some() {
+            let depth = self.lining.list()[0].radius_ratio.ln().abs();
+            return (0.1 * reach.powi(-2)).min(strip_error(
+                self.poissons_ratio,
+                self.idealization,
+                depth / half_angle,
+            ));
+        }
+        4.0 / (3.0 * PI) * self.taken_up() * reach.max(1.0).powi(-3)
+    }
+
+    /// What the material at the ring takes up of the waves beyond all modes, over what the whole body does of long ones, at most.
+    fn taken_up(&self) -> f64 {
         let Some(beyond) = self.lining.list().first() else { return 0.0 };
         let compliance = |ratio: f64| 1.0 / self.idealization.plane_modulus_ratio(ratio);
         // A layer that is softer than what it lies on has more compliance of its own than the whole.
@@ -288,26 +374,29 @@ impl ConcentricBody {
         let highest = 0.5 * MOST_MODES as f64;
         let depth = highest * beyond.radius_ratio.ln().abs();
         let felt = ((1.0 + depth * depth) * (-2.0 * depth).exp()).min(1.0);
-        4.0 / (3.0 * PI) * own.max(1.0) * felt * (highest * half_angle).max(1.0).powi(-3)
+        own.max(1.0) * felt
     }
 
     /// How the ring yields, of a thin wall as that of a bed.
     pub fn compliance(&self) -> BodyCompliance {
         if self.is_bed() {
             let bed = bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization);
-            return BodyCompliance { even: 0.0, odd: 0.0, boundary: Boundary::Bed(bed), second: Vec::new() };
+            return BodyCompliance {
+                even: 0.0,
+                odd: 0.0,
+                bed,
+                boundary: Boundary::Nothing,
+                second: Vec::new(),
+            };
         }
-        let even = self.amplitude();
-        let kappa = self.kolosov();
-        let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
-        let odd = sign * even * (kappa - 1.0) / (kappa + 1.0);
+        let Infinite { even, odd, bed } = self.infinite();
         let [normal, mut along] = self.boundary_modes();
         let mut second = Vec::new();
         match self.side() {
             Side::Pin => second = self.bands(&normal, &along),
             Side::Plate => along.clear(),
         }
-        BodyCompliance { even, odd, boundary: Boundary::Modes { normal, along }, second }
+        BodyCompliance { even, odd, bed, boundary: Boundary::Modes { normal, along }, second }
     }
 
     /// What lies beyond the material at the ring changes of each mode, as far as it is felt: `boundary_mode`.
@@ -317,8 +406,18 @@ impl ConcentricBody {
 
     /// The first of those.
     fn modes_below(&self, count: usize) -> [Vec<f64>; 2] {
-        let taper = self.taper();
-        let mode = |n: usize| self.boundary_mode(n).map(|value| taper(n) * value).into();
+        let (taper, film, near) = (self.taper(), self.film(), self.near_layer());
+        let mode = |n: usize| {
+            let own = self.boundary_mode(n);
+            let Some(Film { bed, beyond }) = &film else { return own.map(|value| taper(n) * value).into() };
+            match n {
+                0 => (own[0] - 0.5 * bed, 0.0),
+                _ => {
+                    let more = self.difference([beyond, &near], n, PRESSURE);
+                    (own[0] + more[0] - bed, taper(n) * (own[1] + more[1]))
+                }
+            }
+        };
         let (normal, along) = (0..count).map(mode).unzip();
         [normal, along]
     }
@@ -367,13 +466,22 @@ impl ConcentricBody {
 
     fn bands(&self, normal: &[f64], along: &[f64]) -> Vec<Bands> {
         let count = self.second_order_count();
-        let mode = |n: usize| match n {
-            0 => 0.0,
-            1 => self.first_mode(SHEAR)[1] - self.amplitude(),
-            _ => self.finite_part(n, SHEAR)[1],
+        let (film, near) = (self.film(), self.near_layer());
+        let mode = |n: usize| {
+            let own = match n {
+                0 => return 0.0,
+                1 => self.first_mode(SHEAR)[1] - self.amplitude(),
+                _ => self.finite_part(n, SHEAR)[1],
+            };
+            own + film.as_ref().map_or(0.0, |film| self.difference([&film.beyond, &near], n, SHEAR)[1])
         };
         let taper = self.taper();
         let shear: Vec<f64> = (0..count).map(|n| taper(n) * mode(n)).collect();
         bands([normal, along, &shear], count)
     }
+}
+
+/// c of an infinite body of a material.
+fn amplitude(layer: &Layer) -> f64 {
+    (layer.kolosov + 1.0) / (2.0 * layer.twice_shear_modulus)
 }

@@ -89,8 +89,13 @@ pub fn bed_error(body: &Body, half_angle: f64) -> f64 {
     if wall >= THINNEST_RING {
         return 0.0;
     }
-    let flow = flow(body.poissons_ratio, body.idealization).abs();
+    strip_error(body.poissons_ratio, body.idealization, wall / half_angle)
+}
+
+/// The same of a strip that is so thin beside half the contact's width.
+pub fn strip_error(poissons_ratio: f64, idealization: Idealization, thickness: f64) -> f64 {
+    let flow = flow(poissons_ratio, idealization).abs();
     // Of a parabola of pressure the term of g is 2.5 g (t/a)^2 of the energy and 1.5 of it in the force; wider contacts
     // have up to 2. The rest is what the ends of the contact do, 0.035 (t/a)^2 (tests/engine/thin_walls.rs).
-    (2.0 * flow + 0.05) * (wall / half_angle).powi(2)
+    (2.0 * flow + 0.05) * thickness.powi(2)
 }

@@ -140,16 +140,26 @@ impl CurveSpace {
             return;
         }
         let count = self.arcs().len();
+        moved.clear();
         moved.resize(plate.values.len(), 0.0);
         if plate.bed == 0.0 {
             in_lanes(OnHole { space: self, ratio: outlines.ratio(), values: &plate.values, moved });
         } else {
-            for (place, arc) in self.arcs().iter().enumerate() {
-                let matrix = bed_matrix(arc.b / outlines.ratio(), self.pressures.terms);
-                for (entry, value) in matrix.into_iter().enumerate() {
-                    moved[entry * count + place] = plate.bed * value;
+            // What a bed adds grows like 1/b, which is no polynomial.
+            let bed_on = |ratio: f64, values: &mut [f64], share: f64| {
+                for (place, arc) in self.arcs().iter().enumerate() {
+                    let matrix = bed_matrix(arc.b / ratio, self.pressures.terms);
+                    for (entry, value) in matrix.into_iter().enumerate() {
+                        values[entry * count + place] += share * value;
+                    }
                 }
+            };
+            if plate.even != 0.0 {
+                let mut elastic = plate.values.to_vec();
+                bed_on(1.0, &mut elastic, -plate.bed);
+                in_lanes(OnHole { space: self, ratio: outlines.ratio(), values: &elastic, moved });
             }
+            bed_on(outlines.ratio(), moved, plate.bed);
         }
         // What is left out of entry (0, 0) goes with the pin's b, not the hole's.
         let logarithm = FRAC_PI_2 * plate.even * outlines.ratio().ln();
