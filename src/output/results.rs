@@ -7,7 +7,7 @@ use crate::output::folder::{MANIFEST, TABLE, TABLE_PARQUET, TABLE_ZST, TABLES};
 use crate::output::manifest_parts::State;
 use crate::output::origin::Origin;
 use crate::output::{parquet_text, zst_table};
-use crate::study::columns::{DESIGN, Extras, FORCE, INDENTATION, Quantity, joint_columns};
+use crate::study::columns::{DESIGN, Extras, FORCE, INDENTATION, OFFSET, Quantity, joint_columns};
 use crate::study::config::Asked;
 use crate::study::design::JointDesign;
 use crate::study::designs_file::{OpenText, Rows, open_plain};
@@ -29,6 +29,8 @@ pub struct TableRow {
     pub joint: JointDesign,
     /// mm and N: the one that was asked is there in any case.
     pub indentation: Option<f64>,
+    /// mm; `None` where the table has no column of it.
+    pub offset: Option<f64>,
     pub force: Option<f64>,
     pub tangent_stiffness: Option<f64>,
     pub force_error: Option<f64>,
@@ -192,6 +194,7 @@ impl TableRows {
             design: self.rows.whole("design")?,
             joint: self.rows.joint()?,
             indentation: number(INDENTATION)?,
+            offset: number(OFFSET)?,
             force: number(FORCE)?,
             tangent_stiffness: number("tangent_stiffness_n_per_mm")?,
             force_error: number("force_error")?,

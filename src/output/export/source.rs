@@ -206,8 +206,8 @@ fn designs_in_words(members: &[Member]) -> String {
     }
 }
 
-/// An offset below this share of the overlap is what rounding leaves of none.
-const AT_REST: f64 = 1e-9;
+/// An offset below this share of the overlap is what an indentation of nine digits leaves of none.
+const AT_REST: f64 = 1e-8;
 
 impl Member {
     /// What its part of the table is over: of a press fit the offset.
@@ -215,7 +215,7 @@ impl Member {
         Travel::of_force(&self.joint)
     }
 
-    /// From the indentations that tables have.
+    /// From the indentations that tables have, and their offsets, which are exact where they were asked.
     fn go_over_to_travel(&mut self) {
         let travel = self.travel();
         if travel == Travel::Indentation {
@@ -223,7 +223,8 @@ impl Member {
         }
         let least = AT_REST * self.joint.radial_clearance.abs();
         for row in &mut self.rows {
-            let way = row.indentation.map(|indentation| travel.of_indentation(indentation, &self.joint));
+            let of_indentation = |indentation| travel.of_indentation(indentation, &self.joint);
+            let way = row.offset.or_else(|| row.indentation.map(of_indentation));
             row.indentation = way.map(|way| if way < least { 0.0 } else { rounded(way, 12) });
         }
     }

@@ -71,6 +71,34 @@ fn tables_of_press_fits_follow_their_curves_over_the_offset() {
     }
 }
 
+/// Overlaps of many digits: the indentation of a row at rest is rounded to nine of them, its offset is exact. Without the column it is told
+/// from the indentation.
+#[test]
+fn overlaps_of_many_digits_are_exported() {
+    let (work, _) = fit("export-fit-digits");
+    let overlaps = "{ from = \"-0.01 mm\", to = \"-0.0013 mm\", count = 13 }";
+    let config = work.read("fit.toml").replace("\"-0.01 mm\"", overlaps);
+    assert!(config.contains("count = 13"), "{config}");
+    work.write("many.toml", &config);
+    work.run(&["run", "many.toml", "--quiet"]).expect(0);
+    for design in 0..13 {
+        let design = design.to_string();
+        work.run(&["export", "out/many", "--design", &design, "--to", "csv", "--out", "t.csv", "--force"])
+            .expect(0);
+    }
+    let table = work.read("out/many/table.csv");
+    let columns = table.lines().next().unwrap().split(',').filter(|name| *name != "offset_mm");
+    let columns: Vec<String> = columns.map(|name| format!("{name:?}")).collect();
+    work.write("few.toml", &format!("{config}\n[output]\ncolumns = [{}]\n", columns.join(", ")));
+    work.run(&["run", "few.toml", "--quiet"]).expect(0);
+    assert!(!work.read("out/few/table.csv").contains("offset_mm"));
+    for design in 0..13 {
+        let design = design.to_string();
+        work.run(&["export", "out/few", "--design", &design, "--to", "csv", "--out", "t.csv", "--force"])
+            .expect(0);
+    }
+}
+
 /// The module's distance is the offset: its clearance is 0. The first row of the result is at rest.
 #[test]
 #[cfg_attr(not(python3), ignore = "no python3 here")]
