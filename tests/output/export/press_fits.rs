@@ -76,14 +76,14 @@ fn tables_of_press_fits_follow_their_curves_over_the_offset() {
 #[test]
 fn overlaps_of_many_digits_are_exported() {
     let (work, _) = fit("export-fit-digits");
-    let overlaps = "{ from = \"-0.01 mm\", to = \"-0.0013 mm\", count = 13 }";
+    // Nine digits of these are more than they are, by 2e-9.
+    let overlaps = "[\"-0.0016666666666666667 mm\", \"-0.0026666666666666667 mm\"]";
     let config = work.read("fit.toml").replace("\"-0.01 mm\"", overlaps);
-    assert!(config.contains("count = 13"), "{config}");
+    assert!(config.contains("-0.0026666666666666667"), "{config}");
     work.write("many.toml", &config);
     work.run(&["run", "many.toml", "--quiet"]).expect(0);
-    for design in 0..13 {
-        let design = design.to_string();
-        work.run(&["export", "out/many", "--design", &design, "--to", "csv", "--out", "t.csv", "--force"])
+    for design in ["0", "1"] {
+        work.run(&["export", "out/many", "--design", design, "--to", "csv", "--out", "t.csv", "--force"])
             .expect(0);
     }
     let table = work.read("out/many/table.csv");
@@ -92,9 +92,8 @@ fn overlaps_of_many_digits_are_exported() {
     work.write("few.toml", &format!("{config}\n[output]\ncolumns = [{}]\n", columns.join(", ")));
     work.run(&["run", "few.toml", "--quiet"]).expect(0);
     assert!(!work.read("out/few/table.csv").contains("offset_mm"));
-    for design in 0..13 {
-        let design = design.to_string();
-        work.run(&["export", "out/few", "--design", &design, "--to", "csv", "--out", "t.csv", "--force"])
+    for design in ["0", "1"] {
+        work.run(&["export", "out/few", "--design", design, "--to", "csv", "--out", "t.csv", "--force"])
             .expect(0);
     }
 }
