@@ -196,7 +196,12 @@ impl Recipe {
                 youngs_modulus: self.value(&layer.youngs_modulus, design),
                 poissons_ratio: self.value(&layer.poissons_ratio, design),
             };
-            Layer { thickness, material, yield_stress: layer.yield_stress }
+            Layer {
+                thickness,
+                material,
+                yield_stress: layer.yield_stress,
+                is_tube: layer.measure == Measure::DownTo,
+            }
         };
         Part {
             shape: part.shape,
