@@ -97,7 +97,8 @@ enum Command {
     Bench(bench::BenchArgs),
     /// Measures a GPU: checks it, times whole sweeps and each kernel, and compares them with the processor and the peaks
     BenchGpu(bench_gpu::BenchGpuArgs),
-    /// Measures what each method, mesh, contact formulation, solver and precision costs and is worth on designs of a config
+    /// Measures what each method, mesh, contact formulation, solver and precision costs and is worth on designs of a config, which have
+    /// clearance and no layers
     Tradeoff(tradeoff::TradeoffArgs),
     /// Lists the GPUs with a Vulkan driver, and what a sweep would be computed on
     Devices,

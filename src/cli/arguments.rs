@@ -8,6 +8,8 @@ use jointsweep::Error;
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::setting::Setting;
 
+use super::say;
+
 #[derive(Args)]
 pub struct SettingArgs {
     /// Another value than the config's, like joint.plate.youngs_modulus="70 GPa" or solve.accuracy=0.1%; may be repeated
@@ -16,6 +18,15 @@ pub struct SettingArgs {
 }
 
 impl SettingArgs {
+    /// The same, and says what of it does nothing.
+    pub fn load_and_warn(&self, config: &Path) -> Result<Study, Error> {
+        let study = self.load(config)?;
+        for useless in study.without_effect() {
+            say(&format!("warning: {useless}"));
+        }
+        Ok(study)
+    }
+
     /// The config with these values.
     pub fn load(&self, config: &Path) -> Result<Study, Error> {
         let settings =

@@ -28,7 +28,7 @@ pub struct ExplainArgs {
 }
 
 pub fn explain(args: &ExplainArgs) -> Result<Ending, Error> {
-    let study = args.settings.load(&args.config)?;
+    let study = args.settings.load_and_warn(&args.config)?;
     let explainer = Explainer::new(&study);
     let text = match args.design {
         None => overview(&study, &explainer)?,

@@ -61,7 +61,7 @@ pub struct RunArgs {
 pub fn run(args: &RunArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();
     backend::check(&args.backend)?;
-    let study = args.settings.load(&args.config)?;
+    let study = args.settings.load_and_warn(&args.config)?;
     let folder = ResultFolder::of_run(args.out.as_deref(), &study);
     if let Some(part) = args.shard {
         return shard::run(args, &study, part, started);

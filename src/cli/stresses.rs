@@ -90,13 +90,19 @@ fn add_circle(text: &mut String, front: &str, circle: &CircleStresses, yield_str
     }
 }
 
+/// Relative difference of stresses that are equal but for rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Where von Mises' stress is the greatest share of a yield stress, in words; `None` where none is given.
 fn nearest_to_yield(joint: &Joint, circles: &[CircleStresses]) -> Option<String> {
     let shares = circles.iter().flat_map(|circle| {
         let most = yield_stress(joint, circle);
         circle.points.iter().filter_map(move |point| Some((point.von_mises / most?, circle, point.angle)))
     });
-    let (share, circle, angle) = shares.reduce(|best, other| if other.0 > best.0 { other } else { best })?;
+    // Points begin at the load line: of values that differ by rounding alone the one nearest to it stays.
+    let is_greater = |share: f64, best: f64| share > best * (1.0 + ROUNDING);
+    let (share, circle, angle) =
+        shares.reduce(|best, other| if is_greater(other.0, best.0) { other } else { best })?;
     let layer = if circle.layer == 0 { String::new() } else { format!(" layer {}", circle.layer) };
     let [radius, angle] = [circle.radius, angle.to_degrees()].map(rounded_cell);
     let share = rounded_cell((share * 1e3).round() / 1e3);

@@ -9,7 +9,7 @@ use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapte
 use jointsweep::internals::engine::refusal::Refusal;
 use jointsweep::internals::lab::tradeoff::choice::Scope;
 use jointsweep::internals::lab::tradeoff::families::choices;
-use jointsweep::internals::lab::tradeoff::joints::least_contact_angle;
+use jointsweep::internals::lab::tradeoff::joints::{least_contact_angle, not_compared};
 use jointsweep::internals::lab::tradeoff::manifest::{TradeoffConditions, TradeoffManifest};
 use jointsweep::internals::lab::tradeoff::measure::{Measured, measure};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, TRADEOFF};
@@ -47,13 +47,15 @@ pub struct TradeoffArgs {
 pub fn tradeoff(args: &TradeoffArgs) -> Result<Ending, Error> {
     let started = SystemTime::now();
     let study = Study::load(&args.config)?;
+    let designs = designs(&study, args.designs)?;
+    refuse_uncompared(&study, &designs)?;
     let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(study.name()).join("tradeoff"));
     let folder = ResultFolder::new(&TRADEOFF, dir);
     // Times are measured anew.
     folder.check(&study, Permissions { force: args.force, again: true })?;
     let claim = folder.claim(&format!("of {}", args.config.display()))?;
     let device = device(args.adapter.as_deref())?;
-    let cases = meshable(designs(&study, args.designs)?)?;
+    let cases = meshable(designs)?;
     let least_angle = least_contact_angle(&cases);
     let choices = choices(&Scope { gpu: device.as_ref(), least_angle });
 
@@ -103,6 +105,20 @@ fn designs(study: &Study, count: u64) -> Result<Vec<DesignCase>, Error> {
         designs.extend(cases.nth(skipped).transpose()?);
     }
     Ok(designs)
+}
+
+/// Designs that not every choice knows would be compared with wrong answers.
+fn refuse_uncompared(study: &Study, designs: &[DesignCase]) -> Result<(), Error> {
+    let is_listed = study.designs_file().is_some();
+    let problem = |case: &DesignCase| Some((case.index, not_compared(&case.joint, is_listed)?));
+    let Some((design, problem)) = designs.iter().find_map(problem) else { return Ok(()) };
+    let path = study.path().display();
+    Err(Error::Asked {
+        problem: format!(
+            "{path}: design {design} {problem}; tradeoff compares joints with clearance and without layers, \
+             because its closed forms and its node contact know no others; `jointsweep run` and `jointsweep explain` take this config"
+        ),
+    })
 }
 
 /// Those that meshes carry: the others would keep every choice of a mesh busy in vain.

@@ -9,15 +9,15 @@ use crate::mechanics::body::{Body, DEEPEST_MESHED, Side, THINNEST_RING};
 use crate::mechanics::real::LANES;
 use crate::study::columns::side_name;
 use crate::study::config::MethodChoice;
-use crate::study::design::{DesignCase, JointDesign, Load, Part};
+use crate::study::design::{DesignCase, JointDesign, Load, NoRoom, Part};
 
 /// Why a design is not solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refusal {
     /// `series` was asked for bodies it has no modes of.
     NotConcentric,
-    /// A part's layers leave nothing of its own material: their thickness and that of the wall, mm.
-    ThickLayers { part: &'static str, layers: f64, wall: f64 },
+    /// A part's layers, or the core of a tube's inner part, leave nothing of what they are on.
+    NoRoom(NoRoom),
     /// A lined wall so thin that modes do not carry it.
     ThinLinedWall { part: &'static str },
     /// What layers leave of a part is thinner than meshes carry.
@@ -71,9 +71,9 @@ impl Refusal {
                 return None;
             }
             let name = side_name(part.shape.side);
-            match joint.too_thick_layers(part) {
+            match joint.no_room(part) {
                 _ if method == MethodChoice::ClosedForm => Some(Refusal::LayersInClosedForm),
-                Some([layers, wall]) => Some(Refusal::ThickLayers { part: name, layers, wall }),
+                Some(no_room) => Some(Refusal::NoRoom(no_room)),
                 _ if part.shape.concentric && is_thin(part) => Some(Refusal::ThinLinedWall { part: name }),
                 _ => None,
             }
@@ -115,10 +115,7 @@ impl fmt::Display for Refusal {
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
         match *self {
             Refusal::NotConcentric => write!(out, "series needs a rigid-core pin in an annulus"),
-            Refusal::ThickLayers { part, layers, wall } => {
-                let (layers, wall) = beside(layers, wall, "as much as");
-                write!(out, "the layers of the {part} are {layers} mm thick; its wall is {wall} mm")
-            }
+            Refusal::NoRoom(no_room) => write!(out, "{no_room}"),
             Refusal::ThinLinedWall { part } => {
                 let thinnest = one_digit(100.0 * THINNEST_RING);
                 write!(out, "the {part} has layers in a wall below {thinnest} % of the radius")

@@ -78,7 +78,7 @@ pub fn all_failed(case: &DesignCase, backend: BackendKind, failure: Failure) -> 
     Answer { backend, steps: vec![StepOutcome::failed(failure); case.steps.len()] }
 }
 
-/// Before the bodies touch.
+/// Of a joint with clearance before its bodies press each other.
 fn unloaded(joint: &JointDesign, load: Load, method: Method) -> StepOutcome {
     let response = Response {
         indentation: 0.0,
@@ -93,7 +93,8 @@ fn unloaded(joint: &JointDesign, load: Load, method: Method) -> StepOutcome {
         linearity_error: Some(0.0),
         method,
     };
-    StepOutcome { response: Some(response), status: Status::OK }
+    let remarks = Remarks::of(&[(true, Remark::NoContact)]);
+    StepOutcome { response: Some(response), status: Status::Answered(remarks) }
 }
 
 /// Johnson's law. It knows nothing of the plate's extent, so it is right to a factor of two at best.
@@ -122,7 +123,8 @@ pub fn closed_form(case: &DesignCase) -> Answer {
             linearity_error: None,
             method: Method::ClosedForm,
         };
-        let remarks = Remarks::of(&[(true, Remark::PlateNotModelled)]);
+        let is_open = response.force == 0.0 && joint.radial_clearance > 0.0;
+        let remarks = Remarks::of(&[(true, Remark::PlateNotModelled), (is_open, Remark::NoContact)]);
         Ok(StepOutcome { response: Some(response), status: Status::Answered(remarks) })
     };
     let failed = |error| StepOutcome::failed(Failure::Law(error));

@@ -20,17 +20,20 @@ pub enum Remark {
     PlateNotModelled,
     /// The overlap of a press fit alone is more than a yield stress that was given.
     YieldsAtRest,
+    /// The load is too small to close the gap: the bodies do not press each other, and the force is 0.
+    NoContact,
 }
 
 impl Remark {
     /// In the order they are told.
-    pub const ALL: [Remark; 6] = [
+    pub const ALL: [Remark; 7] = [
         Remark::ClearanceBeyondModel,
         Remark::LargeDisplacement,
         Remark::PressureNotPositive,
         Remark::AccuracyNotMet,
         Remark::PlateNotModelled,
         Remark::YieldsAtRest,
+        Remark::NoContact,
     ];
 
     pub fn text(self) -> &'static str {
@@ -41,6 +44,7 @@ impl Remark {
             Remark::AccuracyNotMet => "accuracy not met",
             Remark::PlateNotModelled => "plate extent not modelled",
             Remark::YieldsAtRest => "yields at rest",
+            Remark::NoContact => "no contact",
         }
     }
 }

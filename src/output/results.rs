@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::engine::status::Remark;
 use crate::error::{Error, quoted};
 use crate::output::folder::{MANIFEST, TABLE, TABLE_PARQUET, TABLE_ZST, TABLES};
 use crate::output::manifest_parts::State;
@@ -40,9 +41,9 @@ pub struct TableRow {
 }
 
 impl TableRow {
-    /// Whether there is an answer, and no remark on it.
+    /// Whether there is an answer without a remark that it is uncertain. A force of 0 without contact is certain.
     pub fn is_ok(&self) -> bool {
-        self.status == "ok"
+        self.status == "ok" || self.status == Remark::NoContact.text()
     }
 }
 

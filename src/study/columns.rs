@@ -174,6 +174,7 @@ impl Quantity {
                 "accuracy not met",
                 "plate extent not modelled",
                 "yields at rest",
+                "no contact",
             ],
             _ => &[],
         }

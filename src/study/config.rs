@@ -210,6 +210,14 @@ impl Study {
         }
     }
 
+    /// What is given and does nothing, in sentences that begin with its key.
+    pub fn without_effect(&self) -> Vec<String> {
+        match &self.designs {
+            Designs::Sampled { recipe, .. } => recipe.unused_yield_stresses(),
+            Designs::Listed(_) => Vec::new(),
+        }
+    }
+
     /// The load steps of each design; nothing for a list of designs, whose rows have their own.
     pub fn loads(&self) -> &[Load] {
         match &self.designs {

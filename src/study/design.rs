@@ -195,6 +195,55 @@ fn check(quantity: &str, value: f64, limits: Limits) -> Result<(), Error> {
     limits.refuse(value).map_err(refuse)
 }
 
+/// Why a part cannot be as it is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NoRoom {
+    /// Layers that leave nothing of what they are on: their thickness and that of the wall, mm.
+    Layers { of: &'static str, layers: f64, wall: f64 },
+    /// A core that leaves nothing of a tube's inner part: the radii of the core and of the bore, over that of the pin.
+    Core { core: f64, bore: f64 },
+}
+
+impl fmt::Display for NoRoom {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        match *self {
+            NoRoom::Layers { of, layers, wall } => {
+                let (layers, wall) = apart(layers, wall);
+                write!(
+                    out,
+                    "the layers of the {of} are {layers} mm thick; they must be thinner than its wall, {wall} mm"
+                )
+            }
+            NoRoom::Core { core, bore } => {
+                let (core, bore) = apart(core, bore);
+                write!(
+                    out,
+                    "core_radius_ratio of the tube's inner part is {core}; it must be below bore_radius_ratio, {bore}"
+                )
+            }
+        }
+    }
+}
+
+/// Significant digits of numbers in a refusal: few, so that a sweep has few different statuses.
+const FEWEST_DIGITS: usize = 3;
+
+/// Two numbers with so many digits that they do not read the same; equal to rounding they do.
+fn apart(value: f64, limit: f64) -> (String, String) {
+    const MOST_DIGITS: usize = 9;
+    let of = |digits: usize| [value, limit].map(|number| with_digits(number, digits));
+    let digits = (FEWEST_DIGITS..MOST_DIGITS).find(|digits| of(*digits)[0] != of(*digits)[1]);
+    let [value, limit] = of(digits.unwrap_or(FEWEST_DIGITS));
+    (value, limit)
+}
+
+/// As a person writes it: 25, 0.125, 3e-9.
+fn with_digits(number: f64, digits: usize) -> String {
+    let rounded = format!("{number:.*e}", digits - 1);
+    let plain: f64 = rounded.parse().unwrap_or(number);
+    if plain == 0.0 || (1e-4..1e7).contains(&plain.abs()) { format!("{plain}") } else { format!("{plain:e}") }
+}
+
 /// A pin in a hole with clearance.
 #[derive(Clone, Debug)]
 pub struct JointDesign {
@@ -232,12 +281,13 @@ impl JointDesign {
             if let Some(yield_stress) = part.yield_stress {
                 check("yield_stress", yield_stress, Limits::POSITIVE)?;
             }
-            part.check_layers()?;
-            if let Some([layers, wall]) = self.too_thick_layers(part) {
-                return refuse(
-                    "layers",
-                    format!("{layers} mm of the {what}: must be below its wall, {wall} mm"),
-                );
+            match self.no_room(part) {
+                Some(NoRoom::Layers { of, layers, wall }) => {
+                    let problem = format!("{layers} mm of the {of}: must be below its wall, {wall} mm");
+                    return refuse("layers", problem);
+                }
+                Some(no_room) => return refuse(what, no_room.to_string()),
+                None => part.check_layers()?,
             }
         }
         Ok(())
@@ -309,19 +359,27 @@ impl JointDesign {
         !(self.pin.layers.is_empty() && self.plate.layers.is_empty())
     }
 
-    /// The thickness of a part's layers and of the wall in which they have no room, mm: they must leave something of the part's own
-    /// material, to rounding, and those of a tube something of the tube.
-    pub fn too_thick_layers(&self, part: &Part) -> Option<[f64; 2]> {
-        let mut above = 0.0;
-        for layer in part.layers.list() {
-            // What is left of a tube by the layers on it.
-            if layer.thickness <= 0.0 {
-                return Some([above, above + layer.thickness]);
-            }
-            above += layer.thickness;
+    /// What of a part leaves no room for another: its layers must leave something of the part's own material, to rounding, those of a tube
+    /// something of the tube, and the core of its inner part something of that part.
+    pub fn no_room(&self, part: &Part) -> Option<NoRoom> {
+        let (layers, wall) = (part.layers.list(), self.wall(part));
+        let is_full = |layers: f64, wall: f64| layers > 0.0 && layers >= (1.0 - 1e-9) * wall;
+        let total: f64 = layers.iter().map(|layer| layer.thickness).sum();
+        let Some(tube) = layers.iter().position(|layer| layer.is_tube) else {
+            let of = if part.shape.side == Side::Pin { "pin" } else { "plate" };
+            return is_full(total, wall).then_some(NoRoom::Layers { of, layers: total, wall });
+        };
+        let on_tube: f64 = layers[..tube].iter().map(|layer| layer.thickness).sum();
+        let to_bore = on_tube + layers[tube].thickness;
+        if is_full(on_tube, to_bore) {
+            return Some(NoRoom::Layers { of: "tube", layers: on_tube, wall: to_bore });
         }
-        let wall = self.wall(part);
-        (above > 0.0 && above >= (1.0 - 1e-9) * wall).then_some([above, wall])
+        if is_full(to_bore, wall) {
+            let radius = self.contact_radius(part.shape.side);
+            return Some(NoRoom::Core { core: 1.0 - wall / radius, bore: 1.0 - to_bore / radius });
+        }
+        let (in_bore, wall) = (total - to_bore, wall - to_bore);
+        is_full(in_bore, wall).then_some(NoRoom::Layers { of: "tube's inner part", layers: in_bore, wall })
     }
 
     /// How deep a part is below the contact where it is thinnest, mm. Ratios are distances from the centre.

@@ -14,12 +14,14 @@ pub struct Layer {
     pub material: Material,
     /// MPa, where it is known.
     pub yield_stress: Option<f64>,
+    /// Whether this is the wall of a `tube` that has an inner part; the layers beyond it are those of the inner part.
+    pub is_tube: bool,
 }
 
 impl Layer {
     /// Without a yield stress. mm.
     pub fn new(thickness: f64, material: Material) -> Layer {
-        Layer { thickness, material, yield_stress: None }
+        Layer { thickness, material, yield_stress: None, is_tube: false }
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) struct PartRecipe {
     pub(super) youngs_modulus: Quantity,
     pub(super) poissons_ratio: Quantity,
     /// Changes no answer and does not sweep.
-    pub(super) yield_stress: Option<f64>,
+    pub(super) yield_stress: Option<YieldStress>,
     pub(super) layers: Vec<LayerRecipe>,
 }
 
@@ -41,7 +41,14 @@ pub(super) struct LayerRecipe {
     pub(super) measure: Measure,
     pub(super) youngs_modulus: Quantity,
     pub(super) poissons_ratio: Quantity,
-    pub(super) yield_stress: Option<f64>,
+    pub(super) yield_stress: Option<YieldStress>,
+}
+
+/// MPa, and the key that has it.
+#[derive(Clone, Debug)]
+pub(super) struct YieldStress {
+    pub(super) value: f64,
+    pub(super) key: String,
 }
 
 impl PartRecipe {
@@ -68,6 +75,15 @@ impl PartRecipe {
                 None => Vec::new(),
             },
         })
+    }
+}
+
+impl PartRecipe {
+    /// The keys of its yield stresses, its own and those of its layers.
+    pub(super) fn yield_stress_keys(&self) -> Vec<&str> {
+        let of_layers = self.layers.iter().map(|layer| &layer.yield_stress);
+        let all = [&self.yield_stress].into_iter().chain(of_layers);
+        all.flatten().map(|own| own.key.as_str()).collect()
     }
 }
 
@@ -105,11 +121,11 @@ impl LayerRecipe {
 }
 
 /// MPa, one value: it has no column, so that designs that differ in it alone could not be told apart.
-fn yield_stress(material: &Section) -> Result<Option<f64>, Error> {
+fn yield_stress(material: &Section) -> Result<Option<YieldStress>, Error> {
     let Some(item) = material.find("yield_stress") else { return Ok(None) };
     let values = Values::read(&item, Some(Dimension::Stress), Limits::POSITIVE, Counts::Required)?;
     if values.count() != Some(1) {
         return Err(item.error("one value; a yield stress changes no answer and does not sweep"));
     }
-    Ok(Some(values.at(Pick::Index(0))))
+    Ok(Some(YieldStress { value: values.at(Pick::Index(0)), key: item.key }))
 }

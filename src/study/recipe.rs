@@ -129,6 +129,31 @@ impl Recipe {
         self.has_press_fits() && !self.plate.shape.concentric
     }
 
+    /// What a reader of the config must be told of its yield stresses: which of them do nothing, and why.
+    pub fn unused_yield_stresses(&self) -> Vec<String> {
+        let mut told = Vec::new();
+        for (part, other) in [(&self.pin, &self.plate), (&self.plate, &self.pin)] {
+            let keys = part.yield_stress_keys();
+            if keys.is_empty() {
+                continue;
+            }
+            let (model, keys) = (part.shape.name, keys.join(", "));
+            if !part.shape.concentric {
+                told.push(format!(
+                    "{keys}: has no effect, because stresses are known in concentric bodies only (rigid-core, tube, annulus), \
+                     not in a {model}"
+                ));
+            } else if !other.shape.concentric && self.has_press_fits() {
+                let other = other.shape.name;
+                told.push(format!(
+                    "{keys}: has no effect on the status of press fits, because their stresses at rest are known between \
+                     concentric bodies only, not with a {other}; `jointsweep stresses` uses it"
+                ));
+            }
+        }
+        told
+    }
+
     /// Layers of pin and plate.
     pub fn layer_counts(&self) -> LayerCounts {
         LayerCounts { pin: self.pin.layers.len(), plate: self.plate.layers.len() }
@@ -196,7 +221,12 @@ impl Recipe {
                 youngs_modulus: self.value(&layer.youngs_modulus, design),
                 poissons_ratio: self.value(&layer.poissons_ratio, design),
             };
-            Layer { thickness, material, yield_stress: layer.yield_stress }
+            Layer {
+                thickness,
+                material,
+                yield_stress: layer.yield_stress.as_ref().map(|own| own.value),
+                is_tube: layer.measure == Measure::DownTo,
+            }
         };
         Part {
             shape: part.shape,
@@ -206,7 +236,7 @@ impl Recipe {
                 youngs_modulus: self.value(&part.youngs_modulus, design),
                 poissons_ratio: self.value(&part.poissons_ratio, design),
             },
-            yield_stress: part.yield_stress,
+            yield_stress: part.yield_stress.as_ref().map(|own| own.value),
             layers: Layers::new(part.layers.iter().map(layer).collect()),
         }
     }

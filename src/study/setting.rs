@@ -65,7 +65,14 @@ impl Setting {
                 let count = table_count(item);
                 table = match numbered(item, number) {
                     Some(table) => table,
-                    None => return refuse(format!("`{dotted}` has {count} tables, and no number {number}")),
+                    None => {
+                        let tables = match count {
+                            0 => "no table".to_string(),
+                            1 => "only 1 table".to_string(),
+                            count => format!("only {count} tables"),
+                        };
+                        return refuse(format!("`{dotted}` has {tables}; there is no number {number}"));
+                    }
                 };
                 dotted = format!("{dotted}.{number}");
                 continue;
@@ -197,7 +204,7 @@ mod tests {
         let mut document: DocumentMut = "title = \"t\"\n".parse().unwrap();
         let mut layers: DocumentMut = "[[joint.pin.layers]]\nthickness = 1\n".parse().unwrap();
         for (key, problem) in [
-            ("joint.pin.layers.2.thickness", "`joint.pin.layers` has 1 tables, and no number 2"),
+            ("joint.pin.layers.2.thickness", "`joint.pin.layers` has only 1 table; there is no number 2"),
             ("joint.pin.layers.thickness", "`joint.pin.layers` is a list: a number must follow, and a key"),
         ] {
             let said = Setting::parse(&format!("{key}=2"), "--set").unwrap().apply(&mut layers).unwrap_err();

@@ -6,8 +6,9 @@ use jointsweep::internals::lab::tradeoff::answer::States;
 use jointsweep::internals::lab::tradeoff::choice::{Choice, Scope};
 use jointsweep::internals::lab::tradeoff::errors::{Errors, Quantiles};
 use jointsweep::internals::lab::tradeoff::families::{FAMILIES, choices, named};
-use jointsweep::internals::lab::tradeoff::joints::least_contact_angle;
+use jointsweep::internals::lab::tradeoff::joints::{least_contact_angle, not_compared};
 use jointsweep::internals::lab::tradeoff::oracle::Oracle;
+use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::design::{DesignCase, Load};
 
 /// Designs of both kinds of pin whose contact is neither tiny nor as wide as a half ring.
@@ -208,6 +209,50 @@ poissons_ratio = 0.3
 [load]
 indentation = { from = "0.01 mm", to = "0.05 mm", count = 3 }
 "#;
+
+/// What closed forms, node contact and the oracle do not know is refused before anything is measured or written.
+#[test]
+fn layers_and_press_fits_are_refused() {
+    let work = Workdir::new("tradeoff-refused");
+    let layer = "layers = [{ thickness = \"1 mm\", youngs_modulus = \"3 GPa\", poissons_ratio = 0.4 }]\n";
+    let inner =
+        "[joint.pin.inner]\ncore_radius_ratio = 0.2\nyoungs_modulus = \"3 GPa\"\npoissons_ratio = 0.35\n";
+    let force = |text: String| format!("{}[load]\nforce = \"10 N\"\n", text.split("[load]").next().unwrap());
+    let of_pin = |text: &str| CONFIG.replace("[joint.plate]", &format!("{text}[joint.plate]"));
+    let clearance = "{ from = \"0.02 mm\", to = \"0.05 mm\", count = 4 }";
+    let fits = |given| force(CONFIG.replace(clearance, given));
+    let sampled = "{ from = \"-0.01 mm\", to = \"0.05 mm\" }";
+    let sampling = "[sampling]\nmethod = \"latin-hypercube\"\ncount = 20\n";
+    let cases = [
+        (
+            CONFIG.replace("[load]", &format!("{layer}[load]")),
+            "design 0 has layers in its plate (joint.plate.layers)",
+        ),
+        (of_pin(layer), "design 0 has layers in its pin (joint.pin.layers)"),
+        (
+            of_pin(inner)
+                .replace("\"rigid-core\"\ncore_radius_ratio = 0.2", "\"tube\"\nbore_radius_ratio = 0.5"),
+            "design 0 has a tube with an inner part as its pin (joint.pin.inner)",
+        ),
+        (fits("\"-0.01 mm\""), "design 0 is a press fit: its radial_clearance is -0.01 mm, below 0"),
+        // The last of four, which is among those that are drawn.
+        (fits("[\"0.05 mm\", \"0.02 mm\", \"0 mm\", \"-0.03 mm\"]"), "design 3 is a press fit"),
+        (format!("{}{sampling}", fits(sampled)), "is a press fit: its radial_clearance is -0.00"),
+    ];
+    for (text, problem) in &cases {
+        work.write("refused.toml", text);
+        let said = work.run(&["tradeoff", "refused.toml", "--designs", "20"]).expect(1).stderr;
+        assert!(said.contains("refused.toml: design ") && said.contains(problem), "{said}");
+        assert!(said.contains("because its closed forms and its node contact know no others"), "{said}");
+        assert!(said.contains("`jointsweep run` and `jointsweep explain`"), "{said}");
+    }
+    assert_eq!(work.files(), ["refused.toml"]);
+    // A list has columns.
+    let lined = Study::from_text("lined.toml".as_ref(), cases[0].0.clone()).unwrap();
+    let joint = lined.cases().unwrap().next().unwrap().unwrap().joint;
+    let listed = not_compared(&joint, true);
+    assert_eq!(listed.as_deref(), Some("has layers in its plate (plate_layer1_thickness_mm)"));
+}
 
 #[test]
 fn a_tradeoff_writes_table_front_plot_and_manifest() {

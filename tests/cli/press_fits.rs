@@ -87,3 +87,32 @@ fn materials_and_pressures_are_those_of_chosen_designs() {
     let said = work.run(&["materials", "fits.toml", "--design", "0", "--set", "solve.method=closed-form"]);
     assert!(said.expect(1).stderr.contains("solve.method: closed-form: has no strain energy of the joint"));
 }
+
+/// Open rows are answers: they are named, and disturb neither exit code, laws, statistics, reports nor exports.
+#[test]
+fn rows_without_contact_say_so() {
+    let work = Workdir::new("no-contact");
+    let config = |offsets| ring_joint("[\"0.01 mm\"]", offsets).replace("indentation", "offset");
+    let open = config("[\"0 mm\", \"0.01 mm\", \"0.012 mm\", \"0.015 mm\"]");
+    work.write("open.toml", &format!("{open}\n[select]\nkeep = \"status != 'no contact'\"\n"));
+    let told = work.run(&["run", "open.toml"]).expect(0).stdout;
+    for line in [
+        "\n2 of 4 rows are ok\n",
+        "\nanswered with a remark: 2 rows\n",
+        "  no contact\n",
+        "\nkept: 2 of 4 rows",
+    ] {
+        assert!(told.contains(line), "{line:?} not in {told}");
+    }
+    work.write("open.toml", &open);
+    work.run(&["run", "open.toml", "--force"]).expect(0);
+    let table = work.table("out/open/table.csv");
+    assert_eq!(table.column("status"), ["no contact", "no contact", "ok", "ok"]);
+    work.run(&["report", "out/open"]).expect(0);
+    assert!(work.read("out/open/report.html").contains("no contact"));
+    work.run(&["export", "out/open", "--to", "csv"]).expect(0);
+    work.write("closed.toml", &config("[\"0.012 mm\", \"0.015 mm\"]"));
+    work.run(&["run", "closed.toml"]).expect(0);
+    let laws = |name: &str| work.read(&format!("out/{name}/laws.csv"));
+    assert!(laws("open") == laws("closed") && laws("open").lines().count() > 4);
+}

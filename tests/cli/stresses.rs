@@ -103,6 +103,55 @@ fn stresses_are_of_concentric_bodies() {
     }
 }
 
+/// A press fit at rest has the same stress all around: the load line is named, not where rounding is greatest.
+#[test]
+fn of_equal_stresses_the_one_at_the_load_line_is_named() {
+    let work = Workdir::new("stresses-uniform");
+    let config = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/press-fit.toml");
+    let mut designs = 0;
+    for design in ["0", "1", "2", "3"] {
+        let told = work.run(&["stresses", config, "--design", design, "--out", "s.csv", "--force"]).expect(0);
+        let at_rest = told.stderr.lines().find(|line| line.contains("step 0 (offset 0 mm)")).unwrap();
+        assert!(at_rest.ends_with("plate at 10 mm, 0 deg"), "{at_rest}");
+        designs += 1;
+    }
+    assert_eq!(designs, 4);
+}
+
+/// Where no stresses are known, a yield stress does nothing, and runs say so by its key.
+#[test]
+fn a_yield_stress_without_effect_is_warned_of() {
+    let work = Workdir::new("stresses-useless");
+    let block = "model = \"block\"\nhalf_width_ratio = 2.0\ndepth_ratio = 2.0\nheight_ratio = 2.0\nyield_stress = \"90 MPa\"";
+    let in_block = |text: &str| {
+        let text = text.replace("model = \"annulus\"", block).replace("method = \"series\"", "");
+        text.lines().filter(|line| !line.starts_with("outer_radius")).collect::<Vec<_>>().join("\n")
+    };
+    let of_pin = |text: &str| text.replace("[joint.plate]", "yield_stress = \"300 MPa\"\n[joint.plate]");
+    let plate = "joint.plate.yield_stress, joint.plate.layers.1.yield_stress: has no effect, because stresses are known in \
+                 concentric bodies only (rigid-core, tube, annulus), not in a block";
+    let pin = "joint.pin.yield_stress: has no effect on the status of press fits";
+    let half = "joint.pin.yield_stress: has no effect, because stresses are known in concentric bodies only (rigid-core, tube, \
+                annulus), not in a rigid-midplane";
+    let clearance = |text: String| text.replace("[\"-0.04 mm\", \"-0.01 mm\"]", "\"0.005 mm\"");
+    let cases = [
+        (in_block(&of_pin(&fits())), vec![pin, plate]),
+        (in_block(&clearance(of_pin(&fits()))), vec![plate]),
+        (of_pin(&half_pins(&SMALL)), vec![half]),
+        (of_pin(&fits()), vec![]),
+    ];
+    for (text, wanted) in cases {
+        work.write("useless.toml", &text);
+        for command in [&["run", "useless.toml", "--dry-run"][..], &["explain", "useless.toml"]] {
+            let told = work.run(command).expect(0).stderr;
+            let warnings: Vec<&str> =
+                told.lines().filter_map(|line| line.strip_prefix("warning: ")).collect();
+            assert_eq!(warnings.len(), wanted.len(), "{told}");
+            assert!(warnings.iter().zip(&wanted).all(|(own, wanted)| own.starts_with(wanted)), "{told}");
+        }
+    }
+}
+
 #[test]
 fn a_yield_stress_is_one_value() {
     let work = Workdir::new("stresses-key");

@@ -153,8 +153,17 @@ fn what_no_layers_can_have_is_refused() {
     thick.plate.parameters[0] = 1.1;
     assert_eq!(
         said(thick, MethodChoice::Auto),
-        "failed: the layers of the plate are as much as 1 mm thick; its wall is 1 mm"
+        "failed: the layers of the plate are 1 mm thick; they must be thinner than its wall, 1 mm"
     );
+    // Told as they are, with digits by which they differ.
+    for (thickness, told) in [(25.0, "25"), (12.5, "12.5"), (10.001, "10.001"), (1e9, "1e9")] {
+        let mut thick = lined.clone();
+        thick.plate.parameters[0] = 2.0;
+        thick.plate = thick.plate.with_layers(&[layer(thickness, 3e3, 0.4)]).unwrap();
+        let wanted =
+            format!("the layers of the plate are {told} mm thick; they must be thinner than its wall, 10 mm");
+        assert_eq!(said(thick, MethodChoice::Auto), format!("failed: {wanted}"));
+    }
     let wall = |part: &Part| {
         Joint::new(
             Dimensions { hole_radius: 10.0, radial_clearance: 0.05, thickness: 1.0 },

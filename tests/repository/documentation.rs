@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use jointsweep::internals::engine::status::Remark;
 use jointsweep::internals::output::schema;
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::keys::{self, ConfigKey, RANGE, config_keys};
@@ -316,4 +317,16 @@ fn the_pages_hold_what_the_code_says() {
     let (_, columns) = laws.split_once("<!-- columns -->\n").unwrap();
     let (columns, _) = columns.split_once("<!-- end of columns -->").unwrap();
     assert_eq!(columns, schema::law_documentation(), "docs/laws.md");
+}
+
+/// docs/table.md says of each remark what it means, in the order in which rows have them.
+#[test]
+fn every_remark_is_explained() {
+    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/table.md")).unwrap();
+    let (_, table) = page.split_once("| `status` | what it means |\n|---|---|\n").unwrap();
+    let rows =
+        table.lines().take_while(|line| line.starts_with("| `")).filter_map(|line| line.split('`').nth(1));
+    let wanted: Vec<&str> =
+        ["ok"].into_iter().chain(Remark::ALL.map(Remark::text)).chain(["failed: ..."]).collect();
+    assert_eq!(rows.collect::<Vec<_>>(), wanted);
 }

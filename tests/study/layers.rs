@@ -186,20 +186,46 @@ fn a_tube_is_a_rigid_core_or_a_layer_around_one() {
     let is_constant = |layer: usize| constants.contains(&format!("pin_layer{layer}_thickness_mm"));
     assert_eq!([1, 2, 3].map(is_constant), [true, false, true]);
 
-    // Layers as thick as the tube, and an inner part that is all core.
-    for (old, new, ratio) in [
-        ("thickness_ratio = 0.05", "thickness_ratio = 0.5", 0.5),
-        ("core_radius_ratio = 0.2", "core_radius_ratio = 0.5", 0.5 + 2.0 / radius),
+    // Layers as thick as the tube, a core as wide as the bore, and layers as thick as the inner part: in words of the config.
+    for (old, new, problem) in [
+        (
+            "thickness_ratio = 0.05",
+            "thickness_ratio = 0.5",
+            "the layers of the tube are 50 mm thick; they must be thinner than its wall, 50 mm",
+        ),
+        (
+            "core_radius_ratio = 0.2",
+            "core_radius_ratio = 0.6",
+            "core_radius_ratio of the tube's inner part is 0.6; it must be below bore_radius_ratio, 0.5",
+        ),
+        (
+            "core_radius_ratio = 0.2",
+            "core_radius_ratio = 0.49",
+            "the layers of the tube's inner part are 2 mm thick; they must be thinner than its wall, 0.999 mm",
+        ),
     ] {
         assert!(config.contains(old));
         let design = all(&folder.study(&config.replace(old, new))).remove(0);
-        let [found, wall] = design.joint.too_thick_layers(&design.joint.pin).unwrap();
-        assert!(
-            (found / radius - ratio).abs() < 1e-9 && (wall / radius - 0.5).abs() < 1e-9,
-            "{found} {wall}"
-        );
+        assert_eq!(design.joint.no_room(&design.joint.pin).unwrap().to_string(), problem);
     }
-    assert_eq!(designs[0].joint.too_thick_layers(pin), None);
+    assert_eq!(designs[0].joint.no_room(pin), None);
+}
+
+/// A number that no layer has.
+#[test]
+fn a_missing_layer_is_said_with_how_many_there_are() {
+    let folder = Folder::new("layers-number");
+    let one =
+        LAYERS.split("[[joint.plate.layers]]").take(2).collect::<Vec<_>>().join("[[joint.plate.layers]]");
+    for (layers, problem) in [
+        (format!("{one}[load]\n"), "`joint.plate.layers` has only 1 table; there is no number 3"),
+        (LAYERS.to_string(), "`joint.plate.layers` has only 2 tables; there is no number 3"),
+    ] {
+        let config = folder.write("config.toml", lined(&layers));
+        let setting = Setting::parse("joint.plate.layers.3.thickness=4 mm", "--set").unwrap();
+        let said = Study::load_with(&config, &[setting]).unwrap_err().to_string();
+        assert_eq!(said, format!("--set: joint.plate.layers.3.thickness: {problem}"));
+    }
 }
 
 #[test]

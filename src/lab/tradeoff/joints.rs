@@ -8,6 +8,7 @@ use crate::engine::expected_contact::half_angle;
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::{Body, BodyKey, Side};
 use crate::mechanics::laws::HertzContact;
+use crate::study::columns::side_name;
 use crate::study::design::{DesignCase, JointDesign, Load};
 
 /// The distinct bodies of some designs: each is solved once.
@@ -63,6 +64,22 @@ impl Terms {
 /// Whether both bodies of a design have exact modes.
 pub fn is_concentric(joint: &JointDesign) -> bool {
     joint.pin.shape.concentric && joint.plate.shape.concentric
+}
+
+/// Why a design has no place in a comparison, as it goes on behind its number: closed forms, node contact and the oracle know neither
+/// layers nor press fits. `is_listed` where the design is a row of a list, which has columns and no keys.
+pub fn not_compared(joint: &JointDesign, is_listed: bool) -> Option<String> {
+    if joint.is_press_fit() {
+        let clearance = joint.radial_clearance;
+        return Some(format!("is a press fit: its radial_clearance is {clearance} mm, below 0"));
+    }
+    let lined = [&joint.pin, &joint.plate].into_iter().find(|part| !part.layers.is_empty())?;
+    let side = side_name(lined.shape.side);
+    if lined.layers.list().iter().any(|layer| layer.is_tube) {
+        return Some(format!("has a tube with an inner part as its pin (joint.{side}.inner)"));
+    }
+    let key = if is_listed { format!("{side}_layer1_thickness_mm") } else { format!("joint.{side}.layers") };
+    Some(format!("has layers in its {side} ({key})"))
 }
 
 /// About the least contact half angle of all steps, rad: half of what the undeformed circles overlap by, or Hertz's strip
