@@ -116,7 +116,7 @@ pub fn run(args: &ExportArgs) -> Result<Ending, Error> {
     }
     if let Some(between) = export.quality.between.filter(|between| *between > error) {
         say(&format!(
-            "warning: half way between clearances the force is off by up to {}: a sweep with more of them would mend it",
+            "warning: half way between clearances the force is off by up to {}: clearances nearer to each other make it less, but not across zero",
             percent(between)
         ));
     }
