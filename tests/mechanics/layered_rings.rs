@@ -8,6 +8,7 @@
 //! ```
 
 use crate::common::random::Random;
+use crate::series::far_mode;
 use jointsweep::internals::mechanics::body::lining::{Interface, Lining};
 use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
 use jointsweep::internals::mechanics::material::Idealization;
@@ -86,7 +87,8 @@ fn by_modes(body: &ConcentricBody, n: usize) -> [f64; 2] {
         0 => return [2.0 * normal[0], 0.0],
         1 => [body.amplitude(), 0.0],
         _ => {
-            [body.far_mode(n), if body.fixed_radius_ratio > 1.0 { f64::NAN } else { body.far_mode_along(n) }]
+            let [normal, along] = far_mode(body, n);
+            [normal, if body.fixed_radius_ratio > 1.0 { f64::NAN } else { along }]
         }
     };
     [normal[n] + far[0], along[n] + far[1]]
@@ -152,7 +154,7 @@ fn layers_of_one_material_are_no_layers() {
         let (cut_modes, bare_modes) = (cut.boundary_modes(), bare.boundary_modes());
         for (of_cut, of_bare) in cut_modes.iter().zip(&bare_modes) {
             for (n, (of_cut, of_bare)) in of_cut.iter().zip(of_bare).enumerate() {
-                let whole = if n < 2 { bare.amplitude() } else { bare.far_mode(n) };
+                let whole = if n < 2 { bare.amplitude() } else { far_mode(&bare, n)[0] };
                 assert!((of_cut - of_bare).abs() < 1e-10 * whole, "{cut:?} {n}: {of_cut} {of_bare}");
                 compared += 1;
             }
@@ -201,6 +203,6 @@ fn by_first_modes(body: &ConcentricBody, n: usize) -> f64 {
     match n {
         0 => 2.0 * normal,
         1 => normal + body.amplitude(),
-        _ => normal + body.far_mode(n),
+        _ => normal + far_mode(body, n)[0],
     }
 }
