@@ -138,7 +138,8 @@ fn fitted(samples: &[Sample], share: f64, least: [f64; 2]) -> [f64; 2] {
 
 fn main() {
     let mut random = Random::new(92);
-    println!("trust,level,error_per_change,floor");
+    let mut table = csv::Writer::from_writer(std::io::stdout());
+    table.write_record(["trust", "level", "error_per_change", "floor"]).unwrap();
     for trust in Trust::ALL {
         let samples = samples(&drawn(&mut random, trust));
         let (share, least) = match trust {
@@ -157,7 +158,7 @@ fn main() {
         }
         rows[LEVEL_COUNT - 1] = rows[last];
         for (level, [multiple, floor]) in rows.into_iter().enumerate().skip(1) {
-            println!("{},{level},{multiple:.1e},{floor:.1e}", trust.name());
+            table.serialize((trust, level, format!("{multiple:.1e}"), format!("{floor:.1e}"))).unwrap();
         }
     }
 }

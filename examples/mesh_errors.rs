@@ -21,7 +21,7 @@ use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity};
 use jointsweep::internals::engine::spaces::Spaces;
 use jointsweep::internals::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
 use jointsweep::internals::mechanics::grading::LEVEL_COUNT;
-use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::material::{Compressibility, Idealization};
 use mesh_works::{Measured, rounded_up};
 use random::Random;
 
@@ -36,6 +36,17 @@ const LEAST: usize = 24;
 const SHARE: f64 = 0.99;
 const RAISED: f64 = 1.25;
 
+/// Least and greatest Poisson's ratio.
+fn range_in_plane_strain(stiffness: Stiffness) -> [f64; 2] {
+    match stiffness {
+        Stiffness::Auxetic => [Compressibility::NEARLY_CONFORMAL, 0.0],
+        Stiffness::Ordinary => [0.0, Compressibility::STIFF],
+        Stiffness::Stiff => [Compressibility::STIFF, Compressibility::VERY_STIFF],
+        Stiffness::VeryStiff => [Compressibility::VERY_STIFF, Compressibility::NEARLY_INCOMPRESSIBLE],
+        Stiffness::NearlyIncompressible => [Compressibility::NEARLY_INCOMPRESSIBLE, Compressibility::LOCKING],
+    }
+}
+
 /// A body of a group and stiffness whose least depth is in a range.
 fn draw(random: &mut Random, group: Group, stiffness: Stiffness, depths: [f64; 2]) -> Body {
     let idealization = match stiffness {
@@ -44,7 +55,7 @@ fn draw(random: &mut Random, group: Group, stiffness: Stiffness, depths: [f64; 2
     };
     let [least, greatest] = match idealization {
         Idealization::PlaneStress if stiffness == Stiffness::Ordinary => [0.0, 0.5],
-        _ => stiffness.range(),
+        _ => range_in_plane_strain(stiffness),
     };
     let poissons_ratio = random.linear(least, greatest);
     // Where two sides are as long as that, the corner between them is as far as anything that was measured.
@@ -90,7 +101,9 @@ fn measured(body: Body) -> Measured {
 
 fn main() {
     let (mut library, mut spaces) = (BodyLibrary::default(), Spaces::default());
-    println!("group,stiffness,least_depth,level,below_10_deg,below_45_deg,below_75_deg,wider");
+    let mut table = csv::Writer::from_writer(std::io::stdout());
+    let columns = ["below_10_deg", "below_45_deg", "below_75_deg", "wider"];
+    table.write_record(["group", "stiffness", "least_depth", "level"].iter().chain(&columns)).unwrap();
     for group in Group::ALL {
         let count = match group {
             Group::Concentric | Group::HalfDisc => COUNT,
@@ -135,9 +148,8 @@ fn main() {
                     }
                 }
                 for (level, errors) in rows.iter().enumerate() {
-                    print!("{},{},{},{level}", group.name(), stiffness.name(), depths[0]);
-                    errors.iter().for_each(|error| print!(",{error:.1e}"));
-                    println!();
+                    let errors = errors.map(|error| format!("{error:.1e}"));
+                    table.serialize((group, stiffness, depths[0], level, errors)).unwrap();
                 }
             }
         }

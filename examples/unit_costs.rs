@@ -456,8 +456,9 @@ fn main() {
         [false, true].into_iter().flat_map(|is_interpolated| designs(is_interpolated, &known)).collect();
     known.extend(fit("designs", &[Unit::Design, Unit::Row, Unit::InterpolatedDesign], &of_designs));
     known.extend(fit("laws", &[Unit::Laws], &laws()));
-    println!("name,value,unit");
+    let mut table = csv::Writer::from_writer(std::io::stdout());
+    table.write_record(["name", "value", "unit"]).unwrap();
     for (unit, value) in known {
-        println!("{},{value:.1e},s", unit.name());
+        table.serialize((unit, format!("{value:.1e}"), "s")).unwrap();
     }
 }

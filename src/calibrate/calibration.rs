@@ -91,7 +91,7 @@ pub fn calibrate(
     if joint.design().is_press_fit() {
         return refuse("a press fit has no indentation, and no points of it can be measured".into());
     }
-    if unknowns.contains(&Unknown::RadialClearance) && joint.design().radial_clearance == 0.0 {
+    if unknowns.contains(&Unknown::RadialClearance) && joint.design().is_neat() {
         return refuse(
             "radial_clearance: cannot be fitted from 0; give the config a clearance to start from".into(),
         );

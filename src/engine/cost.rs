@@ -13,7 +13,7 @@ use crate::engine::body_request::{
 };
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::joint_contact::joint_key;
-use crate::engine::law_fit::law_case;
+use crate::engine::law_fit::{law_case, range_of};
 use crate::engine::plan::JointPlan;
 use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{
@@ -204,15 +204,11 @@ impl Needs {
 /// Indentations at work as far as loads tell, mm.
 fn working_range_of(case: &DesignCase) -> (f64, f64) {
     let indentations = case.steps.iter().filter_map(|load| match case.joint.from_first_touch(*load) {
-        Load::Indentation(value) if value > 0.0 => Some(value),
+        Load::Indentation(value) => Some(value),
         _ => None,
     });
     let clearance = case.joint.radial_clearance;
-    let known = indentations.fold(None, |range: Option<(f64, f64)>, value| {
-        let (low, high) = range.unwrap_or((value, value));
-        Some((low.min(value), high.max(value)))
-    });
-    known.unwrap_or((RANGE.0 * clearance, RANGE.1 * clearance))
+    range_of(indentations).unwrap_or((RANGE.0 * clearance, RANGE.1 * clearance))
 }
 
 /// What designs of a study take.

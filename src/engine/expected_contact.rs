@@ -18,9 +18,7 @@ pub struct ExpectedContact {
 impl ExpectedContact {
     pub fn of(case: &DesignCase) -> ExpectedContact {
         let joint = &case.joint;
-        let [pin, plate] =
-            [&joint.pin, &joint.plate].map(|part| part.contact_material().plane_modulus(joint.idealization));
-        let of_pin = plate / (pin + plate);
+        let of_pin = joint.share_of_pin();
         // Those of the greatest loads: it grows with the load.
         let (mut indentation, mut force) = (0.0_f64, 0.0_f64);
         for load in &case.steps {
@@ -41,7 +39,7 @@ pub fn half_angle(joint: &JointDesign, load: Load) -> f64 {
     match joint.from_first_touch(load) {
         _ if joint.is_press_fit() => PI,
         // A neat fit opens at once.
-        _ if radial_clearance == 0.0 => FRAC_PI_2,
+        _ if joint.is_neat() => FRAC_PI_2,
         // Where the rigid outlines cross.
         Load::Indentation(delta) | Load::Offset(delta) => {
             (radial_clearance / (radial_clearance + delta)).acos()

@@ -8,7 +8,7 @@ use crate::engine::accuracy::geometry_error::OutlineError;
 use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::body_request::{BodyRequest, Fidelity, mesh_size};
 use crate::engine::expected_contact::ExpectedContact;
-use crate::engine::interpolation::fit_plan::InterpolationPlan;
+use crate::engine::interpolation::fit_plan::{FINEST_ACCURACY, InterpolationPlan};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::plan::{JointPlan, first_level};
 use crate::engine::refusal::Refusal;
@@ -75,28 +75,17 @@ impl<'a> Explainer<'a> {
         let rows = case.steps.len() as f64;
         let mut ruled_out = Vec::new();
         if method == MethodChoice::ClosedForm && Refusal::of_joint(case, method).is_none() {
-            return Explanation {
-                chosen: "closed form".into(),
-                why: "`method = \"closed-form\"` asks for Johnson's law".into(),
-                bodies: Vec::new(),
-                ruled_out,
-                error: 1.0,
-                seconds: rows * Unit::Row.seconds(),
-            };
+            let why = "`method = \"closed-form\"` asks for Johnson's law".into();
+            return without_bodies("closed form", why, ruled_out, [1.0, rows * Unit::Row.seconds()]);
         }
         let mut rule_out = |what: &str, why: String| ruled_out.push((what.to_string(), why));
         rule_out("closed form", "knows nothing of the plate's extent: right to a factor of two".into());
         if let Some(why) = self.not_interpolated(case) {
             rule_out("interpolation across bodies", why);
         } else {
-            return Explanation {
-                chosen: "interpolated".into(),
-                why: "the sweep has so many distinct bodies that fits of their compliances cost less".into(),
-                bodies: Vec::new(),
-                ruled_out,
-                error: self.study.solve.accuracy,
-                seconds: interpolated_design(rows).seconds(),
-            };
+            let why = "the sweep has so many distinct bodies that fits of their compliances cost less".into();
+            let numbers = [self.study.solve.accuracy, interpolated_design(rows).seconds()];
+            return without_bodies("interpolated", why, ruled_out, numbers);
         }
         self.explain_bodies(case, ruled_out)
     }
@@ -114,7 +103,7 @@ impl<'a> Explainer<'a> {
             None if self.study.solve.method == MethodChoice::Series => {
                 Some("`method = \"series\"` is exact".into())
             }
-            None if self.study.solve.accuracy < 1e-3 => Some("good to 0.1 % at best".into()),
+            None if self.study.solve.accuracy < FINEST_ACCURACY => Some("good to 0.1 % at best".into()),
             None => Some(format!("too few distinct bodies in {} designs", self.study.design_count())),
         }
     }
@@ -124,14 +113,7 @@ impl<'a> Explainer<'a> {
         let plan = match JointPlan::cheapest(case, method, accuracy) {
             Ok(plan) => plan,
             Err(refusal) => {
-                return Explanation {
-                    chosen: "refused".into(),
-                    why: refusal.to_string(),
-                    bodies: Vec::new(),
-                    ruled_out,
-                    error: f64::INFINITY,
-                    seconds: 0.0,
-                };
+                return without_bodies("refused", refusal.to_string(), ruled_out, [f64::INFINITY, 0.0]);
             }
         };
         let expected = ExpectedContact::of(case);
@@ -196,6 +178,16 @@ impl<'a> Explainer<'a> {
             seconds: seconds + joint_seconds(&plan) + design(case.steps.len() as f64).seconds(),
         }
     }
+}
+
+/// Of a design whose bodies are not solved.
+fn without_bodies(
+    chosen: &str,
+    why: String,
+    ruled_out: Vec<(String, String)>,
+    [error, seconds]: [f64; 2],
+) -> Explanation {
+    Explanation { chosen: chosen.into(), why, bodies: Vec::new(), ruled_out, error, seconds }
 }
 
 /// Of the bodies on meshes the worst at a half angle, rad.

@@ -1,6 +1,6 @@
 //! The contact of designs with one joint, its bodies being solved: their states, how good they are, and what they want.
 
-use crate::engine::accuracy::body_errors::{BodyErrors, ErrorSource, JudgedBody};
+use crate::engine::accuracy::body_errors::{BodyErrors, JudgedBody, OwnError};
 use crate::engine::accuracy::geometry_error::{OutlineError, WIDEST_CLEARANCE};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, ForceError, Want};
@@ -60,20 +60,18 @@ fn judged_bodies<'a>(
             backend = BackendKind::Gpu;
         }
         let (compliance, share) = (&*solved.compliance, 1.0 / part.contact_material().youngs_modulus);
-        let source = match (request.fidelity, plan.coarser(request)) {
-            (Fidelity::Series, _) if matches!(compliance.boundary, Boundary::Nothing) => ErrorSource::Bed,
-            (Fidelity::Series, _) => ErrorSource::Exact,
-            (Fidelity::Mesh { .. }, Some(coarser)) => {
-                let coarse = &*library.solved(&coarser).compliance;
-                ErrorSource::MeshBeside { fine: compliance, coarse, share }
+        let coarser = plan.coarser(request);
+        let change =
+            coarser.map(|coarser| [(compliance, share), (&*library.solved(&coarser).compliance, -share)]);
+        let own = match request.fidelity {
+            Fidelity::Series if matches!(compliance.boundary, Boundary::Nothing) => {
+                OwnError::Bed(&request.body)
             }
-            (Fidelity::Mesh { level }, None) => ErrorSource::Mesh(level),
+            Fidelity::Mesh { level } if change.is_none() => OwnError::of_mesh(&request.body, level),
+            _ => OwnError::of_layers(&request.body),
         };
-        JudgedBody {
-            body: &request.body,
-            source,
-            part: space.part(request.body.shape.side, &[(compliance, share)], outlines),
-        }
+        let part = space.part(request.body.shape.side, &[(compliance, share)], outlines);
+        JudgedBody { body: &request.body, own, change, part }
     });
     (bodies, backend)
 }

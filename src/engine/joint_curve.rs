@@ -2,15 +2,14 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::engine::accuracy::Want;
-use crate::engine::bodies::BodyLibrary;
 use crate::engine::joint_contact::{solve_designs, with_curve};
 use crate::engine::joint_scale::JointScale;
+use crate::engine::ladder::Ladder;
 use crate::engine::outcome::StepOutcome;
 use crate::engine::plan::JointPlan;
-use crate::engine::spaces::Spaces;
 use crate::engine::status::Failure;
 use crate::mechanics::contact::arc_pressure::ArcPressure;
+use crate::mechanics::contact::curve::ContactCurve;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::{DesignCase, JointDesign, Load};
 
@@ -18,8 +17,7 @@ use crate::study::design::{DesignCase, JointDesign, Load};
 pub struct JointCurve {
     joint: JointDesign,
     accuracy: f64,
-    library: BodyLibrary<'static>,
-    spaces: Spaces,
+    ladder: Ladder<'static>,
     plan: JointPlan,
 }
 
@@ -31,30 +29,15 @@ const OF_NEAT_FIT: f64 = 1e-3;
 
 impl JointCurve {
     /// Solves the bodies as finely as an accuracy of the force wants over the whole curve; where none does, as finely as can be,
-    /// and every answer says so. `method` is not `closed-form`.
-    pub fn new(joint: &JointDesign, options: SolveOptions) -> Result<JointCurve, Failure> {
-        JointCurve::after(None, joint, options)
-    }
-
-    /// The same after the curve of another joint: bodies that both joints have are not solved again.
+    /// and every answer says so. Those that the joint of the curve before has are not solved again. `method` is not `closed-form`.
     pub fn after(
         before: Option<JointCurve>,
         joint: &JointDesign,
         options: SolveOptions,
     ) -> Result<JointCurve, Failure> {
-        let (library, spaces) = before.map_or_else(Default::default, |curve| (curve.library, curve.spaces));
-        JointCurve::solve(joint, options, library, spaces)
-    }
-
-    fn solve(
-        joint: &JointDesign,
-        options: SolveOptions,
-        mut library: BodyLibrary<'static>,
-        mut spaces: Spaces,
-    ) -> Result<JointCurve, Failure> {
         let SolveOptions { accuracy, method } = options;
         assert!(method != MethodChoice::ClosedForm, "a closed form has no curve of the joint");
-        let steps: Vec<Load> = if joint.radial_clearance == 0.0 {
+        let steps: Vec<Load> = if joint.is_neat() {
             vec![Load::Indentation(OF_NEAT_FIT * joint.hole_radius)]
         } else {
             let looked_at = |ratio: f64| match ratio * joint.radial_clearance {
@@ -64,31 +47,21 @@ impl JointCurve {
             LOOKED_AT.map(looked_at).into()
         };
         let case = DesignCase { index: 0, joint: joint.clone(), steps };
-        let mut plan = JointPlan::cheapest(&case, method, accuracy).map_err(Failure::Refused)?;
-        loop {
-            let requests: Vec<_> = plan.requests().collect();
-            library.solve(&requests);
-            let bodies = requests.iter().map(|request| (plan.space, &*library.solved(request).compliance));
-            spaces.prepare(bodies);
-            let answers = solve_designs(&library, &spaces, &plan, std::iter::once(&case), accuracy);
-            let want = answers.first().map_or(Want::Nothing, |(_, want)| *want);
-            match plan.next(want) {
-                Some(next) => plan = next,
-                None => return Ok(JointCurve { joint: joint.clone(), accuracy, library, spaces, plan }),
-            }
-        }
+        let plan = JointPlan::cheapest(&case, method, accuracy).map_err(Failure::Refused)?;
+        let mut ladder =
+            before.map_or_else(|| Ladder::new(options), |curve| curve.ladder.with_options(options));
+        let settled = ladder.climb(&[case], vec![(0, plan.clone())]).pop();
+        let plan = settled.map_or(plan, |(_, plan, _)| plan);
+        Ok(JointCurve { joint: joint.clone(), accuracy, ladder, plan })
     }
 
     /// The curve of another joint of the same shapes, on the same meshes and nodes: its values differ by what the joints differ by, not by what
     /// the resolution leaves.
     pub fn of_other(self, joint: &JointDesign) -> JointCurve {
-        let JointCurve { accuracy, mut library, mut spaces, plan, .. } = self;
+        let JointCurve { accuracy, mut ladder, plan, .. } = self;
         let plan = plan.of_other(joint);
-        let requests: Vec<_> = plan.requests().collect();
-        library.solve(&requests);
-        let bodies = requests.iter().map(|request| (plan.space, &*library.solved(request).compliance));
-        spaces.prepare(bodies);
-        JointCurve { joint: joint.clone(), accuracy, library, spaces, plan }
+        ladder.prepare(&[(0, plan.clone())]);
+        JointCurve { joint: joint.clone(), accuracy, ladder, plan }
     }
 
     pub fn joint(&self) -> &JointDesign {
@@ -103,8 +76,8 @@ impl JointCurve {
     /// What a row of a table says under each of these loads (mm or N, not negative; press fits have no indentation).
     pub fn answers(&self, loads: &[Load]) -> Vec<StepOutcome> {
         let case = DesignCase { index: 0, joint: self.joint.clone(), steps: loads.to_vec() };
-        let answers =
-            solve_designs(&self.library, &self.spaces, &self.plan, std::iter::once(&case), self.accuracy);
+        let Ladder { library, spaces, .. } = &self.ladder;
+        let answers = solve_designs(library, spaces, &self.plan, std::iter::once(&case), self.accuracy);
         answers.into_iter().next().map_or(Vec::new(), |(answer, _)| answer.steps)
     }
 
@@ -125,10 +98,12 @@ impl JointCurve {
         if !self.joint.is_press_fit() {
             return None;
         }
-        let (library, spaces) = (&self.library, &self.spaces);
-        let opening =
-            with_curve(library, spaces, &self.plan, &self.joint, |curve| curve.opening()).flatten()?;
+        let opening = self.with_curve(|curve| curve.opening()).flatten()?;
         Some(opening * -self.joint.radial_clearance)
+    }
+
+    fn with_curve<T>(&self, ask: impl FnOnce(&ContactCurve) -> T) -> Option<T> {
+        with_curve(&self.ladder.library, &self.ladder.spaces, &self.plan, &self.joint, ask)
     }
 
     /// Asks with the contact half angle, rad, the pressure and what it is per unit of, MPa; `None` where the load has no state.
@@ -139,7 +114,7 @@ impl JointCurve {
     ) -> Option<T> {
         let scale = JointScale::of(&self.joint);
         let dimensionless = scale.load(load)?;
-        with_curve(&self.library, &self.spaces, &self.plan, &self.joint, |curve| {
+        self.with_curve(|curve| {
             let (state, above) = curve.states_of_fit(std::iter::once(dimensionless)).pop()?.ok()?;
             Some(ask(state.half_angle, &curve.pressure(&state, above), scale.unit(load, &state)))
         })?

@@ -20,19 +20,17 @@ impl JointScale<'_> {
 
     /// A load without sizes, `None` where there is no contact yet. A press fit always has contact.
     pub fn load(&self, load: Load) -> Option<DimensionlessLoad> {
-        let JointDesign { hole_radius, radial_clearance, thickness, .. } = *self.joint;
+        let JointDesign { hole_radius, thickness, .. } = *self.joint;
         match self.joint.from_first_touch(load) {
             Load::Offset(offset) => Some(DimensionlessLoad::Offset(offset / hole_radius)),
-            Load::Force(force) if self.joint.is_press_fit() => {
+            Load::Force(force) if force != 0.0 || self.joint.is_press_fit() => {
                 Some(DimensionlessLoad::Force(force / (thickness * hole_radius)))
             }
-            // A neat fit has one state, which any load shows.
-            Load::Indentation(0.0) | Load::Force(0.0) if radial_clearance == 0.0 => {
-                Some(DimensionlessLoad::Indentation(1.0))
+            Load::Indentation(delta) if delta != 0.0 => {
+                Some(DimensionlessLoad::Indentation(delta / hole_radius))
             }
-            Load::Indentation(0.0) | Load::Force(0.0) => None,
-            Load::Indentation(delta) => Some(DimensionlessLoad::Indentation(delta / hole_radius)),
-            Load::Force(force) => Some(DimensionlessLoad::Force(force / (thickness * hole_radius))),
+            // A neat fit has one state, which any load shows.
+            _ => self.joint.is_neat().then_some(DimensionlessLoad::Indentation(1.0)),
         }
     }
 

@@ -67,9 +67,8 @@ impl JointCurve {
     ) -> Result<Vec<CircleStresses>, NoStresses> {
         let joint = self.joint();
         let bare = ConcentricBody::of(&joint.body(joint.part(side))).ok_or(NoStresses::NotConcentric)?;
-        let outward = if side == Side::Plate { 1.0 } else { -1.0 };
         let radii: Vec<f64> =
-            depths.iter().map(|depth| 1.0 + outward * depth / joint.contact_radius(side)).collect();
+            depths.iter().map(|depth| 1.0 + side.outward() * depth / joint.contact_radius(side)).collect();
         let body = bare.with_circles(&radii);
         let outlines = JointScale::of(joint).outlines;
         let of_pressure = |half_angle: f64, pressure: &ArcPressure, unit: f64| {

@@ -14,12 +14,10 @@ use crate::engine::body_request::BodyRequest;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::interpolation::interpolated::Interpolation;
 use crate::engine::joint_contact::{JointKey, joint_key, solve_designs};
-use crate::engine::outcome::{Answer, BackendKind, DesignOutcome};
+use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::engine::plan::JointPlan;
-use crate::engine::refusal::Refusal;
-use crate::engine::row::{all_failed, closed_form};
+use crate::engine::row::{closed_form, refused};
 use crate::engine::spaces::Spaces;
-use crate::engine::status::Failure;
 use crate::engine::stopwatch::Stopwatch;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
@@ -34,7 +32,7 @@ type Placed = (usize, (Answer, Want));
 pub struct Ladder<'a> {
     options: SolveOptions,
     pub library: BodyLibrary<'a>,
-    spaces: Spaces,
+    pub spaces: Spaces,
     pub interpolation: Option<Interpolation>,
     times: LadderTimes,
 }
@@ -55,6 +53,11 @@ impl<'a> Ladder<'a> {
             interpolation: None,
             times: LadderTimes::default(),
         }
+    }
+
+    /// For other answers, with the bodies it has met.
+    pub fn with_options(self, options: SolveOptions) -> Ladder<'a> {
+        Ladder { options, ..self }
     }
 
     /// With bodies interpolated where there is a plan for it.
@@ -93,20 +96,36 @@ impl<'a> Ladder<'a> {
                 Err(refusal) => answers[index] = Some(refused(&cases[index], refusal)),
             }
         }
-        while !open.is_empty() {
-            let solved = self.climb(cases, &open);
-            let mut unsettled = Vec::new();
-            for ((index, plan), (answer, want)) in open.into_iter().zip(solved) {
-                answers[index] = Some(answer);
-                unsettled.extend(plan.next(want).map(|plan| (index, plan)));
-            }
-            open = unsettled;
+        for (index, _, answer) in self.climb(cases, open) {
+            answers[index] = Some(answer);
         }
         answers.into_iter().flatten().collect()
     }
 
-    /// One attempt at each of some designs, by its number and plan.
-    fn climb(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
+    /// Designs by their numbers, each from a plan on, with the last plan that it came to and the answer there.
+    pub fn climb(
+        &mut self,
+        cases: &[DesignCase],
+        mut open: Vec<(usize, JointPlan)>,
+    ) -> Vec<(usize, JointPlan, Answer)> {
+        let mut settled = Vec::with_capacity(open.len());
+        while !open.is_empty() {
+            self.prepare(&open);
+            let solved = self.attempt(cases, &open);
+            let mut unsettled = Vec::new();
+            for ((index, plan), (answer, want)) in open.into_iter().zip(solved) {
+                match plan.next(want) {
+                    Some(next) => unsettled.push((index, next)),
+                    None => settled.push((index, plan, answer)),
+                }
+            }
+            open = unsettled;
+        }
+        settled
+    }
+
+    /// Solves the bodies of plans and makes their spaces.
+    pub fn prepare(&mut self, open: &[(usize, JointPlan)]) {
         let requests: Vec<BodyRequest> = open.iter().flat_map(|(_, plan)| plan.requests()).collect();
         let Ladder { library, spaces, .. } = self;
         let make_spaces = || {
@@ -124,6 +143,10 @@ impl<'a> Ladder<'a> {
         let bodies: Vec<_> = open.par_iter().with_min_len(MANY).flat_map_iter(in_space).collect();
         spaces.prepare(bodies.into_iter());
         self.times.spaces += started.elapsed();
+    }
+
+    /// One attempt at each of some designs, by its number and plan.
+    fn attempt(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
         let mut joints: HashMap<JointKey, Vec<usize>> = HashMap::default();
         let key = |(index, plan): &(usize, JointPlan)| joint_key(plan, &cases[*index]);
         let keys: Vec<JointKey> = open.par_iter().with_min_len(MANY).map(key).collect();
@@ -170,8 +193,4 @@ impl<'a> Ladder<'a> {
         ]);
         stages
     }
-}
-
-fn refused(case: &DesignCase, refusal: Refusal) -> Answer {
-    all_failed(case, BackendKind::Cpu, Failure::Refused(refusal))
 }

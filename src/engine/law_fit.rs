@@ -18,7 +18,7 @@ const LARGE: f64 = 1e7;
 pub fn law_case(case: &DesignCase, (low, high): (f64, f64)) -> DesignCase {
     let joint = &case.joint;
     let clearance = joint.radial_clearance;
-    let steps = if clearance == 0.0 {
+    let steps = if joint.is_neat() {
         vec![Load::Indentation(high)]
     } else {
         let sampled = sampled_at((low / clearance, high / clearance));
@@ -29,7 +29,12 @@ pub fn law_case(case: &DesignCase, (low, high): (f64, f64)) -> DesignCase {
 
 /// The least and the greatest indentation that was answered, mm.
 pub fn working_range(steps: &[StepOutcome]) -> Option<(f64, f64)> {
-    let indentations = steps.iter().filter_map(|step| step.response).map(|response| response.indentation);
+    let responses = steps.iter().filter_map(|step| step.response);
+    range_of(responses.map(|response| response.indentation))
+}
+
+/// The least and the greatest of those above 0.
+pub fn range_of(indentations: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let (low, high) = indentations
         .filter(|indentation| *indentation > 0.0)
         .fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
@@ -39,14 +44,14 @@ pub fn working_range(steps: &[StepOutcome]) -> Option<(f64, f64)> {
 /// The laws of a design from the answer to its `law_case`.
 pub fn laws_of(case: &DesignCase, answer: &Answer, (low, high): (f64, f64)) -> DesignLaws {
     let joint = &case.joint;
-    let missing = |why| DesignLaws { missing: Some(why), ..DesignLaws::default() };
+    let missing = DesignLaws::missing;
     let Some((last, sampled)) = answer.steps.split_last() else { return missing("no load") };
     let stiffness =
         effective_modulus(&joint.pin.contact_material(), &joint.plate.contact_material(), joint.idealization)
             * joint.thickness;
     let stiffness_of_large_loads = last.response.map(|response| response.tangent_stiffness);
     let clearance = joint.radial_clearance;
-    if clearance == 0.0 {
+    if joint.is_neat() {
         let Some(slope) = stiffness_of_large_loads else { return missing("no answer") };
         return DesignLaws { stiffness_of_large_loads, ..of_neat_fit(slope, stiffness, (low, high)) };
     }
@@ -112,10 +117,9 @@ pub fn laws_of_all<'a>(
     let of_design = |((case, _), answer): (&(&DesignCase, _), Option<(Answer, _)>)| match answer {
         Some((answer, working)) => laws_of(case, &answer, working),
         None if case.joint.is_press_fit() => {
-            let why = "laws are of the indentation of joints with clearance";
-            DesignLaws { missing: Some(why), ..DesignLaws::default() }
+            DesignLaws::missing("laws are of the indentation of joints with clearance")
         }
-        None => DesignLaws { missing: Some("no answer under load"), ..DesignLaws::default() },
+        None => DesignLaws::missing("no answer under load"),
     };
     designs.par_iter().zip(answers).map(of_design).collect()
 }

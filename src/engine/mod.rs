@@ -1,4 +1,5 @@
 pub mod stopwatch;
+mod csv_rows;
 pub mod hashed;
 pub mod body_request;
 pub mod spaces;
@@ -19,10 +20,10 @@ pub mod bodies;
 pub mod joint_contact;
 pub mod unit_costs;
 pub mod interpolation;
+pub mod ladder;
 pub mod joint_curve;
 pub mod material_shares;
 pub mod joint_stresses;
-pub mod ladder;
 pub mod law_fit;
 pub mod cost;
 pub mod shares;

@@ -104,6 +104,12 @@ pub struct DesignLaws {
     pub missing: Option<&'static str>,
 }
 
+impl DesignLaws {
+    pub fn missing(why: &'static str) -> DesignLaws {
+        DesignLaws { missing: Some(why), ..DesignLaws::default() }
+    }
+}
+
 /// A design with its answer.
 #[derive(Clone, Debug)]
 pub struct DesignOutcome {

@@ -74,7 +74,12 @@ impl Solving {
     }
 }
 
-pub fn all_failed(case: &DesignCase, backend: BackendKind, failure: Failure) -> Answer {
+/// The answer to a design that is not solved.
+pub fn refused(case: &DesignCase, refusal: Refusal) -> Answer {
+    all_failed(case, BackendKind::Cpu, Failure::Refused(refusal))
+}
+
+fn all_failed(case: &DesignCase, backend: BackendKind, failure: Failure) -> Answer {
     Answer { backend, steps: vec![StepOutcome::failed(failure); case.steps.len()] }
 }
 
@@ -101,7 +106,7 @@ fn unloaded(joint: &JointDesign, load: Load, method: Method) -> StepOutcome {
 pub fn closed_form(case: &DesignCase) -> Answer {
     let joint = &case.joint;
     if let Some(refusal) = Refusal::of_joint(case, MethodChoice::ClosedForm) {
-        return all_failed(case, BackendKind::Cpu, Failure::Refused(refusal));
+        return refused(case, refusal);
     }
     let curve = joint.pair().and_then(|pair| laws::johnson::LAW.curve(&pair));
     let step = |load: &Load| -> Result<StepOutcome, laws::LawError> {

@@ -21,17 +21,10 @@ pub fn share(study: &Study, share: u64, of: u64, cut: u64) -> Result<Range<u64>,
 /// What designs at even distances take, s.
 fn costs(study: &Study, count: u64) -> Result<Vec<f64>, Error> {
     let cost = DesignCost::of_study(study);
-    let mut cases = study.cases()?;
     let looked_at = count.min(LOOKED_AT);
-    let (mut costs, mut next) = (Vec::new(), 0);
-    for sample in 0..looked_at {
-        // In the middle of its part of the sweep.
-        let number = (2 * sample + 1) * count / (2 * looked_at);
-        let Some(case) = cases.nth((number - next) as usize) else { break };
-        costs.push(cost.seconds(&case?));
-        next = number + 1;
-    }
-    Ok(costs)
+    // In the middle of its part of the sweep.
+    let number = |sample: u64| (2 * sample + 1) * count / (2 * looked_at);
+    study.cases_at((0..looked_at).map(number))?.map(|case| Ok(cost.seconds(&case?))).collect()
 }
 
 /// Where share number `share` ends, of sweeps whose parts have these costs.

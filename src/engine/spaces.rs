@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::mechanics::body::{Body, THINNEST_RING};
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::arc::TERM_CHOICES;
-use crate::mechanics::compliance::ring_modes::LARGEST_HELD;
+use crate::mechanics::compliance::ring_modes::{LARGEST_HELD, RingModes};
 use crate::mechanics::contact::curve_space::{CurveSpace, MOST_NODES, Variable};
 
 /// Which pressure space a joint is solved in.
@@ -32,6 +32,10 @@ const TERMS_OF_THIN_LAYERS: usize = 10;
 /// Beside beds.
 const NODES_OF_BEDS: usize = 64;
 
+/// Accuracies of the force, relative: down to the first the fewest trial pressures and nodes are enough, below the second it takes many.
+const COARSE: f64 = 1e-2;
+const FINE: f64 = 1e-4;
+
 /// Beyond any free contact of a whole ring, rad.
 const WIDEST: f64 = 2.4;
 
@@ -47,7 +51,7 @@ impl SpaceKey {
 
     /// The coarsest of press fits for an accuracy of the force (`tests/mechanics/press_fits.rs`).
     pub fn of_press_fits(accuracy: f64) -> SpaceKey {
-        let (terms, nodes) = if accuracy >= 1e-4 { (10, 24) } else { (16, 48) };
+        let (terms, nodes) = if accuracy >= FINE { (10, 24) } else { (16, 48) };
         SpaceKey { half_ring: false, terms, nodes, variable: Variable::Gap }
     }
 
@@ -69,13 +73,13 @@ impl SpaceKey {
         space
     }
 
-    /// The same for a depth of the thinnest wall.
-    pub fn beside(thinnest: f64, half_ring: bool, accuracy: f64, half_angle: f64) -> SpaceKey {
+    /// The same for a depth of the thinnest wall, no beds.
+    fn beside(thinnest: f64, half_ring: bool, accuracy: f64, half_angle: f64) -> SpaceKey {
         // For deep, middling and thin walls terms and nodes.
         let of_depth = match accuracy {
-            _ if accuracy >= 1e-2 => [(6, 24), (6, 32), (10, 48)],
-            _ if accuracy >= 1e-4 && half_angle < WIDE => [(6, 24), (6, 32), (16, 48)],
-            _ if accuracy >= 1e-4 => [(10, 24), (10, 32), (16, 48)],
+            _ if accuracy >= COARSE => [(6, 24), (6, 32), (10, 48)],
+            _ if accuracy >= FINE && half_angle < WIDE => [(6, 24), (6, 32), (16, 48)],
+            _ if accuracy >= FINE => [(10, 24), (10, 32), (16, 48)],
             _ => [(10, 48), (16, 48), (24, 64)],
         };
         let (terms, nodes) = match thinnest {
@@ -83,9 +87,6 @@ impl SpaceKey {
             depth if depth > THIN => of_depth[1],
             _ => of_depth[2],
         };
-        if thinnest < THINNEST_RING {
-            return SpaceKey { half_ring, terms, nodes: NODES_OF_BEDS, variable: Variable::Logarithm };
-        }
         SpaceKey { half_ring, terms, nodes, variable: Variable::Root }
     }
 
@@ -96,8 +97,8 @@ impl SpaceKey {
 
     fn with_nodes_of_fits(self, accuracy: f64) -> SpaceKey {
         match self.nodes {
-            24 if accuracy >= 1e-2 && !self.half_ring => SpaceKey { nodes: 16, ..self },
-            32 if accuracy >= 1e-2 && !self.half_ring => SpaceKey { nodes: 24, ..self },
+            24 if accuracy >= COARSE && !self.half_ring => SpaceKey { nodes: 16, ..self },
+            32 if accuracy >= COARSE && !self.half_ring => SpaceKey { nodes: 24, ..self },
             _ => self,
         }
     }
@@ -156,32 +157,17 @@ impl Spaces {
 
     /// Makes spaces with what these bodies need in them, as far as it is not there yet.
     pub fn prepare<'a>(&mut self, bodies: impl Iterator<Item = (SpaceKey, &'a BodyCompliance)>) {
-        // Of each space the body with the highest mode, and one of each kind of ring modes.
-        let mut needs: HashMap<SpaceKey, Vec<&BodyCompliance>> = HashMap::default();
+        let mut needs: HashMap<SpaceKey, (usize, HashSet<RingModes>)> = HashMap::default();
         for (key, body) in bodies {
-            let own = needs.entry(key).or_default();
-            match own.iter_mut().find(|known| is_alike(known, body)) {
-                Some(known) if highest(body) > highest(known) => *known = body,
-                Some(_) => {}
-                None => own.push(body),
-            }
+            let (mode_count, ring_modes) = needs.entry(key).or_default();
+            *mode_count = body.mode_count().max(*mode_count);
+            ring_modes.extend(body.boundary.ring_modes().map(|(modes, _)| *modes));
         }
         self.make(needs.keys().copied());
         let open = self.spaces.iter_mut().filter_map(|(key, space)| Some((space, needs.remove(key)?)));
-        open.collect::<Vec<_>>().into_par_iter().for_each(|(space, bodies)| {
-            bodies.iter().for_each(|body| space.pressures.prepare(body));
+        open.collect::<Vec<_>>().into_par_iter().for_each(|(space, (mode_count, ring_modes))| {
+            space.pressures.prepare_modes(mode_count);
+            ring_modes.iter().for_each(|modes| space.pressures.prepare_ring_modes(modes));
         });
     }
-}
-
-fn is_alike(one: &BodyCompliance, other: &BodyCompliance) -> bool {
-    let kind = |body: &BodyCompliance| {
-        (body.boundary.modes().is_some(), body.boundary.ring_modes().map(|(modes, _)| *modes))
-    };
-    kind(one) == kind(other)
-}
-
-fn highest(body: &BodyCompliance) -> usize {
-    let first = body.boundary.modes().map_or(0, |[normal, _]| normal.len());
-    first.max(body.second.len())
 }

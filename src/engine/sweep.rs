@@ -83,21 +83,12 @@ impl Chosen {
     }
 
     fn cases<'a>(&'a self, study: &'a Study) -> Result<Cases<'a>, Error> {
-        let mut cases = study.cases()?;
         Ok(match self {
-            Chosen::All => Box::new(cases),
-            Chosen::Range(range) => {
-                let (start, end) = (range.start, range.end.max(range.start));
-                Box::new(cases.skip(start as usize).take((end - start) as usize))
+            Chosen::All => Box::new(study.cases()?),
+            Chosen::Range(Range { start, end }) => {
+                Box::new(study.cases()?.skip(*start as usize).take(end.saturating_sub(*start) as usize))
             }
-            Chosen::Listed(numbers) => {
-                let mut next = 0;
-                Box::new(numbers.iter().filter_map(move |number| {
-                    let gap = number.checked_sub(next)?;
-                    next = number + 1;
-                    cases.nth(gap as usize)
-                }))
-            }
+            Chosen::Listed(numbers) => Box::new(study.cases_at(numbers.iter().copied())?),
         })
     }
 }
@@ -180,21 +171,16 @@ pub fn run_digested<T: Send>(
         // Those who still send to nobody end.
         drop(digested);
         let digestion = joined(digester);
-        let solution = joined(solver);
-        let distinct = joined(drawer);
+        let Statistics { solves, worst_residual, fallback, mut stages, .. } = joined(solver);
+        stages.extend([("table", digestion), ("writing", received)]);
+        let distinct_bodies = joined(drawer).count();
         statistics.interrupted &= statistics.designs < count;
-        statistics.distinct_bodies = distinct.count();
         if options.gpu.is_none() {
             statistics.designs_on_cpu = 0;
         }
-        statistics.solves = solution.solves;
-        statistics.worst_residual = solution.worst_residual;
-        statistics.fallback = solution.fallback;
-        statistics.stages = solution.stages;
-        statistics.stages.extend([("table", digestion), ("writing", received)]);
-        result
-    })?;
-    Ok(statistics)
+        result?;
+        Ok(Statistics { distinct_bodies, solves, worst_residual, fallback, stages, ..statistics })
+    })
 }
 
 /// A panic of one thread is one of all.
@@ -262,14 +248,7 @@ fn meet(distinct: &mut Distinct, case: &DesignCase) {
     }
 }
 
-/// What is left of the solver at the end.
-struct Solution {
-    stages: Vec<(&'static str, Duration)>,
-    worst_residual: Option<f64>,
-    solves: u64,
-    fallback: Option<String>,
-}
-
+/// Solves batches; gives back what the solver did.
 fn solve_all(
     study: &Study,
     options: &SweepOptions,
@@ -277,7 +256,7 @@ fn solve_all(
     pool: &rayon::ThreadPool,
     drawn: &Receiver<Drawn>,
     solved: &SyncSender<Solved>,
-) -> Solution {
+) -> Statistics {
     let mut fallback = None;
     let ladder = Ladder::new(study.solve).interpolating(plan);
     let mut ladder = match options.gpu.map(|gpu| gpu.condenser()) {
@@ -310,12 +289,13 @@ fn solve_all(
         }
     }
     let device = ladder.library.device();
-    Solution {
+    Statistics {
         stages: ladder.stages(),
         // Nothing where all was eliminated.
         worst_residual: device.map(|device| device.worst_residual()).filter(|residual| *residual > 0.0),
         solves: device.map_or(0, |device| device.solves()),
         fallback,
+        ..Statistics::default()
     }
 }
 

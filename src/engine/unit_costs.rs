@@ -7,7 +7,10 @@
 
 use std::sync::LazyLock;
 
+use serde::{Deserialize, Serialize};
+
 use crate::engine::body_request::{BodyRequest, Fidelity, MeshSize, concentric, mesh_class, mesh_size};
+use crate::engine::csv_rows::rows;
 use crate::engine::plan::JointPlan;
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::Body;
@@ -19,20 +22,9 @@ use crate::mechanics::real::LANES;
 macro_rules! units {
     ($($(#[$about:meta])* $unit:ident = $name:literal,)*) => {
         /// What is counted. Each takes a time of its own.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
         pub enum Unit {
-            $($(#[$about])* $unit,)*
-        }
-
-        impl Unit {
-            pub const ALL: &[Unit] = &[$(Unit::$unit),*];
-
-            /// The name in the file.
-            pub fn name(self) -> &'static str {
-                match self {
-                    $(Unit::$unit => $name,)*
-                }
-            }
+            $($(#[$about])* #[serde(rename = $name)] $unit,)*
         }
     };
 }
@@ -91,20 +83,12 @@ impl Unit {
     }
 }
 
-/// By the places of the units in `Unit::ALL`, s; NaN for those that the file lacks, which a test forbids.
-static SECONDS: LazyLock<Vec<f64>> = LazyLock::new(|| {
-    let rows = || include_str!("unit_costs.csv").lines().skip(1).filter_map(parsed);
-    let seconds =
-        |unit: &Unit| rows().find(|(name, _)| *name == unit.name()).map_or(f64::NAN, |(_, value)| value);
-    Unit::ALL.iter().map(seconds).collect()
-});
+/// In the order of the units, s.
+static SECONDS: LazyLock<Vec<f64>> =
+    LazyLock::new(|| rows::<Row>(include_str!("unit_costs.csv")).map(|(_, seconds, _)| seconds).collect());
 
-/// Name and value of a row of the file.
-fn parsed(row: &str) -> Option<(&str, f64)> {
-    let (name, value) = row.split_once(',')?;
-    let (value, _) = value.split_once(',')?;
-    Some((name, value.parse().ok()?))
-}
+/// A row of the file: what is counted, how long it takes, s.
+type Row = (Unit, f64, String);
 
 /// What something takes: how much of which units.
 #[derive(Clone, Copy, Debug)]
@@ -246,13 +230,11 @@ mod tests {
     /// Each unit has its row, in order, and no row is of anything else.
     #[test]
     fn the_file_has_every_unit() {
-        let rows: Vec<&str> = include_str!("unit_costs.csv").lines().skip(1).collect();
-        let names: Vec<&str> = rows.iter().filter_map(|row| Some(parsed(row)?.0)).collect();
-        assert_eq!(names, Unit::ALL.iter().map(|unit| unit.name()).collect::<Vec<_>>());
-        assert!(rows.iter().all(|row| row.ends_with(",s")), "{rows:?}");
-        for (place, unit) in Unit::ALL.iter().enumerate() {
-            assert_eq!(*unit as usize, place);
-            assert!(unit.seconds() > 0.0 && unit.seconds() < 1.0, "{unit:?}: {}", unit.seconds());
+        let rows: Vec<Row> = rows(include_str!("unit_costs.csv")).collect();
+        assert_eq!(rows.len(), Unit::Laws as usize + 1);
+        for (place, (unit, seconds, of_time)) in rows.into_iter().enumerate() {
+            assert_eq!((unit as usize, of_time.as_str()), (place, "s"));
+            assert!(unit.seconds() == seconds && seconds > 0.0 && seconds < 1.0, "{unit:?}: {seconds}");
         }
     }
 }

@@ -310,6 +310,19 @@ impl Study {
             Designs::Listed(file) => Cases(Kind::Listed(Box::new(file.rows()?))),
         })
     }
+
+    /// Those of these numbers, which ascend: what lies between them is skipped.
+    pub fn cases_at<'a>(
+        &'a self,
+        numbers: impl IntoIterator<Item = u64> + 'a,
+    ) -> Result<impl Iterator<Item = Result<DesignCase, Error>> + 'a, Error> {
+        let (mut cases, mut next) = (self.cases()?, 0);
+        Ok(numbers.into_iter().filter_map(move |number| {
+            let skipped = number.checked_sub(next)?;
+            next = number + 1;
+            cases.nth(skipped as usize)
+        }))
+    }
 }
 
 /// The designs of a study in their order. Sampled ones are skipped to in no time; errors can only come from a

@@ -298,7 +298,12 @@ impl JointDesign {
         self.radial_clearance < 0.0
     }
 
-    /// Whether it is one in a plate that is not concentric: it presses most anywhere on its ring.
+    /// Whether pin and hole are as large as each other.
+    pub fn is_neat(&self) -> bool {
+        self.radial_clearance == 0.0
+    }
+
+    /// Whether it is a press fit in a plate that is not concentric: it presses most anywhere on its ring.
     pub fn is_lopsided_fit(&self) -> bool {
         self.is_press_fit() && !self.plate.shape.concentric
     }
@@ -339,6 +344,13 @@ impl JointDesign {
             lining: self.lining(part),
             all_around: self.is_press_fit(),
         }
+    }
+
+    /// Of the work that goes into the bodies the pin's, as their moduli have it.
+    pub fn share_of_pin(&self) -> f64 {
+        let [pin, plate] =
+            [&self.pin, &self.plate].map(|part| part.contact_material().plane_modulus(self.idealization));
+        plate / (pin + plate)
     }
 
     pub fn part(&self, side: Side) -> &Part {

@@ -294,7 +294,7 @@ fn what_is_said_of_press_fits_of_blocks_bounds_their_error() {
 }
 
 fn curve(joint: &JointDesign) -> JointCurve {
-    JointCurve::new(joint, SolveOptions { accuracy: 1e-4, method: MethodChoice::Auto }).unwrap()
+    JointCurve::after(None, joint, SolveOptions { accuracy: 1e-4, method: MethodChoice::Auto }).unwrap()
 }
 
 /// The lug of the examples: wider than deep, held at its base.

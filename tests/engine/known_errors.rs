@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::common::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
 use crate::common::random::Random;
-use jointsweep::internals::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error, worst_known_error};
+use jointsweep::internals::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use jointsweep::internals::engine::bodies::BodyLibrary;
 use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity};
 use jointsweep::internals::engine::spaces::{SpaceKey, Spaces};
@@ -23,7 +23,7 @@ fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
     let request = |fidelity| BodyRequest { body: body.clone(), fidelity };
     let finest = Fidelity::Mesh { level: LEVEL_COUNT - 1 };
     let judge = request(if body.shape.concentric { Fidelity::Series } else { finest });
-    let levels = (0..KNOWN_LEVELS).filter(|level| worst_known_error(body, *level).is_some());
+    let levels = (0..KNOWN_LEVELS).filter(|level| known_error(body, *level, 0.0).is_some());
     let meshes: Vec<BodyRequest> = levels.map(|level| request(Fidelity::Mesh { level })).collect();
     library.solve(&[&meshes[..], std::slice::from_ref(&judge)].concat());
     let compliance = |request: &BodyRequest| &*library.solved(request).compliance;

@@ -174,7 +174,7 @@ fn what_is_said_of_layers_of_rubber_bounds_their_error() {
         films += usize::from(trust == Trust::SqueezedFilm);
         let own = differences(&mut library, &requests);
         let worst = absolute(&own[1]).into_iter().fold(0.0, f64::max);
-        println!("{}, {}: {worst:.1e}", body.shape.name, trust.name());
+        println!("{}, {trust:?}: {worst:.1e}", body.shape.name);
         for (coarse, fine) in own[0].iter().zip(&own[1]) {
             count += 1;
             bounded += usize::from(fine.abs() <= trust.error(3, (fine - coarse).abs()));

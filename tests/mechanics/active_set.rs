@@ -11,9 +11,11 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use jointsweep::internals::mechanics::contact::node_contact::active_set::{
-    ActiveSetOutcome, RingContact, ring_contact, solve_nodal_contact,
+    ActiveSetOutcome, NodalContact, solve_nodal_contact,
 };
-use jointsweep::internals::mechanics::contact::node_contact::ring_joint::{RingsDiffer, normal_compliance};
+use jointsweep::internals::mechanics::contact::node_contact::ring_joint::{
+    RingJoint, RingsDiffer, normal_compliance,
+};
 use jointsweep::internals::mechanics::contact_grading::contact_grading;
 use jointsweep::internals::mechanics::element::ElementKind;
 use jointsweep::internals::mechanics::element::stiffness::Elasticity;
@@ -28,13 +30,26 @@ struct Half {
     side: f64,
 }
 
+/// Contact of a joint per unit thickness, in the units of its lengths and moduli.
+struct RingContact {
+    angles: Vec<f64>,
+    /// Of the half that is modelled: the node at the load line carries half of what it does in the whole joint.
+    nodal: NodalContact,
+    /// Of both halves.
+    force: f64,
+    contact_half_angle: f64,
+}
+
+/// Presses a pin into a plate by an indentation after first touch.
 fn press(pin: &Half, plate: &Half, clearance: f64, indentation: f64) -> RingContact {
     let [pin_compliance, plate_compliance] = [pin, plate].map(|half| half.meshed.condense());
     let pin = pin.meshed.ring(&pin_compliance, pin.modulus);
     let plate = plate.meshed.ring(&plate_compliance, plate.modulus);
-    let contact = ring_contact(pin, plate, 0.0, clearance, indentation, 50).unwrap();
-    assert_eq!(contact.nodal.outcome, ActiveSetOutcome::Settled);
-    contact
+    let joint = RingJoint::new(pin, plate, 0.0).unwrap();
+    let nodal = solve_nodal_contact(&joint.compliance, &joint.initial_gaps(clearance, indentation), 50);
+    assert_eq!(nodal.outcome, ActiveSetOutcome::Settled);
+    let (force, contact_half_angle) = (joint.force(&nodal.forces), joint.contact_half_angle(&nodal.active));
+    RingContact { angles: joint.angles, nodal, force, contact_half_angle }
 }
 
 /// The same joint without condensation: all unknowns of both bodies and a Lagrange multiplier for every closed node,
@@ -331,6 +346,6 @@ fn rings_must_share_their_angles() {
     });
     let compliances = [coarse.condense(), fine.condense()];
     let (pin, plate) = (coarse.ring(&compliances[0], 1.0), fine.ring(&compliances[1], 1.0));
-    let contact = ring_contact(pin, plate, 0.0, 1.0, 1.0, 50);
-    assert!(matches!(contact, Err(RingsDiffer { node: 1, .. })));
+    let joint = RingJoint::new(pin, plate, 0.0);
+    assert!(matches!(joint, Err(RingsDiffer { node: 1, .. })));
 }

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 
 use crate::common::greatest::{difference, greatest};
 use crate::common::rings::{MeshedBody, body};
+use crate::series::far_mode;
 use jointsweep::internals::mechanics::body::Body;
 use jointsweep::internals::mechanics::compliance::arc::{ContactArc, packed_count};
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
@@ -121,6 +122,12 @@ fn a_mesh_turned_inside_out_is_told() {
     }
 }
 
+/// That of one class.
+fn near_field(class: NearFieldClass) -> NearField {
+    let (mesh, condense) = (class.mesh(), |plan: &CondensationPlan, bodies: &[Body]| plan.condense(bodies));
+    NearField::on_mesh(&mesh, &[class], &mesh.ring().loads(), condense).remove(0)
+}
+
 /// With the near field the compliance of a coarse mesh is right on arcs far smaller than its elements, where what the mesh
 /// itself has of the work of a punch is off by ten times as much and more.
 #[test]
@@ -140,17 +147,17 @@ fn the_near_field_removes_the_error_of_the_ring() {
         let condensed = plan(&body, &class).condense(std::slice::from_ref(&body)).remove(0);
         let mut corrected = condensed.clone();
         let (around, between) = NearFieldClass::around(&body, class);
-        let near_fields = around.map(|class| NearField::new(&class));
+        let near_fields = around.map(near_field);
         NearField::correct(near_fields.each_ref(), between, &body, &mut corrected);
         // What the whole ring has of the infinite body is left out of the mesh's own, mode by mode.
         let normal: Vec<f64> = (0..400)
             .map(|n| match n {
                 0 => 0.0,
                 1 => concentric.amplitude(),
-                _ => concentric.far_mode(n),
+                _ => far_mode(&concentric, n)[0],
             })
             .collect();
-        let along = (0..400).map(|n| if n < 2 { 0.0 } else { concentric.far_mode_along(n) }).collect();
+        let along = (0..400).map(|n| if n < 2 { 0.0 } else { far_mode(&concentric, n)[1] }).collect();
         let infinite = modes.works_of_modes(body.shape.side, &[[normal, along]]).remove(0);
         let plain = condensed.iter().zip(&infinite).map(|(mesh, infinite)| mesh - infinite).collect();
         let exact = concentric.compliance();
@@ -202,7 +209,7 @@ fn the_near_field_makes_its_own_references_exact() {
                 let side = of(ratio, PlaneStrain, 0.0).shape.side;
                 // Layers that grow so are those of a body of the class.
                 let class = NearFieldClass { side, half_ring: false, grading, range, growth: 1_250_000 };
-                let near_field = NearField::new(&class);
+                let near_field = near_field(class);
                 let modes = RingModes::of(&grading);
                 let plan = plan(&of(ratio, PlaneStrain, 0.0), &grading);
                 let left = |concentric: &ConcentricBody| {

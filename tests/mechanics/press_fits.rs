@@ -29,7 +29,7 @@ fn modes(rings: &[Ring; 2]) -> [f64; 2] {
 
 /// By exact modes, as good as they come.
 fn curve(joint: &JointDesign) -> JointCurve {
-    JointCurve::new(joint, SolveOptions { accuracy: 1e-7, method: MethodChoice::Series }).unwrap()
+    JointCurve::after(None, joint, SolveOptions { accuracy: 1e-7, method: MethodChoice::Series }).unwrap()
 }
 
 fn at(curve: &JointCurve, load: Load) -> Response {
@@ -235,12 +235,11 @@ fn both_maps_of_an_arc_give_the_same_state() {
         bodies.iter().for_each(|body| space.prepare(body));
         let joint = space.joint(&[(&bodies[0], 1.0), (&bodies[1], 0.4)], Tilt::NONE);
         let states = EdgeStates::new(&space, [&joint], &Outlines::ALIKE);
-        let state = |place: usize| states.state(place, &space.arcs[place], &Outlines::ALIKE).unwrap();
+        let state = |place: usize| states.reduced(place).free_edge(space.arcs[place].b, &Outlines::ALIKE);
         (0..angles.len()).map(state).collect::<Vec<_>>()
     });
     for (tangent, sine) in states[0].iter().zip(&states[1]) {
         let pairs = [
-            (tangent.half_angle, sine.half_angle),
             (tangent.indentation, sine.indentation),
             (tangent.force, sine.force),
             (tangent.tangent_stiffness, sine.tangent_stiffness),
@@ -269,7 +268,8 @@ fn spaces_of_press_fits_leave_what_is_said() {
             let joint = ring_design(&rings, -OVERLAP);
             let exact = curve(&joint);
             let loose =
-                JointCurve::new(&joint, SolveOptions { accuracy, method: MethodChoice::Auto }).unwrap();
+                JointCurve::after(None, &joint, SolveOptions { accuracy, method: MethodChoice::Auto })
+                    .unwrap();
             for ratio in [1.5, 2.0, 10.0, 1e6] {
                 let load = Load::Offset(ratio * OVERLAP);
                 let (exact, loose) = (at(&exact, load), at(&loose, load));

@@ -28,6 +28,14 @@ struct Joint {
 /// dR/R2.
 const RADIAL_CLEARANCE: f64 = 0.02;
 
+/// lambda_n of a body whose fixed circle is infinitely far (or small), n >= 2, and the amplitude of u_phi of such a disc.
+pub fn far_mode(body: &ConcentricBody, n: usize) -> [f64; 2] {
+    let (kappa, n) = (body.idealization.kolosov(body.poissons_ratio), n as f64);
+    let outward = if body.fixed_radius_ratio > 1.0 { 1.0 } else { -1.0 };
+    let of_all = (1.0 + body.poissons_ratio) / (2.0 * (n * n - 1.0));
+    [of_all * ((kappa + 1.0) * n + outward * (kappa - 1.0)), of_all * (kappa + 1.0 - (kappa - 1.0) * n)]
+}
+
 fn draw(random: &mut Random) -> Joint {
     let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
     let core = random.linear(0.03, 0.8);
@@ -152,12 +160,12 @@ fn modes_are_those_of_a_wall_stepped_through() {
                     let far = match n {
                         0 => found[0],
                         1 => body.amplitude(),
-                        _ => body.far_mode(n),
+                        _ => far_mode(&body, n)[0],
                     };
                     errors.push((found[n] + far) / ring.mode(n) - 1.0);
                     if n > 0 && fixed_radius_ratio < 1.0 {
                         // A pressure is a negative stress; over the normal displacement, since this one may vanish.
-                        let far = if n == 1 { 0.0 } else { body.far_mode_along(n) };
+                        let far = if n == 1 { 0.0 } else { far_mode(&body, n)[1] };
                         errors.push((along[n] + far + ring.compliance(n)[1][0]) / ring.mode(n));
                     }
                 }

@@ -16,7 +16,7 @@ use jointsweep::internals::study::design::{JointDesign, Load};
 
 /// By exact modes, as good as they come.
 fn curve(joint: &JointDesign) -> JointCurve {
-    JointCurve::new(joint, SolveOptions { accuracy: 1e-9, method: MethodChoice::Series }).unwrap()
+    JointCurve::after(None, joint, SolveOptions { accuracy: 1e-9, method: MethodChoice::Series }).unwrap()
 }
 
 /// The near and the far circle of each material with that material.

@@ -1,6 +1,6 @@
 //! What the bodies of a joint leave of the error of its force: each by its share of the work.
 
-use crate::engine::accuracy::fit_bound::{BodyBound, FitBound};
+use crate::engine::accuracy::fit_bound::BodyBound;
 use crate::engine::accuracy::known_errors::{Known, column, known_errors};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::mechanics::body::Body;
@@ -13,24 +13,38 @@ use crate::mechanics::contact::curve::ContactCurve;
 /// A body of a joint, as far as its error goes.
 pub struct JudgedBody<'a> {
     pub body: &'a Body,
-    pub source: ErrorSource<'a>,
+    /// What is known of it, whatever the change since a coarser mesh.
+    pub own: OwnError<'a>,
+    /// Where that change tells the error: what it is on its mesh, with 1/E, and on the next coarser one, with -1/E.
+    pub change: Option<[(&'a BodyCompliance, f64); 2]>,
     /// Its part of the joint's compliance.
     pub part: JointCompliance<'a>,
 }
 
-/// What tells the error of a body.
-#[derive(Clone, Copy)]
-pub enum ErrorSource<'a> {
-    /// There is none, but of layers that are thinner than the waves of all modes, which bodies on meshes have, too.
-    Exact,
-    /// A wall that is taken for a bed.
-    Bed,
-    /// Its mesh, of that level.
-    Mesh(usize),
-    /// Its mesh, with what the next coarser one would make of the body, and 1/E.
-    MeshBeside { fine: &'a BodyCompliance, coarse: &'a BodyCompliance, share: f64 },
-    /// It lies between others, inside of their box or near an end of it.
-    Fit { bound: &'a FitBound, is_inside: bool },
+/// What the share of a body in the work is to be multiplied by.
+pub enum OwnError<'a> {
+    Nothing,
+    /// Layers are thinner than the waves of all modes.
+    CutModes(ConcentricBody),
+    /// A wall is taken for a bed.
+    Bed(&'a Body),
+    /// By the level of its mesh.
+    Mesh(Known),
+    /// It lies between others.
+    Fit(BodyBound<'a>),
+}
+
+impl OwnError<'_> {
+    /// Of exact modes; bodies on meshes have them, too.
+    pub fn of_layers(body: &Body) -> OwnError<'static> {
+        let cut = ConcentricBody::with_layers_of(body).filter(ConcentricBody::is_cut);
+        cut.map_or(OwnError::Nothing, OwnError::CutModes)
+    }
+
+    /// Of a mesh of a level.
+    pub fn of_mesh(body: &Body, level: usize) -> OwnError<'static> {
+        OwnError::Mesh(known_errors(body, level).copied().unwrap_or([f64::INFINITY; _]))
+    }
 }
 
 /// The errors of a joint's bodies along its curve.
@@ -39,17 +53,8 @@ pub struct BodyErrors<'a> {
     trust: Option<(Trust, usize)>,
     /// That change of the work, relative, summed over the bodies: at each node.
     change: Vec<f64>,
-    /// What is known of each body, whatever the change, with its share of the work at each node.
-    bodies: [(OwnError<'a>, Vec<f64>); 2],
-}
-
-/// What the share of a body in the work is to be multiplied by.
-enum OwnError<'a> {
-    Nothing,
-    CutModes(ConcentricBody),
-    Bed(&'a Body),
-    Mesh(Known),
-    Fit(BodyBound<'a>),
+    /// The own error of each body with its share of the work at each node.
+    bodies: [(&'a OwnError<'a>, Vec<f64>); 2],
 }
 
 impl<'a> BodyErrors<'a> {
@@ -60,32 +65,19 @@ impl<'a> BodyErrors<'a> {
         trust: Option<(Trust, usize)>,
     ) -> BodyErrors<'a> {
         let pressures = &curve.space.pressures;
-        let own_errors = bodies.each_ref().map(|JudgedBody { body, source, .. }| match source {
-            ErrorSource::Exact | ErrorSource::MeshBeside { .. } => {
-                let cut = ConcentricBody::with_layers_of(body).filter(ConcentricBody::is_cut);
-                cut.map_or(OwnError::Nothing, OwnError::CutModes)
-            }
-            ErrorSource::Bed => OwnError::Bed(body),
-            ErrorSource::Mesh(level) => {
-                OwnError::Mesh(known_errors(body, *level).copied().unwrap_or([f64::INFINITY; _]))
-            }
-            ErrorSource::Fit { bound, is_inside } => OwnError::Fit(bound.of(body, *is_inside)),
-        });
         // Where nobody asks for shares there are none.
         let mut of_pin = Vec::new();
-        if own_errors.iter().any(|own| !matches!(own, OwnError::Nothing)) {
+        if bodies.iter().any(|body| !matches!(body.own, OwnError::Nothing)) {
             of_pin = curve.states.work_shares(pressures, &bodies[0].part);
         }
         let of_plate = of_pin.iter().map(|share| 1.0 - share).collect();
-        let [pin, plate] = own_errors;
         let mut change = Vec::new();
         if trust.is_some() {
             change.resize(pressures.arcs.len(), 0.0);
         }
         for body in bodies {
-            if let ErrorSource::MeshBeside { fine, coarse, share } = body.source {
-                let bodies = [(fine, share), (coarse, -share)];
-                let difference = curve.space.part(body.body.shape.side, &bodies, &curve.outlines);
+            if let Some(bodies) = &body.change {
+                let difference = curve.space.part(body.body.shape.side, bodies, &curve.outlines);
                 let changes = curve.states.work_shares(pressures, &difference);
                 change.iter_mut().zip(changes).for_each(|(sum, change)| *sum += change.abs());
             }
@@ -95,7 +87,7 @@ impl<'a> BodyErrors<'a> {
             let most = change.iter().copied().fold(0.0, f64::max);
             change.fill(most);
         }
-        BodyErrors { trust, change, bodies: [(pin, of_pin), (plate, of_plate)] }
+        BodyErrors { trust, change, bodies: [(&bodies[0].own, of_pin), (&bodies[1].own, of_plate)] }
     }
 
     /// The relative errors of the force by meshes and fits, and by beds and thin layers, at a contact half angle, rad, between a node and the next.

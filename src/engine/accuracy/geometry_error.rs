@@ -40,9 +40,7 @@ pub struct OutlineError {
 impl OutlineError {
     /// The shares of the work are taken for those of the moduli.
     pub fn of(joint: &JointDesign, outlines: &Outlines) -> OutlineError {
-        let [pin, plate] =
-            [&joint.pin, &joint.plate].map(|part| part.contact_material().plane_modulus(joint.idealization));
-        let of_pin = plate / (pin + plate);
+        let of_pin = joint.share_of_pin();
         let kappa = joint.idealization.kolosov(joint.pin.contact_material().poissons_ratio);
         let resistance = ((kappa + 1.0) / (kappa - 1.0)).min(STIFFEST);
         let body = joint.body(&joint.pin);

@@ -6,6 +6,9 @@
 
 use std::sync::LazyLock;
 
+use serde::{Deserialize, Serialize};
+
+use crate::engine::csv_rows::rows;
 use crate::engine::spaces::THIN;
 use crate::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
 use crate::mechanics::material::Compressibility;
@@ -21,13 +24,16 @@ pub const DEPTHS: [f64; 7] = [0.0198, 0.1, 0.18, 0.35, 0.7, 1.5, 5.71];
 
 /// How stiff a body is beside its shear modulus. Corners between held and free sides are the worse the stiffer it is in plane strain,
 /// and coarse meshes are worse where it is auxetic.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Stiffness {
     /// A negative Poisson's ratio.
     Auxetic,
     Ordinary,
     Stiff,
+    #[serde(rename = "very stiff")]
     VeryStiff,
+    #[serde(rename = "nearly incompressible")]
     NearlyIncompressible,
 }
 
@@ -39,30 +45,6 @@ impl Stiffness {
         Stiffness::VeryStiff,
         Stiffness::NearlyIncompressible,
     ];
-
-    /// Least and greatest Poisson's ratio in plane strain.
-    pub fn range(self) -> [f64; 2] {
-        match self {
-            Stiffness::Auxetic => [Compressibility::NEARLY_CONFORMAL, 0.0],
-            Stiffness::Ordinary => [0.0, Compressibility::STIFF],
-            Stiffness::Stiff => [Compressibility::STIFF, Compressibility::VERY_STIFF],
-            Stiffness::VeryStiff => [Compressibility::VERY_STIFF, Compressibility::NEARLY_INCOMPRESSIBLE],
-            Stiffness::NearlyIncompressible => {
-                [Compressibility::NEARLY_INCOMPRESSIBLE, Compressibility::LOCKING]
-            }
-        }
-    }
-
-    /// The name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Stiffness::Auxetic => "auxetic",
-            Stiffness::Ordinary => "ordinary",
-            Stiffness::Stiff => "stiff",
-            Stiffness::VeryStiff => "very stiff",
-            Stiffness::NearlyIncompressible => "nearly incompressible",
-        }
-    }
 
     /// `None` where it is so little stiff, or so much, that meshes behave otherwise.
     pub fn of(body: &Body) -> Option<Stiffness> {
@@ -78,27 +60,21 @@ impl Stiffness {
 }
 
 /// Shapes whose meshes err alike.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Group {
+    #[serde(rename = "concentric")]
     Concentric,
+    #[serde(rename = "half disc")]
     HalfDisc,
+    #[serde(rename = "block on its base")]
     BlockOnBase,
+    #[serde(rename = "block held around")]
     BlockHeldAround,
 }
 
 impl Group {
     pub const ALL: [Group; 4] =
         [Group::Concentric, Group::HalfDisc, Group::BlockOnBase, Group::BlockHeldAround];
-
-    /// The name in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Group::Concentric => "concentric",
-            Group::HalfDisc => "half disc",
-            Group::BlockOnBase => "block on its base",
-            Group::BlockHeldAround => "block held around",
-        }
-    }
 
     /// `None` for shapes that were not measured.
     fn of(body: &Body) -> Option<Group> {
@@ -156,35 +132,22 @@ impl Kind {
     }
 }
 
+/// A row of the file: group, stiffness, least depth, level, errors.
+type Row = (Group, Stiffness, f64, usize, Known);
+
 /// A row a level, coarsest first.
 type Table = [Known; KNOWN_LEVELS];
 
 /// By the numbers of kinds; `None` for those that were not drawn often enough.
 static TABLES: LazyLock<Vec<Option<Table>>> = LazyLock::new(|| {
     let mut tables = vec![None; Group::ALL.len() * Stiffness::ALL.len() * DEPTHS.len()];
-    for row in include_str!("known_errors.csv").lines().skip(1) {
-        let (kind, level, errors) = parsed(row);
-        let table: &mut Option<Table> = &mut tables[kind.number()];
+    for (group, stiffness, least, level, errors) in rows::<Row>(include_str!("known_errors.csv")) {
+        let depth = DEPTHS.iter().filter(|depth| **depth < least).count();
+        let table: &mut Option<Table> = &mut tables[Kind { group, stiffness, depth }.number()];
         table.get_or_insert([[f64::NAN; COLUMNS.len() + 1]; KNOWN_LEVELS])[level] = errors;
     }
     tables
 });
-
-/// A row of the file: group, stiffness, least depth, level, errors.
-///
-/// # Panics
-/// Where the file is broken; a test reads it.
-fn parsed(row: &str) -> (Kind, usize, Known) {
-    let cells: Vec<&str> = row.split(',').collect();
-    let number = |place: usize| cells[place].parse::<f64>().unwrap_or(f64::NAN);
-    let group = Group::ALL.into_iter().find(|group| group.name() == cells[0]);
-    let stiffness = Stiffness::ALL.into_iter().find(|stiffness| stiffness.name() == cells[1]);
-    let depth = DEPTHS.iter().position(|depth| *depth == number(2));
-    let (Some(group), Some(stiffness), Some(depth)) = (group, stiffness, depth) else {
-        panic!("known_errors.csv: {row}")
-    };
-    (Kind { group, stiffness, depth }, number(3) as usize, std::array::from_fn(|column| number(4 + column)))
-}
 
 /// Of a half angle, rad.
 pub fn column(half_angle: f64) -> usize {
@@ -205,14 +168,10 @@ pub fn known_error(body: &Body, level: usize, half_angle: f64) -> Option<f64> {
     Some(known_errors(body, level)?[column(half_angle)])
 }
 
-/// The worst of all half angles.
-pub fn worst_known_error(body: &Body, level: usize) -> Option<f64> {
-    Some(known_errors(body, level)?.iter().fold(0.0, |worst: f64, error| worst.max(*error)))
-}
-
 /// The coarsest level that is known to be good enough whatever the load and the other body.
 pub fn known_level(body: &Body, accuracy: f64) -> Option<usize> {
-    (0..KNOWN_LEVELS).find(|level| worst_known_error(body, *level).is_some_and(|error| error <= accuracy))
+    let is_enough = |errors: &Known| errors.iter().all(|error| *error <= accuracy);
+    (0..KNOWN_LEVELS).find(|level| known_errors(body, *level).is_some_and(is_enough))
 }
 
 #[cfg(test)]

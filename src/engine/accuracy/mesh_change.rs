@@ -5,15 +5,19 @@
 
 use std::sync::LazyLock;
 
+use serde::{Deserialize, Serialize};
+
 use crate::engine::accuracy::known_errors::{DEPTHS, known_error};
 use crate::engine::body_request::{BodyRequest, Fidelity};
+use crate::engine::csv_rows::rows;
 use crate::engine::spaces::THIN;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::near_field::PoissonRange;
 use crate::mechanics::grading::LEVEL_COUNT;
 
 /// How far the change between meshes can be trusted as a measure of the error, ever less.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Trust {
     /// Near and far field are those of the class's reference, but for its ratio: the finer mesh is far better.
     Concentric,
@@ -24,6 +28,7 @@ pub enum Trust {
     /// shear in plane stress; its wall is thin; or it is a block more lopsided than any that was measured.
     Wary,
     /// It is nearly incompressible and its wall is thin: no mesh here is fine enough for what is squeezed along it.
+    #[serde(rename = "squeezed film")]
     SqueezedFilm,
 }
 
@@ -33,17 +38,6 @@ const THIN_RING: f64 = DEPTHS[2];
 impl Trust {
     pub const ALL: [Trust; 5] =
         [Trust::Concentric, Trust::Full, Trust::Lined, Trust::Wary, Trust::SqueezedFilm];
-
-    /// The name in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Trust::Concentric => "concentric",
-            Trust::Full => "full",
-            Trust::Lined => "lined",
-            Trust::Wary => "wary",
-            Trust::SqueezedFilm => "squeezed film",
-        }
-    }
 
     pub fn of(request: &BodyRequest) -> Trust {
         let Body { shape, idealization, lining, .. } = &request.body;
@@ -88,28 +82,18 @@ struct Bound {
     floor: f64,
 }
 
+/// A row of the file: trust, level, error per change, floor.
+type Row = (Trust, usize, f64, f64);
+
 /// By trust and level; nothing tells the error of level 0.
 static BOUNDS: LazyLock<[[Bound; LEVEL_COUNT]; Trust::ALL.len()]> = LazyLock::new(|| {
     let unknown = Bound { error_per_change: f64::INFINITY, floor: f64::INFINITY };
     let mut bounds = [[unknown; LEVEL_COUNT]; Trust::ALL.len()];
-    for row in include_str!("mesh_changes.csv").lines().skip(1) {
-        let (trust, level, bound) = parsed(row);
-        bounds[trust as usize][level] = bound;
+    for (trust, level, error_per_change, floor) in rows::<Row>(include_str!("mesh_changes.csv")) {
+        bounds[trust as usize][level] = Bound { error_per_change, floor };
     }
     bounds
 });
-
-/// A row of the file: trust, level, error per change, floor.
-///
-/// # Panics
-/// Where the file is broken; a test reads it.
-fn parsed(row: &str) -> (Trust, usize, Bound) {
-    let cells: Vec<&str> = row.split(',').collect();
-    let number = |place: usize| cells[place].parse::<f64>().unwrap_or(f64::NAN);
-    let trust = Trust::ALL.into_iter().find(|trust| trust.name() == cells[0]);
-    let Some(trust) = trust else { panic!("mesh_changes.csv: {row}") };
-    (trust, number(1) as usize, Bound { error_per_change: number(2), floor: number(3) })
-}
 
 #[cfg(test)]
 mod tests {

@@ -2,7 +2,7 @@
 
 use foldhash::HashMap;
 
-use crate::engine::accuracy::body_errors::ErrorSource;
+use crate::engine::accuracy::body_errors::OwnError;
 use crate::engine::accuracy::fit_bound::{FitBound, NEAR_END};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::basis::Basis;
@@ -103,17 +103,8 @@ impl Family {
                 let of_mesh = if known { of_mesh } else { 0.0 };
                 let worst = bound.near().fold(0.0, f64::max).hypot(of_mesh);
                 if best.as_ref().is_none_or(|(least, _)| worst < *least) {
-                    best = Some((
-                        worst,
-                        FittedFamily {
-                            fit,
-                            side: self.example.shape.side,
-                            basis,
-                            in_spaces: HashMap::default(),
-                            bound,
-                            solved: 0,
-                        },
-                    ));
+                    let (side, in_spaces) = (self.example.shape.side, HashMap::default());
+                    best = Some((worst, FittedFamily { fit, side, basis, in_spaces, bound, solved: 0 }));
                 }
                 if worst <= GOOD * accuracy {
                     break;
@@ -166,10 +157,10 @@ impl FittedFamily {
         }
     }
 
-    /// What tells the error of a body.
-    pub fn error_source(&self, body: &Body) -> ErrorSource<'_> {
+    /// The error of a body.
+    pub fn error(&self, body: &Body) -> OwnError<'_> {
         let point = &coordinates(body)[..coordinate_count(body.shape)];
-        ErrorSource::Fit { bound: &self.bound, is_inside: self.fit.polynomials.is_inside(point, NEAR_END) }
+        OwnError::Fit(self.bound.of(body, self.fit.polynomials.is_inside(point, NEAR_END)))
     }
 
     /// The part of a joint's compliance of a body with 1/E, kept in `scratch`; `None` where it is outside of the box, and of spaces that

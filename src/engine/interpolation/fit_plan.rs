@@ -21,7 +21,7 @@ use crate::study::design::{JointDesign, Part};
 const LOOKED_AT: u64 = 4096;
 
 /// The least accuracy (relative, of the force) that curves between nodes are good for.
-const FINEST_ACCURACY: f64 = 1e-3;
+pub const FINEST_ACCURACY: f64 = 1e-3;
 
 /// A fit must save this many times what it costs.
 const GAIN: f64 = 2.0;
@@ -104,15 +104,9 @@ impl InterpolationPlan {
             return None;
         }
         let count = study.design_count();
-        let mut cases = study.cases().ok()?;
-        let mut joints = Vec::new();
-        let mut next = 0;
-        for wanted in picks(count) {
-            // A list that cannot be read is complained of where its designs are drawn.
-            joints.push(cases.nth(usize::try_from(wanted - next).ok()?)?.ok()?.joint);
-            next = wanted + 1;
-        }
-        InterpolationPlan::new(&study.solve, count, &joints)
+        // A list that cannot be read is complained of where its designs are drawn.
+        let joints = study.cases_at(picks(count)).ok()?.map(|case| Some(case.ok()?.joint));
+        InterpolationPlan::new(&study.solve, count, &joints.collect::<Option<Vec<JointDesign>>>()?)
     }
 
     /// For `count` designs of which `joints` stand for all.

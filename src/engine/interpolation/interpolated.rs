@@ -59,11 +59,6 @@ impl Interpolation {
         self.fit_time += started.elapsed();
     }
 
-    /// Bodies solved for the fits.
-    pub fn solved_bodies(&self) -> u64 {
-        self.fitted.iter().flat_map(HashMap::values).map(|family| family.solved).sum()
-    }
-
     /// The fits, with the ranges they hold over.
     pub fn fits(&self) -> impl Iterator<Item = &FittedFamily> {
         self.fitted.iter().flat_map(HashMap::values)
@@ -109,7 +104,7 @@ impl Interpolation {
             let judged = |side: usize, scratch| -> Option<JudgedBody> {
                 let Member { body, share, .. } = &members[side];
                 let part = fits[side].part((body, *share), &outlines, (key, spaces), scratch)?;
-                Some(JudgedBody { body, source: fits[side].error_source(body), part })
+                Some(JudgedBody { body, own: fits[side].error(body), change: None, part })
             };
             let [of_pin, of_plate] = scratch.each_mut();
             let judged = [judged(0, of_pin)?, judged(1, of_plate)?];

@@ -94,21 +94,6 @@ impl Family {
         }
         points
     }
-
-    /// Points of the grid of corners, edges and sides.
-    fn grid_count(&self) -> usize {
-        3_usize.pow(self.free() as u32)
-    }
-
-    /// How many `sample_points` there are for these degrees.
-    pub(super) fn sample_total(&self, degrees: (usize, usize)) -> usize {
-        self.sample_count(degrees) + self.grid_count()
-    }
-
-    /// How many `held_out_points` there are.
-    pub(super) fn held_out_total(&self) -> usize {
-        HELD_OUT + self.grid_count()
-    }
 }
 
 /// What is close to an end of the unit interval goes to a margin from it.

@@ -66,3 +66,12 @@ impl<T> Default for Stack<T> {
 
 /// The interfaces of a body.
 pub type Lining = Stack<Interface>;
+
+impl Lining {
+    /// Young's modulus over that at the ring and Poisson's ratio of a material: 0 at the ring, with that Poisson's ratio, 1 beyond the
+    /// first interface, and so on.
+    pub fn material(&self, number: usize, at_ring: f64) -> [f64; 2] {
+        let beyond = number.checked_sub(1).map(|place| self.list()[place]);
+        beyond.map_or([1.0, at_ring], |own| [own.modulus_ratio, own.poissons_ratio])
+    }
+}

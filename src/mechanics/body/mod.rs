@@ -20,6 +20,16 @@ pub enum Side {
     Plate,
 }
 
+impl Side {
+    /// Which way the body lies from its ring, and a pressure pushes it: 1 outwards, -1 inwards.
+    pub fn outward(self) -> f64 {
+        match self {
+            Side::Pin => -1.0,
+            Side::Plate => 1.0,
+        }
+    }
+}
+
 /// One ratio of a shape, as it is called in configs and tables. Ratios are lengths over the ring's radius.
 #[derive(Debug)]
 pub struct ShapeParameter {
@@ -108,6 +118,21 @@ pub struct Body {
 pub type BodyKey = (&'static str, [u64; MAX_PARAMETERS], usize, u64, Idealization, Lining, bool);
 
 impl Body {
+    /// A bare one between its ring and a concentric circle that is held, of a radius over the ring's.
+    pub fn concentric(fixed_radius_ratio: f64, poissons_ratio: f64, idealization: Idealization) -> Body {
+        let mut parameters = [0.0; MAX_PARAMETERS];
+        parameters[0] = fixed_radius_ratio;
+        Body {
+            shape: if fixed_radius_ratio > 1.0 { &annulus::SHAPE } else { &cored_disc::SHAPE },
+            parameters,
+            support: 0,
+            poissons_ratio,
+            idealization,
+            lining: Lining::NONE,
+            all_around: false,
+        }
+    }
+
     /// Depth |ln r| of the thinnest place between the ring and the far boundary, and of the deepest.
     pub fn depth_range(&self) -> (f64, f64) {
         (self.shape.depth_range)(&self.parameters)
@@ -121,8 +146,7 @@ impl Body {
 
     /// Young's modulus over that at the ring and Poisson's ratio of a material: 0 at the ring, 1 beyond the first interface, and so on.
     pub fn material(&self, number: usize) -> [f64; 2] {
-        let beyond = number.checked_sub(1).map(|place| self.lining.list()[place]);
-        beyond.map_or([1.0, self.poissons_ratio], |own| [own.modulus_ratio, own.poissons_ratio])
+        self.lining.material(number, self.poissons_ratio)
     }
 
     /// What is left beyond all layers as a bare body whose ring is the outermost interface, and the radius of that over the ring's.

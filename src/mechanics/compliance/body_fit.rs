@@ -156,11 +156,6 @@ impl BodyFit {
         })
     }
 
-    /// How many members there are.
-    pub fn member_count(&self) -> usize {
-        self.members.len() / self.length
-    }
-
     /// What is fitted at a point of the box, as the samples are.
     pub fn at(&self, point: &[f64], scratch: &mut FitScratch) -> Vec<f64> {
         let mut sum = vec![0.0; self.length];
@@ -271,7 +266,7 @@ mod tests {
             .collect();
         let samples: Vec<Vec<f64>> = points.iter().map(|point| sample(point)).collect();
         let fit = BodyFit::new(polynomials(), &points, &samples, &vec![10.0; 40], 1e-10).unwrap();
-        assert_eq!(fit.member_count(), 2);
+        assert_eq!(fit.members().count(), 2);
         for point in [[0.33, 0.2, 5.5], [2.9, 0.2, 6.0]] {
             assert!(fit.polynomials.contains(&point));
             let found = fit.at(&point, &mut FitScratch::default());

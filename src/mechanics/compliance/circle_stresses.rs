@@ -57,7 +57,7 @@ impl ConcentricBody {
     /// The same body with circles at further radii, over the ring's, where nothing changes; without those that are not inside of it or next to another one.
     pub fn with_circles(&self, radii: &[f64]) -> ConcentricBody {
         let mut body = self.clone();
-        let outward = self.fixed_radius_ratio.ln().signum();
+        let outward = self.side().outward();
         for &radius_ratio in radii {
             let depths: Vec<f64> = body.circles().into_iter().map(|radius| outward * radius.ln()).collect();
             let depth = outward * radius_ratio.ln();
@@ -66,18 +66,12 @@ impl ConcentricBody {
                 continue;
             }
             let number = depths.iter().filter(|own| **own < depth).count() - 1;
-            let [modulus_ratio, poissons_ratio] = body.material(number);
+            let [modulus_ratio, poissons_ratio] = body.lining.material(number, body.poissons_ratio);
             let mut interfaces = body.lining.list().to_vec();
             interfaces.insert(number, Interface { radius_ratio, modulus_ratio, poissons_ratio });
             body.lining = Lining::new(interfaces);
         }
         body
-    }
-
-    /// Young's modulus over that at the ring and Poisson's ratio of a material, 0 at the ring.
-    fn material(&self, number: usize) -> [f64; 2] {
-        let beyond = number.checked_sub(1).map(|place| self.lining.list()[place]);
-        beyond.map_or([1.0, self.poissons_ratio], |own| [own.modulus_ratio, own.poissons_ratio])
     }
 
     /// Radii of all circles over the ring's, from the ring on.

@@ -4,9 +4,7 @@
 use crate::mechanics::assembly::{Assembly, AssemblyError, Csr};
 use crate::mechanics::compliance::RingCompliance;
 use crate::mechanics::element::stiffness::Elasticity;
-use crate::mechanics::real::Real;
 use crate::mechanics::solve::cholesky::{CholeskyAnalysis, CholeskyError};
-use crate::mechanics::solve::pcg::{PcgOutcome, PcgReport, PcgSettings, pcg};
 
 /// Right-hand sides solved together: enough to keep the solver busy, few enough to stay in the cache.
 const BLOCK: usize = 32;
@@ -17,8 +15,6 @@ pub enum CondenseError {
     Assembly(#[from] AssemblyError),
     #[error(transparent)]
     Cholesky(#[from] CholeskyError),
-    #[error("conjugate gradients ended as {:?} after {} iterations", .report.outcome, .report.iterations)]
-    Pcg { ring_unknown: usize, report: PcgReport },
 }
 
 /// By the sparse Cholesky factor of K, in f64.
@@ -44,38 +40,6 @@ pub fn by_cholesky(
         compliance.extend(columns.chunks_exact(unknowns).flat_map(|column| &column[ring_start..]));
     }
     Ok(symmetric(size, compliance))
-}
-
-/// A compliance from iterative columns, and how each of them was reached, in the order of the ring's unknowns.
-#[derive(Clone, Debug)]
-pub struct IterativeCompliance {
-    pub compliance: RingCompliance,
-    pub columns: Vec<PcgReport>,
-}
-
-/// By conjugate gradients in the precision `T`, with the variational correction in f64.
-///
-/// A stagnated column is no error: the correction uses its true residual. The reports tell.
-pub fn by_pcg<T: Real + PartialOrd + Into<f64>>(
-    assembly: &Assembly,
-    ring_start: usize,
-    elasticity: &Elasticity<f64>,
-    coordinates: &[[f64; 2]],
-    settings: &PcgSettings,
-) -> Result<IterativeCompliance, CondenseError> {
-    let exact_values: Vec<f64> = assembly.stiffness_values(elasticity, coordinates)?;
-    let values: Vec<T> = assembly.stiffness_values(elasticity, coordinates)?;
-    let exact = assembly.matrix(&exact_values);
-    let unknowns = assembly.unknown_count();
-    let solution = pcg(assembly.matrix(&values), exact, &ring_unit_loads(unknowns, ring_start), settings);
-    for (ring_unknown, &report) in solution.reports.iter().enumerate() {
-        if !matches!(report.outcome, PcgOutcome::Converged | PcgOutcome::Stagnated) {
-            return Err(CondenseError::Pcg { ring_unknown, report });
-        }
-    }
-    let columns: Vec<f64> = solution.columns.into_iter().map(Into::into).collect();
-    let compliance = variational_compliance(exact, ring_start, &columns);
-    Ok(IterativeCompliance { compliance, columns: solution.reports })
 }
 
 /// C = B^T U + U^T (B - K U) from approximate columns U of K U = B.

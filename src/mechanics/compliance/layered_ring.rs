@@ -38,7 +38,7 @@ pub struct Fields {
 
 impl Fields {
     /// Of the stress functions r^(n+2), r^n and r^(2-n), r^-n, n >= 2.
-    pub fn rising_and_falling(kappa: f64, n: f64, r: f64) -> [Fields; 2] {
+    fn rising_and_falling(kappa: f64, n: f64, r: f64) -> [Fields; 2] {
         let square = r * r;
         [
             Fields {
@@ -59,7 +59,7 @@ impl Fields {
     }
 
     /// Displacements that are left where what lies beyond yields by Z under the stresses.
-    pub fn less(&self, beyond: Matrix) -> Matrix {
+    fn less(&self, beyond: Matrix) -> Matrix {
         let yielding = product(beyond, self.stresses);
         std::array::from_fn(|i| std::array::from_fn(|j| self.displacements[i][j] - yielding[i][j]))
     }
@@ -83,7 +83,7 @@ impl Layer {
         let mut displacements = near.displacements;
         // Of what is less, nothing is left beside 1; and powers of radii like 1e300 are no numbers.
         if q > 1e-9 {
-            let reflection = product(inverse(far_circle[1].less(beyond)), far_circle[0].less(beyond));
+            let reflection = reflection(far_circle, beyond);
             let square = q * q;
             subtract(&mut stresses, square, product(far.stresses, reflection));
             subtract(&mut displacements, square, product(far.displacements, reflection));
@@ -162,7 +162,7 @@ impl Layer {
                     return [0.0, 0.0];
                 }
                 let [near_circle, far_circle] = self.fields(n);
-                let reflection = product(inverse(far_circle[1].less(beyond)), far_circle[0].less(beyond));
+                let reflection = reflection(far_circle, beyond);
                 let mut near = near_circle[0].stresses;
                 subtract(&mut near, q * q, product(near_circle[1].stresses, reflection));
                 let mut far = far_circle[0].stresses;
@@ -173,12 +173,12 @@ impl Layer {
     }
 
     /// What is left of a wave of mode n on the far circle of one on the near circle, (near radius/far radius)^n or its inverse.
-    fn left_of(&self, n: usize) -> f64 {
+    pub fn left_of(&self, n: usize) -> f64 {
         if self.ratio > 1.0 { self.ratio } else { 1.0 / self.ratio }.powf(-(n as f64))
     }
 
     /// On the near and the far circle: what falls from the near one, and from the far one.
-    fn fields(&self, n: usize) -> [[Fields; 2]; 2] {
+    pub fn fields(&self, n: usize) -> [[Fields; 2]; 2] {
         [1.0, self.ratio].map(|r| {
             let [rising, falling] = Fields::rising_and_falling(self.kolosov, n as f64, r);
             if self.ratio > 1.0 { [falling, rising] } else { [rising, falling] }
@@ -196,7 +196,12 @@ impl Layer {
     }
 }
 
-fn subtract(from: &mut Matrix, scale: f64, value: Matrix) {
+/// R of the fields on a far circle beyond which there is Z.
+pub fn reflection([near, far]: [Fields; 2], beyond: Matrix) -> Matrix {
+    product(inverse(far.less(beyond)), near.less(beyond))
+}
+
+pub fn subtract(from: &mut Matrix, scale: f64, value: Matrix) {
     for (from, value) in from.as_flattened_mut().iter_mut().zip(value.as_flattened()) {
         *from -= scale * value;
     }

@@ -13,20 +13,18 @@
 //! hardly felt, or has a layer of elements more than that line: a concentric body is not its own reference, and its mesh can be judged
 //! by `series`.
 
-use super::lane_condensation::CondensationPlan;
-use super::near_field::{DEEPEST_REFERENCE, LoadedRing, end_angle, whole_ring};
+use super::near_field::{DEEPEST_REFERENCE, ReferenceMesh};
 use super::ring_modes::RingModes;
 use super::series::{ConcentricBody, Infinite};
 use super::{BodyCompliance, Boundary};
-use crate::mechanics::body::{Body, MAX_PARAMETERS, Side, annulus, cored_disc};
+use crate::mechanics::body::{Body, Side};
 use crate::mechanics::grading::GradingClass;
 
 /// A reference, on a mesh of its class.
 #[derive(Clone, Debug)]
 pub struct LinedReference {
     pub body: Body,
-    pub class: GradingClass,
-    half_ring: bool,
+    pub mesh: ReferenceMesh,
 }
 
 impl LinedReference {
@@ -36,26 +34,16 @@ impl LinedReference {
         let to_boundary = (rest.shape.depth)(&rest.parameters, 0.0);
         let growth = class.layers_of(body).growth(to_boundary, 1.0);
         let enough = DEEPEST_REFERENCE - radius_ratio.ln().abs();
-        let (class, depth) = class.beside(body, enough, growth);
-        let mut parameters = [0.0; MAX_PARAMETERS];
-        let (shape, from_interface) = match body.shape.side {
-            Side::Plate => (&annulus::SHAPE, depth.exp()),
-            Side::Pin => (&cored_disc::SHAPE, (-depth).exp()),
+        let (layers, depth) = class.beside(body, enough, growth);
+        let side = body.shape.side;
+        let fixed_radius_ratio = radius_ratio * (side.outward() * depth).exp();
+        let reference = Body {
+            lining: body.lining.clone(),
+            all_around: body.all_around,
+            ..Body::concentric(fixed_radius_ratio, body.poissons_ratio, body.idealization)
         };
-        parameters[0] = radius_ratio * from_interface;
         let half_ring = body.shape.end_angle < std::f64::consts::PI;
-        LinedReference { body: Body { shape, parameters, support: 0, ..body.clone() }, class, half_ring }
-    }
-
-    /// Its ring.
-    pub fn ring(&self) -> LoadedRing {
-        LoadedRing::of_reference(self.body.shape.side, self.half_ring, self.class)
-    }
-
-    /// For references of one class, with the loads of the modes on their ring.
-    pub fn plan(&self, loads: &[Vec<f64>]) -> CondensationPlan {
-        let grading = whole_ring(&self.class, end_angle(self.half_ring));
-        CondensationPlan::with_loads(&self.body, grading, RingModes::of(&self.class), loads)
+        LinedReference { body: reference, mesh: ReferenceMesh { side, half_ring, layers } }
     }
 
     /// The compliance of the body by its condensed works and those of this reference.
@@ -68,7 +56,8 @@ impl LinedReference {
         if body.shape.side == Side::Plate {
             along.clear();
         }
-        let boundary = Boundary::BesideModes { normal, along, modes: RingModes::of(&self.class), works };
+        let boundary =
+            Boundary::BesideModes { normal, along, modes: RingModes::of(&self.mesh.layers), works };
         let Infinite { even, odd, bed } = reference.infinite();
         BodyCompliance { even, odd, bed, ..BodyCompliance::new(body, boundary) }
     }

@@ -87,11 +87,10 @@ impl Boundary {
         }
     }
 
-    /// The numbers of it.
-    fn values(&self) -> impl Iterator<Item = f64> {
-        let modes = self.modes().into_iter().flatten().flatten();
-        let works = self.ring_modes().into_iter().flat_map(|(_, works)| works);
-        modes.chain(works).copied()
+    /// How many numbers it has.
+    fn count(&self) -> usize {
+        let modes: usize = self.modes().into_iter().flatten().map(<[f64]>::len).sum();
+        modes + self.ring_modes().map_or(0, |(_, works)| works.len())
     }
 }
 
@@ -104,16 +103,15 @@ impl BodyCompliance {
         BodyCompliance { even, odd, bed: 0.0, boundary, second }
     }
 
-    pub fn is_finite(&self) -> bool {
-        let second = self.second.as_flattened().iter().copied();
-        let own = [self.even, self.odd, self.bed].into_iter();
-        own.chain(self.boundary.values()).chain(second).all(f64::is_finite)
+    /// How many modes of concentric bodies it is told by.
+    pub fn mode_count(&self) -> usize {
+        self.boundary.modes().map_or(0, |[normal, _]| normal.len()).max(self.second.len())
     }
 
     /// What it takes, in bytes, with what keeps it.
     pub fn bytes(&self) -> usize {
         const KEEPING: usize = 160;
-        let numbers = self.boundary.values().count() + self.second.as_flattened().len();
+        let numbers = self.boundary.count() + self.second.as_flattened().len();
         KEEPING + size_of::<BodyCompliance>() + size_of::<f64>() * numbers
     }
 }
@@ -122,6 +120,5 @@ impl BodyCompliance {
 pub fn infinite(body: &Body) -> [f64; 2] {
     let even = 2.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio);
     let kappa = body.idealization.kolosov(body.poissons_ratio);
-    let sign = if body.shape.side == Side::Plate { 1.0 } else { -1.0 };
-    [even, sign * even * (kappa - 1.0) / (kappa + 1.0)]
+    [even, body.shape.side.outward() * even * (kappa - 1.0) / (kappa + 1.0)]
 }

@@ -20,7 +20,7 @@ use super::lane_condensation::CondensationPlan;
 use super::ring_modes::{Push, RingModes};
 use super::series::ConcentricBody;
 use crate::mechanics::body::lining::Lining;
-use crate::mechanics::body::{Body, MAX_PARAMETERS, Shape, Side, annulus, cored_disc};
+use crate::mechanics::body::{Body, Shape, Side};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::lining_rows::LiningRows;
 use crate::mechanics::material::{Compressibility, Idealization};
@@ -42,12 +42,6 @@ pub enum PoissonRange {
     /// Plane strain close to 1/2, nearly incompressible.
     Incompressible,
 }
-
-/// Of 1 - 2 nu: below it nothing changes any more.
-const LEAST_COMPRESSIBILITY: f64 = 1e-5;
-
-/// Of 1 + nu: below it nothing changes any more.
-const LEAST_SHEAR: f64 = 1e-3;
 
 /// The first mesh level of which more is asked than 1 %.
 const FINE: usize = 2;
@@ -71,10 +65,12 @@ impl PoissonRange {
         let incompressible = PlaneStrain.shear_to_bulk(Compressibility::NEARLY_INCOMPRESSIBLE);
         let conformal = PlaneStress.shear_to_bulk(Compressibility::NEARLY_CONFORMAL);
         let ends = match self {
-            PoissonRange::Conformal => [conformal, PlaneStress.shear_to_bulk(LEAST_SHEAR - 1.0)],
+            PoissonRange::Conformal => {
+                [conformal, PlaneStress.shear_to_bulk(Compressibility::LEAST_SHEAR - 1.0)]
+            }
             PoissonRange::Auxetic => [1.0, conformal],
             PoissonRange::Positive => [incompressible, 1.0],
-            PoissonRange::Incompressible => [LEAST_COMPRESSIBILITY, incompressible],
+            PoissonRange::Incompressible => [Compressibility::LEAST, incompressible],
         };
         ends.map(f64::ln)
     }
@@ -163,7 +159,7 @@ impl NearFieldClass {
     /// The concentric bodies that stand for the class, by the nodes of its range.
     pub fn references(&self) -> impl Iterator<Item = ConcentricBody> {
         let depth = self.layers().depth_at_growth(self.growth());
-        let fixed_radius_ratio = if self.side == Side::Plate { depth.exp() } else { (-depth).exp() };
+        let fixed_radius_ratio = (self.side.outward() * depth).exp();
         self.range.nodes(self.grading.level).map(move |(coordinate, _)| {
             let (idealization, poissons_ratio) = Idealization::of_shear_to_bulk(coordinate.exp());
             ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization, lining: Lining::NONE }
@@ -171,32 +167,36 @@ impl NearFieldClass {
     }
 }
 
-/// A mesh on which the references of many classes lie.
+/// A mesh on which concentric references lie, those of many classes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ReferenceMesh {
-    side: Side,
-    half_ring: bool,
-    layers: GradingClass,
+    pub side: Side,
+    /// Whether the ring of the bodies they stand for ends at pi/2: it is continued by its mirror image.
+    pub half_ring: bool,
+    pub layers: GradingClass,
 }
 
 impl ReferenceMesh {
     /// Its ring.
     pub fn ring(&self) -> LoadedRing {
-        LoadedRing::of_reference(self.side, self.half_ring, self.layers)
+        let ReferenceMesh { side, half_ring, layers } = self;
+        LoadedRing {
+            grading: without_layers(layers),
+            side: *side,
+            half_ring: *half_ring,
+            is_whole: *half_ring,
+        }
     }
 
-    fn body(&self, reference: &ConcentricBody) -> Body {
-        let mut parameters = [0.0; MAX_PARAMETERS];
-        parameters[0] = reference.fixed_radius_ratio;
-        Body {
-            shape: if self.side == Side::Plate { &annulus::SHAPE } else { &cored_disc::SHAPE },
-            parameters,
-            support: 0,
-            poissons_ratio: reference.poissons_ratio,
-            idealization: reference.idealization,
-            lining: Lining::NONE,
-            all_around: self.layers.all_around,
-        }
+    /// For references on it, of which one is an example, with the loads of the modes on its ring.
+    pub fn plan(&self, example: &Body, loads: &[Vec<f64>]) -> CondensationPlan {
+        let grading = whole_ring(&self.layers, end_angle(self.half_ring));
+        CondensationPlan::with_loads(example, grading, RingModes::of(&self.layers), loads)
+    }
+
+    fn body(&self, of: &ConcentricBody) -> Body {
+        let all_around = self.layers.all_around;
+        Body { all_around, ..Body::concentric(of.fixed_radius_ratio, of.poissons_ratio, of.idealization) }
     }
 }
 
@@ -211,12 +211,6 @@ pub struct NearField {
 }
 
 impl NearField {
-    pub fn new(class: &NearFieldClass) -> NearField {
-        let mesh = class.mesh();
-        let condense = |plan: &CondensationPlan, bodies: &[Body]| plan.condense(bodies);
-        NearField::on_mesh(&mesh, std::slice::from_ref(class), &mesh.ring().loads(), condense).swap_remove(0)
-    }
-
     /// Those of classes whose references lie on one mesh, with the loads of the modes on its ring, and with how bodies are condensed.
     pub fn on_mesh(
         mesh: &ReferenceMesh,
@@ -227,9 +221,7 @@ impl NearField {
         let modes = RingModes::of(&mesh.layers);
         let references: Vec<ConcentricBody> = classes.iter().flat_map(NearFieldClass::references).collect();
         let bodies: Vec<Body> = references.iter().map(|reference| mesh.body(reference)).collect();
-        let grading = whole_ring(&mesh.layers, end_angle(mesh.half_ring));
-        let plan = CondensationPlan::with_loads(&bodies[0], grading, modes, loads);
-        let condensed = condense(&plan, &bodies);
+        let condensed = condense(&mesh.plan(&bodies[0], loads), &bodies);
         // How many modes there are hangs on the radius alone.
         let alike = references.chunk_by(|one, other| one.fixed_radius_ratio == other.fixed_radius_ratio);
         let exact = alike.flat_map(|references| {
@@ -303,11 +295,6 @@ impl LoadedRing {
         LoadedRing { side: shape.side, half_ring, grading: without_layers(class), is_whole: false }
     }
 
-    /// Of references on meshes of a class, of bodies of a side whose ring may end at pi/2.
-    pub fn of_reference(side: Side, half_ring: bool, class: GradingClass) -> LoadedRing {
-        LoadedRing { side, half_ring, grading: without_layers(&class), is_whole: half_ring }
-    }
-
     /// As `RingModes::loads` has them, of its class's modes.
     pub fn loads(&self) -> Vec<Vec<f64>> {
         let end_angle = end_angle(self.half_ring);
@@ -326,12 +313,12 @@ fn without_layers(class: &GradingClass) -> GradingClass {
     GradingClass { layer_count: 0, shrinking: 0, lining, rest_depth_class: 0, ..*class }
 }
 
-pub fn end_angle(half_ring: bool) -> f64 {
+fn end_angle(half_ring: bool) -> f64 {
     if half_ring { FRAC_PI_2 } else { PI }
 }
 
 /// The class's division of a ring that ends at `end_angle`, continued by its mirror image where that is pi/2.
-pub fn whole_ring(class: &GradingClass, end_angle: f64) -> Grading {
+fn whole_ring(class: &GradingClass, end_angle: f64) -> Grading {
     let mut grading = class.grading(end_angle);
     if end_angle < PI {
         let mirror: Vec<f64> =

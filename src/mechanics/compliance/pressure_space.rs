@@ -21,17 +21,9 @@ pub struct PressureSpace {
     pub terms: usize,
     /// As many as a multiple of `LANES`.
     pub arcs: Vec<ContactArc>,
-    /// Galerkin matrices, `[packed entry][arc]`: of the infinite body, `BodyCompliance::even` and `odd`, without the
-    /// -pi/2 ln b of entry (0, 0), and of a bed, which arcs of sines have none of.
-    even: Vec<f64>,
-    odd: Vec<f64>,
+    kernels: InfiniteKernels,
+    /// The Galerkin matrix of a bed, `[packed entry][arc]`, which arcs of sines have none of.
     bed: Vec<f64>,
-    /// What unit tilt adds to the first two of a pin; none on arcs of sines, where pin and hole meet normal to normal.
-    tilted_even: Vec<f64>,
-    tilted_odd: Vec<f64>,
-    /// What the clearance ratio squared adds.
-    second_even: Vec<f64>,
-    second_odd: Vec<f64>,
     /// Integrals of p_k cos(n phi), n = 0, 1, ...
     modes: Moments,
     ring_modes: HashMap<RingModes, Moments>,
@@ -62,12 +54,9 @@ impl PressureSpace {
     pub fn new(terms: usize, arcs: Vec<ContactArc>) -> PressureSpace {
         let count = arcs.len();
         let map = arcs.first().map_or(ArcMap::Tangent, |arc| arc.map);
-        let InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd } = match map {
+        let kernels = match map {
             ArcMap::Tangent => InfiniteKernels::new(&arcs, terms),
-            ArcMap::Sine => {
-                let [even, odd] = sine_arcs::infinite_kernels(&arcs, terms);
-                InfiniteKernels { even, odd, ..InfiniteKernels::default() }
-            }
+            ArcMap::Sine => sine_arcs::infinite_kernels(&arcs, terms),
         };
         let mut bed = Vec::new();
         if map == ArcMap::Tangent {
@@ -81,23 +70,18 @@ impl PressureSpace {
         PressureSpace {
             terms,
             arcs,
-            even,
-            odd,
+            kernels,
             bed,
-            tilted_even,
-            tilted_odd,
-            second_even,
-            second_odd,
             modes: Moments::default(),
             ring_modes: HashMap::new(),
             turns: (1..=2 * terms).map(|i| 2.0 * (FRAC_PI_2 * i as f64 / terms as f64).cos()).collect(),
         }
     }
 
-    /// Makes what the sum over modes 0 to `highest` of a concentric body needs.
-    pub fn prepare_modes(&mut self, highest: usize) {
-        if highest >= self.modes.count {
-            self.modes = self.moments(highest + 1, |moments, arc, first| {
+    /// Makes what the sum over so many modes of a concentric body needs.
+    pub fn prepare_modes(&mut self, count: usize) {
+        if count > self.modes.count {
+            self.modes = self.moments(count, |moments, arc, first| {
                 Arch::new().dispatch(ModeMoments { arc, terms: self.terms, first, moments });
             });
         }
@@ -117,12 +101,7 @@ impl PressureSpace {
 
     /// Makes what a body needs.
     pub fn prepare(&mut self, body: &BodyCompliance) {
-        if let Some(highest) = body.second.len().checked_sub(1) {
-            self.prepare_modes(highest);
-        }
-        if let Some([normal, _]) = body.boundary.modes() {
-            self.prepare_modes(normal.len() - 1);
-        }
+        self.prepare_modes(body.mode_count());
         if let Some((modes, _)) = body.boundary.ring_modes() {
             self.prepare_ring_modes(modes);
         }
@@ -151,11 +130,12 @@ impl PressureSpace {
         let sum = |of: fn(&BodyCompliance) -> f64| bodies.iter().map(|(body, share)| share * of(body)).sum();
         let (even, odd, bed): (f64, f64, f64) =
             (sum(|body| body.even), sum(|body| body.odd), sum(|body| body.bed));
+        let kernels = &self.kernels;
         let mut values: Vec<f64> =
-            self.even.iter().zip(&self.odd).map(|(own, other)| even * own + odd * other).collect();
+            kernels.even.iter().zip(&kernels.odd).map(|(own, other)| even * own + odd * other).collect();
         let added = [
-            (tilt.first, &self.tilted_even, &self.tilted_odd),
-            (tilt.second, &self.second_even, &self.second_odd),
+            (tilt.first, &kernels.tilted_even, &kernels.tilted_odd),
+            (tilt.second, &kernels.second_even, &kernels.second_odd),
         ];
         for (order, of_even, of_odd) in added.into_iter().filter(|(order, ..)| *order != 0.0) {
             let (even, odd) = (order * even, order * odd);

@@ -13,7 +13,7 @@
 
 use std::f64::consts::PI;
 
-use super::layered_ring::{Fields, Layer, Matrix, ZERO, apply, inverse, product};
+use super::layered_ring::{Layer, Matrix, ZERO, apply, inverse, product, reflection, subtract};
 use super::second_order::{Bands, bands};
 use super::thin_wall::{bed_compliance, strip_error};
 use super::{BodyCompliance, Boundary};
@@ -71,27 +71,26 @@ struct Film {
 impl ConcentricBody {
     /// `None` where no concentric circle bounds the body.
     pub fn of(body: &Body) -> Option<ConcentricBody> {
-        body.fixed_radius_ratio().map(|fixed_radius_ratio| ConcentricBody {
-            fixed_radius_ratio,
-            poissons_ratio: body.poissons_ratio,
-            idealization: body.idealization,
-            lining: body.lining.clone(),
-        })
+        body.fixed_radius_ratio().map(|fixed_radius_ratio| ConcentricBody::like(body, fixed_radius_ratio))
     }
 
     /// Any concentric body with the layers of a body; `None` of a bare one.
     pub fn with_layers_of(body: &Body) -> Option<ConcentricBody> {
         let last = body.lining.list().last()?;
         let beyond = if body.shape.side == Side::Plate { 2.0 } else { 0.5 };
-        Some(ConcentricBody {
-            fixed_radius_ratio: beyond * last.radius_ratio,
+        Some(ConcentricBody::like(body, beyond * last.radius_ratio))
+    }
+
+    fn like(body: &Body, fixed_radius_ratio: f64) -> ConcentricBody {
+        ConcentricBody {
+            fixed_radius_ratio,
             poissons_ratio: body.poissons_ratio,
             idealization: body.idealization,
             lining: body.lining.clone(),
-        })
+        }
     }
 
-    fn side(&self) -> Side {
+    pub(super) fn side(&self) -> Side {
         if self.fixed_radius_ratio > 1.0 { Side::Plate } else { Side::Pin }
     }
 
@@ -160,8 +159,7 @@ impl ConcentricBody {
         let film = self.film();
         let layer = film.as_ref().map_or_else(|| self.near_layer(), |film| film.beyond);
         let (even, kappa) = (amplitude(&layer), layer.kolosov);
-        let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
-        let odd = sign * even * (kappa - 1.0) / (kappa + 1.0);
+        let odd = self.side().outward() * even * (kappa - 1.0) / (kappa + 1.0);
         Infinite { even, odd, bed: film.map_or(0.0, |film| film.bed) }
     }
 
@@ -196,11 +194,9 @@ impl ConcentricBody {
 
     /// Mode n, 2 and above, of an infinite body of a material.
     fn alone(&self, layer: &Layer, n: usize, stress: Stress) -> [f64; 2] {
-        let [rising, falling] = Fields::rising_and_falling(layer.kolosov, n as f64, 1.0);
-        let fields = if self.side() == Side::Plate { falling } else { rising };
-        let [radial, along] = apply(fields.displacements, apply(inverse(fields.stresses), stress));
-        let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
-        [sign * radial / layer.twice_shear_modulus, along / layer.twice_shear_modulus]
+        let [[near, _], _] = layer.fields(n);
+        let [radial, along] = apply(near.displacements, apply(inverse(near.stresses), stress));
+        [self.side().outward() * radial, along].map(|value| value / layer.twice_shear_modulus)
     }
 
     /// lambda_n, and the amplitude of the displacement along the ring, u_phi = along sin(n phi), or those under shear, each less that of the same body with
@@ -215,35 +211,27 @@ impl ConcentricBody {
     ///
     /// so x = x0 + q^2 (N - q^2 S)^-1 S x0 with N x0 = t and S = M (Q - Z Mp)^-1 (P - Z Np).
     fn finite_part(&self, n: usize, stress: Stress) -> [f64; 2] {
-        let (kappa, m) = (self.kolosov(), n as f64);
-        let is_plate = self.side() == Side::Plate;
-        let radius = self.near_radius_ratio();
-        let q = if is_plate { radius } else { 1.0 / radius }.powf(-m);
+        let layer = self.near_layer();
+        let q = layer.left_of(n);
         // Nothing is left, and powers of radii like 1e300 are no numbers.
         if q < 1e-30 {
             return [0.0, 0.0];
         }
-        let fields = |r: f64| {
-            let [rising, falling] = Fields::rising_and_falling(kappa, m, r);
-            if is_plate { [falling, rising] } else { [rising, falling] }
-        };
-        let [near, far] = fields(1.0);
-        let [near_on_circle, far_on_circle] = if self.lining.is_empty() {
-            fields(radius).map(|fields| fields.displacements)
+        let [[near, far], on_circle] = layer.fields(n);
+        // y = -q R x.
+        let reflection = if self.lining.is_empty() {
+            product(inverse(on_circle[1].displacements), on_circle[0].displacements)
         } else {
             let beyond = self.beyond(ZERO, |layer, beyond| layer.compliance(n, beyond));
             // Displacements times 2 mu, over the ring's radius.
-            let scale = radius * self.twice_shear_modulus();
-            let beyond: Matrix = beyond.map(|row| row.map(|value| scale * value));
-            fields(radius).map(|fields| fields.less(beyond))
+            let scale = layer.ratio * layer.twice_shear_modulus;
+            reflection(on_circle, beyond.map(|row| row.map(|value| scale * value)))
         };
-        // y = -q R x.
-        let reflection = product(inverse(far_on_circle), near_on_circle);
         let back = product(far.stresses, reflection);
         let alone = apply(inverse(near.stresses), stress);
         let square = q * q;
-        let reduced: Matrix =
-            std::array::from_fn(|i| std::array::from_fn(|j| near.stresses[i][j] - square * back[i][j]));
+        let mut reduced: Matrix = near.stresses;
+        subtract(&mut reduced, square, back);
         let more = apply(inverse(reduced), apply(back, alone)).map(|value| square * value);
         let reflected = apply(reflection, [alone[0] + more[0], alone[1] + more[1]]);
         let (near, far) = (apply(near.displacements, more), apply(far.displacements, reflected));
@@ -252,21 +240,7 @@ impl ConcentricBody {
 
     /// From 2 mu times u_r and u_phi: a pressure pushes a hole outwards and a disc inwards.
     fn normal_and_along(&self, [radial, along]: [f64; 2]) -> [f64; 2] {
-        let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
-        [sign * radial / self.twice_shear_modulus(), along / self.twice_shear_modulus()]
-    }
-
-    /// lambda_n of the body whose fixed circle is infinitely far (or small), n >= 2.
-    pub fn far_mode(&self, n: usize) -> f64 {
-        let (kappa, n) = (self.kolosov(), n as f64);
-        let sign = if self.side() == Side::Plate { 1.0 } else { -1.0 };
-        ((kappa + 1.0) * n + sign * (kappa - 1.0)) / (2.0 * self.twice_shear_modulus() * (n * n - 1.0))
-    }
-
-    /// The amplitude of u_phi of the body whose fixed circle is infinitely far (or small), n >= 2; of a disc.
-    pub fn far_mode_along(&self, n: usize) -> f64 {
-        let (kappa, n) = (self.kolosov(), n as f64);
-        (kappa + 1.0 - (kappa - 1.0) * n) / (2.0 * self.twice_shear_modulus() * (n * n - 1.0))
+        [self.side().outward() * radial / self.twice_shear_modulus(), along / self.twice_shear_modulus()]
     }
 
     /// lambda_1, and the amplitude of u_phi, or those under shear. The fields are r^3, the single-valued point force, 1/r and the translation;
@@ -307,11 +281,8 @@ impl ConcentricBody {
     /// displacement (a - b)/2 along the load line.
     pub fn mean_ring_motion(&self) -> f64 {
         let [normal, along] = self.first_mode(PRESSURE);
-        match self.side() {
-            Side::Plate => 0.5 * (normal - along),
-            // The pressure pushes a disc inwards: u_r = -normal cos(phi).
-            Side::Pin => 0.5 * (normal + along),
-        }
+        // The pressure pushes a disc inwards: u_r = -normal cos(phi).
+        0.5 * (normal - self.side().outward() * along)
     }
 
     /// lambda_0: the normal displacement under pressure 1 all around, for Young's modulus 1 at the ring.
@@ -321,8 +292,7 @@ impl ConcentricBody {
         }
         let beyond = self.beyond(0.0, |layer, beyond| layer.uniform_compliance(beyond));
         // A pressure is a negative stress.
-        let pushed = -self.near_layer().uniform_compliance(beyond);
-        if self.side() == Side::Plate { pushed } else { -pushed }
+        -self.side().outward() * self.near_layer().uniform_compliance(beyond)
     }
 
     /// Whether the body is so thin that it is taken for a Winkler bed, which needs no modes.

@@ -13,6 +13,7 @@
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
 use super::arc::{ContactArc, packed, packed_count};
+use super::infinite_body::InfiniteKernels;
 use super::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -20,8 +21,8 @@ use crate::mechanics::real::{LANES, Lanes, Real};
 /// the time goes with the square of it.
 const HIGHEST: usize = 1024;
 
-/// `even` and `odd` of `infinite_body::InfiniteKernels`, `[packed entry][arc]`, for arcs as many as a multiple of `LANES`.
-pub fn infinite_kernels(arcs: &[ContactArc], terms: usize) -> [Vec<f64>; 2] {
+/// For arcs of sines, as many as a multiple of `LANES`; nothing tilts there.
+pub fn infinite_kernels(arcs: &[ContactArc], terms: usize) -> InfiniteKernels {
     let count = arcs.len();
     let mut kernels: [Vec<f64>; 2] = std::array::from_fn(|_| vec![0.0; packed_count(terms) * count]);
     for (chunk, of_chunk) in arcs.chunks_exact(LANES).enumerate() {
@@ -36,7 +37,8 @@ pub fn infinite_kernels(arcs: &[ContactArc], terms: usize) -> [Vec<f64>; 2] {
         let of_logarithm = PI / (8.0 * k as f64);
         kernels[0][packed(k, k) * count..][..count].iter_mut().for_each(|value| *value += of_logarithm);
     }
-    kernels
+    let [even, odd] = kernels;
+    InfiniteKernels { even, odd, ..InfiniteKernels::default() }
 }
 
 /// 2/pi times the sums over n >= 2 of M_nj M_nk/(n (n^2 - 1)) and of M_nj M_nk/(n^2 - 1), `[packed entry]`, an arc a lane.

@@ -33,8 +33,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::outlines::Outlines;
-use super::reduced::{FUNCTIONS, FreeEdge, Functions, Reduced};
-use super::state::ContactState;
+use super::reduced::{FUNCTIONS, Functions, Reduced};
 use crate::mechanics::compliance::arc::{ArcMap, ContactArc, packed};
 use crate::mechanics::compliance::lane_work::{LaneWork, TermWork, in_lanes, in_lanes_with_terms};
 use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace};
@@ -51,7 +50,9 @@ const TENSION: f64 = 0.01;
 struct Edges {
     /// Of `Reduced`.
     functions: Functions,
-    free: FreeEdge<[f64; LANES]>,
+    /// delta/e and F/e of the state with a free edge.
+    indentation: [f64; LANES],
+    force: [f64; LANES],
     truncation: [f64; LANES],
     /// The least pressure above the tension allowed.
     least_pressure: [f64; LANES],
@@ -62,13 +63,8 @@ struct Edges {
 impl Edges {
     const ZERO: Edges = Edges {
         functions: [[0.0; LANES]; FUNCTIONS],
-        free: FreeEdge {
-            indentation: [0.0; LANES],
-            force: [0.0; LANES],
-            tangent_stiffness: [0.0; LANES],
-            energy: [0.0; LANES],
-            peak_pressure: [0.0; LANES],
-        },
+        indentation: [0.0; LANES],
+        force: [0.0; LANES],
         truncation: [0.0; LANES],
         least_pressure: [0.0; LANES],
         work: [0.0; LANES],
@@ -123,13 +119,13 @@ impl EdgeStates {
     /// Of the state at an arc, delta/e.
     #[inline(always)]
     pub fn indentation(&self, arc: usize) -> f64 {
-        self.edges[arc / LANES].free.indentation[arc % LANES]
+        self.edges[arc / LANES].indentation[arc % LANES]
     }
 
     /// F/e.
     #[inline(always)]
     pub(super) fn force(&self, arc: usize) -> f64 {
-        self.edges[arc / LANES].free.force[arc % LANES]
+        self.edges[arc / LANES].force[arc % LANES]
     }
 
     #[inline(always)]
@@ -149,24 +145,9 @@ impl EdgeStates {
         self.edges[arc / LANES].functions[0][arc % LANES] > 0.0
     }
 
-    /// The state at an arc of the pin, one of the space; `None` where there is none.
-    pub fn state(&self, place: usize, arc: &ContactArc, outlines: &Outlines) -> Option<ContactState> {
-        let FreeEdge { indentation, force, tangent_stiffness, energy, peak_pressure } =
-            &self.edges[place / LANES].free;
-        let of_arc = |values: &[f64; LANES]| values[place % LANES];
-        let state = ContactState {
-            half_angle: outlines.of_hole(arc.half_angle),
-            indentation: of_arc(indentation),
-            force: of_arc(force),
-            tangent_stiffness: of_arc(tangent_stiffness),
-            energy: of_arc(energy),
-            peak_pressure: of_arc(peak_pressure),
-            peak_angle: 0.0,
-            truncation: self.truncation(place),
-            pressure_is_positive: self.pressure_is_positive(place),
-            on_whole_ring: false,
-        };
-        (self.is_sound(place) && state.indentation.is_finite() && state.force.is_finite()).then_some(state)
+    /// What the equations come to at an arc.
+    pub fn reduced(&self, arc: usize) -> Reduced<f64> {
+        Reduced::of_functions(self.functions(arc / LANES).map(|lanes| lanes[arc % LANES]))
     }
 
     /// That of a trial pressure, of so many, over e b^2 at an arc.
@@ -316,12 +297,12 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
                 reduced.peak_of_gap -= w_g[k];
             }
         }
-        let free = reduced.free_edge(b, outlines);
+        let (indentation, force) = reduced.load(b);
         // Over e b^2.
-        let first = reduced.first(free.indentation);
+        let first = reduced.first(indentation);
         let mut pressure = [first; TERMS];
         for k in 1..TERMS {
-            pressure[k] = -(first * y[k] + reduced.between(free.indentation, w_v[k], w_g[k]));
+            pressure[k] = -(first * y[k] + reduced.between(indentation, w_v[k], w_g[k]));
         }
         let size = |lanes: Lanes<FUSED>| Lanes::<FUSED>(lanes.0.map(f64::abs));
         let mut most = Lanes::<FUSED>::from_f64(f64::MIN_POSITIVE);
@@ -338,7 +319,7 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
         let falling = one - ratio;
         let tail = last / (most * falling);
         let least = least_pressure::<FUSED, TERMS>(&pressure, turns);
-        let work = reduced.energy(free.indentation);
+        let work = reduced.energy(indentation);
         // Films that are squeezed along a wall yield most to what was left out.
         let mut of_last = zero;
         for k in TERMS - 2..TERMS {
@@ -352,11 +333,8 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
         for function in 0..FUNCTIONS {
             edges.functions[function] = functions[function].0;
         }
-        edges.free.indentation = free.indentation.0;
-        edges.free.force = free.force.0;
-        edges.free.tangent_stiffness = free.tangent_stiffness.0;
-        edges.free.energy = free.energy.0;
-        edges.free.peak_pressure = free.peak_pressure.0;
+        edges.indentation = indentation.0;
+        edges.force = force.0;
         edges.truncation = (-(-tail_work).least(-tail)).0;
         edges.least_pressure = least.0;
         edges.work = work.0;

@@ -28,11 +28,6 @@ pub struct ContactState {
 }
 
 impl ContactState {
-    /// dR/e of a joint with clearance.
-    pub fn radial_clearance(&self) -> f64 {
-        1.0 - self.indentation
-    }
-
     /// Whether the bodies push each other: a mesh far too coarse for its body may answer with a pull.
     pub fn is_a_push(&self) -> bool {
         let is_held = self.force > 0.0 || self.on_whole_ring;

@@ -283,7 +283,7 @@ pub fn head(
             plain(rounded(1e3 * impact.mass, 4)),
         ));
     }
-    if joint.radial_clearance == 0.0 && !source.is_family() {
+    if joint.is_neat() && !source.is_family() {
         said.push("A neat fit: the force is proportional to the indentation.".into());
     }
     said.iter().flat_map(|text| wrapped(&harmless(text))).collect()

@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::batch::{BodyCounts, COLUMNS_ABREAST};
 use crate::mechanics::assembly::Assembly;
-use crate::mechanics::body::{Body, Side};
+use crate::mechanics::body::Body;
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::element::stiffness::ElementRule;
 use crate::mechanics::material::Idealization;
@@ -377,10 +377,7 @@ fn shared_numbers(body: &Body, grading: &Grading, ring_angles: &[f64]) -> Vec<f6
         let [before, after] = [ring[column - 1], ring[column + 1]];
         difference(ring[column], [0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])])
     };
-    let sign = match body.shape.side {
-        Side::Plate => 1.0,
-        Side::Pin => -1.0,
-    };
+    let sign = body.shape.side.outward();
     let rule = ElementRule::new(grading.element);
     let derivatives = rule.points.iter().flat_map(|point| point.by_xi.into_iter().zip(point.by_eta));
     let side = |(number, &foot): (usize, &f64)| {

@@ -10,10 +10,7 @@
 //! active gaps, release what pulls, close what penetrates, until nothing changes. Whole nodes open and close, so the
 //! force is kinked in the indentation, and the edge of contact is known to a fraction of a node's spacing.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
-
-use super::ring_joint::{RingBody, RingJoint, RingsDiffer};
+use super::ring_joint::solved_among;
 
 /// Gaps above this share of the greatest initial one, below zero, are rounding.
 const GAP_ROUNDING: f64 = 1e-13;
@@ -90,55 +87,13 @@ pub fn solve_nodal_contact_from(
 }
 
 /// Forces that close the gaps of the active nodes: C_AA f_A = -g0_A, f = 0 elsewhere.
-pub(super) fn closing_forces(compliance: &[f64], initial_gaps: &[f64], active: &[bool]) -> Option<Vec<f64>> {
+fn closing_forces(compliance: &[f64], initial_gaps: &[f64], active: &[bool]) -> Option<Vec<f64>> {
     let count = initial_gaps.len();
-    let nodes: Vec<usize> = (0..count).filter(|&i| active[i]).collect();
-    let mut forces = vec![0.0; count];
-    if nodes.is_empty() {
-        return Some(forces);
-    }
-    let matrix = Mat::from_fn(nodes.len(), nodes.len(), |i, j| compliance[nodes[i] * count + nodes[j]]);
-    let gaps = Mat::from_fn(nodes.len(), 1, |i, _| -initial_gaps[nodes[i]]);
-    let solution = matrix.llt(Side::Lower).ok()?.solve(&gaps);
-    for (i, &node) in nodes.iter().enumerate() {
-        forces[node] = solution[(i, 0)];
-    }
-    forces.iter().all(|force| force.is_finite()).then_some(forces)
+    solved_among(active, |i, j| compliance[i * count + j], |i| -initial_gaps[i])
 }
 
 /// g = g0 + C f.
 pub(super) fn gaps(compliance: &[f64], initial_gaps: &[f64], forces: &[f64]) -> Vec<f64> {
     let rows = compliance.chunks_exact(forces.len()).zip(initial_gaps);
     rows.map(|(row, gap)| gap + row.iter().zip(forces).map(|(c, f)| c * f).sum::<f64>()).collect()
-}
-
-/// Contact of a joint per unit thickness. Lengths are in the unit of clearance and indentation, forces in that of
-/// length times Young's modulus.
-#[derive(Clone, Debug)]
-pub struct RingContact {
-    /// Angles of the nodes that can touch, from the load line, rad.
-    pub angles: Vec<f64>,
-    /// Of the half that is modelled: the node at the load line carries half of what it does in the whole joint.
-    pub nodal: NodalContact,
-    /// F = 2 sum f_i cos phi_i, of both halves.
-    pub force: f64,
-    /// Angle of the last node that touches, rad; 0 without contact.
-    pub contact_half_angle: f64,
-}
-
-/// Presses `pin` into `plate` by `indentation` after first touch. The nodes of their rings meet at a clearance ratio dR/R2, as far
-/// as the shorter one goes.
-pub fn ring_contact(
-    pin: RingBody<'_>,
-    plate: RingBody<'_>,
-    clearance_ratio: f64,
-    radial_clearance: f64,
-    indentation: f64,
-    iteration_limit: usize,
-) -> Result<RingContact, RingsDiffer> {
-    let joint = RingJoint::new(pin, plate, clearance_ratio)?;
-    let initial_gaps = joint.initial_gaps(radial_clearance, indentation);
-    let nodal = solve_nodal_contact(&joint.compliance, &initial_gaps, iteration_limit);
-    let (force, contact_half_angle) = (joint.force(&nodal.forces), joint.contact_half_angle(&nodal.active));
-    Ok(RingContact { angles: joint.angles, nodal, force, contact_half_angle })
 }

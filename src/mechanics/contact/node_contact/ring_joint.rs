@@ -169,34 +169,19 @@ impl RingJoint {
     /// dg0/d delta = -c. `springs` are what a penalty adds to the diagonal of C; `None` where C_AA + S_A is not positive
     /// definite.
     pub fn tangent_stiffness(&self, active: &[bool], springs: Option<&[f64]>) -> Option<f64> {
-        let nodes: Vec<usize> = (0..self.angles.len()).filter(|&node| active[node]).collect();
-        if nodes.is_empty() {
-            return Some(0.0);
-        }
         let count = self.angles.len();
         let spring = |node: usize| springs.map_or(0.0, |springs| springs[node]);
-        let matrix = Mat::from_fn(nodes.len(), nodes.len(), |i, j| {
-            self.compliance[nodes[i] * count + nodes[j]] + if i == j { spring(nodes[i]) } else { 0.0 }
-        });
-        let cosines = Mat::from_fn(nodes.len(), 1, |i, _| self.angles[nodes[i]].cos());
-        let forces = matrix.llt(Side::Lower).ok()?.solve(&cosines);
-        let stiffness = 2.0 * (0..nodes.len()).map(|i| forces[(i, 0)] * cosines[(i, 0)]).sum::<f64>();
-        stiffness.is_finite().then_some(stiffness)
+        let matrix =
+            |i: usize, j: usize| self.compliance[i * count + j] + if i == j { spring(i) } else { 0.0 };
+        Some(self.force(&solved_among(active, matrix, |i| self.angles[i].cos())?))
     }
 
     /// Contact pressure at the load line times the ring's radius: that of M_AA p_A = f_A over the `active` nodes, which
     /// is zero at all others. `None` where there is no contact there.
     pub fn peak_pressure(&self, active: &[bool], forces: &[f64]) -> Option<f64> {
-        let nodes: Vec<usize> = (0..self.angles.len()).filter(|&node| active[node]).collect();
-        if nodes.first() != Some(&0) {
-            return None;
-        }
-        let mass = self.mass();
-        let count = self.angles.len();
-        let matrix = Mat::from_fn(nodes.len(), nodes.len(), |i, j| mass[nodes[i] * count + nodes[j]]);
-        let right = Mat::from_fn(nodes.len(), 1, |i, _| forces[nodes[i]]);
-        let pressure = matrix.llt(Side::Lower).ok()?.solve(&right)[(0, 0)];
-        pressure.is_finite().then_some(pressure)
+        let (mass, count) = (self.mass(), self.angles.len());
+        let pressures = solved_among(active, |i, j| mass[i * count + j], |i| forces[i])?;
+        active.first()?.then_some(pressures[0])
     }
 
     /// M over the ring's radius, row-major.
@@ -227,4 +212,20 @@ impl RingJoint {
         let firsts = (0..self.angles.len().saturating_sub(step)).step_by(step);
         firsts.map(move |first| (first, self.angles[first + step] - self.angles[first]))
     }
+}
+
+/// x of A x = b over the active nodes alone, 0 at the others; `None` where A is not positive definite among them, or x no number.
+pub(super) fn solved_among(
+    active: &[bool],
+    matrix: impl Fn(usize, usize) -> f64,
+    right: impl Fn(usize) -> f64,
+) -> Option<Vec<f64>> {
+    let nodes: Vec<usize> = (0..active.len()).filter(|&node| active[node]).collect();
+    let mut solution = vec![0.0; active.len()];
+    if !nodes.is_empty() {
+        let matrix = Mat::from_fn(nodes.len(), nodes.len(), |i, j| matrix(nodes[i], nodes[j]));
+        let among = matrix.llt(Side::Lower).ok()?.solve(Mat::from_fn(nodes.len(), 1, |i, _| right(nodes[i])));
+        nodes.iter().enumerate().for_each(|(i, &node)| solution[node] = among[(i, 0)]);
+    }
+    solution.iter().all(|value| value.is_finite()).then_some(solution)
 }
