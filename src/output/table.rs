@@ -47,8 +47,12 @@ impl Sink for Table {
 
     fn rows(&self, outcomes: &[DesignOutcome]) -> Vec<u8> {
         let (mut out, mut common) = (Vec::new(), Common::default());
-        for outcome in outcomes {
+        for (place, outcome) in outcomes.iter().enumerate() {
             self.push_rows(&mut out, &mut common, outcome);
+            if place == 0 {
+                // Rows are about as long as each other.
+                out.reserve(out.len() * outcomes.len());
+            }
         }
         out
     }

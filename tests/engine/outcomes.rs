@@ -615,7 +615,9 @@ fn what_trial_pressures_leave_is_answered_with_more() {
     let of_sizes =
         |want| to_the_end(exact.clone(), want).into_iter().map(|(sizes, _)| sizes).collect::<Vec<_>>();
     assert_eq!(of_sizes(Want::MoreTerms), terms);
-    assert_eq!(of_sizes(Want::MoreNodes), [(6, 24), (6, 32), (6, 48), (6, 64), (6, 96)]);
+    // Functions of few trial pressures may be rougher than those of more.
+    let nodes = [(6, 24), (6, 32), (6, 48), (6, 64), (6, 96), (10, 96), (16, 96), (24, 96)];
+    assert_eq!(of_sizes(Want::MoreNodes), nodes);
     assert!(exact.next(Want::FinerMesh).is_none());
 
     // A wide contact, where what is known of the coarsest mesh leaves a little less room than six trial pressures ask for.
