@@ -64,11 +64,11 @@ impl SpaceKey {
         let nearest = |body: &Body| body.depth_range().0.min(body.nearest_depth().max(1.01 * THIN));
         let thinnest = nearest(pin).min(nearest(plate));
         let mut space = SpaceKey::beside(thinnest, pin.shape.end_angle < PI, accuracy, half_angle);
-        if [pin, plate].into_iter().any(|body| !body.lining.is_empty() && body.nearest_depth() < THIN) {
-            space.terms = space.terms.max(TERMS_OF_THIN_LAYERS);
-        }
         if pin.nearest_depth().min(plate.nearest_depth()) < THINNEST_RING {
-            return SpaceKey { nodes: NODES_OF_BEDS, variable: Variable::Logarithm, ..space };
+            space = SpaceKey { nodes: NODES_OF_BEDS, variable: Variable::Logarithm, ..space };
+            if [pin, plate].into_iter().any(|body| !body.lining.is_empty()) {
+                space.terms = space.terms.max(TERMS_OF_THIN_LAYERS);
+            }
         }
         space
     }
