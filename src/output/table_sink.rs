@@ -23,7 +23,7 @@ const TEXT_DESIGNS: u64 = 64;
 const ANSWERED_DESIGNS: u64 = 1024;
 
 /// Rows that are compressed together, at most: more would make the file little smaller.
-const ROWS: u64 = 1 << 15;
+const ROWS: u64 = 1 << 14;
 
 /// Of sweeps so large that the description of so many row groups would need much memory.
 const MOST_ROWS: u64 = 1 << 18;

@@ -25,12 +25,12 @@ use jointsweep::internals::study::config::Study;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 
-/// Eighty designs of a thousand steps: more than two portions.
+/// Forty designs of a thousand steps: more than two portions.
 const CONFIG: &str = r#"
 [joint]
 idealization = "plane-stress"
 hole_radius = "10 mm"
-radial_clearance = { from = "0.03 mm", to = "0.1 mm", count = 20 }
+radial_clearance = { from = "0.03 mm", to = "0.1 mm", count = 10 }
 thickness = ["5 mm", "7 mm"]
 [joint.pin]
 model = "rigid-midplane"
@@ -110,7 +110,7 @@ fn compare(work: &Workdir, csv: &str, parquet: &str) -> Compared {
     let csv = work.table(csv);
     let (names, rows) = parquet_cells(work.path(parquet));
     assert_eq!(names, csv.names.iter().collect::<Vec<_>>());
-    assert_eq!((rows.len(), csv.records.len()), (80_000, 80_000));
+    assert_eq!((rows.len(), csv.records.len()), (40_000, 40_000));
     let mut compared = Compared::default();
     for (row, record) in rows.iter().zip(&csv.records) {
         for ((field, cell), name) in row.iter().zip(record).zip(&names) {
@@ -178,7 +178,7 @@ fn a_parquet_file_describes_itself() {
     let metadata = reader.metadata();
     assert_eq!(metadata.num_row_groups(), all.len());
     assert!(all.len() > 2, "{} portions", all.len());
-    assert_eq!(metadata.file_metadata().num_rows(), 80_000);
+    assert_eq!(metadata.file_metadata().num_rows(), 40_000);
     let about = metadata.file_metadata().key_value_metadata().unwrap();
     let json = |key: &str| -> serde_json::Value {
         let value = about.iter().find(|entry| entry.key == key).unwrap().value.clone();
@@ -268,8 +268,8 @@ fn columns_are_those_asked_for() {
     let study = study(&work, &format!("columns = [\"energy_mj\"]{CLOSED}"));
     table(&work, &study, "one", &portions(&study, 1));
     let one = work.table("one/table.csv");
-    assert_eq!(one.records.len(), 80_000);
-    assert_eq!(one.column("energy_mj"), [""; 80_000]);
+    assert_eq!(one.records.len(), 40_000);
+    assert_eq!(one.column("energy_mj"), [""; 40_000]);
 }
 
 /// What varies in a list of designs is found in its rows.
@@ -319,7 +319,7 @@ fn every_table_is_read_again() {
     };
     make("plain", "");
     let expected = read(&work, "plain");
-    assert_eq!(expected.len(), 80_000);
+    assert_eq!(expected.len(), 40_000);
     let close = |one: Option<f64>, other: Option<f64>| match (one, other) {
         (Some(one), Some(other)) => (one - other).abs() <= 1e-8 * other.abs(),
         (one, other) => one.is_none() && other.is_none(),
