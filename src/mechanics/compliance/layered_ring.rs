@@ -24,6 +24,8 @@ pub const ZERO: Matrix = [[0.0; 2]; 2];
 pub struct Layer {
     /// Far radius over near radius; above 1 where the layer lies around its near circle.
     pub ratio: f64,
+    /// |ln| of that.
+    depth: f64,
     pub kolosov: f64,
     /// 2 mu, for Young's modulus 1 at the ring.
     pub twice_shear_modulus: f64,
@@ -73,6 +75,10 @@ struct FirstField {
 }
 
 impl Layer {
+    pub fn new(ratio: f64, kolosov: f64, twice_shear_modulus: f64) -> Layer {
+        Layer { ratio, depth: ratio.ln().abs(), kolosov, twice_shear_modulus }
+    }
+
     /// Z of its near circle from that of its far one, mode n >= 2.
     pub fn compliance(&self, n: usize, beyond: Matrix) -> Matrix {
         let q = self.left_of(n);
@@ -174,7 +180,7 @@ impl Layer {
 
     /// What is left of a wave of mode n on the far circle of one on the near circle, (near radius/far radius)^n or its inverse.
     pub fn left_of(&self, n: usize) -> f64 {
-        if self.ratio > 1.0 { self.ratio } else { 1.0 / self.ratio }.powf(-(n as f64))
+        (-self.depth * n as f64).exp()
     }
 
     /// On the near and the far circle: what falls from the near one, and from the far one.

@@ -108,32 +108,16 @@ impl ConcentricBody {
         self.lining.list().first().map_or(self.fixed_radius_ratio, |interface| interface.radius_ratio)
     }
 
-    /// What lies beyond the material at the ring, from the fixed circle inwards, joined by `add`: held there.
-    fn beyond<T>(&self, held: T, add: impl Fn(Layer, T) -> T) -> T {
-        let interfaces = self.lining.list();
-        let mut far = self.fixed_radius_ratio;
-        interfaces.iter().rev().fold(held, |beyond, interface| {
-            let end = std::mem::replace(&mut far, interface.radius_ratio);
-            add(self.layer_beyond(interface, end), beyond)
-        })
-    }
-
     /// What lies between an interface and a radius beyond it.
     fn layer_beyond(&self, interface: &Interface, far: f64) -> Layer {
-        Layer {
-            ratio: far / interface.radius_ratio,
-            kolosov: self.idealization.kolosov(interface.poissons_ratio),
-            twice_shear_modulus: interface.modulus_ratio / (1.0 + interface.poissons_ratio),
-        }
+        let kolosov = self.idealization.kolosov(interface.poissons_ratio);
+        let twice_shear_modulus = interface.modulus_ratio / (1.0 + interface.poissons_ratio);
+        Layer::new(far / interface.radius_ratio, kolosov, twice_shear_modulus)
     }
 
     /// The material at the ring as a layer before others.
     fn near_layer(&self) -> Layer {
-        Layer {
-            ratio: self.near_radius_ratio(),
-            kolosov: self.kolosov(),
-            twice_shear_modulus: self.twice_shear_modulus(),
-        }
+        Layer::new(self.near_radius_ratio(), self.kolosov(), self.twice_shear_modulus())
     }
 
     /// All materials, from the ring on.
@@ -156,7 +140,7 @@ impl ConcentricBody {
     /// The infinite body that the modes are told from, of the material at the ring; of first layers that are a bed that of the material
     /// beyond them.
     pub fn infinite(&self) -> Infinite {
-        let film = self.film();
+        let film = self.film(&self.layers());
         let layer = film.as_ref().map_or_else(|| self.near_layer(), |film| film.beyond);
         let (even, kappa) = (amplitude(&layer), layer.kolosov);
         let odd = self.side().outward() * even * (kappa - 1.0) / (kappa + 1.0);
@@ -165,7 +149,7 @@ impl ConcentricBody {
 
     /// First layers so thin and soft that they are no bodies to the waves of any mode. As a bed they yield by what the highest mode finds
     /// of them, so that nothing jumps where modes end.
-    fn film(&self) -> Option<Film> {
+    fn film(&self, layers: &[Layer]) -> Option<Film> {
         if !self.is_cut() || self.taken_up() < TOO_SOFT {
             return None;
         }
@@ -175,9 +159,9 @@ impl ConcentricBody {
             end.ln().abs() * MOST_MODES as f64 > RESOLVED
         };
         let place = (0..interfaces.len()).find(is_resolved)?;
-        let beyond = self.layers()[place + 1];
-        let own = self.finite_part(MOST_MODES, PRESSURE)[0]
-            + self.alone(&self.near_layer(), MOST_MODES, PRESSURE)[0];
+        let beyond = layers[place + 1];
+        let own = self.finite_part(layers, MOST_MODES, PRESSURE)[0]
+            + self.alone(&layers[0], MOST_MODES, PRESSURE)[0];
         let bed = own - self.alone(&beyond, MOST_MODES, PRESSURE)[0];
         (bed > 0.0).then_some(Film { bed, beyond })
     }
@@ -210,8 +194,8 @@ impl ConcentricBody {
     /// ```
     ///
     /// so x = x0 + q^2 (N - q^2 S)^-1 S x0 with N x0 = t and S = M (Q - Z Mp)^-1 (P - Z Np).
-    fn finite_part(&self, n: usize, stress: Stress) -> [f64; 2] {
-        let layer = self.near_layer();
+    fn finite_part(&self, layers: &[Layer], n: usize, stress: Stress) -> [f64; 2] {
+        let layer = &layers[0];
         let q = layer.left_of(n);
         // Nothing is left, and powers of radii like 1e300 are no numbers.
         if q < 1e-30 {
@@ -222,7 +206,7 @@ impl ConcentricBody {
         let reflection = if self.lining.is_empty() {
             product(inverse(on_circle[1].displacements), on_circle[0].displacements)
         } else {
-            let beyond = self.beyond(ZERO, |layer, beyond| layer.compliance(n, beyond));
+            let beyond = beyond(layers, ZERO, |layer, beyond| layer.compliance(n, beyond));
             // Displacements times 2 mu, over the ring's radius.
             let scale = layer.ratio * layer.twice_shear_modulus;
             reflection(on_circle, beyond.map(|row| row.map(|value| scale * value)))
@@ -247,9 +231,10 @@ impl ConcentricBody {
     /// the first three have amplitudes A, L and D, and what the translation adds cancels in u_r + u_phi.
     fn first_mode(&self, stress: Stress) -> [f64; 2] {
         if !self.lining.is_empty() {
-            let beyond = self.beyond(ZERO, |layer, beyond| layer.first_compliance(beyond));
+            let layers = self.layers();
+            let beyond = beyond(&layers, ZERO, |layer, beyond| layer.first_compliance(beyond));
             let resultant = 0.5 * (stress[0] - stress[1]);
-            let [sum, difference] = apply(self.near_layer().first_compliance(beyond), [stress[1], resultant]);
+            let [sum, difference] = apply(layers[0].first_compliance(beyond), [stress[1], resultant]);
             let own = [0.5 * (sum + difference), 0.5 * (sum - difference)];
             return self.normal_and_along(own.map(|value| value * self.twice_shear_modulus()));
         }
@@ -290,9 +275,10 @@ impl ConcentricBody {
         if self.lining.is_empty() {
             return bed_compliance(self.fixed_radius_ratio, self.poissons_ratio, self.idealization);
         }
-        let beyond = self.beyond(0.0, |layer, beyond| layer.uniform_compliance(beyond));
+        let layers = self.layers();
+        let beyond = beyond(&layers, 0.0, |layer, beyond| layer.uniform_compliance(beyond));
         // A pressure is a negative stress.
-        -self.side().outward() * self.near_layer().uniform_compliance(beyond)
+        -self.side().outward() * layers[0].uniform_compliance(beyond)
     }
 
     /// Whether the body is so thin that it is taken for a Winkler bed, which needs no modes.
@@ -323,7 +309,7 @@ impl ConcentricBody {
     /// of Hertz; and what a thin bed is wrong by (`thin_wall`).
     pub fn left_out(&self, half_angle: f64) -> f64 {
         let reach = 0.5 * MOST_MODES as f64 * half_angle;
-        if self.film().is_some() {
+        if self.film(&self.layers()).is_some() {
             let depth = self.lining.list()[0].radius_ratio.ln().abs();
             return (0.1 * reach.powi(-2)).min(strip_error(
                 self.poissons_ratio,
@@ -376,14 +362,15 @@ impl ConcentricBody {
 
     /// The first of those.
     fn modes_below(&self, count: usize) -> [Vec<f64>; 2] {
-        let (taper, film, near) = (self.taper(), self.film(), self.near_layer());
+        let (taper, layers) = (self.taper(), self.layers());
+        let film = self.film(&layers);
         let mode = |n: usize| {
-            let own = self.boundary_mode(n);
+            let own = self.mode(&layers, n);
             let Some(Film { bed, beyond }) = &film else { return own.map(|value| taper(n) * value).into() };
             match n {
                 0 => (own[0] - 0.5 * bed, 0.0),
                 _ => {
-                    let more = self.difference([beyond, &near], n, PRESSURE);
+                    let more = self.difference([beyond, &layers[0]], n, PRESSURE);
                     (own[0] + more[0] - bed, taper(n) * (own[1] + more[1]))
                 }
             }
@@ -409,13 +396,17 @@ impl ConcentricBody {
 
     /// What lies beyond the material at the ring changes of lambda_n, half of it for n = 0, and of the amplitude of u_phi.
     pub fn boundary_mode(&self, n: usize) -> [f64; 2] {
+        self.mode(&self.layers(), n)
+    }
+
+    fn mode(&self, layers: &[Layer], n: usize) -> [f64; 2] {
         match n {
             0 => [0.5 * self.uniform_mode(), 0.0],
             1 => {
                 let [normal, along] = self.first_mode(PRESSURE);
                 [normal - self.amplitude(), along]
             }
-            _ => self.finite_part(n, PRESSURE),
+            _ => self.finite_part(layers, n, PRESSURE),
         }
     }
 
@@ -436,19 +427,25 @@ impl ConcentricBody {
 
     fn bands(&self, normal: &[f64], along: &[f64]) -> Vec<Bands> {
         let count = self.second_order_count();
-        let (film, near) = (self.film(), self.near_layer());
+        let layers = self.layers();
+        let film = self.film(&layers);
         let mode = |n: usize| {
             let own = match n {
                 0 => return 0.0,
                 1 => self.first_mode(SHEAR)[1] - self.amplitude(),
-                _ => self.finite_part(n, SHEAR)[1],
+                _ => self.finite_part(&layers, n, SHEAR)[1],
             };
-            own + film.as_ref().map_or(0.0, |film| self.difference([&film.beyond, &near], n, SHEAR)[1])
+            own + film.as_ref().map_or(0.0, |film| self.difference([&film.beyond, &layers[0]], n, SHEAR)[1])
         };
         let taper = self.taper();
         let shear: Vec<f64> = (0..count).map(|n| taper(n) * mode(n)).collect();
         bands([normal, along, &shear], count)
     }
+}
+
+/// What lies beyond the first of some layers, from the far circle of the last one on, which is held: joined by `add`.
+fn beyond<T>(layers: &[Layer], held: T, add: impl Fn(&Layer, T) -> T) -> T {
+    layers[1..].iter().rev().fold(held, |beyond, layer| add(layer, beyond))
 }
 
 /// c of an infinite body of a material.
