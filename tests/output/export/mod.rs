@@ -179,6 +179,20 @@ fn numbers_are_plain_decimals() {
     assert!(numbers > 2000, "{numbers}");
 }
 
+/// The examples of layers have tables at the accuracy that is asked of tables: their forces and slopes belong together, and all their rows are ok.
+#[test]
+fn examples_of_layers_are_exported() {
+    let work = Workdir::new("export-layers");
+    for name in ["bush", "coating", "lined-block"] {
+        let config = format!("{}/configs/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let out = format!("out/{name}");
+        work.run(&["run", &config, "--out", &out, "--quiet"]).expect(0);
+        work.run(&["export", &out, "--design", "0", "--to", "csv", "--out", "t.csv", "--force"]).expect(0);
+        let points = readers::csv(&work.read("t.csv")).len();
+        assert!(points > 5 && points < 200, "{name}: {points} points");
+    }
+}
+
 fn run_in(work: &Workdir, program: &str, arguments: &[&str]) -> String {
     let output = Command::new(program).args(arguments).current_dir(work.path("")).output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
