@@ -65,6 +65,8 @@ pub struct Infinite {
 /// First layers that are taken for a bed, and the material beyond them.
 struct Film {
     bed: f64,
+    /// |ln| of the radius where they end.
+    depth: f64,
     beyond: Layer,
 }
 
@@ -163,7 +165,8 @@ impl ConcentricBody {
         let own = self.finite_part(layers, MOST_MODES, PRESSURE)[0]
             + self.alone(&layers[0], MOST_MODES, PRESSURE)[0];
         let bed = own - self.alone(&beyond, MOST_MODES, PRESSURE)[0];
-        (bed > 0.0).then_some(Film { bed, beyond })
+        let depth = interfaces[place].radius_ratio.ln().abs();
+        (bed > 0.0).then_some(Film { bed, depth, beyond })
     }
 
     /// What mode n, 1 and above, of an infinite body of a material has less than that of another; of mode 1 what `infinite_body` takes it for.
@@ -309,13 +312,9 @@ impl ConcentricBody {
     /// of Hertz; and what a thin bed is wrong by (`thin_wall`).
     pub fn left_out(&self, half_angle: f64) -> f64 {
         let reach = 0.5 * MOST_MODES as f64 * half_angle;
-        if self.film(&self.layers()).is_some() {
-            let depth = self.lining.list()[0].radius_ratio.ln().abs();
-            return (0.1 * reach.powi(-2)).min(strip_error(
-                self.poissons_ratio,
-                self.idealization,
-                depth / half_angle,
-            ));
+        if let Some(film) = self.film(&self.layers()) {
+            let of_strip = strip_error(self.poissons_ratio, self.idealization, film.depth / half_angle);
+            return of_strip.min(0.1 * reach.powi(-2));
         }
         4.0 / (3.0 * PI) * self.taken_up() * reach.max(1.0).powi(-3)
     }
@@ -366,7 +365,9 @@ impl ConcentricBody {
         let film = self.film(&layers);
         let mode = |n: usize| {
             let own = self.mode(&layers, n);
-            let Some(Film { bed, beyond }) = &film else { return own.map(|value| taper(n) * value).into() };
+            let Some(Film { bed, beyond, .. }) = &film else {
+                return own.map(|value| taper(n) * value).into();
+            };
             match n {
                 0 => (own[0] - 0.5 * bed, 0.0),
                 _ => {

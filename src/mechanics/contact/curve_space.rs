@@ -154,11 +154,9 @@ impl CurveSpace {
                     }
                 }
             };
-            if plate.even != 0.0 {
-                let mut elastic = plate.values.to_vec();
-                bed_on(1.0, &mut elastic, -plate.bed);
-                in_lanes(OnHole { space: self, ratio: outlines.ratio(), values: &elastic, moved });
-            }
+            let mut elastic = plate.values.to_vec();
+            bed_on(1.0, &mut elastic, -plate.bed);
+            in_lanes(OnHole { space: self, ratio: outlines.ratio(), values: &elastic, moved });
             bed_on(outlines.ratio(), moved, plate.bed);
         }
         // What is left out of entry (0, 0) goes with the pin's b, not the hole's.
