@@ -6,7 +6,7 @@ use crate::engine::accuracy::body_errors::OwnError;
 use crate::engine::accuracy::fit_bound::{FitBound, NEAR_END};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::basis::Basis;
-use crate::engine::interpolation::family::{Family, body_at, coordinate_count, coordinates};
+use crate::engine::interpolation::family::{Family, Point, body_at, coordinate_count};
 use crate::engine::interpolation::held_out::HeldOut;
 use crate::engine::interpolation::points::DEGREES;
 use crate::engine::interpolation::samples::{Expense, FINEST, Meshes};
@@ -157,23 +157,23 @@ impl FittedFamily {
         }
     }
 
-    /// The error of a body.
-    pub fn error(&self, body: &Body) -> OwnError<'_> {
-        let point = &coordinates(body)[..coordinate_count(body.shape)];
+    /// The error of a body at its coordinates.
+    pub fn error(&self, body: &Body, point: &Point) -> OwnError<'_> {
+        let point = &point[..coordinate_count(body.shape)];
         OwnError::Fit(self.bound.of(body, self.fit.polynomials.is_inside(point, NEAR_END)))
     }
 
-    /// The part of a joint's compliance of a body with 1/E, kept in `scratch`; `None` where it is outside of the box, and of spaces that
+    /// The part of a joint's compliance of a body at its coordinates with 1/E, kept in `scratch`; `None` where it is outside of the box, and of spaces that
     /// were not prepared.
     pub fn part<'a>(
         &self,
-        (body, share): (&Body, f64),
+        (body, point, share): (&Body, &Point, f64),
         outlines: &Outlines,
         (key, spaces): (SpaceKey, &Spaces),
         scratch: &'a mut FitScratch,
     ) -> Option<JointCompliance<'a>> {
         let rows = self.in_spaces.get(&key)?;
-        let point = &coordinates(body)[..coordinate_count(body.shape)];
+        let point = &point[..coordinate_count(body.shape)];
         if !self.fit.polynomials.contains(point) {
             return None;
         }

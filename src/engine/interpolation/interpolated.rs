@@ -9,7 +9,7 @@ use crate::engine::accuracy::Want;
 use crate::engine::accuracy::body_errors::JudgedBody;
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::expected_contact::ExpectedContact;
-use crate::engine::interpolation::family::FamilyKey;
+use crate::engine::interpolation::family::{FamilyKey, coordinates};
 use crate::engine::interpolation::fit::FittedFamily;
 use crate::engine::interpolation::fit_plan::{InterpolationPlan, Member, pair};
 use crate::engine::joint_contact::solve_joint;
@@ -97,14 +97,16 @@ impl Interpolation {
         let [pin, plate] = &members;
         let families = pairs.contains(&(pin.key, plate.key)).then_some(self.fitted.as_ref()?)?;
         let fits = [families.get(&pin.key)?, families.get(&plate.key)?];
+        let points = [coordinates(&pin.body), coordinates(&plate.body)];
         let expected = ExpectedContact::of(case).half_angle;
         let outlines = JointScale::of(&case.joint).outlines;
         let mut key = SpaceKey::of_fits(&pin.body, &plate.body, *accuracy, expected);
         loop {
             let judged = |side: usize, scratch| -> Option<JudgedBody> {
                 let Member { body, share, .. } = &members[side];
-                let part = fits[side].part((body, *share), &outlines, (key, spaces), scratch)?;
-                Some(JudgedBody { body, own: fits[side].error(body), change: None, part })
+                let (fit, point) = (fits[side], &points[side]);
+                let part = fit.part((body, point, *share), &outlines, (key, spaces), scratch)?;
+                Some(JudgedBody { body, own: fit.error(body, point), change: None, part })
             };
             let [of_pin, of_plate] = scratch.each_mut();
             let judged = [judged(0, of_pin)?, judged(1, of_plate)?];

@@ -2,8 +2,9 @@
 //!
 //! What is searched for is the place q on the curve where a sum h of delta/e and F/e is 1 (`load::Target`). h grows about like a power
 //! of the half angle and q like the angle itself, so that y = h^(1/2) is nearly proportional to q, and the polynomial P through the
-//! nodes around, taken as q of y, is close to q at y = 1. What it is wrong by, q - P(y), is known at each q that was tried: the next one
-//! is P(1) and what it is wrong by at y = 1, to first order in y by the last two.
+//! nodes around, taken as q of y, is close to q at y = 1. What it is wrong by, q - P(y), is zero at these nodes, so that over the product
+//! W(y) of the distances to them it hardly changes: the next q is P(1) and W(1) times that quotient, to first order in y by the last
+//! two that were tried.
 
 use super::curve::ContactCurve;
 use super::load::{DimensionlessLoad, NoState, Target};
@@ -13,7 +14,7 @@ use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Where a search ends: what h differs from 1.
-const TOLERANCE: f64 = 1e-11;
+const TOLERANCE: f64 = 1e-10;
 
 /// Or how narrow its bracket is, relative.
 const NARROWEST: f64 = 1e-15;
@@ -149,8 +150,9 @@ impl<const FUSED: bool, const COUNT: usize> Inverse<FUSED, COUNT> {
         Inverse { y, weights: products }
     }
 
+    /// P and W.
     #[inline(always)]
-    fn at(&self, y: Lanes<FUSED, COUNT>) -> Lanes<FUSED, COUNT> {
+    fn at(&self, y: Lanes<FUSED, COUNT>) -> [Lanes<FUSED, COUNT>; 2] {
         let (mut sum, mut before) = (Lanes::zero(), Lanes::from_f64(1.0));
         // The sum so far has all distances so far as factors.
         for (own, weight) in self.y.iter().zip(&self.weights) {
@@ -158,7 +160,7 @@ impl<const FUSED: bool, const COUNT: usize> Inverse<FUSED, COUNT> {
             sum = (sum * distance).minus_product(-before, *weight);
             before = before * distance;
         }
-        sum
+        [sum, before]
     }
 }
 
@@ -220,9 +222,9 @@ impl ContactCurve<'_> {
             *y = targets.sum(*y, *force).sqrt();
         }
         let inverse = Inverse::new(&places, y);
-        let first = inverse.at(Lanes::from_f64(1.0));
+        let [first, product] = inverse.at(Lanes::from_f64(1.0));
         let mut next = first;
-        // y and q - P(y) of the step before.
+        // y and (q - P(y))/W(y) of the step before.
         let mut before: Option<[Lanes<FUSED, COUNT>; 2]> = None;
         let mut steps = 0;
         loop {
@@ -237,11 +239,13 @@ impl ContactCurve<'_> {
             let (indentation, force) = at.reduced.load(at.b);
             let sum = targets.sum(indentation, force);
             let y = sum.sqrt();
-            let left = place - inverse.at(y);
-            next = first + left;
+            let [of_polynomial, product_here] = inverse.at(y);
+            let left = (place - of_polynomial) / product_here;
+            let mut left_at_one = left;
             if let Some([y_before, left_before]) = before {
-                next += (left - left_before) * (Lanes::from_f64(1.0) - y) / (y - y_before);
+                left_at_one += (left - left_before) * (Lanes::from_f64(1.0) - y) / (y - y_before);
             }
+            next = first + product * left_at_one;
             before = Some([y, left]);
             let (mut has_ended, mut goes_on) = ([false; COUNT], false);
             for lane in 0..COUNT {
