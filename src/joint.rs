@@ -41,15 +41,6 @@ impl Joint {
         &self.0
     }
 
-    /// Whether stresses of a side are known: of concentric bodies. If not, why.
-    pub fn has_stresses(&self, side: Side) -> Result<(), Error> {
-        let part = self.0.part(side);
-        if part.shape.concentric {
-            return Ok(());
-        }
-        Err(no_stresses(part, NoStresses::NotConcentric))
-    }
-
     /// Solves its bodies; from then on any load costs microseconds.
     pub fn curve(&self, options: Options) -> Result<Curve, Error> {
         self.curve_after(None, options)
@@ -147,8 +138,8 @@ impl Curve {
     }
 
     /// Stresses under a load on circles of one side, from the contact on: the contact, each interface from both of its sides, the circle that is held, and those
-    /// at further depths below the contact, mm, where there is room. Points are from the load line to the far side. Empty before the bodies touch; an error where
-    /// the load has no state, or the part is not concentric.
+    /// at further depths below the contact, mm, where there is room. Points are from the load line to the far side. Exact for concentric parts, of others to the accuracy of the curve,
+    /// over the greatest. Empty before the bodies touch; an error where the load has no state, or no mesh tells the stresses so well.
     pub fn stresses(
         &self,
         side: Side,

@@ -1,13 +1,15 @@
-//! The stresses of a joint on the circles of its concentric bodies: at the contact, at each interface, where a body is held.
-
-use std::f64::consts::PI;
+//! The stresses of a joint on circles: at the contact, at each interface, where a concentric body is held. Exact for concentric bodies; others
+//! are told beside a concentric one, on meshes that become finer until the stresses change no more.
 
 use crate::engine::joint_curve::JointCurve;
 use crate::engine::joint_scale::JointScale;
-use crate::mechanics::body::Side;
-use crate::mechanics::compliance::circle_stresses::Stress;
+use crate::mechanics::body::lining::MOST_LAYERS;
+use crate::mechanics::body::{Body, Side};
+use crate::mechanics::compliance::circle_stresses::{Stress, with_circles};
+use crate::mechanics::compliance::mesh_stresses::MeshStresses;
 use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::contact::arc_pressure::ArcPressure;
+use crate::mechanics::grading::LEVEL_COUNT;
 use crate::study::design::{JointDesign, Load};
 
 /// On one circle, in one of the materials that meet there.
@@ -33,24 +35,43 @@ pub struct PointStress {
 }
 
 /// Why a part has no stresses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoStresses {
-    /// Only concentric bodies have exact modes.
-    #[error("stresses are known of concentric bodies only, a rigid-core pin and an annulus")]
-    NotConcentric,
     /// Waves as short as the arc do not fade out before the modes end.
     #[error("the contact is too narrow beside what lies below it")]
     TooNarrow,
+    #[error(
+        "{circles} interfaces and depths; a mesh takes {MOST_LAYERS} at most: give fewer depths, or each in a call of its own"
+    )]
+    TooManyCircles { circles: usize },
+    #[error(
+        "on the finest mesh the stresses are known to {:.2} % of the greatest, where {:.2} % was asked", 100.0 * .change, 100.0 * .accuracy
+    )]
+    Rough { change: f64, accuracy: f64 },
+    #[error("no mesh carries this body")]
+    NoMesh,
 }
 
-/// Points from the load line to the far side: half of them on the arc, where the stresses change most.
-fn angles(points: usize, half_angle: f64) -> Vec<f64> {
-    let on_arc = if half_angle == PI { points } else { points / 2 + 1 };
+/// Points from the load line to an end: half of them on the arc, where the stresses change most.
+fn angles(points: usize, half_angle: f64, end: f64) -> Vec<f64> {
+    let on_arc = if half_angle >= end { points } else { points / 2 + 1 };
     let even = |i: usize, count: usize| i as f64 / (count - 1).max(1) as f64;
     let beyond = points - on_arc;
-    let on_arc = (0..on_arc).map(|i| half_angle * even(i, on_arc));
-    on_arc.chain((1..=beyond).map(|i| half_angle + (PI - half_angle) * i as f64 / beyond as f64)).collect()
+    let on_arc = (0..on_arc).map(|i| half_angle.min(end) * even(i, on_arc));
+    on_arc.chain((1..=beyond).map(|i| half_angle + (end - half_angle) * i as f64 / beyond as f64)).collect()
 }
+
+/// Where the circles of a body end, rad: in the corner of a half pin and its held face no stress is bounded.
+fn end_angle(body: &Body) -> f64 {
+    const BEFORE_CORNER: f64 = 0.85;
+    body.shape.end_angle * if body.shape.end_face_held { BEFORE_CORNER } else { 1.0 }
+}
+
+/// The first mesh of those that become finer.
+const COARSEST: usize = 1;
+
+/// Pieces of the pressure that load a mesh.
+const PIECES: usize = 2000;
 
 /// Modes below this share of the greatest are rounding.
 const ROUNDING: f64 = 1e-14;
@@ -66,10 +87,10 @@ impl JointCurve {
         depths: &[f64],
     ) -> Result<Vec<CircleStresses>, NoStresses> {
         let joint = self.joint();
-        let bare = ConcentricBody::of(&joint.body(joint.part(side))).ok_or(NoStresses::NotConcentric)?;
+        let bare = joint.body(joint.part(side));
         let radii: Vec<f64> =
             depths.iter().map(|depth| 1.0 + side.outward() * depth / joint.contact_radius(side)).collect();
-        let body = bare.with_circles(&radii);
+        let body = Body { lining: with_circles(&bare, &radii), ..bare };
         let outlines = JointScale::of(joint).outlines;
         let of_pressure = |half_angle: f64, pressure: &ArcPressure, unit: f64| {
             let on_pin = pressure.on_pin(outlines.ratio());
@@ -77,22 +98,87 @@ impl JointCurve {
                 Side::Pin => (&on_pin, outlines.of_pin(half_angle)),
                 Side::Plate => (pressure, half_angle),
             };
-            let count = body.stress_modes(half_angle).ok_or(NoStresses::TooNarrow)?;
-            let angles = angles(points.max(3), half_angle);
-            let sums = sums(&body, pressure, count, &angles);
-            Ok(circles(joint, side, &body, &angles, sums, unit))
+            let angles = angles(points.max(3), half_angle, end_angle(&body));
+            let stresses = match ConcentricBody::of(&body) {
+                Some(body) => exact(&body, pressure, half_angle, &angles)?,
+                None => on_meshes(&body, pressure, half_angle, &angles, self.accuracy())?,
+            };
+            Ok(circles(joint, &body, &angles, stresses, unit))
         };
         self.with_pressure(load, of_pressure).unwrap_or(Ok(Vec::new()))
     }
 }
 
-/// Of each material of a body its near circle and its far one, in the unit of the pressure.
-fn sums(
+/// Of each material of a body its near circle and its far one, at angles, in the unit of the pressure.
+type OfMaterials = Vec<[Vec<Stress>; 2]>;
+
+fn exact(
     body: &ConcentricBody,
     pressure: &ArcPressure,
-    count: usize,
+    half_angle: f64,
     angles: &[f64],
-) -> Vec<[Vec<Stress>; 2]> {
+) -> Result<OfMaterials, NoStresses> {
+    let count = body.stress_modes(half_angle).ok_or(NoStresses::TooNarrow)?;
+    Ok(sums(body, pressure, count, angles))
+}
+
+/// Those of a reference and what is beyond them, on meshes that become finer until no stress changes by more than the accuracy, relative to the
+/// greatest. What is beyond the last circle of the body is the reference's own.
+fn on_meshes(
+    body: &Body,
+    pressure: &ArcPressure,
+    half_angle: f64,
+    angles: &[f64],
+    accuracy: f64,
+) -> Result<OfMaterials, NoStresses> {
+    let circles = body.lining.list().len();
+    if circles > MOST_LAYERS {
+        return Err(NoStresses::TooManyCircles { circles });
+    }
+    let pieces: Vec<(f64, f64)> = pressure.pieces(PIECES).collect();
+    let mut before: Option<OfMaterials> = None;
+    let mut change = f64::INFINITY;
+    for level in COARSEST..LEVEL_COUNT {
+        let Ok(meshes) = MeshStresses::new(body, level, &pieces) else { continue };
+        let reference = ConcentricBody::of(&meshes.reference).ok_or(NoStresses::NoMesh)?;
+        let mut own = exact(&reference, pressure, half_angle, angles)?;
+        for (circle, difference) in meshes.differences().iter().enumerate() {
+            for (place, angle) in angles.iter().enumerate() {
+                let beyond = difference.at(*angle);
+                if let Some(before) = circle.checked_sub(1) {
+                    own[before][1][place] += reference.stress_on(before, beyond);
+                }
+                own[circle][0][place] += reference.stress_on(circle, beyond);
+            }
+        }
+        if let Some(before) = &before {
+            change = greatest_change(before, &own);
+            if change <= accuracy {
+                return Ok(own);
+            }
+        }
+        before = Some(own);
+    }
+    Err(if before.is_some() { NoStresses::Rough { change, accuracy } } else { NoStresses::NoMesh })
+}
+
+/// Of any stress on a circle of the body, over the greatest.
+fn greatest_change(before: &OfMaterials, own: &OfMaterials) -> f64 {
+    let last = own.len() - 1;
+    let on_body = |all: &OfMaterials| -> Vec<[f64; 3]> {
+        let circles = all.iter().enumerate().flat_map(|(material, [near, far])| {
+            near.iter().chain(far.iter().take(if material == last { 0 } else { far.len() }))
+        });
+        circles.map(|stress| [stress.radial, stress.hoop, stress.shear]).collect()
+    };
+    let (before, own) = (on_body(before), on_body(own));
+    let greatest = own.as_flattened().iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    let changes = before.as_flattened().iter().zip(own.as_flattened()).map(|(a, b)| (a - b).abs());
+    // Not where it is NaN.
+    changes.fold(0.0, |most: f64, change| if change <= most { most } else { change }) / greatest
+}
+
+fn sums(body: &ConcentricBody, pressure: &ArcPressure, count: usize, angles: &[f64]) -> OfMaterials {
     let none = vec![Stress::default(); angles.len()];
     let mut sums = vec![[none.clone(), none]; body.circles().len() - 1];
     let modes = pressure.modes(count);
@@ -118,21 +204,23 @@ fn sums(
     sums
 }
 
+/// As they are told: where nothing changes, one side of a circle is as good as the other.
 fn circles(
     joint: &JointDesign,
-    side: Side,
-    body: &ConcentricBody,
+    body: &Body,
     angles: &[f64],
-    sums: Vec<[Vec<Stress>; 2]>,
+    stresses: OfMaterials,
     unit: f64,
 ) -> Vec<CircleStresses> {
+    let side = body.shape.side;
     let part = joint.part(side);
     // Where each layer ends, as the body has it.
     let ends: Vec<f64> =
         joint.body(part).lining.list().iter().map(|interface| interface.radius_ratio).collect();
-    let radii = body.circles();
+    let interfaces = body.lining.list().iter().map(|interface| interface.radius_ratio);
+    let radii: Vec<f64> = std::iter::once(1.0).chain(interfaces).chain(body.fixed_radius_ratio()).collect();
     let mut circles = Vec::new();
-    for (place, [near, far]) in sums.into_iter().enumerate() {
+    for (place, [near, far]) in stresses.into_iter().enumerate() {
         let number = ends.iter().filter(|end| radii[..=place].contains(end)).count();
         let layer = part.layer_of(number);
         let axial_share = joint.idealization.axial_share(part.layer_material(layer).poissons_ratio);
@@ -141,11 +229,10 @@ fn circles(
             let von_mises = Stress { radial, hoop, shear }.von_mises(axial_share);
             PointStress { angle: *angle, radial, hoop, shear, von_mises }
         };
-        // Where nothing changes, one side is as good as the other.
         let is_edge = place == 0 || ends.contains(&radii[place]);
-        for (radius, stresses) in
-            [(radii[place], near), (radii[place + 1], far)].into_iter().skip(usize::from(!is_edge))
-        {
+        let own = [(radii.get(place), near), (radii.get(place + 1), far)];
+        for (radius, stresses) in own.into_iter().skip(usize::from(!is_edge)) {
+            let Some(radius) = radius else { continue };
             circles.push(CircleStresses {
                 side,
                 layer,
@@ -155,4 +242,65 @@ fn circles(
         }
     }
     circles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::body::{annulus, cored_disc};
+    use crate::mechanics::material::{Idealization, Material};
+    use crate::study::config::{MethodChoice, SolveOptions};
+    use crate::study::design::Part;
+    use crate::study::layers::{Layer, Layers};
+
+    fn part(side: Side, ratio: f64, layers: &[(f64, f64)]) -> Part {
+        let material = |youngs_modulus| Material { youngs_modulus, poissons_ratio: 0.3 };
+        let layers = layers.iter().map(|(thickness, modulus)| Layer::new(*thickness, material(*modulus)));
+        Part {
+            shape: if side == Side::Pin { &cored_disc::SHAPE } else { &annulus::SHAPE },
+            parameters: [ratio, 0.0, 0.0],
+            support: 0,
+            material: material(2e5),
+            yield_stress: None,
+            layers: Layers::new(layers.collect()),
+        }
+    }
+
+    /// Concentric bodies are not their own references, so that meshes tell of them, too: within the accuracy of the exact modes on every circle,
+    /// bare and lined, in narrow contacts and wide ones.
+    #[test]
+    fn meshes_tell_what_exact_modes_do() {
+        let accuracy = 2e-3;
+        let (mut compared, mut worst) = (0, 0.0_f64);
+        let linings: [&[(f64, f64)]; 4] = [&[], &[(0.1, 3e3)], &[(0.02, 4e5), (0.15, 1e4)], &[(0.08, 2e5)]];
+        for (lining, idealization) in linings.into_iter().zip(Idealization::ALL.into_iter().cycle()) {
+            for (of_pin, of_plate, load) in [(0.2, 2.5, 2e-4), (0.4, 1.8, 0.02), (0.1, 8.0, 0.2)] {
+                let joint = JointDesign {
+                    idealization,
+                    hole_radius: 1.0,
+                    radial_clearance: 0.005,
+                    thickness: 1.0,
+                    pin: part(Side::Pin, of_pin, lining),
+                    plate: part(Side::Plate, of_plate, lining),
+                };
+                let options = SolveOptions { accuracy: 1e-3, method: MethodChoice::Series };
+                let curve = JointCurve::after(None, &joint, options).unwrap();
+                for side in [Side::Pin, Side::Plate] {
+                    let body = joint.body(joint.part(side));
+                    let of_pressure = |half_angle: f64, pressure: &ArcPressure, _: f64| {
+                        let angles = angles(41, half_angle, body.shape.end_angle);
+                        let concentric = ConcentricBody::of(&body).unwrap();
+                        let expected = exact(&concentric, pressure, half_angle, &angles).unwrap();
+                        let found = on_meshes(&body, pressure, half_angle, &angles, accuracy).unwrap();
+                        greatest_change(&expected, &found)
+                    };
+                    let error = curve.with_pressure(Load::Indentation(load), of_pressure).unwrap();
+                    println!("{side:?} {lining:?} {of_pin} {of_plate} {load}: {error:.1e}");
+                    worst = worst.max(error);
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared == 24 && worst < accuracy, "{compared}: {worst}");
+    }
 }

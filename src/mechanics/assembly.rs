@@ -160,10 +160,19 @@ impl Assembly {
         elasticity: &Elasticity<f64>,
         coordinates: &[[f64; 2]],
     ) -> Result<Vec<T>, AssemblyError> {
+        self.stiffness_values_by(|_| *elasticity, coordinates)
+    }
+
+    /// The same of elements with elasticities of their own.
+    pub fn stiffness_values_by<T: Real>(
+        &self,
+        elasticity: impl Fn(usize) -> Elasticity<f64>,
+        coordinates: &[[f64; 2]],
+    ) -> Result<Vec<T>, AssemblyError> {
         let size = 2 * self.rule.kind.node_count();
         let mut entries: Vec<T> = Vec::with_capacity(self.element_count() * size * size);
         for element in 0..self.element_count() {
-            let stiffness: ElementStiffness<T> = self.element(element, elasticity, coordinates)?;
+            let stiffness: ElementStiffness<T> = self.element(element, &elasticity(element), coordinates)?;
             for row in &stiffness.values[..size] {
                 entries.extend_from_slice(&row[..size]);
             }

@@ -14,7 +14,7 @@
 //! ```
 
 use crate::mechanics::body::{Body, Side};
-use crate::mechanics::element::ElementKind;
+use crate::mechanics::element::{ElementKind, MAX_NODES, side_functions};
 use crate::mechanics::layers::Layers;
 use crate::mechanics::lining_rows::{BodyRows, LiningDivision};
 
@@ -157,6 +157,24 @@ impl RingTopology {
     pub fn material(&self, element: usize) -> usize {
         let of_layer = self.element_count() / self.layer_count;
         self.materials[self.layer_count - 1 - element / of_layer]
+    }
+
+    /// Nodes of the Q8 of a layer, counted from the ring, and a column of them.
+    pub fn element_at(&self, layer: usize, column: usize) -> [u32; MAX_NODES] {
+        let columns = self.element_count() / self.layer_count;
+        let element = (self.layer_count - 1 - layer) * columns + column;
+        let nodes = &self.connectivity[element * MAX_NODES..][..MAX_NODES];
+        std::array::from_fn(|place| nodes[place])
+    }
+
+    /// The nodes of the ring's side at an angle, rad, with what each has of a value there.
+    pub fn on_ring(&self, angle: f64) -> ([u32; 3], [f64; 3]) {
+        let last = self.ring_nodes.len() - 3;
+        let behind = self.ring_angles.partition_point(|own| *own <= angle);
+        let from = (behind.saturating_sub(1) / 2 * 2).min(last);
+        let (start, end) = (self.ring_angles[from], self.ring_angles[from + 2]);
+        let (shares, _) = side_functions(ElementKind::Quad8, 2.0 * (angle - start) / (end - start) - 1.0);
+        ([0, 1, 2].map(|place| self.ring_nodes[from + place]), shares)
     }
 
     /// Unknowns of the ring; they are the last ones.

@@ -129,29 +129,20 @@ impl Recipe {
         self.has_press_fits() && !self.plate.shape.concentric
     }
 
-    /// What a reader of the config must be told of its yield stresses: which of them do nothing, and why.
+    /// What a reader of the config must be told of its yield stresses: which of them rows do not heed, and why.
     pub fn unused_yield_stresses(&self) -> Vec<String> {
-        let mut told = Vec::new();
-        for (part, other) in [(&self.pin, &self.plate), (&self.plate, &self.pin)] {
-            let keys = part.yield_stress_keys();
-            if keys.is_empty() {
-                continue;
-            }
-            let (model, keys) = (part.shape.name, keys.join(", "));
-            if !part.shape.concentric {
-                told.push(format!(
-                    "{keys}: has no effect, because stresses are known in concentric bodies only (rigid-core, tube, annulus), \
-                     not in a {model}"
-                ));
-            } else if !other.shape.concentric && self.has_press_fits() {
-                let other = other.shape.name;
-                told.push(format!(
-                    "{keys}: has no effect on the status of press fits, because their stresses at rest are known between \
-                     concentric bodies only, not with a {other}; `jointsweep stresses` uses it"
-                ));
-            }
+        let lopsided = [&self.pin, &self.plate].into_iter().find(|part| !part.shape.concentric);
+        let Some(lopsided) = lopsided.filter(|_| self.has_press_fits()) else { return Vec::new() };
+        let keys = [&self.pin, &self.plate].map(PartRecipe::yield_stress_keys).concat();
+        if keys.is_empty() {
+            return Vec::new();
         }
-        told
+        vec![format!(
+            "{}: has no effect on the status of press fits, because their stresses at rest are known between concentric bodies \
+             only, not with a {}; `jointsweep stresses` uses it",
+            keys.join(", "),
+            lopsided.shape.name
+        )]
     }
 
     /// Layers of pin and plate.

@@ -63,40 +63,48 @@ fn press_fits_that_yield_at_rest_say_so() {
     }
 }
 
-/// Of a pin or a plate that is not concentric nothing is told; depths are circles more.
+/// Of half pins and blocks, too; depths are circles more.
 #[test]
-fn stresses_are_of_concentric_bodies() {
+fn stresses_are_of_all_bodies() {
     let work = Workdir::new("stresses-shapes");
     work.write("half.toml", &half_pins(&SMALL));
-    let told = work
-        .run(&["stresses", "half.toml", "--design", "0", "--points", "5", "--out", "plate.csv"])
-        .expect(0);
-    assert!(
-        told.stderr.contains("design 0, pin: `rigid-midplane`: stresses are known of concentric bodies only"),
-        "{}",
-        told.stderr
-    );
-    let table = work.table("plate.csv");
-    assert_eq!(table.column("part"), ["plate"; 3 * 2 * 5]);
+    work.run(&["stresses", "half.toml", "--design", "0", "--points", "5", "--out", "all.csv"]).expect(0);
+    let table = work.table("all.csv");
+    let parts = [["pin"; 3 * 5].as_slice(), &["plate"; 3 * 2 * 5]];
+    let mut expected = parts.concat();
+    expected.sort_unstable();
+    let mut found = table.column("part");
+    found.sort_unstable();
+    assert_eq!(found, expected);
     let deep = ["--depth", "0.1 mm", "--depth", "200 um", "--depth", "5 m"];
     let all = [&["stresses", "half.toml", "--design", "0", "--points", "5", "--out", "deep.csv"][..], &deep]
         .concat();
     work.run(&all).expect(0);
     let radii = numbers(&work, "deep.csv", "radius_mm");
-    // The last is outside of the plate.
-    assert_eq!(
-        radii.chunks(5).map(|circle| circle[0]).take(4).collect::<Vec<_>>(),
-        [10.0, 10.1, 10.2, radii[15]]
-    );
-    assert_eq!(radii.len(), 3 * 4 * 5);
+    let deep = work.table("deep.csv");
+    let of = |part: &str| -> Vec<f64> {
+        let own = radii.iter().zip(deep.column("part")).filter(|(_, own)| *own == part);
+        own.map(|(radius, _)| *radius).step_by(5).collect()
+    };
+    // The last depth is outside of both. Circles of a half pin end with its depths, those of a plate where it is held.
+    let (pin, plate) = (of("pin"), of("plate"));
+    assert_eq!((pin.len(), plate.len()), (3 * 3, 3 * 4));
+    assert_eq!(plate[..3], [10.0, 10.1, 10.2]);
+    assert!((pin[0] - pin[1] - 0.1).abs() < 1e-9 && (pin[0] - pin[2] - 0.2).abs() < 1e-9, "{pin:?}");
     let block = "model = \"block\"\nhalf_width_ratio = 2.0\ndepth_ratio = 2.0\nheight_ratio = 2.0";
     let text = half_pins(&SMALL).replace("model = \"annulus\"", block);
     work.write(
-        "none.toml",
+        "block.toml",
         &text.lines().filter(|line| !line.starts_with("outer_radius")).collect::<Vec<_>>().join("\n"),
     );
-    let none = work.run(&["stresses", "none.toml", "--design", "0"]).expect(2);
-    assert_eq!(none.stdout.lines().count(), 1);
+    work.run(&["stresses", "block.toml", "--design", "0", "--points", "5", "--out", "block.csv"]).expect(0);
+    // At the hole alone.
+    let in_block = work.table("block.csv").column("part").iter().filter(|part| **part == "plate").count();
+    assert_eq!(in_block, 3 * 5);
+    let many: Vec<String> = (1..=9).map(|depth| format!("{depth} um")).collect();
+    let many: Vec<&str> = many.iter().flat_map(|depth| ["--depth", depth]).collect();
+    let said = work.run(&[&["stresses", "block.toml", "--design", "0"][..], &many].concat()).expect(2).stderr;
+    assert!(said.contains("plate: `block`: 9 interfaces and depths; a mesh takes 8 at most"), "{said}");
     for (depth, problem) in [("0 mm", "must be above 0"), ("3", "mm"), ("3 MPa", "mm")] {
         let said = work.run(&["stresses", "half.toml", "--design", "0", "--depth", depth]).expect(1).stderr;
         assert!(said.contains("--depth") && said.contains(problem), "{said}");
@@ -118,7 +126,7 @@ fn of_equal_stresses_the_one_at_the_load_line_is_named() {
     assert_eq!(designs, 4);
 }
 
-/// Where no stresses are known, a yield stress does nothing, and runs say so by its key.
+/// Rows of press fits heed yield stresses between concentric bodies alone, and runs say so by their keys.
 #[test]
 fn a_yield_stress_without_effect_is_warned_of() {
     let work = Workdir::new("stresses-useless");
@@ -128,16 +136,15 @@ fn a_yield_stress_without_effect_is_warned_of() {
         text.lines().filter(|line| !line.starts_with("outer_radius")).collect::<Vec<_>>().join("\n")
     };
     let of_pin = |text: &str| text.replace("[joint.plate]", "yield_stress = \"300 MPa\"\n[joint.plate]");
-    let plate = "joint.plate.yield_stress, joint.plate.layers.1.yield_stress: has no effect, because stresses are known in \
-                 concentric bodies only (rigid-core, tube, annulus), not in a block";
-    let pin = "joint.pin.yield_stress: has no effect on the status of press fits";
-    let half = "joint.pin.yield_stress: has no effect, because stresses are known in concentric bodies only (rigid-core, tube, \
-                annulus), not in a rigid-midplane";
+    let plate = "joint.plate.yield_stress, joint.plate.layers.1.yield_stress: has no effect on the status of press fits, because \
+                 their stresses at rest are known between concentric bodies only, not with a block";
+    let both = format!("joint.pin.yield_stress, {plate}");
     let clearance = |text: String| text.replace("[\"-0.04 mm\", \"-0.01 mm\"]", "\"0.005 mm\"");
     let cases = [
-        (in_block(&of_pin(&fits())), vec![pin, plate]),
-        (in_block(&clearance(of_pin(&fits()))), vec![plate]),
-        (of_pin(&half_pins(&SMALL)), vec![half]),
+        (in_block(&fits()), vec![plate]),
+        (in_block(&of_pin(&fits())), vec![&both]),
+        (in_block(&clearance(of_pin(&fits()))), vec![]),
+        (of_pin(&half_pins(&SMALL)), vec![]),
         (of_pin(&fits()), vec![]),
     ];
     for (text, wanted) in cases {

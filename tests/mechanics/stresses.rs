@@ -1,18 +1,25 @@
-//! Stresses on circles of concentric bodies, against rings that are stepped through, Hertz and equilibrium.
+//! Stresses on circles around the ring, against rings that are stepped through, Hertz, plain meshes and equilibrium.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::common::random::Random;
 use crate::common::ring_design::{ring_design, rings};
+use crate::common::ring_loads::ring_displacement;
+use crate::common::rings::{MeshedBody, body};
 use crate::common::stepped_ring::{Beyond, Ring, exponential, scaled};
 use jointsweep::internals::engine::joint_curve::JointCurve;
 use jointsweep::internals::engine::joint_stresses::{CircleStresses, NoStresses};
-use jointsweep::internals::mechanics::body::Side;
+use jointsweep::internals::mechanics::body::{Body, Side};
 use jointsweep::internals::mechanics::compliance::circle_stresses::Stress;
+use jointsweep::internals::mechanics::compliance::mesh_stresses::MeshStresses;
 use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
-use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::mechanics::element::ElementKind;
+use jointsweep::internals::mechanics::grading::{GradingClass, REFERENCE_LEVEL};
+use jointsweep::internals::mechanics::material::{Idealization, Material};
+use jointsweep::internals::mechanics::mesh::SUPPORTED;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
-use jointsweep::internals::study::design::{JointDesign, Load};
+use jointsweep::internals::study::design::{JointDesign, Load, Part};
+use jointsweep::internals::study::layers::Layer;
 
 /// By exact modes, as good as they come.
 fn curve(joint: &JointDesign) -> JointCurve {
@@ -253,4 +260,116 @@ fn contacts_too_narrow_for_their_layer_are_refused() {
     assert_eq!(curve.stresses(Side::Plate, narrow, 9, &[]).unwrap_err(), NoStresses::TooNarrow);
     assert!(curve.stresses(Side::Pin, narrow, 9, &[]).is_ok());
     assert!(curve.stresses(Side::Plate, Load::Indentation(1e-3), 9, &[]).is_ok());
+}
+
+/// Under a uniform pressure all around, which any mesh sees, the hoop stress at the holes of bare blocks is that of one fine mesh alone: of its
+/// nodes on the ring, by differences.
+#[test]
+fn hoop_stresses_of_blocks_are_those_of_plain_meshes() {
+    let mut worst = 0.0_f64;
+    for (ratios, support) in [([2.0, 2.5, 1.6], 0), ([1.3, 3.0, 1.5], 1), ([6.0, 4.0, 5.0], 0)] {
+        let block =
+            Body { support, all_around: true, ..body("block", &ratios, Idealization::PlaneStress, 0.3) };
+        let grading = GradingClass::of(&block, ElementKind::Quad8, REFERENCE_LEVEL).grading(PI);
+        let meshed = MeshedBody::new(&block, &grading);
+        let moved = ring_displacement(&meshed.condense(), &meshed.unit_pressure());
+        let topology = &meshed.topology;
+        let at = |node: u32, component: usize| match topology.unknowns[2 * node as usize + component] {
+            SUPPORTED => 0.0,
+            unknown => moved[unknown as usize - topology.ring_start],
+        };
+        let pieces: Vec<(f64, f64)> =
+            (0..2000).map(|i| ((f64::from(i) + 0.5) * PI / 2000.0, PI / 2000.0)).collect();
+        let meshes = MeshStresses::new(&block, 3, &pieces).unwrap();
+        let reference = ConcentricBody::of(&meshes.reference).unwrap();
+        let uniform = reference.circle_stresses(0)[0][0].hoop;
+        let difference = &meshes.differences()[0];
+        let (mut greatest, mut error) = (0.0_f64, 0.0_f64);
+        for middle in (1..topology.ring_nodes.len() - 1).step_by(2) {
+            let angle = topology.ring_angles[middle];
+            let (before, behind) = (topology.ring_nodes[middle - 1], topology.ring_nodes[middle + 1]);
+            let width = topology.ring_angles[middle + 1] - topology.ring_angles[middle - 1];
+            let along = |node| angle.cos() * at(node, 0) + angle.sin() * at(node, 1);
+            // Young's modulus 1, and -1 across.
+            let expected = (along(behind) - along(before)) / width - 0.3;
+            let found = uniform + reference.stress_on(0, difference.at(angle)).hoop;
+            greatest = greatest.max(expected.abs());
+            error = error.max((found - expected).abs());
+        }
+        println!("{ratios:?}: {:.1e} of {greatest:.3}", error / greatest);
+        worst = worst.max(error / greatest);
+    }
+    assert!(worst < 5e-3, "{worst}");
+}
+
+/// What passes through each circle of lined blocks is the force, in narrow contacts, in wide ones and in press fits; radial and shear stress are those of both sides.
+#[test]
+fn every_circle_of_a_lined_block_carries_the_force() {
+    let material = |youngs_modulus| Material { youngs_modulus, poissons_ratio: 0.3 };
+    let ratios = [("half_width_ratio", 2.0), ("depth_ratio", 2.5), ("height_ratio", 1.8)];
+    let plate = Part::new("block", &ratios, Some("base"), material(2e5)).unwrap();
+    let plate =
+        plate.with_layers(&[Layer::new(0.05, material(3e3)), Layer::new(0.1, material(7e4))]).unwrap();
+    let pin = Part::new("rigid-core", &[("core_radius_ratio", 0.3)], None, material(2e5)).unwrap();
+    let mut circles_seen = 0;
+    for (radial_clearance, load) in
+        [(0.01, Load::Indentation(3e-4)), (0.001, Load::Indentation(0.01)), (-0.002, Load::Offset(0.003))]
+    {
+        let joint = JointDesign {
+            idealization: Idealization::PlaneStrain,
+            hole_radius: 1.0,
+            radial_clearance,
+            thickness: 1.0,
+            pin: pin.clone(),
+            plate: plate.clone(),
+        };
+        let options = SolveOptions { accuracy: 2e-3, method: MethodChoice::Auto };
+        let curve = JointCurve::after(None, &joint, options).unwrap();
+        let force = curve.answers(&[load])[0].response.clone().unwrap().force;
+        let circles = curve.stresses(Side::Plate, load, 2001, &[0.02, 0.2]).unwrap();
+        // The contact, both sides of two interfaces, and two depths.
+        assert_eq!(circles.len(), 7);
+        let greatest = circles[0].points.iter().fold(0.0, |most: f64, point| most.max(-point.radial));
+        for circle in &circles {
+            let error = (resultant(circle) / force - 1.0).abs();
+            println!("{load:?}, {:.2}: {error:.1e}", circle.radius);
+            assert!(error < 1e-4, "{load:?} at {}: {error}", circle.radius);
+            circles_seen += 1;
+        }
+        for pair in circles.windows(2).filter(|pair| pair[0].radius == pair[1].radius) {
+            for (one, other) in pair[0].points.iter().zip(&pair[1].points) {
+                assert!((one.radial - other.radial).abs() < 1e-12 * greatest);
+                assert!((one.shear - other.shear).abs() < 1e-12 * greatest);
+            }
+        }
+    }
+    assert_eq!(circles_seen, 21);
+}
+
+/// Of a half pin circles end before the corner of its held face, and lined ones have both sides of their interface.
+#[test]
+fn half_pins_have_stresses_up_to_their_corner() {
+    let material = |youngs_modulus| Material { youngs_modulus, poissons_ratio: 0.3 };
+    let pin = Part::new("rigid-midplane", &[], None, material(2e5)).unwrap();
+    let pin = pin.with_layers(&[Layer::new(0.1, material(4e4))]).unwrap();
+    let joint = JointDesign {
+        idealization: Idealization::PlaneStress,
+        hole_radius: 1.0,
+        radial_clearance: 0.01,
+        thickness: 1.0,
+        pin,
+        plate: Part::new("annulus", &[("outer_radius_ratio", 3.0)], None, material(2e5)).unwrap(),
+    };
+    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Auto };
+    let curve = JointCurve::after(None, &joint, options).unwrap();
+    let load = Load::Indentation(0.002);
+    let peak = curve.answers(&[load])[0].response.clone().unwrap().peak_pressure.unwrap();
+    let circles = curve.stresses(Side::Pin, load, 101, &[]).unwrap();
+    assert_eq!(circles.iter().map(|circle| circle.layer).collect::<Vec<_>>(), [1, 1, 0]);
+    for circle in &circles {
+        let last = circle.points[circle.points.len() - 1].angle;
+        assert!(last > 1.2 && last < FRAC_PI_2, "{last}");
+    }
+    assert!((circles[0].points[0].radial / -peak - 1.0).abs() < 1e-6);
+    assert!(circles[1].points[0].radial / -peak > 0.3);
 }

@@ -10,6 +10,7 @@
 
 use super::layered_ring::{Layer, Matrix, ZERO, apply};
 use super::series::ConcentricBody;
+use crate::mechanics::body::Body;
 use crate::mechanics::body::lining::{Interface, Lining};
 
 /// On one side of a circle: amplitudes of cos(n phi), of the shear stress of sin(n phi); or the stresses themselves.
@@ -30,6 +31,22 @@ impl Stress {
             + 3.0 * shear * shear)
             .sqrt()
     }
+}
+
+impl std::ops::AddAssign for Stress {
+    fn add_assign(&mut self, other: Stress) {
+        self.radial += other.radial;
+        self.hoop += other.hoop;
+        self.shear += other.shear;
+    }
+}
+
+/// On a circle, in any of the materials that meet there: stresses for Young's modulus 1 at the ring, or amplitudes of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OnCircle {
+    pub radial: f64,
+    pub shear: f64,
+    pub hoop_strain: f64,
 }
 
 /// n ln(radius) at which a wave of mode n has 4e-8 of its stresses left.
@@ -54,24 +71,9 @@ impl ConcentricBody {
         (count <= MOST_OF_NARROW).then_some(count as usize)
     }
 
-    /// The same body with circles at further radii, over the ring's, where nothing changes; without those that are not inside of it or next to another one.
-    pub fn with_circles(&self, radii: &[f64]) -> ConcentricBody {
-        let mut body = self.clone();
-        let outward = self.side().outward();
-        for &radius_ratio in radii {
-            let depths: Vec<f64> = body.circles().into_iter().map(|radius| outward * radius.ln()).collect();
-            let depth = outward * radius_ratio.ln();
-            let is_inside = depth > 0.0 && depth < depths[depths.len() - 1];
-            if !is_inside || depths.iter().any(|own| (own - depth).abs() < CLOSEST) {
-                continue;
-            }
-            let number = depths.iter().filter(|own| **own < depth).count() - 1;
-            let [modulus_ratio, poissons_ratio] = body.lining.material(number, body.poissons_ratio);
-            let mut interfaces = body.lining.list().to_vec();
-            interfaces.insert(number, Interface { radius_ratio, modulus_ratio, poissons_ratio });
-            body.lining = Lining::new(interfaces);
-        }
-        body
+    /// In a material, 0 that at the ring.
+    pub fn stress_on(&self, material: usize, OnCircle { radial, shear, hoop_strain }: OnCircle) -> Stress {
+        self.layers()[material].with_hoop([radial, shear], hoop_strain)
     }
 
     /// Radii of all circles over the ring's, from the ring on.
@@ -100,6 +102,26 @@ impl ConcentricBody {
         };
         layers.iter().enumerate().map(of_layer).collect()
     }
+}
+
+/// The layers of a body with circles at further radii, over the ring's, where nothing changes; without those that are not inside of its thinnest
+/// wall or next to another one.
+pub fn with_circles(body: &Body, radii: &[f64]) -> Lining {
+    let (outward, (thinnest, _)) = (body.shape.side.outward(), body.depth_range());
+    let mut interfaces = body.lining.list().to_vec();
+    for &radius_ratio in radii {
+        let depth = outward * radius_ratio.ln();
+        let depths = interfaces.iter().map(|own| own.radius_ratio.ln().abs()).chain([0.0, thinnest]);
+        // Not where it is NaN.
+        if !(depth > 0.0 && depth < thinnest) || depths.into_iter().any(|own| (own - depth).abs() < CLOSEST) {
+            continue;
+        }
+        let number = interfaces.iter().filter(|own| own.radius_ratio.ln().abs() < depth).count();
+        let before = number.checked_sub(1).map(|place| interfaces[place]);
+        let own = Interface { radius_ratio: 1.0, modulus_ratio: 1.0, poissons_ratio: body.poissons_ratio };
+        interfaces.insert(number, Interface { radius_ratio, ..before.unwrap_or(own) });
+    }
+    Lining::new(interfaces)
 }
 
 /// Of a circle under stresses of mode n from how what lies beyond it yields.

@@ -15,6 +15,7 @@ pub mod pressure_space;
 pub mod lane_condensation;
 pub mod near_field;
 pub mod lined_reference;
+pub mod mesh_stresses;
 pub mod row_sums;
 pub mod body_fit;
 

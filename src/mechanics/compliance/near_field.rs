@@ -190,8 +190,12 @@ impl ReferenceMesh {
 
     /// For references on it, of which one is an example, with the loads of the modes on its ring.
     pub fn plan(&self, example: &Body, loads: &[Vec<f64>]) -> CondensationPlan {
-        let grading = whole_ring(&self.layers, end_angle(self.half_ring));
-        CondensationPlan::with_loads(example, grading, RingModes::of(&self.layers), loads)
+        CondensationPlan::with_loads(example, self.grading(), RingModes::of(&self.layers), loads)
+    }
+
+    /// The division of its bodies.
+    pub fn grading(&self) -> Grading {
+        whole_ring(&self.layers, end_angle(self.half_ring))
     }
 
     fn body(&self, of: &ConcentricBody) -> Body {

@@ -123,16 +123,10 @@ impl ArcPressure {
         // The midpoints of tau see no wave faster than this; cos(n phi) is one of n times the arc at most.
         let half_angle = self.map.angle(self.b);
         let places = (0.5 * half_angle * count as f64) as usize + 4 * self.coefficients.len() + 32;
-        let step = FRAC_PI_2 / places as f64;
         let mut modes = vec![0.0; count];
-        for place in 0..places {
-            let tau = (place as f64 + 0.5) * step;
-            let sum: f64 = (0..)
-                .zip(&self.coefficients)
-                .map(|(k, value)| value * (2.0 * f64::from(k) * tau).cos())
-                .sum();
-            let weight = 2.0 / PI * step * sum;
-            let twice = 2.0 * self.map.angle(self.b * tau.cos()).cos();
+        for (angle, pressed) in self.pieces(places) {
+            let weight = 2.0 / PI * pressed;
+            let twice = 2.0 * angle.cos();
             let (mut cosine, mut before) = (1.0, 0.5 * twice);
             for mode in &mut modes {
                 *mode += weight * cosine;
@@ -143,6 +137,17 @@ impl ArcPressure {
             *mean *= 0.5;
         }
         modes
+    }
+
+    /// So many pieces of the half of the arc: their angles from the load line, rad, and the pressure times the width of each.
+    pub fn pieces(&self, count: usize) -> impl Iterator<Item = (f64, f64)> {
+        let step = FRAC_PI_2 / count as f64;
+        (0..count).map(move |place| {
+            let tau = (place as f64 + 0.5) * step;
+            let terms = (0..).zip(&self.coefficients);
+            let sum: f64 = terms.map(|(k, value)| value * (2.0 * f64::from(k) * tau).cos()).sum();
+            (self.map.angle(self.b * tau.cos()), step * sum)
+        })
     }
 
     fn is_closed(&self) -> bool {

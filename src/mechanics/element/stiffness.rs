@@ -32,6 +32,21 @@ impl<T: Real> Elasticity<T> {
     }
 }
 
+impl Elasticity<f64> {
+    /// For so many times the Young's modulus.
+    pub fn times(self, modulus: f64) -> Self {
+        let Elasticity { direct, cross, shear } = self;
+        Elasticity { direct: modulus * direct, cross: modulus * cross, shear: modulus * shear }
+    }
+
+    /// What a strain (xx, yy, engineering xy) puts on a cut with a normal.
+    pub fn traction(&self, [xx, yy, xy]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 2] {
+        let shear = self.shear * xy;
+        let [along_x, along_y] = [self.direct * xx + self.cross * yy, self.cross * xx + self.direct * yy];
+        [along_x * x + shear * y, shear * x + along_y * y]
+    }
+}
+
 /// Shape functions at the 2 x 2 points, evaluated once per topology.
 pub struct ElementRule {
     pub kind: ElementKind,
@@ -79,6 +94,18 @@ fn gradients<T: Real>(
         *by_y = (jacobian[0][0] * by_eta - jacobian[1][0] * by_xi) * inverse;
     }
     (gradient, determinant)
+}
+
+/// The strain (xx, yy, engineering xy) at a point of a Q8 whose nodes have moved so.
+pub fn strain(
+    shape: &ShapeFunctions,
+    nodes: &[[f64; 2]; MAX_NODES],
+    moved: &[[f64; 2]; MAX_NODES],
+) -> [f64; 3] {
+    let (gradient, _) = gradients(shape, nodes, ElementKind::Quad8.node_count());
+    gradient.iter().zip(moved).fold([0.0; 3], |[xx, yy, xy], ([by_x, by_y], [u, v])| {
+        [xx + by_x * u, yy + by_y * v, xy + by_y * u + by_x * v]
+    })
 }
 
 /// Adds w |J| B^T D B of every point; Q4 replaces its dilatation by the one at the centre (B-bar, Hughes 1980).
