@@ -21,6 +21,7 @@ pub trait Real:
 {
     fn from_f64(value: f64) -> Self;
     fn sqrt(self) -> Self;
+    fn exp(self) -> Self;
     /// The smaller of two; NaN if either is.
     fn least(self, other: Self) -> Self;
     /// Whether it is above zero, in every lane.
@@ -43,6 +44,10 @@ macro_rules! real_for_scalar {
             #[inline(always)]
             fn sqrt(self) -> Self {
                 <$scalar>::sqrt(self)
+            }
+            #[inline(always)]
+            fn exp(self) -> Self {
+                <$scalar>::exp(self)
             }
             #[inline(always)]
             fn least(self, other: Self) -> Self {
@@ -143,6 +148,10 @@ impl<const FUSED: bool, const COUNT: usize> Real for Lanes<FUSED, COUNT> {
         Lanes(self.0.map(f64::sqrt))
     }
     #[inline(always)]
+    fn exp(self) -> Self {
+        Lanes(self.0.map(f64::exp))
+    }
+    #[inline(always)]
     fn least(mut self, other: Self) -> Self {
         for lane in 0..COUNT {
             self.0[lane] = self.0[lane].least(other.0[lane]);
@@ -216,6 +225,10 @@ impl<const FUSED: bool> Real for Alone<FUSED> {
     #[inline(always)]
     fn sqrt(self) -> Self {
         Alone(self.0.sqrt())
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        Alone(self.0.exp())
     }
     #[inline(always)]
     fn least(self, other: Self) -> Self {

@@ -250,3 +250,36 @@ fn by_first_modes(body: &ConcentricBody, n: usize) -> f64 {
         _ => normal + far_mode(body, n)[0],
     }
 }
+
+/// Modes that are found abreast are those found one by one, of walls from thin ones to those through which nothing is felt.
+#[test]
+fn modes_abreast_are_those_one_by_one() {
+    let mut compared = 0;
+    for fixed_radius_ratio in [1.021, 1.5, 50.0, 1e12, 1e60, 0.979, 0.3, 1e-12, 1e-60_f64] {
+        let interface = |share: f64, modulus_ratio: f64| Interface {
+            radius_ratio: fixed_radius_ratio.powf(share),
+            modulus_ratio,
+            poissons_ratio: 0.2,
+        };
+        for lining in [Vec::new(), vec![interface(0.5, 0.1)], vec![interface(0.5, 20.0), interface(0.8, 0.5)]]
+        {
+            let body = ConcentricBody {
+                fixed_radius_ratio,
+                poissons_ratio: 0.35,
+                idealization: Idealization::PlaneStrain,
+                lining: Lining::new(lining),
+            };
+            let [normal, along] = body.boundary_modes();
+            for (n, (normal, along)) in normal.into_iter().zip(along).enumerate() {
+                let expected = body.boundary_mode(n);
+                // Abreast multiply and add are fused, and thin layers bring out what that rounds.
+                let bound = 1e-10 * (expected[0].abs() + expected[1].abs()) + 1e-40;
+                for (found, expected) in [normal, along].into_iter().zip(expected) {
+                    assert!((found - expected).abs() <= bound, "{body:?}, {n}: {found} {expected}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 4000, "{compared}");
+}

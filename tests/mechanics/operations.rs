@@ -69,6 +69,9 @@ impl Real for Counted {
     fn sqrt(self) -> Counted {
         count(1, self.0.sqrt())
     }
+    fn exp(self) -> Counted {
+        count(1, self.0.exp())
+    }
     fn least(self, other: Counted) -> Counted {
         Counted(self.0.least(other.0))
     }

@@ -59,10 +59,12 @@ impl ArcMap {
     }
 
     /// d(of_half)/d(phi/2) as a function of `of_half`.
-    pub fn slope(self, of_half: f64) -> f64 {
+    #[inline(always)]
+    pub fn slope<T: Real>(self, of_half: T) -> T {
+        let one = T::from_f64(1.0);
         match self {
-            ArcMap::Tangent => 1.0 + of_half * of_half,
-            ArcMap::Sine => (1.0 - of_half * of_half).max(0.0).sqrt(),
+            ArcMap::Tangent => one + of_half * of_half,
+            ArcMap::Sine => (-(of_half * of_half - one).least(T::zero())).sqrt(),
         }
     }
 }

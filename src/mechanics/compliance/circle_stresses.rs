@@ -8,7 +8,7 @@
 //!   2 mu e_phi = s_phi - nu' (s_r + s_phi),     e_phi = (u_r + n u_phi)/r.
 //! ```
 
-use super::layered_ring::{Layer, Matrix, ZERO, apply};
+use super::layered_ring::{Layer, Matrix, apply};
 use super::series::ConcentricBody;
 use crate::mechanics::body::Body;
 use crate::mechanics::body::lining::{Interface, Lining};
@@ -86,12 +86,12 @@ impl ConcentricBody {
     pub fn circle_stresses(&self, n: usize) -> Vec<[Stress; 2]> {
         let layers = self.layers();
         // How what lies beyond each circle yields, of the held one not at all.
-        let mut beyond = vec![ZERO; layers.len() + 1];
+        let mut beyond = vec![[[0.0; 2]; 2]; layers.len() + 1];
         for (place, layer) in layers.iter().enumerate().rev() {
             beyond[place] = match n {
                 0 => [[layer.uniform_compliance(beyond[place + 1][0][0]), 0.0], [0.0, 0.0]],
                 1 => layer.first_compliance(beyond[place + 1]),
-                _ => layer.compliance(n, beyond[place + 1]),
+                _ => layer.compliance(n as f64, beyond[place + 1]),
             };
         }
         let mut passing = [-1.0, 0.0];

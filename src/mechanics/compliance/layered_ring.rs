@@ -12,12 +12,13 @@
 //! ```
 //!
 //! N, M, Np, Mp stresses and U, V, P, Q displacements of the fields at the near and the far circle. Nothing overflows: q underflows.
+//! One mode n is a number, several abreast are the lanes of one.
 //! Lengths are over the layer's own near radius and displacements times its own 2 mu, until they are handed on.
 
-/// A 2 x 2 matrix by rows.
-pub type Matrix = [[f64; 2]; 2];
+use crate::mechanics::real::Real;
 
-pub const ZERO: Matrix = [[0.0; 2]; 2];
+/// A 2 x 2 matrix by rows.
+pub type Matrix<T = f64> = [[T; 2]; 2];
 
 /// A layer of one material between two concentric circles.
 #[derive(Clone, Copy, Debug)]
@@ -33,37 +34,42 @@ pub struct Layer {
 
 /// Fields of mode n at a radius, their powers r^n or r^-n taken out: radial and hoop displacement times 2 mu, radial and shear stress.
 #[derive(Clone, Copy, Debug)]
-pub struct Fields {
-    pub displacements: Matrix,
-    pub stresses: Matrix,
+pub struct Fields<T> {
+    pub displacements: Matrix<T>,
+    pub stresses: Matrix<T>,
 }
 
-impl Fields {
+impl<T: Real> Fields<T> {
     /// Of the stress functions r^(n+2), r^n and r^(2-n), r^-n, n >= 2.
-    fn rising_and_falling(kappa: f64, n: f64, r: f64) -> [Fields; 2] {
-        let square = r * r;
+    #[inline(always)]
+    fn rising_and_falling(kappa: f64, n: T, r: f64) -> [Fields<T>; 2] {
+        let number = T::from_f64;
+        let (one, two, kappa) = (number(1.0), number(2.0), number(kappa));
+        let (radius, over_radius, over_square) = (number(r), n * number(1.0 / r), number(1.0 / (r * r)));
+        let (below, above) = (n * (n - one), n * (n + one));
+        let (below_over, above_over) = (below * over_square, above * over_square);
         [
             Fields {
-                displacements: [[(kappa - n - 1.0) * r, -n / r], [(kappa + n + 1.0) * r, n / r]],
-                stresses: [
-                    [-(n + 1.0) * (n - 2.0), -n * (n - 1.0) / square],
-                    [n * (n + 1.0), n * (n - 1.0) / square],
+                displacements: [
+                    [(kappa - n - one) * radius, -over_radius],
+                    [(kappa + n + one) * radius, over_radius],
                 ],
+                stresses: [[-(n + one) * (n - two), -below_over], [above, below_over]],
             },
             Fields {
-                displacements: [[(kappa + n - 1.0) * r, n / r], [(n - 1.0 - kappa) * r, n / r]],
-                stresses: [
-                    [-(n - 1.0) * (n + 2.0), -n * (n + 1.0) / square],
-                    [-n * (n - 1.0), -n * (n + 1.0) / square],
+                displacements: [
+                    [(kappa + n - one) * radius, over_radius],
+                    [(n - one - kappa) * radius, over_radius],
                 ],
+                stresses: [[-(n - one) * (n + two), -above_over], [-below, -above_over]],
             },
         ]
     }
 
     /// Displacements that are left where what lies beyond yields by Z under the stresses.
-    fn less(&self, beyond: Matrix) -> Matrix {
-        let yielding = product(beyond, self.stresses);
-        std::array::from_fn(|i| std::array::from_fn(|j| self.displacements[i][j] - yielding[i][j]))
+    #[inline(always)]
+    fn less(&self, beyond: Matrix<T>) -> Matrix<T> {
+        less(self.displacements, T::from_f64(1.0), product(beyond, self.stresses))
     }
 }
 
@@ -80,19 +86,16 @@ impl Layer {
     }
 
     /// Z of its near circle from that of its far one, mode n >= 2.
-    pub fn compliance(&self, n: usize, beyond: Matrix) -> Matrix {
+    #[inline(always)]
+    pub fn compliance<T: Real>(&self, n: T, beyond: Matrix<T>) -> Matrix<T> {
         let q = self.left_of(n);
-        let [near_circle, far_circle] = self.fields(n);
-        let beyond = self.own(beyond);
-        let [near, far] = near_circle;
-        let mut stresses = near.stresses;
-        let mut displacements = near.displacements;
+        let [[near, far], far_circle] = self.fields(n);
+        let Fields { mut displacements, mut stresses } = near;
         // Of what is less, nothing is left beside 1; and powers of radii like 1e300 are no numbers.
-        if q > 1e-9 {
-            let reflection = reflection(far_circle, beyond);
-            let square = q * q;
-            subtract(&mut stresses, square, product(far.stresses, reflection));
-            subtract(&mut displacements, square, product(far.displacements, reflection));
+        if !(T::from_f64(1e-9) - q).is_positive() {
+            let reflection = reflection(far_circle, self.own(beyond));
+            stresses = less(stresses, q * q, product(far.stresses, reflection));
+            displacements = less(displacements, q * q, product(far.displacements, reflection));
         }
         self.handed_on(product(displacements, inverse(stresses)))
     }
@@ -162,66 +165,88 @@ impl Layer {
                 [far_shear + 2.0 * resultant / rho, far_shear]
             }
             _ => {
-                let q = self.left_of(n);
+                let q = self.left_of(n as f64);
                 // Powers of radii like 1e300 are no numbers.
                 if q < 1e-30 {
                     return [0.0, 0.0];
                 }
-                let [near_circle, far_circle] = self.fields(n);
+                let [near_circle, far_circle] = self.fields(n as f64);
                 let reflection = reflection(far_circle, beyond);
-                let mut near = near_circle[0].stresses;
-                subtract(&mut near, q * q, product(near_circle[1].stresses, reflection));
-                let mut far = far_circle[0].stresses;
-                subtract(&mut far, 1.0, product(far_circle[1].stresses, reflection));
+                let left = |circle: [Fields<f64>; 2], share: f64| {
+                    less(circle[0].stresses, share, product(circle[1].stresses, reflection))
+                };
+                let (near, far) = (left(near_circle, q * q), left(far_circle, 1.0));
                 apply(far, apply(inverse(near), [radial, shear])).map(|stress| q * stress)
             }
         }
     }
 
     /// What is left of a wave of mode n on the far circle of one on the near circle, (near radius/far radius)^n or its inverse.
-    pub fn left_of(&self, n: usize) -> f64 {
-        (-self.depth * n as f64).exp()
+    #[inline(always)]
+    pub fn left_of<T: Real>(&self, n: T) -> T {
+        (-T::from_f64(self.depth) * n).exp()
     }
 
     /// On the near and the far circle: what falls from the near one, and from the far one.
-    pub fn fields(&self, n: usize) -> [[Fields; 2]; 2] {
-        [1.0, self.ratio].map(|r| {
-            let [rising, falling] = Fields::rising_and_falling(self.kolosov, n as f64, r);
-            if self.ratio > 1.0 { [falling, rising] } else { [rising, falling] }
-        })
+    #[inline(always)]
+    pub fn fields<T: Real>(&self, n: T) -> [[Fields<T>; 2]; 2] {
+        let [near_rising, near_falling] = Fields::rising_and_falling(self.kolosov, n, 1.0);
+        let [far_rising, far_falling] = Fields::rising_and_falling(self.kolosov, n, self.ratio);
+        if self.ratio > 1.0 {
+            [[near_falling, near_rising], [far_falling, far_rising]]
+        } else {
+            [[near_rising, near_falling], [far_rising, far_falling]]
+        }
     }
 
     /// What lies beyond the far circle, in the layer's own units: of length its near radius, displacements times 2 mu.
-    fn own(&self, beyond: Matrix) -> Matrix {
-        beyond.map(|row| row.map(|value| value * self.ratio * self.twice_shear_modulus))
+    #[inline(always)]
+    pub fn own<T: Real>(&self, beyond: Matrix<T>) -> Matrix<T> {
+        scaled(self.ratio * self.twice_shear_modulus, beyond)
     }
 
     /// Displacements over the near radius, for Young's modulus 1 at the ring.
-    fn handed_on(&self, own: Matrix) -> Matrix {
-        own.map(|row| row.map(|value| value / self.twice_shear_modulus))
+    #[inline(always)]
+    fn handed_on<T: Real>(&self, own: Matrix<T>) -> Matrix<T> {
+        scaled(1.0 / self.twice_shear_modulus, own)
     }
 }
 
 /// R of the fields on a far circle beyond which there is Z.
-pub fn reflection([near, far]: [Fields; 2], beyond: Matrix) -> Matrix {
+#[inline(always)]
+pub fn reflection<T: Real>([near, far]: [Fields<T>; 2], beyond: Matrix<T>) -> Matrix<T> {
     product(inverse(far.less(beyond)), near.less(beyond))
 }
 
-pub fn subtract(from: &mut Matrix, scale: f64, value: Matrix) {
-    for (from, value) in from.as_flattened_mut().iter_mut().zip(value.as_flattened()) {
-        *from -= scale * value;
-    }
+// These are written out: closures over arrays are not compiled for the vectors.
+
+#[inline(always)]
+fn scaled<T: Real>(scale: f64, [[a, b], [c, d]]: Matrix<T>) -> Matrix<T> {
+    let scale = T::from_f64(scale);
+    [[scale * a, scale * b], [scale * c, scale * d]]
 }
 
-pub fn product(a: Matrix, b: Matrix) -> Matrix {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
+/// a - share b.
+#[inline(always)]
+pub fn less<T: Real>(a: Matrix<T>, share: T, b: Matrix<T>) -> Matrix<T> {
+    let row = |i: usize| [a[i][0].minus_product(share, b[i][0]), a[i][1].minus_product(share, b[i][1])];
+    [row(0), row(1)]
 }
 
-pub fn apply(a: Matrix, x: [f64; 2]) -> [f64; 2] {
-    a.map(|row| row[0] * x[0] + row[1] * x[1])
+#[inline(always)]
+pub fn product<T: Real>(a: Matrix<T>, b: Matrix<T>) -> Matrix<T> {
+    let column = |j: usize| apply(a, [b[0][j], b[1][j]]);
+    let ([first, third], [second, fourth]) = (column(0), column(1));
+    [[first, second], [third, fourth]]
 }
 
-pub fn inverse([[a, b], [c, d]]: Matrix) -> Matrix {
-    let determinant = a * d - b * c;
-    [[d / determinant, -b / determinant], [-c / determinant, a / determinant]]
+#[inline(always)]
+pub fn apply<T: Real>(a: Matrix<T>, x: [T; 2]) -> [T; 2] {
+    [a[0][0] * x[0] + a[0][1] * x[1], a[1][0] * x[0] + a[1][1] * x[1]]
+}
+
+#[inline(always)]
+pub fn inverse<T: Real>([[a, b], [c, d]]: Matrix<T>) -> Matrix<T> {
+    let share = T::from_f64(1.0) / (a * d - b * c);
+    [[share * d, -share * b], [-share * c, share * a]]
 }

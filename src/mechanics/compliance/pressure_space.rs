@@ -78,8 +78,9 @@ impl PressureSpace {
         }
     }
 
-    /// Makes what the sum over so many modes of a concentric body needs.
+    /// Makes what the sum over so many modes of a concentric body needs, in whole blocks: a few modes more are no work.
     pub fn prepare_modes(&mut self, count: usize) {
+        let count = count.next_multiple_of(BLOCK);
         if count > self.modes.count {
             self.modes = self.moments(count, |moments, arc, first| {
                 Arch::new().dispatch(ModeMoments { arc, terms: self.terms, first, moments });
@@ -304,8 +305,9 @@ impl TermWork for Add<'_> {
                         let factor = Lanes::from_f64(-share * FRAC_2_PI * work);
                         for j in 0..TERMS {
                             let scaled = factor * Lanes(own[j]);
-                            for k in 0..=j {
-                                matrix[j][k] = matrix[j][k].minus_product(scaled, Lanes(own[k]));
+                            // Rows as slices: entry by entry they would not stay in registers.
+                            for (sum, other) in matrix[j][..=j].iter_mut().zip(own) {
+                                *sum = sum.minus_product(scaled, Lanes(*other));
                             }
                         }
                     }
@@ -356,9 +358,8 @@ fn add_symmetric<const FUSED: bool, const TERMS: usize>(
 ) {
     for j in 0..TERMS {
         let (one_j, other_j) = (Lanes::<FUSED>(one[j].map(|value| -value)), -other[j]);
-        for k in 0..=j {
-            let sum = matrix[j][k].minus_product(one_j, other[k]);
-            matrix[j][k] = sum.minus_product(other_j, Lanes(one[k]));
+        for (sum, (one, other)) in matrix[j][..=j].iter_mut().zip(one.iter().zip(other)) {
+            *sum = sum.minus_product(one_j, *other).minus_product(other_j, Lanes(*one));
         }
     }
 }

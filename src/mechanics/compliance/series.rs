@@ -13,13 +13,15 @@
 
 use std::f64::consts::PI;
 
-use super::layered_ring::{Layer, Matrix, ZERO, apply, inverse, product, reflection, subtract};
+use super::lane_work::{LaneWork, in_lanes};
+use super::layered_ring::{Layer, apply, inverse, less, product, reflection};
 use super::second_order::{Bands, bands};
 use super::thin_wall::{bed_compliance, strip_error};
 use super::{BodyCompliance, Boundary};
 use crate::mechanics::body::lining::{Interface, Lining};
 use crate::mechanics::body::{Body, Side, THINNEST_RING};
 use crate::mechanics::material::Idealization;
+use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// A body between the ring (radius 1) and a concentric circle of radius `fixed_radius_ratio` on which it is fixed: above 1
 /// for a plate, below 1 for a pin. Poisson's ratio is that at the ring, where Young's modulus is 1.
@@ -162,7 +164,7 @@ impl ConcentricBody {
         };
         let place = (0..interfaces.len()).find(is_resolved)?;
         let beyond = layers[place + 1];
-        let own = self.finite_part(layers, MOST_MODES, PRESSURE)[0]
+        let own = self.finite_part(layers, MOST_MODES as f64, PRESSURE)[0]
             + self.alone(&layers[0], MOST_MODES, PRESSURE)[0];
         let bed = own - self.alone(&beyond, MOST_MODES, PRESSURE)[0];
         let depth = interfaces[place].radius_ratio.ln().abs();
@@ -181,13 +183,14 @@ impl ConcentricBody {
 
     /// Mode n, 2 and above, of an infinite body of a material.
     fn alone(&self, layer: &Layer, n: usize, stress: Stress) -> [f64; 2] {
-        let [[near, _], _] = layer.fields(n);
+        let [[near, _], _] = layer.fields(n as f64);
         let [radial, along] = apply(near.displacements, apply(inverse(near.stresses), stress));
         [self.side().outward() * radial, along].map(|value| value / layer.twice_shear_modulus)
     }
 
     /// lambda_n, and the amplitude of the displacement along the ring, u_phi = along sin(n phi), or those under shear, each less that of the same body with
-    /// its fixed circle infinitely far (or small) and without layers beyond the one at the ring, n >= 2, free of cancellation.
+    /// its fixed circle infinitely far (or small) and without layers beyond the one at the ring, n >= 2, of one mode or several abreast. Free of
+    /// cancellation.
     ///
     /// With x the amplitudes of the two fields that fall from the ring, y of the two that fall from the far circle of the material at
     /// the ring, q = (ratio of radii)^n what is left of them at the other circle, and Z how that yields (0 where it is held),
@@ -197,37 +200,42 @@ impl ConcentricBody {
     /// ```
     ///
     /// so x = x0 + q^2 (N - q^2 S)^-1 S x0 with N x0 = t and S = M (Q - Z Mp)^-1 (P - Z Np).
-    fn finite_part(&self, layers: &[Layer], n: usize, stress: Stress) -> [f64; 2] {
+    #[inline(always)]
+    fn finite_part<T: Real>(&self, layers: &[Layer], n: T, stress: Stress) -> [T; 2] {
         let layer = &layers[0];
         let q = layer.left_of(n);
         // Nothing is left, and powers of radii like 1e300 are no numbers.
-        if q < 1e-30 {
-            return [0.0, 0.0];
+        if (T::from_f64(1e-30) - q).is_positive() {
+            return [T::zero(); 2];
         }
         let [[near, far], on_circle] = layer.fields(n);
         // y = -q R x.
         let reflection = if self.lining.is_empty() {
             product(inverse(on_circle[1].displacements), on_circle[0].displacements)
         } else {
-            let beyond = beyond(layers, ZERO, |layer, beyond| layer.compliance(n, beyond));
-            // Displacements times 2 mu, over the ring's radius.
-            let scale = layer.ratio * layer.twice_shear_modulus;
-            reflection(on_circle, beyond.map(|row| row.map(|value| scale * value)))
+            let mut beyond = [[T::zero(); 2]; 2];
+            for layer in layers[1..].iter().rev() {
+                beyond = layer.compliance(n, beyond);
+            }
+            reflection(on_circle, layer.own(beyond))
         };
         let back = product(far.stresses, reflection);
+        let stress = [T::from_f64(stress[0]), T::from_f64(stress[1])];
         let alone = apply(inverse(near.stresses), stress);
         let square = q * q;
-        let mut reduced: Matrix = near.stresses;
-        subtract(&mut reduced, square, back);
-        let more = apply(inverse(reduced), apply(back, alone)).map(|value| square * value);
+        let [more, other] = apply(inverse(less(near.stresses, square, back)), apply(back, alone));
+        let more = [square * more, square * other];
         let reflected = apply(reflection, [alone[0] + more[0], alone[1] + more[1]]);
         let (near, far) = (apply(near.displacements, more), apply(far.displacements, reflected));
-        self.normal_and_along([near[0] - square * far[0], near[1] - square * far[1]])
+        let radial = near[0].minus_product(square, far[0]);
+        self.normal_and_along([radial, near[1].minus_product(square, far[1])])
     }
 
     /// From 2 mu times u_r and u_phi: a pressure pushes a hole outwards and a disc inwards.
-    fn normal_and_along(&self, [radial, along]: [f64; 2]) -> [f64; 2] {
-        [self.side().outward() * radial / self.twice_shear_modulus(), along / self.twice_shear_modulus()]
+    #[inline(always)]
+    fn normal_and_along<T: Real>(&self, [radial, along]: [T; 2]) -> [T; 2] {
+        let share = 1.0 / self.twice_shear_modulus();
+        [T::from_f64(self.side().outward() * share) * radial, T::from_f64(share) * along]
     }
 
     /// lambda_1, and the amplitude of u_phi, or those under shear. The fields are r^3, the single-valued point force, 1/r and the translation;
@@ -235,7 +243,7 @@ impl ConcentricBody {
     fn first_mode(&self, stress: Stress) -> [f64; 2] {
         if !self.lining.is_empty() {
             let layers = self.layers();
-            let beyond = beyond(&layers, ZERO, |layer, beyond| layer.first_compliance(beyond));
+            let beyond = beyond(&layers, [[0.0; 2]; 2], |layer, beyond| layer.first_compliance(beyond));
             let resultant = 0.5 * (stress[0] - stress[1]);
             let [sum, difference] = apply(layers[0].first_compliance(beyond), [stress[1], resultant]);
             let own = [0.5 * (sum + difference), 0.5 * (sum - difference)];
@@ -359,25 +367,31 @@ impl ConcentricBody {
         self.modes_below(self.highest_mode() + 1)
     }
 
-    /// The first of those.
+    /// The first of those, so many.
     fn modes_below(&self, count: usize) -> [Vec<f64>; 2] {
         let (taper, layers) = (self.taper(), self.layers());
+        let [mut normal, mut along] = self.finite_parts(&layers, count, PRESSURE);
+        for n in [0, 1] {
+            [normal[n], along[n]] = self.boundary_mode(n);
+        }
         let film = self.film(&layers);
-        let mode = |n: usize| {
-            let own = self.mode(&layers, n);
-            let Some(Film { bed, beyond, .. }) = &film else {
-                return own.map(|value| taper(n) * value).into();
-            };
-            match n {
-                0 => (own[0] - 0.5 * bed, 0.0),
-                _ => {
-                    let more = self.difference([beyond, &layers[0]], n, PRESSURE);
-                    (own[0] + more[0] - bed, taper(n) * (own[1] + more[1]))
-                }
+        if let Some(Film { bed, beyond, .. }) = &film {
+            normal[0] -= 0.5 * bed;
+            for n in 1..count {
+                let more = self.difference([beyond, &layers[0]], n, PRESSURE);
+                normal[n] += more[0] - bed;
+                along[n] += more[1];
             }
-        };
-        let (normal, along) = (0..count).map(mode).unzip();
+        } else {
+            normal.iter_mut().enumerate().for_each(|(n, value)| *value *= taper(n));
+        }
+        along.iter_mut().enumerate().for_each(|(n, value)| *value *= taper(n));
         [normal, along]
+    }
+
+    /// `finite_part` of so many modes, two at least, from 2 on: of 0 and 1 nothing.
+    fn finite_parts(&self, layers: &[Layer], count: usize, stress: Stress) -> [Vec<f64>; 2] {
+        in_lanes(FiniteParts { body: self, layers, count, stress })
     }
 
     /// Of each mode 1, but where they end before they are negligible. There they fade out: an end of a sudden would make the
@@ -397,17 +411,13 @@ impl ConcentricBody {
 
     /// What lies beyond the material at the ring changes of lambda_n, half of it for n = 0, and of the amplitude of u_phi.
     pub fn boundary_mode(&self, n: usize) -> [f64; 2] {
-        self.mode(&self.layers(), n)
-    }
-
-    fn mode(&self, layers: &[Layer], n: usize) -> [f64; 2] {
         match n {
             0 => [0.5 * self.uniform_mode(), 0.0],
             1 => {
                 let [normal, along] = self.first_mode(PRESSURE);
                 [normal - self.amplitude(), along]
             }
-            _ => self.finite_part(layers, n, PRESSURE),
+            _ => self.finite_part(&self.layers(), n as f64, PRESSURE),
         }
     }
 
@@ -430,17 +440,41 @@ impl ConcentricBody {
         let count = self.second_order_count();
         let layers = self.layers();
         let film = self.film(&layers);
-        let mode = |n: usize| {
-            let own = match n {
-                0 => return 0.0,
-                1 => self.first_mode(SHEAR)[1] - self.amplitude(),
-                _ => self.finite_part(&layers, n, SHEAR)[1],
-            };
-            own + film.as_ref().map_or(0.0, |film| self.difference([&film.beyond, &layers[0]], n, SHEAR)[1])
-        };
+        let [_, mut shear] = self.finite_parts(&layers, count, SHEAR);
+        shear[1] = self.first_mode(SHEAR)[1] - self.amplitude();
         let taper = self.taper();
-        let shear: Vec<f64> = (0..count).map(|n| taper(n) * mode(n)).collect();
+        for n in 1..count {
+            let more =
+                film.as_ref().map_or(0.0, |film| self.difference([&film.beyond, &layers[0]], n, SHEAR)[1]);
+            shear[n] = taper(n) * (shear[n] + more);
+        }
         bands([normal, along, &shear], count)
+    }
+}
+
+/// As `ConcentricBody::finite_parts`, as many modes abreast as there are lanes.
+struct FiniteParts<'a> {
+    body: &'a ConcentricBody,
+    layers: &'a [Layer],
+    count: usize,
+    stress: Stress,
+}
+
+impl LaneWork for FiniteParts<'_> {
+    type Output = [Vec<f64>; 2];
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> [Vec<f64>; 2] {
+        let FiniteParts { body, layers, count, stress } = self;
+        let mut parts = [0, 1].map(|_| Vec::with_capacity(count + LANES));
+        parts.iter_mut().for_each(|part| part.extend([0.0; 2]));
+        for first in (2..count).step_by(LANES) {
+            let n = Lanes::<FUSED>(std::array::from_fn(|lane| (first + lane) as f64));
+            let own = body.finite_part(layers, n, stress);
+            parts.iter_mut().zip(&own).for_each(|(part, own)| part.extend_from_slice(&own.0));
+        }
+        parts.iter_mut().for_each(|part| part.truncate(count));
+        parts
     }
 }
 

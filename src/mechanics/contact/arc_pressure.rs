@@ -3,6 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::mechanics::compliance::arc::ArcMap;
+use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
+use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Places per trial pressure among which the greatest pressure is looked for: the fastest wave has a dozen a period.
 const PLACES_PER_TERM: usize = 6;
@@ -43,50 +45,49 @@ impl ArcPressure {
 
     /// The greatest pressure and its angle; of equal ones that nearest to the load line.
     pub(super) fn greatest(&self) -> (f64, f64) {
+        // tau is pi/2 at the load line, where the places begin, and 0 at the edge, where the pressure ends.
         let places = PLACES_PER_TERM * self.coefficients.len();
         let step = FRAC_PI_2 / places as f64;
-        // tau is pi/2 at the load line, where the places begin, and 0 at the edge, where the pressure ends.
-        let (turn, ahead) = (step.sin(), step.cos());
-        let (mut sine, mut cosine) = (1.0, 0.0);
-        let mut around = [f64::NEG_INFINITY; 3];
-        let (mut best, mut before) = (0, f64::NEG_INFINITY);
-        for place in 0..places {
-            let pressure = self.at_tau(sine, cosine);
-            if pressure > around[1] {
-                (best, around) = (place, [before, pressure, f64::NAN]);
-            } else if place == best + 1 {
-                around[2] = pressure;
+        let pressures = in_lanes(AtPlaces { pressure: self, places, step });
+        let (mut best, mut most) = (0, pressures[0]);
+        for (place, pressure) in pressures.iter().enumerate() {
+            if *pressure > most {
+                (best, most) = (place, *pressure);
             }
-            before = pressure;
-            (sine, cosine) = (sine * ahead - cosine * turn, cosine * ahead + sine * turn);
         }
         if best == 0 {
-            return (0.0, self.at(0.0));
+            return (0.0, most);
         }
-        if self.is_closed() && self.at(PI) >= around[1] {
+        if self.is_closed() && self.at(PI) >= most {
             return (PI, self.at(PI));
         }
         // The parabola through the places around, the last of which has a pressure of zero beyond it.
-        let [before, most, after] = around.map(|pressure| if pressure.is_nan() { 0.0 } else { pressure });
+        let (before, after) = (pressures[best - 1], pressures.get(best + 1).map_or(0.0, |after| *after));
         let curvature = before - 2.0 * most + after;
         let shift = if curvature < 0.0 { 0.5 * (before - after) / curvature } else { 0.0 };
-        let near = [best as f64 + shift, best as f64];
-        let [found, known] = near.map(|place| {
-            let angle = self.map.angle(self.b * (place * step).sin());
-            (angle, self.at(angle))
-        });
-        if found.1 > known.1 { found } else { known }
+        let (sine, cosine) = ((best as f64 + shift) * step).sin_cos();
+        let found = self.at_tau(cosine, sine);
+        if found > most {
+            (self.map.angle(self.b * sine), found)
+        } else {
+            (self.map.angle(self.b * (best as f64 * step).sin()), most)
+        }
     }
 
-    /// The same as `at`, but next to the edge, from the sine and the cosine of tau.
-    fn at_tau(&self, sine: f64, cosine: f64) -> f64 {
-        let turn = 2.0 * (2.0 * cosine * cosine - 1.0);
-        let (mut current, mut previous) = (0.0, 0.0);
-        for coefficient in self.coefficients[1..].iter().rev() {
-            (current, previous) = (coefficient + turn * current - previous, current);
+    /// `at` from the sine and the cosine of tau. With sin((k + 1) tau) = 2 cos(tau) sin(k tau) - sin((k - 1) tau).
+    #[inline(always)]
+    fn at_tau<T: Real>(&self, sine: T, cosine: T) -> T {
+        let turn = cosine + cosine;
+        let (mut before, mut current, mut turned) = (T::zero(), sine, T::zero());
+        for coefficient in &self.coefficients[1..] {
+            turned = turned.minus_product(T::from_f64(-coefficient) * current, current);
+            (before, current) = (current, -before.minus_product(turn, current));
         }
-        let sum = self.coefficients[0] + 0.5 * turn * current - previous;
-        0.5 * sum / sine * self.map.slope(self.b * cosine) / self.b
+        if self.is_closed() {
+            return T::from_f64(0.5 * self.coefficients.iter().sum::<f64>()) - turned;
+        }
+        let b = T::from_f64(self.b);
+        -turned * self.map.slope(b * cosine) / (b * sine)
     }
 
     /// Over e, in the unit of the moduli, per area of the hole, at an angle of the hole from the load line, rad; zero beyond
@@ -97,18 +98,11 @@ impl ArcPressure {
     /// edge.
     pub fn at(&self, angle: f64) -> f64 {
         let cosine = self.map.of_half(angle).abs() / self.b;
-        let term = |(k, value): (usize, &f64), tau: f64| value * (k as f64 * tau).sin().powi(2);
-        let sum = |tau| self.coefficients.iter().enumerate().map(|coefficient| term(coefficient, tau)).sum();
-        if self.is_closed() {
-            let (all, turned): (f64, f64) = (self.coefficients.iter().sum(), sum(cosine.min(1.0).acos()));
-            return 0.5 * all - turned;
-        }
-        if cosine >= 1.0 {
+        if cosine >= 1.0 && !self.is_closed() {
             return 0.0;
         }
-        let tau = cosine.acos();
-        let turned: f64 = sum(tau);
-        -turned / tau.sin() * self.map.slope(self.b * cosine) / self.b
+        let cosine = cosine.min(1.0);
+        self.at_tau(((1.0 - cosine) * (1.0 + cosine)).sqrt(), cosine)
     }
 
     /// The same on the pin, per area of the pin and over its own angles: m times as dense, on an arc of m times the tangent
@@ -152,5 +146,38 @@ impl ArcPressure {
 
     fn is_closed(&self) -> bool {
         self.map == ArcMap::Sine && self.b == 1.0
+    }
+}
+
+/// The pressure at places from the load line on, steps of tau apart, as many abreast as there are lanes.
+struct AtPlaces<'a> {
+    pressure: &'a ArcPressure,
+    places: usize,
+    step: f64,
+}
+
+impl LaneWork for AtPlaces<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> Vec<f64> {
+        let AtPlaces { pressure, places, step } = self;
+        let (turn, ahead) = step.sin_cos();
+        let (mut sines, mut cosines) = ([1.0; LANES], [0.0; LANES]);
+        for lane in 1..LANES {
+            let (sine, cosine) = (sines[lane - 1], cosines[lane - 1]);
+            sines[lane] = sine * ahead - cosine * turn;
+            cosines[lane] = cosine * ahead + sine * turn;
+        }
+        let (mut sines, mut cosines) = (Lanes::<FUSED>(sines), Lanes(cosines));
+        let (turn, ahead) = (LANES as f64 * step).sin_cos();
+        let (turn, ahead) = (Lanes::from_f64(turn), Lanes::from_f64(ahead));
+        let mut pressures = Vec::with_capacity(places + LANES);
+        while pressures.len() < places {
+            pressures.extend(pressure.at_tau(sines, cosines).0);
+            (sines, cosines) = (sines * ahead - cosines * turn, cosines * ahead + sines * turn);
+        }
+        pressures.truncate(places);
+        pressures
     }
 }

@@ -17,15 +17,15 @@ impl ContactCurve<'_> {
             return self.pressure_of_ring(state).unwrap_or(ArcPressure::of_whole_ring(vec![f64::NAN]));
         }
         let b = map.of_half(state.half_angle);
-        let place_of = |b: f64| self.space.place(Lanes::<false>::from_f64(b)).0[0];
-        let wanted = place_of(self.outlines.ratio() * b);
+        let wanted = self.space.place(Lanes::<false>::from_f64(self.outlines.ratio() * b)).0[0];
         let count = self.space.arcs().len();
         let from = (above + 1).saturating_sub(AROUND / 2).max(self.first).min(count.saturating_sub(AROUND));
         let nodes = from..(from + AROUND).min(count);
-        let place = |node: usize| place_of(self.space.arcs()[node].b);
         let weight = |node: usize| -> f64 {
-            let others = nodes.clone().filter(|other| *other != node);
-            others.map(|other| (wanted - place(other)) / (place(node) - place(other))).product()
+            let place = |node: usize| self.space.weighted[node].0;
+            let others = || nodes.clone().filter(|other| *other != node).map(place);
+            let distances = |from: f64| others().map(|other| from - other).product::<f64>();
+            distances(wanted) / distances(place(node))
         };
         let terms = self.space.pressures.terms;
         let mut coefficients = vec![0.0; terms];

@@ -47,7 +47,7 @@ pub struct CurveSpace {
     /// Logarithms of z, or of b.
     pub(super) logarithms: Vec<f64>,
     /// What functions are polynomials of, from 0 to 1, at the nodes, x_i, and 1/product of all x_i - x_j.
-    weighted: Vec<(f64, f64)>,
+    pub(super) weighted: Vec<(f64, f64)>,
     /// T_degree(x) of the Chebyshev nodes x > 0: `[degree / LANES][node]`, as many degrees as there are lanes. Even degrees before odd
     /// ones, each in whole chunks.
     pub(super) chebyshev: Vec<Vec<[f64; LANES]>>,
