@@ -11,13 +11,13 @@ use parquet::file::properties::{WriterProperties, WriterPropertiesPtr};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{ColumnPath, SchemaDescPtr, SchemaDescriptor, Type, TypePtr};
 
-use crate::engine::outcome::{DesignOutcome, StepOutcome};
+use crate::engine::outcome::{BackendKind, DesignOutcome, StepOutcome};
 use crate::engine::status::Status;
 use crate::output::folder::TABLE_PARQUET;
 use crate::output::parquet_footer::{self, MAGIC};
 use crate::output::schema::{Kind, LoadColumn, TableColumn, columns_of, constants_as_json};
 use crate::output::sink::Sink;
-use crate::study::columns::Cell;
+use crate::study::columns::{Cell, Column};
 use crate::study::config::Study;
 use crate::study::design::Load;
 
@@ -166,13 +166,30 @@ fn write_column(
             writer.typed::<Int64Type>().write_batch(&designs, None, None)?;
         }
         Content::Number => {
-            let mut numbers = Cells::default();
-            each_number(column, outcomes, |number| numbers.push(number));
+            let mut numbers = Cells::of(outcomes);
+            match column.kind {
+                Kind::Input(input) => each_input(input, outcomes, |cell, times| {
+                    numbers.repeat(if let Cell::Number(number) = cell { Some(number) } else { None }, times);
+                }),
+                kind => each_step(outcomes, |load, step, _| numbers.push(number(kind, load, step))),
+            }
             writer.typed::<DoubleType>().write_batch(&numbers.values, Some(&numbers.levels), None)?;
         }
         Content::Word => {
-            let (mut words, mut known) = (Cells::default(), Known::default());
-            each_word(column, outcomes, |word| words.push(known.bytes(word)));
+            let (mut words, mut known) = (Cells::of(outcomes), Known::default());
+            match column.kind {
+                Kind::Input(input) => each_input(input, outcomes, |cell, times| {
+                    words.repeat(known.bytes(if let Cell::Word(word) = cell { word } else { "" }), times);
+                }),
+                Kind::Word(word) => {
+                    each_step(outcomes, |_, step, backend| words.push(known.bytes(word(step, backend))));
+                }
+                _ => each_step(outcomes, |_, step, _| {
+                    let is_ok = step.status == Status::OK;
+                    let word = if is_ok { known.bytes("ok") } else { known.bytes(&step.status.to_string()) };
+                    words.push(word);
+                }),
+            }
             // A column that has a word in each row has no levels.
             let levels = (!matches!(column.kind, Kind::Status)).then_some(&*words.levels);
             writer.typed::<ByteArrayType>().write_batch(&words.values, levels, None)?;
@@ -187,16 +204,24 @@ struct Cells<T> {
     levels: Vec<i16>,
 }
 
-impl<T> Default for Cells<T> {
-    fn default() -> Cells<T> {
-        Cells { values: Vec::new(), levels: Vec::new() }
+impl<T: Clone> Cells<T> {
+    /// With room for the rows of all outcomes.
+    fn of(outcomes: &[DesignOutcome]) -> Cells<T> {
+        let rows = outcomes.iter().map(|outcome| outcome.steps.len()).sum();
+        Cells { values: Vec::with_capacity(rows), levels: Vec::with_capacity(rows) }
     }
-}
 
-impl<T> Cells<T> {
     fn push(&mut self, value: Option<T>) {
-        self.levels.push(value.is_some().into());
+        self.levels.push(i16::from(value.is_some()));
         self.values.extend(value);
+    }
+
+    /// The same in so many rows.
+    fn repeat(&mut self, value: Option<T>, times: usize) {
+        self.levels.extend(std::iter::repeat_n(i16::from(value.is_some()), times));
+        if let Some(value) = value {
+            self.values.extend(std::iter::repeat_n(value, times));
+        }
     }
 }
 
@@ -223,19 +248,15 @@ impl Known {
     }
 }
 
-fn each_number(column: &TableColumn, outcomes: &[DesignOutcome], mut push: impl FnMut(Option<f64>)) {
+/// The cell of an input in each design, with how many rows have it.
+fn each_input(input: Column, outcomes: &[DesignOutcome], mut push: impl FnMut(Cell, usize)) {
+    outcomes.iter().for_each(|outcome| push(input.cell(&outcome.case.joint), outcome.steps.len()));
+}
+
+fn each_step(outcomes: &[DesignOutcome], mut push: impl FnMut(Load, &StepOutcome, BackendKind)) {
     for outcome in outcomes {
-        if let Kind::Input(input) = column.kind {
-            let number = match input.cell(&outcome.case.joint) {
-                Cell::Number(number) => Some(number),
-                Cell::Word(_) | Cell::Empty => None,
-            };
-            outcome.steps.iter().for_each(|_| push(number));
-            continue;
-        }
-        for (load, step) in outcome.case.steps.iter().zip(&outcome.steps) {
-            push(number(column.kind, *load, step));
-        }
+        let steps = outcome.case.steps.iter().zip(&outcome.steps);
+        steps.for_each(|(load, step)| push(*load, step, outcome.backend));
     }
 }
 
@@ -245,22 +266,5 @@ fn number(kind: Kind, load: Load, step: &StepOutcome) -> Option<f64> {
         Kind::Load(own) => (own.asked)(load).or_else(|| step.response.as_ref().map(own.found)),
         Kind::Result(value) => step.response.as_ref().and_then(value),
         _ => None,
-    }
-}
-
-fn each_word(column: &TableColumn, outcomes: &[DesignOutcome], mut push: impl FnMut(&str)) {
-    for outcome in outcomes {
-        for step in &outcome.steps {
-            match column.kind {
-                Kind::Input(input) => match input.cell(&outcome.case.joint) {
-                    Cell::Word(word) => push(word),
-                    Cell::Number(_) | Cell::Empty => push(""),
-                },
-                Kind::Word(word) => push(word(step, outcome.backend)),
-                Kind::Status if step.status == Status::OK => push("ok"),
-                Kind::Status => push(&step.status.to_string()),
-                _ => push(""),
-            }
-        }
     }
 }
