@@ -12,8 +12,9 @@ use common::draws;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
-use jointsweep::internals::engine::backend::gpu::elimination::{Elimination, FrontTopology, Job};
+use jointsweep::internals::engine::backend::gpu::elimination::Elimination;
 use jointsweep::internals::engine::backend::gpu::front::FrontLayout;
+use jointsweep::internals::engine::backend::gpu::front_topology::{FrontTopology, Job};
 use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Precision};
 use jointsweep::internals::engine::backend::gpu::layout::MeshLayout;
 use jointsweep::internals::engine::body_request::mesh_class;
@@ -54,7 +55,7 @@ fn elimination_goes_on_with_smaller_buffers(gpu: &GpuDevice) {
     let topology = FrontTopology::new(&kernels, &mesh, front).unwrap().unwrap();
     let condense = |elimination: &mut Elimination, bodies: &[Body]| {
         let numbers = bodies.iter().flat_map(|body| mesh.body_numbers(body)).collect();
-        elimination.condense(&kernels, &[Job { topology: &topology, numbers }]).unwrap().remove(0)
+        elimination.condense(&kernels, vec![Job { topology: topology.clone(), numbers }]).unwrap().remove(0)
     };
     let mut elimination = Elimination::default();
     let few = bodies.chunks(100).flat_map(|bodies| condense(&mut elimination, bodies));

@@ -7,8 +7,9 @@ use rayon::prelude::*;
 
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
 use super::context::{GpuDevice, GpuError};
-use super::elimination::{Counts, Elimination, FrontTopology, Job};
+use super::elimination::{Counts, Elimination};
 use super::front::FrontLayout;
+use super::front_topology::{FrontTopology, Job};
 use super::kernels::{Kernels, Precision};
 use super::layout::MeshLayout;
 use super::stages::SystemBatch;
@@ -155,13 +156,13 @@ impl GpuCondenser<'_> {
                     .par_iter()
                     .with_min_len(64)
                     .flat_map_iter(|request| mesh.body_numbers(&request.body));
-                jobs.push((place, Job { topology, numbers: numbers.collect() }));
+                jobs.push((place, Job { topology: topology.clone(), numbers: numbers.collect() }));
                 self.report.bodies += requests.len() as u64;
             }
         }
         let (places, jobs): (Vec<usize>, Vec<Job>) = jobs.into_iter().unzip();
         let mut works = vec![vec![]; groups.len()];
-        for (place, found) in places.into_iter().zip(self.elimination.condense(&self.kernels, &jobs)?) {
+        for (place, found) in places.into_iter().zip(self.elimination.condense(&self.kernels, jobs)?) {
             works[place] = found;
         }
         Ok(works)
