@@ -1,5 +1,6 @@
 //! Elimination on the device against the processor's own, and how bodies are cut into pieces.
 
+use jointsweep::internals::engine::backend::IN_FLIGHT;
 use jointsweep::internals::engine::backend::gpu::elimination::{Counts, Elimination, ROUGHEST};
 use jointsweep::internals::engine::backend::gpu::front::{Front, FrontLayout};
 use jointsweep::internals::engine::backend::gpu::front_topology::{FrontTopology, Job};
@@ -235,4 +236,40 @@ fn a_batch_is_one_submission_and_steps_change_no_bit() {
         .iter()
         .filter(|bodies| FrontTopology::new(&narrow, &bodies.layout, layout(bodies)).unwrap().is_none());
     assert_eq!(refused.count(), 1);
+}
+
+/// Of batches that are begun two are on the device, and each comes back as it does alone; so do the flights of one that is too large to
+/// travel at once.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn two_flights_are_on_the_device_at_a_time() {
+    let kernels = kernels(Precision::F32);
+    let all: Vec<&Bodies> = families().iter().map(|(_, bodies)| bodies).collect();
+    let topologies: Vec<FrontTopology> = all.iter().map(|bodies| topology(kernels, bodies)).collect();
+    // As many copies of the bodies of a topology as one likes.
+    let job = |index: usize, copies: usize| {
+        let numbers = all[index].numbers().repeat(copies);
+        vec![Job { topology: topologies[index].clone(), numbers }]
+    };
+    let alone: Vec<_> = (0..FAMILY_COUNT)
+        .map(|index| Elimination::at_pace(1e-15).condense(kernels, job(index, 1)).unwrap())
+        .collect();
+    let mut elimination = Elimination::at_pace(1e-15);
+    (0..FAMILY_COUNT).for_each(|index| elimination.begin(kernels, job(index, 1)).unwrap());
+    assert_eq!((elimination.counts.submits, elimination.counts.waits), (IN_FLIGHT as u64, 0));
+    for works in &alone {
+        assert_eq!(elimination.finish(kernels).unwrap(), *works);
+    }
+    let Counts { submits, waits, waits_with_work, .. } = elimination.counts;
+    assert_eq!((submits, waits, waits_with_work), (5, 5, 4));
+    assert!(elimination.finish(kernels).unwrap().is_empty());
+
+    // Room for the works of some bodies at a time.
+    let mut elimination = Elimination::with_bytes(1 << 20);
+    let works = elimination.condense(kernels, job(0, 2000)).unwrap().remove(0);
+    let count = alone[0][0].len();
+    assert_eq!(works.len(), 2000 * count);
+    assert!(works.chunks(count).all(|copy| copy == alone[0][0]));
+    let Counts { waits, waits_with_work, .. } = elimination.counts;
+    assert!(waits > 5 && waits_with_work == waits - 1, "{:?}", elimination.counts);
 }

@@ -17,10 +17,8 @@ use super::elimination_plan::{Cursor, FlightPlan, Piece, Room, Step, order};
 use super::front::{EliminateParameters, WorksOfBody};
 use super::front_topology::Job;
 use super::kernels::{Kernels, Precision, Stage};
+use crate::engine::backend::{IN_FLIGHT, Works};
 use crate::mechanics::compliance::arc::packed;
-
-/// The works on the bodies of each job; `None` for a body without a mesh, whose stiffness is not positive definite or loses too many digits.
-pub type Works = Vec<Vec<Option<Vec<f64>>>>;
 
 /// Batches of jobs on their way through a device, buffers that are kept for the next ones, and how long a batch took.
 pub struct Elimination {
@@ -93,9 +91,6 @@ struct Flight {
     reading: Reading,
 }
 
-/// Flights that are submitted at a time.
-pub const IN_FLIGHT: usize = 2;
-
 /// Time of a product of tiles before any was measured, s: short for a processor, long for a GPU.
 const FIRST_GUESS: f64 = 1e-7;
 
@@ -115,7 +110,13 @@ impl Elimination {
         Elimination { pace: Some(pace), ..Elimination::default() }
     }
 
-    /// The works on the bodies of each job, where no other batch is begun.
+    /// With buffers of so many bytes together, as after want of memory.
+    pub fn with_bytes(most_bytes: u64) -> Elimination {
+        Elimination { most_bytes, ..Elimination::default() }
+    }
+
+    /// The works on the bodies of each job, where no other batch is begun; `None` for a body without a mesh, whose stiffness is not positive
+    /// definite or loses too many digits.
     pub fn condense(&mut self, kernels: &Kernels, jobs: Vec<Job>) -> Result<Works, GpuError> {
         self.begin(kernels, jobs)?;
         self.finish(kernels)

@@ -1,5 +1,6 @@
 //! Bodies condensed on a device: what comes back is the works of each and nothing else.
 
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use foldhash::HashMap;
@@ -14,8 +15,8 @@ use super::kernels::{Kernels, Precision};
 use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
-use crate::engine::backend::Device;
 use crate::engine::backend::device_solver::DeviceSolver;
+use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
@@ -28,7 +29,15 @@ pub struct GpuCondenser<'a> {
     solver: DeviceSolver,
     topologies: HashMap<TopologyKey, OnDevice>,
     elimination: Elimination,
+    begun: VecDeque<Begun>,
     pub report: GpuReport,
+}
+
+/// Groups whose works were not asked for yet.
+struct Begun {
+    /// Those that are there: all but of the groups that are eliminated, whose places follow.
+    works: Works,
+    eliminated: Vec<usize>,
 }
 
 /// What a device has done so far.
@@ -39,7 +48,7 @@ pub struct GpuReport {
     pub solves: u64,
     /// The greatest |b - K x|/|b| of a column that works rest on.
     pub worst_residual: f64,
-    /// Wall times: layouts and what bodies share; from numbers to works.
+    /// Wall times: layouts and what bodies share; from numbers to works, without what the device does alone.
     pub preparation: Duration,
     pub condensation: Duration,
 }
@@ -92,6 +101,7 @@ impl<'a> GpuCondenser<'a> {
             solver,
             topologies: HashMap::default(),
             elimination: Elimination::default(),
+            begun: VecDeque::new(),
             report: GpuReport::default(),
         }
     }
@@ -103,7 +113,7 @@ impl<'a> GpuCondenser<'a> {
 }
 
 impl Device for GpuCondenser<'_> {
-    fn condense(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
+    fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
         if self.topologies.values().map(OnDevice::bytes).sum::<u64>() > KEPT_BYTES {
             self.topologies.clear();
         }
@@ -116,19 +126,31 @@ impl Device for GpuCondenser<'_> {
         }
         self.report.preparation += started.elapsed();
         let started = Instant::now();
-        let mut condensed = self.eliminate(groups)?;
-        for ((key, requests), condensed) in groups.iter().zip(&mut condensed) {
-            match self.topologies.get_mut(key) {
+        let (eliminated, jobs) = self.jobs(groups);
+        self.elimination.begin(&self.kernels, jobs)?;
+        let mut works = Works::with_capacity(groups.len());
+        for (key, requests) in groups {
+            works.push(match self.topologies.get_mut(key) {
                 Some(OnDevice::Iterated(topology)) => {
                     let bodies: Vec<Body> = requests.iter().map(|request| request.body.clone()).collect();
-                    *condensed = condense(&self.kernels, topology, &bodies, &mut self.report)?;
+                    condense(&self.kernels, topology, &bodies, &mut self.report)?
                 }
-                Some(OnDevice::Eliminated(..)) => {}
-                _ => *condensed = vec![None; requests.len()],
-            }
+                _ => vec![None; requests.len()],
+            });
+        }
+        self.begun.push_back(Begun { works, eliminated });
+        self.report.condensation += started.elapsed();
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<Works, GpuError> {
+        let started = Instant::now();
+        let Some(Begun { mut works, eliminated }) = self.begun.pop_front() else { return Ok(Works::new()) };
+        for (place, found) in eliminated.into_iter().zip(self.elimination.finish(&self.kernels)?) {
+            works[place] = found;
         }
         self.report.condensation += started.elapsed();
-        Ok(condensed)
+        Ok(works)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {
@@ -146,8 +168,8 @@ impl Device for GpuCondenser<'_> {
 }
 
 impl GpuCondenser<'_> {
-    /// The works on the bodies of all groups that are eliminated; nothing of the others.
-    fn eliminate(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
+    /// The groups that are eliminated: their places, and their bodies.
+    fn jobs(&mut self, groups: &[Group]) -> (Vec<usize>, Vec<Job>) {
         let mut jobs = Vec::new();
         for (place, (key, requests)) in groups.iter().enumerate() {
             if let Some(OnDevice::Eliminated(shared)) = self.topologies.get(key) {
@@ -160,12 +182,7 @@ impl GpuCondenser<'_> {
                 self.report.bodies += requests.len() as u64;
             }
         }
-        let (places, jobs): (Vec<usize>, Vec<Job>) = jobs.into_iter().unzip();
-        let mut works = vec![vec![]; groups.len()];
-        for (place, found) in places.into_iter().zip(self.elimination.condense(&self.kernels, jobs)?) {
-            works[place] = found;
-        }
-        Ok(works)
+        jobs.into_iter().unzip()
     }
 }
 
