@@ -104,15 +104,29 @@ impl<'a> BodyLibrary<'a> {
         self.solved_bytes = 0;
     }
 
-    /// A solved body. Every request has an answer from the end of its `solve` or `finish` up to the next `solve` or `begin`.
+    /// A solved body. Every request has an answer from the end of its `solve` or `finish` up to the next `solve` or `keep_used`.
     pub fn solved(&self, request: &BodyRequest) -> &SolvedBody {
         &self.solved[&request.key()]
     }
 
     /// Solves the requests that have no answer yet, where no others are begun.
     pub fn solve(&mut self, requests: &[BodyRequest]) {
+        self.keep_used(requests);
         self.begin(requests);
         self.finish();
+    }
+
+    /// Drops solved bodies, where there are many, but for those of these requests.
+    pub fn keep_used(&mut self, requests: &[BodyRequest]) {
+        if self.solved_bytes > KEPT_BODIES {
+            let used: Vec<RequestKey> =
+                requests.par_iter().with_min_len(MANY).map(BodyRequest::key).collect();
+            let used: HashSet<RequestKey> = used.into_iter().collect();
+            let unused: Vec<_> = self.solved.extract_if(|key, _| !used.contains(key)).collect();
+            // By any thread, when it has nothing better to do.
+            rayon::spawn(move || drop(unused));
+            self.solved_bytes = self.solved.values().map(|body| body.compliance.bytes()).sum();
+        }
     }
 
     /// Solves exact bodies, and gives the device the others that have no answer yet.
@@ -129,15 +143,6 @@ impl<'a> BodyLibrary<'a> {
         }
         if missing.is_empty() {
             return self.begun.push_back(Begun { asked, portions: Vec::new() });
-        }
-        if self.solved_bytes > KEPT_BODIES {
-            let is_used = |key: &RequestKey| {
-                asked.contains(key) || self.begun.iter().any(|begun| begun.asked.contains(key))
-            };
-            let unused: Vec<_> = self.solved.extract_if(|key, _| !is_used(key)).collect();
-            // By any thread, when it has nothing better to do.
-            rayon::spawn(move || drop(unused));
-            self.solved_bytes = self.solved.values().map(|body| body.compliance.bytes()).sum();
         }
         let (series, meshed): (Vec<BodyRequest>, Vec<BodyRequest>) =
             missing.into_iter().partition(|request| request.fidelity == Fidelity::Series);
@@ -275,16 +280,28 @@ impl<'a> BodyLibrary<'a> {
 
     /// Takes what a device has condensed; gives back what it has left.
     fn take(&mut self, groups: Vec<Group>, works: Works) -> Vec<Group> {
+        let this = &*self;
+        let of_body = |key: &TopologyKey, (request, works): (BodyRequest, Option<Vec<f64>>)| match works {
+            Some(works) => {
+                let compliance = this.corrected(key, &request.body, works);
+                Ok(Keyed::new(request.key(), compliance, BackendKind::Gpu))
+            }
+            None => Err(request),
+        };
+        let of_group = |((key, group), works): (Group, Vec<Option<Vec<f64>>>)| {
+            let bodies = group.into_par_iter().with_min_len(MANY).zip(works);
+            let taken: Vec<Result<Keyed, BodyRequest>> = bodies.map(|body| of_body(&key, body)).collect();
+            (key, taken)
+        };
+        let taken: Vec<_> = groups.into_par_iter().zip(works).map(of_group).collect();
+        self.solved.reserve(taken.iter().map(|(_, taken)| taken.len()).sum());
         let mut left = Vec::new();
-        for ((key, group), works) in groups.into_iter().zip(works) {
+        for (key, taken) in taken {
             let mut of_group = Vec::new();
-            for (request, works) in group.into_iter().zip(works) {
-                match works {
-                    Some(works) => {
-                        let compliance = self.corrected(&key, &request.body, works);
-                        self.keep(Keyed::new(request.key(), compliance, BackendKind::Gpu));
-                    }
-                    None => of_group.push(request),
+            for body in taken {
+                match body {
+                    Ok(solved) => self.keep(solved),
+                    Err(request) => of_group.push(request),
                 }
             }
             if !of_group.is_empty() {

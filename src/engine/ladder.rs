@@ -133,15 +133,15 @@ impl<'a> Ladder<'a> {
             self.prepare(open);
             return self.attempt(cases, open);
         }
+        self.library.keep_used(&requests(open));
         let portion = open.len().div_ceil(PORTIONS).max(FEWEST);
         let mut ahead = open.chunks(portion);
         ahead.by_ref().take(IN_FLIGHT).for_each(|portion| self.library.begin(&requests(portion)));
         let mut solved = Vec::with_capacity(open.len());
         for portion in open.chunks(portion) {
             self.solve_bodies(portion, BodyLibrary::finish);
-            solved.extend(self.attempt(cases, portion));
-            // Not before: bodies are kept until others are begun.
             ahead.next().into_iter().for_each(|portion| self.library.begin(&requests(portion)));
+            solved.extend(self.attempt(cases, portion));
         }
         solved
     }

@@ -346,7 +346,9 @@ fn kept<'a, const N: usize>(
 ) -> [&'a wgpu::Buffer; N] {
     for ((buffer, size), (label, usage)) in buffers.iter_mut().zip(sizes).zip(kinds) {
         if buffer.as_ref().is_none_or(|buffer| buffer.size() < size) {
-            *buffer = Some(gpu.with_usage(label, size, usage));
+            // With some room, as the next batch may be a little larger.
+            let roomy = (size + size / 4).next_multiple_of(8).min(gpu.facts.limits.buffer_bytes);
+            *buffer = Some(gpu.with_usage(label, roomy.max(size), usage));
             counts.new_buffers += 1;
         }
     }

@@ -118,12 +118,7 @@ impl Device for GpuCondenser<'_> {
             self.topologies.clear();
         }
         let started = Instant::now();
-        for (key, requests) in groups {
-            if !self.topologies.contains_key(key) {
-                let shared = OnDevice::new(&self.kernels, self.solver, key, &requests[0].body)?;
-                self.topologies.insert(key.clone(), shared);
-            }
-        }
+        self.meet(groups)?;
         self.report.preparation += started.elapsed();
         let started = Instant::now();
         let (eliminated, jobs) = self.jobs(groups);
@@ -168,6 +163,22 @@ impl Device for GpuCondenser<'_> {
 }
 
 impl GpuCondenser<'_> {
+    /// Prepares topologies that are new.
+    fn meet(&mut self, groups: &[Group]) -> Result<(), GpuError> {
+        let new = groups.iter().filter(|(key, _)| !self.topologies.contains_key(key));
+        let new: Vec<(&TopologyKey, &Body)> = new.map(|(key, group)| (key, &group[0].body)).collect();
+        let lay_out = |(key, body): &(&TopologyKey, &Body)| match self.solver {
+            DeviceSolver::Pcg => Ok(None),
+            _ => layouts(&self.kernels, key, body).map(Some),
+        };
+        let laid_out = new.par_iter().map(lay_out).collect::<Result<Vec<_>, GpuError>>()?;
+        for ((key, body), layouts) in new.into_iter().zip(laid_out) {
+            let shared = OnDevice::new(&self.kernels, self.solver, key, body, layouts)?;
+            self.topologies.insert(key.clone(), shared);
+        }
+        Ok(())
+    }
+
     /// The groups that are eliminated: their places, and their bodies.
     fn jobs(&mut self, groups: &[Group]) -> (Vec<usize>, Vec<Job>) {
         let mut jobs = Vec::new();
@@ -187,17 +198,15 @@ impl GpuCondenser<'_> {
 }
 
 impl OnDevice {
-    /// Of bodies like `body`.
+    /// Of bodies like `body`, with what elimination takes, if it is not conjugate gradients that are asked for.
     fn new(
         kernels: &Kernels,
         solver: DeviceSolver,
         key: &TopologyKey,
         body: &Body,
+        layouts: Option<(MeshLayout, FrontLayout)>,
     ) -> Result<OnDevice, GpuError> {
-        if solver != DeviceSolver::Pcg {
-            let grading = key.grading(body);
-            let mesh = layout(kernels, body, &grading)?;
-            let front = FrontLayout::new(body, &grading, &RingModes::of(&key.class), &mesh);
+        if let Some((mesh, front)) = layouts {
             if let Some(topology) = FrontTopology::new(kernels, &mesh, front)? {
                 return Ok(OnDevice::Eliminated(Box::new((mesh, topology))));
             }
@@ -215,6 +224,13 @@ impl OnDevice {
             OnDevice::Left => 0,
         }
     }
+}
+
+fn layouts(kernels: &Kernels, key: &TopologyKey, body: &Body) -> Result<(MeshLayout, FrontLayout), GpuError> {
+    let grading = key.grading(body);
+    let mesh = layout(kernels, body, &grading)?;
+    let front = FrontLayout::new(body, &grading, &RingModes::of(&key.class), &mesh);
+    Ok((mesh, front))
 }
 
 fn layout(kernels: &Kernels, body: &Body, grading: &Grading) -> Result<MeshLayout, GpuError> {
