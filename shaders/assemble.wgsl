@@ -13,14 +13,17 @@
 //
 //   grid index = row * column_count + column        rows from the ring (0), columns from the load line, half elements
 
+// Of the bodies of one topology in a dispatch. `_at`: where in a buffer of all topologies that which is of this one begins, in its elements.
 struct AssembleParameters {
+    // Workgroups of the dispatch before those of this topology.
+    first_body: u32,
     // Grid points along the ring, and away from it.
     column_count: u32,
     row_count: u32,
     element_count: u32,
     // Of one body's matrix.
     value_count: u32,
-    // Systems of one body, a multiple of four.
+    // Systems of one body, a multiple of four, or one.
     system_count: u32,
     // Straight sides of the far boundary; 0 where it is round and all lines of a body are alike.
     side_count: u32,
@@ -28,30 +31,41 @@ struct AssembleParameters {
     is_plane_strain: u32,
     // At the far boundary, each thinner than the one before.
     shrinking_layers: u32,
+    bodies_at: u32,
+    shared_numbers_at: u32,
+    element_grid_at: u32,
+    source_starts_at: u32,
+    sources_at: u32,
+    geometry_at: u32,
+    values_at: u32,
+    states_at: u32,
 }
 
-@group(0) @binding(0) var<uniform> parameters: AssembleParameters;
+// [topology of the dispatch]
+@group(0) @binding(0) var<storage, read> topologies: array<AssembleParameters>;
 // [body][margin of Poisson's ratio, then the depth of a round boundary, or for each straight side: distance from the
 // ring's centre less 1, and but for the last the angle of the corner at its end, and the column that leads there]
 @group(0) @binding(1) var<storage, read> bodies: array<wide>;
-// Shared by the topology: (first layer, thickest layer), (sign, pull of the centre), then for each column the ring's
+// Of each topology: (first layer, thickest layer), (sign, pull of the centre), then for each column the ring's
 // point, its step to the next point, how far it lies off the chord of its neighbours, and (angle from the load line, 0);
 // then the derivatives of the shape functions by (xi, eta), [point][node]; then for each straight side the direction of
 // its foot, and (angle of the foot, 1 where the holding changes at the corner at its end).
 @group(0) @binding(2) var<storage, read> shared_numbers: array<wide2>;
-// [element][node]: grid index.
-@group(0) @binding(3) var<storage, read> element_grid: array<u32>;
-// [value]: its first source; the end of the last one closes the list.
-@group(0) @binding(4) var<storage, read> source_starts: array<u32>;
-// [source]: (element * 16 + i) * 16 + j of the element entry that is added.
-@group(0) @binding(5) var<storage, read> sources: array<u32>;
+// Of each topology three lists, each where its parameters say:
+// element_grid: [element][node]: grid index.
+// source_starts: [value]: its first source; the end of the last one closes the list.
+// sources: [source]: (element * 16 + i) * 16 + j of the element entry that is added.
+@group(0) @binding(3) var<storage, read> lists: array<u32>;
 // [body][reach of each grid point, step to each from the one before on its line, then of each point of each element 8 gradients
 // and (|J|, 0)]
-@group(0) @binding(6) var<storage, read_write> geometry: array<wide2>;
+@group(0) @binding(4) var<storage, read_write> geometry: array<wide2>;
 // [body][value]
-@group(0) @binding(7) var<storage, read_write> values: array<wide>;
+@group(0) @binding(5) var<storage, read_write> values: array<wide>;
 // [body][system]
-@group(0) @binding(8) var<storage, read_write> states: array<SystemState>;
+@group(0) @binding(6) var<storage, read_write> states: array<SystemState>;
+
+// Of this body's topology.
+var<private> parameters: AssembleParameters;
 
 const NODES = 8u;
 const POINTS = 4u;
@@ -61,15 +75,6 @@ const POINT_SIZE = 9u;
 var<workgroup> sound_points: atomic<u32>;
 var<workgroup> sound_total: u32;
 
-// Twins of the same names: src/mechanics/mesh.rs, layers.rs.
-const LEEWAY = wide(0.3);
-const SHRINK = wide(0.4);
-const TOLERANCE = wide(1e-12);
-const STEEPEST = wide(1e9);
-const MOST_STEPS = 100u;
-const CROWDING = wide(0.5);
-const THICK_WALL = wide(0.3);
-
 struct Line {
     depth: wide,
     // From the ring to the far boundary.
@@ -78,12 +83,20 @@ struct Line {
     haste: wide,
 }
 
+fn shared_at(place: u32) -> wide2 {
+    return shared_numbers[parameters.shared_numbers_at + place];
+}
+
+fn source_start(value: u32) -> u32 {
+    return lists[parameters.source_starts_at + value];
+}
+
 fn body_size() -> u32 {
     return select(2u, 3u * parameters.side_count - 1u, parameters.side_count > 0u);
 }
 
 fn ring_angle(column: u32) -> wide {
-    return shared_numbers[2u + 3u * parameters.column_count + column].x;
+    return shared_at(2u + 3u * parameters.column_count + column).x;
 }
 
 // Direct, cross and shear modulus for Young's modulus 1, from 1 + nu in plane stress or 1 - 2 nu in plane strain.
@@ -99,11 +112,11 @@ fn elasticity(margin: wide) -> array<wide, 3> {
 // How far outside of the ring a line is at a part of its depth, over the ring's radius.
 fn beyond_ring(depth: wide, part: wide) -> wide {
     let square = part * part;
-    return exp_minus_one(shared_numbers[1].x * depth * part) - shared_numbers[1].y * square * square * square;
+    return exp_minus_one(shared_at(1).x * depth * part) - shared_at(1).y * square * square * square;
 }
 
 fn holding_changes(side: u32) -> bool {
-    return shared_numbers[2u + 4u * parameters.column_count + POINTS * NODES + 2u * side + 1u].y > wide(0.0);
+    return shared_at(2u + 4u * parameters.column_count + POINTS * NODES + 2u * side + 1u).y > wide(0.0);
 }
 
 // How far along a side the line of a column ends: in proportion to the ring's angles, but closer to a corner where the
@@ -142,17 +155,17 @@ fn line_to_side(column: u32, numbers: u32) -> Line {
         side = corner + 1u;
     }
     let foot = 2u + 4u * parameters.column_count + POINTS * NODES + 2u * side;
-    let outward = shared_numbers[foot];
+    let outward = shared_at(foot);
     let sideways = wide2(-outward.y, outward.x);
     // A mid-side line ends half-way between its neighbours.
     let before = drawn_share(column - column % 2u, side, begin.x, end.x, numbers);
     let after = drawn_share(column + column % 2u, side, begin.x, end.x, numbers);
-    let turned = begin.y - shared_numbers[foot + 1u].x + wide(0.5) * (before + after) * (end.y - begin.y);
+    let turned = begin.y - shared_at(foot + 1u).x + wide(0.5) * (before + after) * (end.y - begin.y);
     let beyond = bodies[numbers + 1u + 3u * side];
     let along = (wide(1.0) + beyond) * tangent(turned);
     // |far|^2 - 1, and far - ring outward and sideways, so that a thin wall keeps its digits: 1 - cos = sin^2/(1 + cos).
     let depth = wide(0.5) * logarithm_of_one_plus(beyond * (wide(2.0) + beyond) + along * along);
-    let on_ring = shared_numbers[2u + column];
+    let on_ring = shared_at(2u + column);
     let cosine = on_ring.x * outward.x + on_ring.y * outward.y;
     let sine = on_ring.x * sideways.x + on_ring.y * sideways.y;
     let span = (beyond + sine * sine / (wide(1.0) + cosine)) * outward + (along - sine) * sideways;
@@ -173,17 +186,17 @@ fn depth_and_power(growth: wide) -> wide2 {
     let layers = parameters.row_count / 2u;
     var depth = wide(0.0);
     var moment = wide(0.0);
-    var grown = shared_numbers[0].x;
+    var grown = shared_at(0).x;
     var part = wide(1.0);
     for (var layer = 0u; layer < layers; layer++) {
         if layers - layer <= parameters.shrinking_layers {
             part *= SHRINK;
         }
         depth += part * grown;
-        if grown < shared_numbers[0].y {
+        if grown < shared_at(0).y {
             moment += wide(layer) * part * grown;
         }
-        grown = min(grown * growth, shared_numbers[0].y);
+        grown = min(grown * growth, shared_at(0).y);
     }
     return wide2(depth, moment / depth);
 }
@@ -240,15 +253,15 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
         line = line_to_side(column, numbers);
     } else {
         let depth = bodies[numbers + 1u];
-        line = Line(depth, beyond_ring(depth, wide(1.0)) * shared_numbers[2u + column], wide(0.0));
+        line = Line(depth, beyond_ring(depth, wide(1.0)) * shared_at(2u + column), wide(0.0));
     }
     let is_radial = line.haste == wide(0.0);
     let growth = layer_growth(line.depth);
     // The growth factor is only as good as its search; the far boundary is where it is.
     let total = depth_and_power(growth).x;
     let far = beyond_ring(line.depth, wide(1.0));
-    let aside = far * shared_numbers[2u + column] - line.span;
-    var thickness = shared_numbers[0].x;
+    let aside = far * shared_at(2u + column) - line.span;
+    var thickness = shared_at(0).x;
     var shrunk = wide(1.0);
     // Of the way: by depth, and by distance; and the distance from the ring's centre.
     var reached = wide(0.0);
@@ -263,9 +276,9 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
             shrunk *= SHRINK;
         }
         let deeper = thickness * shrunk / total;
-        thickness = min(thickness * growth, shared_numbers[0].y);
-        let farther = distance * exp_minus_one(shared_numbers[1].x * line.depth * deeper);
-        let pulled = shared_numbers[1].y * (sixth_power(reached + deeper) - sixth_power(reached));
+        thickness = min(thickness * growth, shared_at(0).y);
+        let farther = distance * exp_minus_one(shared_at(1).x * line.depth * deeper);
+        let pulled = shared_at(1).y * (sixth_power(reached + deeper) - sixth_power(reached));
         let more = (farther - pulled) / far;
         reached += deeper;
         distance += farther;
@@ -295,7 +308,7 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
 
 // Half-way between the lines of corner nodes, but for the bow.
 fn bow(column: u32, grid: u32, steps: u32) {
-    let sagitta = shared_numbers[2u + 2u * parameters.column_count + column];
+    let sagitta = shared_at(2u + 2u * parameters.column_count + column);
     var less_before = wide(0.0);
     for (var row = 0u; row < parameters.row_count; row++) {
         let at = row * parameters.column_count + column;
@@ -314,7 +327,7 @@ fn bow(column: u32, grid: u32, steps: u32) {
 fn gradients(item: u32, grid: u32, steps: u32, points: u32) -> bool {
     let element = item / POINTS;
     let rule = 2u + 4u * parameters.column_count + (item % POINTS) * NODES;
-    let corners = vec2<u32>(element_grid[element * NODES], element_grid[element * NODES + 1u]);
+    let corners = vec2<u32>(lists[parameters.element_grid_at + element * NODES], lists[parameters.element_grid_at + element * NODES + 1u]);
     // Where the element begins: nearest to the ring, and to the load line.
     let first_row = min(corners.x, corners.y) / parameters.column_count;
     let first_column = corners.x % parameters.column_count;
@@ -322,16 +335,16 @@ fn gradients(item: u32, grid: u32, steps: u32, points: u32) -> bool {
     var by_xi = wide2(wide(0.0), wide(0.0));
     var by_eta = wide2(wide(0.0), wide(0.0));
     for (var node = 0u; node < NODES; node++) {
-        let at = element_grid[element * NODES + node];
+        let at = lists[parameters.element_grid_at + element * NODES + node];
         let own_column = at % parameters.column_count;
         var place = geometry[row_place + own_column] - geometry[row_place + first_column];
         for (var column = first_column; column < own_column; column++) {
-            place += shared_numbers[2u + parameters.column_count + column];
+            place += shared_at(2u + parameters.column_count + column);
         }
         for (var row = first_row + 1u; row <= at / parameters.column_count; row++) {
             place += geometry[steps + row * parameters.column_count + own_column];
         }
-        let derivative = shared_numbers[rule + node];
+        let derivative = shared_at(rule + node);
         by_xi += derivative.x * place;
         by_eta += derivative.y * place;
     }
@@ -339,7 +352,7 @@ fn gradients(item: u32, grid: u32, steps: u32, points: u32) -> bool {
     let inverse = wide(1.0) / determinant;
     let out = points + item * POINT_SIZE;
     for (var node = 0u; node < NODES; node++) {
-        let derivative = shared_numbers[rule + node];
+        let derivative = shared_at(rule + node);
         geometry[out + node] = inverse * wide2(
             by_eta.y * derivative.x - by_xi.y * derivative.y,
             by_xi.x * derivative.y - by_eta.x * derivative.x,
@@ -378,11 +391,13 @@ fn assemble(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    let body = group.x;
+    parameters = topologies[topology_of(group.x)];
+    // Of its topology in the dispatch.
+    let body = group.x - parameters.first_body;
     let grid_size = parameters.row_count * parameters.column_count;
     let point_count = POINTS * parameters.element_count;
-    let numbers = body * body_size();
-    let grid = body * (2u * grid_size + point_count * POINT_SIZE);
+    let numbers = parameters.bodies_at + body * body_size();
+    let grid = parameters.geometry_at + body * (2u * grid_size + point_count * POINT_SIZE);
     let steps = grid + grid_size;
     let points = steps + grid_size;
 
@@ -416,12 +431,12 @@ fn assemble(
     let outcome = select(INVERTED, RUNNING, workgroupUniformLoad(&sound_total) == point_count);
     for (var value = invocation; value < parameters.value_count; value += INVOCATIONS) {
         var sum = wide(0.0);
-        for (var source = source_starts[value]; source < source_starts[value + 1u]; source++) {
-            sum += entry(sources[source], moduli, points);
+        for (var source = source_start(value); source < source_start(value + 1u); source++) {
+            sum += entry(lists[parameters.sources_at + source], moduli, points);
         }
-        values[body * parameters.value_count + value] = sum;
+        values[parameters.values_at + body * parameters.value_count + value] = sum;
     }
     for (var system = invocation; system < parameters.system_count; system += INVOCATIONS) {
-        states[body * parameters.system_count + system] = SystemState(outcome, 0u);
+        states[parameters.states_at + body * parameters.system_count + system] = SystemState(outcome, 0u);
     }
 }

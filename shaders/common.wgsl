@@ -6,24 +6,19 @@
 //     const INVOCATIONS = 64u;        // of a workgroup
 //     const ON_CHIP = 4u;             // vectors that pcg holds in a workgroup's own memory
 //     const CAPACITY = 512u;          // numbers of each of them, four systems abreast
+//     const RUNNING = 0u;             // and so on: how a system stands, `layout::SystemOutcome`
+//     const SLICE = 32u;              // rows that lie side by side in a matrix
+//     const MOST_MODES = 48u;         // of a ring
+//     const WORKS_HEADER = 2u;        // numbers of a body before its works
+//     const TILE_ROWS = 4u;           // rows of the ring that works has in a workgroup's own memory
 //     alias summand = real4;          // what the kernel takes sums of, if any
+//
+// and constants that a kernel has from its twin (`KernelFile::constants`).
 
 alias wide2 = vec2<wide>;
 // Four systems side by side: one component each.
 alias real4 = vec4<real>;
 alias wide4 = vec4<wide>;
-
-// Rows that lie side by side in a matrix; the host's twin is `layout::SLICE`.
-const SLICE = 32u;
-
-// How a system stands. The host's twin is `layout::SystemOutcome`.
-const RUNNING = 0u;
-const CONVERGED = 1u;
-const ITERATION_LIMIT = 2u;
-const INDEFINITE = 3u;
-const NOT_FINITE = 4u;
-const INVERTED = 5u;
-const STAGNATED = 6u;
 
 struct SystemState {
     outcome: u32,

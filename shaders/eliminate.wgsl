@@ -11,7 +11,10 @@
 // column reaches. A row of tiles enters the front where its band begins, those of the loads at the ring, and leaves it as the pivot. Of each
 // pivot the invocations first make the panel below it, a row each, then take its products from the tiles of the front, a tile each.
 
+// Of the bodies of one topology in a dispatch. `_at`: where in a buffer of all topologies that which is of this one begins, in its elements.
 struct EliminateParameters {
+    // Workgroups of the dispatch before those of this topology.
+    first_body: u32,
     // Rows of tiles of K, and the first one of the ring.
     row_count: u32,
     ring_row: u32,
@@ -22,26 +25,33 @@ struct EliminateParameters {
     value_count: u32,
     // Numbers of one body in `works`.
     body_size: u32,
+    rows_at: u32,
+    tile_starts_at: u32,
+    places_at: u32,
+    loads_at: u32,
+    values_at: u32,
+    states_at: u32,
+    works_at: u32,
 }
 
-@group(0) @binding(0) var<uniform> parameters: EliminateParameters;
-// [row of tiles]: column of its first tile, the number of that tile, the last row that this one reaches as a pivot, and a bit for each of its
-// four rows that stands for no unknown.
-@group(0) @binding(1) var<storage, read> rows: array<vec4<u32>>;
-// [tile]: its first value; the end of the last one closes the list.
-@group(0) @binding(2) var<storage, read> tile_starts: array<u32>;
-// [value]: its place in its tile, 4 row + column.
-@group(0) @binding(3) var<storage, read> places: array<u32>;
-// [row of the border][column of tiles of the ring]
-@group(0) @binding(4) var<storage, read> loads: array<wide4>;
+// [topology of the dispatch]
+@group(0) @binding(0) var<storage, read> topologies: array<EliminateParameters>;
+// Of each topology three lists, each where its parameters say:
+// rows: [row of tiles][column of its first tile, the number of that tile, the last row that this one reaches as a pivot, and a bit for each
+// of its four rows that stands for no unknown]
+// tile_starts: [tile]: its first value; the end of the last one closes the list.
+// places: [value]: its place in its tile, 4 row + column.
+@group(0) @binding(1) var<storage, read> lists: array<u32>;
+// Of each topology [row of the border][column of tiles of the ring]
+@group(0) @binding(2) var<storage, read> loads: array<wide4>;
 // [body][value]
-@group(0) @binding(5) var<storage, read> values: array<wide>;
+@group(0) @binding(3) var<storage, read> values: array<wide>;
 // [body]
-@group(0) @binding(6) var<storage, read> states: array<SystemState>;
+@group(0) @binding(4) var<storage, read> states: array<SystemState>;
 // [body][1 for a sound body and 0 for any other, the greatest loss of a pivot, then packed entries, one way to push after the other]
-@group(0) @binding(7) var<storage, read_write> works: array<wide>;
+@group(0) @binding(5) var<storage, read_write> works: array<wide>;
 // [body][pair of rows in the front][row of the tile], where a workgroup's own memory has no room for it
-@group(0) @binding(8) var<storage, read_write> fronts: array<wide4>;
+@group(0) @binding(6) var<storage, read_write> fronts: array<wide4>;
 
 const FRONT_SIZE = 2u * FRONT * (FRONT + 1u);
 
@@ -52,7 +62,10 @@ var<workgroup> panel: array<wide4, 4u * FRONT>;
 // [row in the front]: its diagonal before anything was taken from it.
 var<workgroup> diagonals: array<wide4, FRONT>;
 
-// Where this body's front begins in storage.
+// Of this body's topology.
+var<private> parameters: EliminateParameters;
+// Where this body's values and its front in storage begin.
+var<private> first_value: u32;
 var<private> first_front: u32;
 
 fn of_tile(at: u32) -> wide4 {
@@ -90,29 +103,48 @@ fn product(a: wide4, b: wide4) -> wide {
     return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
 }
 
+struct Row {
+    // Of its first tile.
+    column: u32,
+    tile: u32,
+    // That it reaches as a pivot.
+    last: u32,
+    // A bit for each of its four rows that stands for no unknown.
+    padding: u32,
+}
+
+fn row_of_tiles(row: u32) -> Row {
+    let at = parameters.rows_at + 4u * row;
+    return Row(lists[at], lists[at + 1u], lists[at + 2u], lists[at + 3u]);
+}
+
+fn tile_start(tile: u32) -> u32 {
+    return lists[parameters.tile_starts_at + tile];
+}
+
 // One tile as it enters the front.
-fn enter(row: u32, column: u32, first_value: u32) {
+fn enter(row: u32, column: u32) {
     var tile = array<wide4, 4>();
-    let of_row = rows[min(row, parameters.row_count - 1u)];
+    let of_row = row_of_tiles(min(row, parameters.row_count - 1u));
     if row >= parameters.row_count {
         if column < parameters.row_count {
             let ring = parameters.row_count - parameters.ring_row;
             let own = 4u * (row - parameters.row_count) * ring + column - parameters.ring_row;
             for (var i = 0u; i < 4u; i++) {
-                tile[i] = loads[own + i * ring];
+                tile[i] = loads[parameters.loads_at + own + i * ring];
             }
         }
-    } else if column >= of_row.x {
-        let number = of_row.y + column - of_row.x;
-        let end = tile_starts[number + 1u];
-        for (var value = tile_starts[number]; value < end; value++) {
-            let place = places[value];
+    } else if column >= of_row.column {
+        let number = of_row.tile + column - of_row.column;
+        let end = tile_start(number + 1u);
+        for (var value = tile_start(number); value < end; value++) {
+            let place = lists[parameters.places_at + value];
             tile[place / 4u][place % 4u] = values[first_value + value];
         }
     }
     if row == column {
         for (var i = 0u; i < 4u; i++) {
-            if row < parameters.row_count && (of_row.w & (1u << i)) != 0u {
+            if row < parameters.row_count && (of_row.padding & (1u << i)) != 0u {
                 tile[i][i] = wide(1.0);
             }
         }
@@ -125,10 +157,10 @@ fn enter(row: u32, column: u32, first_value: u32) {
 }
 
 // Rows up to `last` enter the front that begins with the column `first`.
-fn enter_rows(begin: u32, last: u32, first: u32, first_value: u32, invocation: u32) {
+fn enter_rows(begin: u32, last: u32, first: u32, invocation: u32) {
     for (var row = begin; row <= last; row++) {
         for (var column = first + invocation; column <= row; column += INVOCATIONS) {
-            enter(row, column, first_value);
+            enter(row, column);
         }
     }
 }
@@ -198,15 +230,21 @@ fn eliminate(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    let first_value = group.x * parameters.value_count;
+    let topology = topology_of(group.x);
+    parameters = topologies[topology];
+    // Of its topology in the dispatch.
+    let body = group.x - parameters.first_body;
+    first_value = parameters.values_at + body * parameters.value_count;
     first_front = group.x * FRONT_SIZE;
     // The greatest of what a pivot's diagonal was, over what was left of it.
     var loss = wide(1.0);
-    var is_sound = states[group.x].outcome == RUNNING;
-    var last = rows[0].z;
-    enter_rows(0u, last, 0u, first_value, invocation);
+    var is_sound = states[parameters.states_at + body].outcome == RUNNING;
+    var last = row_of_tiles(0u).last;
+    enter_rows(0u, last, 0u, invocation);
     wait();
-    for (var pivot = 0u; pivot < parameters.row_count; pivot++) {
+    // From memory that nothing writes, so that compilers see all invocations make as many rounds.
+    let row_count = topologies[topology].row_count;
+    for (var pivot = 0u; pivot < row_count; pivot++) {
         let below = last - pivot;
         for (var row = invocation; row < below; row += INVOCATIONS) {
             let factor = factor(of_front(pivot, pivot));
@@ -235,9 +273,9 @@ fn eliminate(
                 keep(at + i, of_tile(at + i) - products);
             }
         }
-        if pivot + 1u < parameters.row_count {
-            let next = rows[pivot + 1u].z;
-            enter_rows(last + 1u, next, pivot + 1u, first_value, invocation);
+        if pivot + 1u < row_count {
+            let next = row_of_tiles(pivot + 1u).last;
+            enter_rows(last + 1u, next, pivot + 1u, invocation);
             last = next;
         }
         wait();
@@ -245,7 +283,7 @@ fn eliminate(
     let modes = parameters.mode_count;
     let entries = modes * (modes + 1u) / 2u;
     let ways = 4u * parameters.border_count / modes;
-    let own = group.x * parameters.body_size;
+    let own = parameters.works_at + body * parameters.body_size;
     for (var way = 0u; way < ways; way++) {
         for (var entry = invocation; entry < entries; entry += INVOCATIONS) {
             let place = packed_place(entry);

@@ -30,8 +30,6 @@ struct WorksParameters {
 
 // Entries that one invocation sums.
 const OWN = (MOST_MODES * (MOST_MODES + 1u) / 2u + INVOCATIONS - 1u) / INVOCATIONS;
-// The host's twin is `batch::works_tile`.
-const TILE_ROWS = max(INVOCATIONS / 16u, 1u);
 const BEYOND = wide(1e30);
 
 var<workgroup> products: array<wide, TILE_ROWS * MOST_MODES>;

@@ -1,5 +1,6 @@
 //! The distinct bodies of a sweep: each is solved once, in batches of one topology, and kept while it is in use.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
@@ -7,8 +8,8 @@ use std::time::Duration;
 use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
-use crate::engine::backend::Device;
 use crate::engine::backend::adapter::GpuError;
+use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
 use crate::engine::hashed::Hashed;
 use crate::engine::near_fields::NearFieldLibrary;
@@ -32,6 +33,8 @@ pub struct BodyLibrary<'a> {
     solved: HashMap<RequestKey, SolvedBody>,
     /// What the solved bodies take, in bytes.
     solved_bytes: usize,
+    /// What was asked and not answered, in order.
+    begun: VecDeque<Begun>,
     device: Option<Box<dyn Device + 'a>>,
     /// Why the device was given up: it is only asked what it has done.
     lost: Option<GpuError>,
@@ -101,30 +104,45 @@ impl<'a> BodyLibrary<'a> {
         self.solved_bytes = 0;
     }
 
-    /// A solved body. Every request since the last `solve` has an answer.
+    /// A solved body. Every request has an answer from the end of its `solve` or `finish` up to the next `solve` or `keep_used`.
     pub fn solved(&self, request: &BodyRequest) -> &SolvedBody {
         &self.solved[&request.key()]
     }
 
-    /// Solves the requests that have no answer yet.
+    /// Solves the requests that have no answer yet, where no others are begun.
     pub fn solve(&mut self, requests: &[BodyRequest]) {
+        self.keep_used(requests);
+        self.begin(requests);
+        self.finish();
+    }
+
+    /// Drops solved bodies, where there are many, but for those of these requests.
+    pub fn keep_used(&mut self, requests: &[BodyRequest]) {
+        if self.solved_bytes > KEPT_BODIES {
+            let used: Vec<RequestKey> =
+                requests.par_iter().with_min_len(MANY).map(BodyRequest::key).collect();
+            let used: HashSet<RequestKey> = used.into_iter().collect();
+            let unused: Vec<_> = self.solved.extract_if(|key, _| !used.contains(key)).collect();
+            // By any thread, when it has nothing better to do.
+            rayon::spawn(move || drop(unused));
+            self.solved_bytes = self.solved.values().map(|body| body.compliance.bytes()).sum();
+        }
+    }
+
+    /// Solves exact bodies, and gives the device the others that have no answer yet.
+    pub fn begin(&mut self, requests: &[BodyRequest]) {
         let keys: Vec<RequestKey> = requests.par_iter().with_min_len(MANY).map(BodyRequest::key).collect();
         let mut missing: Vec<BodyRequest> = Vec::new();
         let mut asked = HashSet::with_capacity_and_hasher(requests.len(), Default::default());
         for (request, key) in requests.iter().zip(keys) {
-            let is_missing = !self.solved.contains_key(&key);
+            let is_missing =
+                !self.solved.contains_key(&key) && !self.begun.iter().any(|begun| begun.asked.contains(&key));
             if asked.insert(key) && is_missing {
                 missing.push(request.clone());
             }
         }
         if missing.is_empty() {
-            return;
-        }
-        if self.solved_bytes > KEPT_BODIES {
-            let unused: Vec<_> = self.solved.extract_if(|key, _| !asked.contains(key)).collect();
-            // By any thread, when it has nothing better to do.
-            rayon::spawn(move || drop(unused));
-            self.solved_bytes = self.solved.values().map(|body| body.compliance.bytes()).sum();
+            return self.begun.push_back(Begun { asked, portions: Vec::new() });
         }
         let (series, meshed): (Vec<BodyRequest>, Vec<BodyRequest>) =
             missing.into_iter().partition(|request| request.fidelity == Fidelity::Series);
@@ -141,9 +159,34 @@ impl<'a> BodyLibrary<'a> {
             self.keep(solved);
         }
         let started = Stopwatch::start();
-        let portions = portions(meshed);
+        let mut portions = portions(meshed);
         self.times.shared += started.elapsed();
-        portions.into_iter().for_each(|portion| self.solve_meshed(portion));
+        portions.iter_mut().for_each(|portion| self.give_device(portion));
+        self.begun.push_back(Begun { asked, portions });
+    }
+
+    /// Answers all requests that were begun before all others.
+    pub fn finish(&mut self) {
+        let begun = self.begun.pop_front();
+        begun.into_iter().flat_map(|begun| begun.portions).for_each(|portion| self.solve_meshed(portion));
+    }
+
+    /// The bodies without layers, as long as there is a device.
+    fn give_device(&mut self, portion: &mut Portion) {
+        let Some(device) = self.device.as_mut().filter(|_| self.lost.is_none()) else { return };
+        let (lined, groups) =
+            std::mem::take(&mut portion.groups).into_iter().partition(|(key, _)| key.class.is_lined());
+        portion.groups = lined;
+        if groups.is_empty() {
+            return;
+        }
+        match device.begin(&groups) {
+            Ok(()) => portion.on_device = groups,
+            Err(error) => {
+                self.lost = Some(error);
+                portion.groups.extend(groups);
+            }
+        }
     }
 
     fn keep(&mut self, Keyed { key, body, bytes }: Keyed) {
@@ -151,10 +194,13 @@ impl<'a> BodyLibrary<'a> {
         self.solved.insert(key, body);
     }
 
-    fn solve_meshed(&mut self, Portion { mut groups, near_fields: classes }: Portion) {
+    fn solve_meshed(&mut self, Portion { mut groups, on_device, near_fields: classes }: Portion) {
         let started = Stopwatch::start();
         let of_near_fields = classes.iter().filter(|class| !self.near_fields.has(class));
-        let of_bodies = groups.iter().map(|(key, group)| LoadedRing::of(group[0].body.shape, &key.class));
+        let of_bodies = groups
+            .iter()
+            .chain(&on_device)
+            .map(|(key, group)| LoadedRing::of(group[0].body.shape, &key.class));
         self.ring_loads.prepare(of_near_fields.map(|class| class.mesh().ring()).chain(of_bodies));
         self.times.shared += started.elapsed();
         let started = Stopwatch::start();
@@ -162,8 +208,8 @@ impl<'a> BodyLibrary<'a> {
         if !references.is_empty() {
             self.times.condense += started.elapsed();
         }
-        if self.device.is_some() && self.lost.is_none() {
-            groups = self.solve_on_device(groups, &classes);
+        if !on_device.is_empty() {
+            groups.extend(self.take_from_device(on_device, &classes));
         }
         let bytes: usize = self.plans.values().map(CondensationPlan::bytes).sum();
         if bytes > KEPT_PLANS / 2 {
@@ -217,40 +263,45 @@ impl<'a> BodyLibrary<'a> {
         }
     }
 
-    /// Gives back what the device has left: bodies with layers, to begin with.
-    fn solve_on_device(&mut self, groups: Vec<Group>, classes: &HashSet<NearFieldClass>) -> Vec<Group> {
-        let (lined, groups): (Vec<Group>, Vec<Group>) =
-            groups.into_iter().partition(|(key, _)| key.class.is_lined());
+    /// Waits for a portion that the device was given; gives back what it has left.
+    fn take_from_device(&mut self, groups: Vec<Group>, classes: &HashSet<NearFieldClass>) -> Vec<Group> {
+        let Some(device) = self.device.as_mut().filter(|_| self.lost.is_none()) else { return groups };
         let started = Stopwatch::start();
         self.near_fields.prepare(classes.iter().copied(), &self.ring_loads);
         self.times.shared += started.elapsed();
-        let mut left = match &mut self.device {
-            _ if groups.is_empty() => groups,
-            Some(device) => match device.condense(&groups) {
-                Ok(works) => self.take(groups, works),
-                Err(error) => {
-                    self.lost = Some(error);
-                    groups
-                }
-            },
-            None => groups,
-        };
-        left.extend(lined);
-        left
+        match device.finish() {
+            Ok(works) => self.take(groups, works),
+            Err(error) => {
+                self.lost = Some(error);
+                groups
+            }
+        }
     }
 
     /// Takes what a device has condensed; gives back what it has left.
-    fn take(&mut self, groups: Vec<Group>, works: Vec<Vec<Option<Vec<f64>>>>) -> Vec<Group> {
+    fn take(&mut self, groups: Vec<Group>, works: Works) -> Vec<Group> {
+        let this = &*self;
+        let of_body = |key: &TopologyKey, (request, works): (BodyRequest, Option<Vec<f64>>)| match works {
+            Some(works) => {
+                let compliance = this.corrected(key, &request.body, works);
+                Ok(Keyed::new(request.key(), compliance, BackendKind::Gpu))
+            }
+            None => Err(request),
+        };
+        let of_group = |((key, group), works): (Group, Vec<Option<Vec<f64>>>)| {
+            let bodies = group.into_par_iter().with_min_len(MANY).zip(works);
+            let taken: Vec<Result<Keyed, BodyRequest>> = bodies.map(|body| of_body(&key, body)).collect();
+            (key, taken)
+        };
+        let taken: Vec<_> = groups.into_par_iter().zip(works).map(of_group).collect();
+        self.solved.reserve(taken.iter().map(|(_, taken)| taken.len()).sum());
         let mut left = Vec::new();
-        for ((key, group), works) in groups.into_iter().zip(works) {
+        for (key, taken) in taken {
             let mut of_group = Vec::new();
-            for (request, works) in group.into_iter().zip(works) {
-                match works {
-                    Some(works) => {
-                        let compliance = self.corrected(&key, &request.body, works);
-                        self.keep(Keyed::new(request.key(), compliance, BackendKind::Gpu));
-                    }
-                    None => of_group.push(request),
+            for body in taken {
+                match body {
+                    Ok(solved) => self.keep(solved),
+                    Err(request) => of_group.push(request),
                 }
             }
             if !of_group.is_empty() {
@@ -342,10 +393,18 @@ fn of_either_idealization(groups: Vec<Group>) -> Vec<Group> {
     joined.into_iter().collect()
 }
 
+/// Requests that were begun: all of them, and those that had no answer.
+struct Begun {
+    asked: HashSet<RequestKey>,
+    portions: Vec<Portion>,
+}
+
 /// Bodies that are solved at a time, with the near fields they need.
 #[derive(Default)]
 struct Portion {
     groups: Vec<Group>,
+    /// Those that a device was given, which are not among `groups`.
+    on_device: Vec<Group>,
     near_fields: HashSet<NearFieldClass>,
 }
 

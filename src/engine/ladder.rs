@@ -8,7 +8,7 @@ use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
-use crate::engine::backend::Device;
+use crate::engine::backend::{Device, IN_FLIGHT};
 use crate::engine::bodies::{BodyLibrary, MANY};
 use crate::engine::body_request::BodyRequest;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
@@ -24,6 +24,10 @@ use crate::study::design::DesignCase;
 
 /// Designs of one joint that a thread solves.
 const TOGETHER: usize = 64;
+
+/// Designs tried together go to a device in so many portions, none smaller than `FEWEST` but the last: each keeps a large device busy.
+const PORTIONS: usize = 4;
+const FEWEST: usize = 1024;
 
 /// An attempt, with the place of its design among those tried together.
 type Placed = (usize, (Answer, Want));
@@ -110,8 +114,7 @@ impl<'a> Ladder<'a> {
     ) -> Vec<(usize, JointPlan, Answer)> {
         let mut settled = Vec::with_capacity(open.len());
         while !open.is_empty() {
-            self.prepare(&open);
-            let solved = self.attempt(cases, &open);
+            let solved = self.attempts(cases, &open);
             let mut unsettled = Vec::new();
             for ((index, plan), (answer, want)) in open.into_iter().zip(solved) {
                 match plan.next(want) {
@@ -124,16 +127,38 @@ impl<'a> Ladder<'a> {
         settled
     }
 
+    /// One attempt at each of some designs. A device has the bodies of up to two portions while the processor solves the contact of another.
+    fn attempts(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
+        if self.library.device().is_none() || self.library.lost().is_some() {
+            self.prepare(open);
+            return self.attempt(cases, open);
+        }
+        self.library.keep_used(&requests(open));
+        let portion = open.len().div_ceil(PORTIONS).max(FEWEST);
+        let mut ahead = open.chunks(portion);
+        ahead.by_ref().take(IN_FLIGHT).for_each(|portion| self.library.begin(&requests(portion)));
+        let mut solved = Vec::with_capacity(open.len());
+        for portion in open.chunks(portion) {
+            self.solve_bodies(portion, BodyLibrary::finish);
+            ahead.next().into_iter().for_each(|portion| self.library.begin(&requests(portion)));
+            solved.extend(self.attempt(cases, portion));
+        }
+        solved
+    }
+
     /// Solves the bodies of plans and makes their spaces.
     pub fn prepare(&mut self, open: &[(usize, JointPlan)]) {
-        let requests: Vec<BodyRequest> = open.iter().flat_map(|(_, plan)| plan.requests()).collect();
+        self.solve_bodies(open, |library| library.solve(&requests(open)));
+    }
+
+    fn solve_bodies(&mut self, open: &[(usize, JointPlan)], solve: impl FnOnce(&mut BodyLibrary<'a>) + Send) {
         let Ladder { library, spaces, .. } = self;
         let make_spaces = || {
             let started = Stopwatch::start();
             spaces.make(open.iter().map(|(_, plan)| plan.space));
             started.elapsed()
         };
-        let ((), time) = rayon::join(|| library.solve(&requests), make_spaces);
+        let ((), time) = rayon::join(|| solve(library), make_spaces);
         self.times.spaces += time;
         let started = Stopwatch::start();
         let in_space = |(_, plan): &(usize, JointPlan)| {
@@ -193,4 +218,9 @@ impl<'a> Ladder<'a> {
         ]);
         stages
     }
+}
+
+/// The bodies of plans.
+fn requests(open: &[(usize, JointPlan)]) -> Vec<BodyRequest> {
+    open.iter().flat_map(|(_, plan)| plan.requests()).collect()
 }

@@ -16,13 +16,13 @@ pub struct Layers {
 pub const SHRINK: f64 = 0.4;
 
 /// Steps of a search for a growth at most; it takes five to ten, and bisection alone would need some 60.
-const MOST_STEPS: usize = 100;
+pub const MOST_STEPS: usize = 100;
 
 /// Where a search ends: its last step over the growth.
-const TOLERANCE: f64 = 1e-12;
+pub const TOLERANCE: f64 = 1e-12;
 
 /// No layers grow by more.
-const STEEPEST: f64 = 1e9;
+pub const STEEPEST: f64 = 1e9;
 
 impl Layers {
     /// Thicknesses of layers that grow by a factor, but for those that shrink.

@@ -318,7 +318,7 @@ struct Course {
 }
 
 /// By how much of the thinnest wall a line's end may lie off its radius before it must make haste to turn there.
-const LEEWAY: f64 = 0.3;
+pub const LEEWAY: f64 = 0.3;
 
 impl Course {
     fn new(on_ring: [f64; 2], far: [f64; 2], far_radius: f64, wall: f64) -> Course {
@@ -405,10 +405,10 @@ pub fn holding_changes(body: &Body, corner: usize) -> bool {
 }
 
 /// How much closer than evenly lines end to each other at corners where the holding changes.
-const CROWDING: f64 = 0.5;
+pub const CROWDING: f64 = 0.5;
 
 /// From this wall on, over the ring's radius: lines of thin ones, which turn on a short way, would cross.
-const THICK_WALL: f64 = 0.3;
+pub const THICK_WALL: f64 = 0.3;
 
 /// The distance from the ring to the nearest place of the far boundary of a plate, over the ring's radius.
 fn thinnest_wall(body: &Body) -> f64 {

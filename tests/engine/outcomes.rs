@@ -1,17 +1,21 @@
 //! From designs to outcomes: what each row says of itself, finer meshes where they are needed, and bodies shared by
 //! designs, batches and steps without a trace.
 
+use std::collections::VecDeque;
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
+use crate::common::draws::{concentric, draw};
 use crate::common::greatest::greatest;
 use crate::common::random::Random;
 use jointsweep::internals::engine::accuracy::Estimate;
 use jointsweep::internals::engine::accuracy::Want;
 use jointsweep::internals::engine::accuracy::known_errors::KNOWN_LEVELS;
 use jointsweep::internals::engine::accuracy::mesh_change::Trust;
-use jointsweep::internals::engine::backend::Device;
 use jointsweep::internals::engine::backend::gpu::context::GpuError;
+use jointsweep::internals::engine::backend::{Device, Works};
 use jointsweep::internals::engine::body_request::{Fidelity, Group, mesh_size};
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::engine::expected_contact::ExpectedContact;
@@ -477,16 +481,34 @@ fn unknowns_are_those_of_the_mesh() {
     }
 }
 
-/// Condenses as the processor does, and gives up when it is asked a second time.
-struct GivesUp(u32);
+/// Condenses as the processor does, and gives up at a call.
+#[derive(Default)]
+struct GivesUp {
+    /// Of `begin` and `finish` together, from 0; never where there is none.
+    at: Option<u32>,
+    calls: u32,
+    begun: VecDeque<Works>,
+    /// That were begun and not finished.
+    most_begun: Arc<AtomicUsize>,
+    /// Bodies.
+    asked: Arc<AtomicUsize>,
+}
+
+impl GivesUp {
+    fn at(call: u32) -> GivesUp {
+        GivesUp { at: Some(call), ..GivesUp::default() }
+    }
+
+    fn call(&mut self) -> Result<(), GpuError> {
+        self.calls += 1;
+        assert!(self.at.is_none_or(|at| self.calls <= at + 1), "asked again after it gave up");
+        if self.at == Some(self.calls - 1) { Err(GpuError::NoAdapter) } else { Ok(()) }
+    }
+}
 
 impl Device for GivesUp {
-    fn condense(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
-        self.0 += 1;
-        if self.0 == 2 {
-            return Err(GpuError::NoAdapter);
-        }
-        assert!(self.0 < 2, "asked again after it gave up");
+    fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
+        self.call()?;
         assert!(groups.iter().all(|(key, _)| !key.class.is_lined()), "devices know no layers");
         let condense = |(key, requests): &Group| {
             let bodies: Vec<Body> = requests.iter().map(|request| request.body.clone()).collect();
@@ -498,7 +520,15 @@ impl Device for GivesUp {
             }
             works
         };
-        Ok(groups.iter().map(condense).collect())
+        self.begun.push_back(groups.iter().map(condense).collect());
+        self.asked.fetch_add(groups.iter().map(|(_, requests)| requests.len()).sum(), Ordering::Relaxed);
+        self.most_begun.fetch_max(self.begun.len(), Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<Works, GpuError> {
+        self.call()?;
+        Ok(self.begun.pop_front().expect("something was begun"))
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {
@@ -525,7 +555,7 @@ fn a_device_that_gives_up_loses_no_design() {
         DesignCase { index, ..case(joint(pin, plate), &[Load::Indentation(0.01)]) }
     };
     let cases: Vec<DesignCase> = (0..8).map(design).collect();
-    let mut ladder = Ladder::new(options).on(Box::new(GivesUp(0)));
+    let mut ladder = Ladder::new(options).on(Box::new(GivesUp::at(2)));
     assert!(ladder.library.lost().is_none());
     let mut outcomes = ladder.solve(&cases[..4]);
     assert!(ladder.library.lost().is_none());
@@ -548,6 +578,34 @@ fn a_device_that_gives_up_loses_no_design() {
     assert_eq!((device.worst_residual(), device.solves()), (1e-5, 7));
 }
 
+/// The device has two portions of a large batch at a time, of which some bodies are the same, and may give up at any call: every design
+/// is as without a device.
+#[test]
+fn two_portions_are_on_the_device_at_a_time() {
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    // Three portions; of the last most bodies are those of the second one, which the device has then.
+    let mut cases = draw(17, 2200, concentric);
+    cases.extend_from_within(1100..1500);
+    (0..).zip(&mut cases).for_each(|(index, case)| case.index = index);
+    let expected = Ladder::new(options).solve(&cases);
+    let mut of_device = Vec::new();
+    for at in [Some(1), Some(2), Some(3), Some(4), Some(5), None] {
+        let device = GivesUp { at, ..GivesUp::default() };
+        let (most_begun, asked) = (Arc::clone(&device.most_begun), Arc::clone(&device.asked));
+        let mut ladder = Ladder::new(options).on(Box::new(device));
+        let outcomes = ladder.solve(&cases);
+        assert_eq!((ladder.library.lost().is_some(), outcomes.len()), (at.is_some(), cases.len()));
+        assert_eq!(most_begun.load(Ordering::Relaxed), if at == Some(1) { 1 } else { 2 });
+        for (outcome, expected) in outcomes.iter().zip(&expected) {
+            assert_eq!((outcome.case.index, &outcome.steps), (expected.case.index, &expected.steps));
+        }
+        assert!(asked.load(Ordering::Relaxed) < 2 * 2600, "{asked:?}");
+        of_device.push(outcomes.iter().filter(|outcome| outcome.backend == BackendKind::Gpu).count());
+    }
+    // What was handed over before it gave up stays in use.
+    assert!(of_device[..2] == [0, 0] && of_device[2..].is_sorted() && of_device[2] > 500, "{of_device:?}");
+}
+
 /// A device is asked for bare bodies alone: those with layers are the processor's, in the same batch.
 #[test]
 fn a_device_leaves_lined_bodies_to_the_processor() {
@@ -560,7 +618,7 @@ fn a_device_leaves_lined_bodies_to_the_processor() {
         DesignCase { index, ..case(joint(pin, plate), &[Load::Indentation(0.01)]) }
     };
     let cases: Vec<DesignCase> = (0..6).map(design).collect();
-    let mut ladder = Ladder::new(options).on(Box::new(GivesUp(0)));
+    let mut ladder = Ladder::new(options).on(Box::new(GivesUp::at(2)));
     let outcomes = ladder.solve(&cases);
     let expected = Ladder::new(options).solve(&cases);
     assert_eq!((outcomes.len(), expected.len()), (cases.len(), cases.len()));

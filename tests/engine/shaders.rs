@@ -5,11 +5,11 @@ use std::mem::offset_of;
 use jointsweep::internals::engine::backend::gpu::batch::{KernelFacts, OnChip};
 use jointsweep::internals::engine::backend::gpu::front::{EliminateParameters, Front};
 use jointsweep::internals::engine::backend::gpu::kernels::{
-    ASSEMBLE, CONDENSE, ELIMINATE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE, ROOFLINE, Sums,
-    Variant, WORKS,
+    ASSEMBLE, Access, CONDENSE, ELIMINATE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE,
+    ROOFLINE, Sums, Variant, WORKS,
 };
 use jointsweep::internals::engine::backend::gpu::layout::{
-    AssembleParameters, SLICE, SystemOutcome, SystemParameters, SystemState,
+    AssembleParameters, SystemOutcome, SystemParameters, SystemState,
 };
 use jointsweep::internals::engine::backend::gpu::speed::RooflineParameters;
 use jointsweep::internals::engine::backend::gpu::works::WorksParameters;
@@ -115,6 +115,7 @@ macro_rules! layout_here {
 fn shared_structs_have_the_same_members_at_the_same_places() {
     let assemble: Layout = layout_here!(
         AssembleParameters,
+        first_body,
         column_count,
         row_count,
         element_count,
@@ -122,7 +123,15 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         system_count,
         side_count,
         is_plane_strain,
-        shrinking_layers
+        shrinking_layers,
+        bodies_at,
+        shared_numbers_at,
+        element_grid_at,
+        source_starts_at,
+        sources_at,
+        geometry_at,
+        values_at,
+        states_at
     );
     let systems: Layout = layout_here!(
         SystemParameters,
@@ -140,12 +149,20 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
     let works: Layout = layout_here!(WorksParameters, ring_count, block_count, mode_count, body_size);
     let eliminate: Layout = layout_here!(
         EliminateParameters,
+        first_body,
         row_count,
         ring_row,
         border_count,
         mode_count,
         value_count,
-        body_size
+        body_size,
+        rows_at,
+        tile_starts_at,
+        places_at,
+        loads_at,
+        values_at,
+        states_at,
+        works_at
     );
     let roofline: Layout = layout_here!(RooflineParameters, trip_count, factor, term);
     assert_eq!(layout_in(&module(&ROOFLINE, Precision::F64), "RooflineParameters"), Some(roofline));
@@ -175,31 +192,34 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
     assert_ne!(layout_in(&exchanged, "SystemState"), Some(state));
 }
 
-/// Group 0, binding by binding: one uniform, then storage, read or written as the host binds it.
+/// Group 0, binding by binding: named, read or written as the host binds it.
 #[test]
 fn bindings_are_as_the_host_makes_them() {
     for file in KERNEL_FILES.into_iter().chain([&ROOFLINE]) {
         let module = module(file, Precision::F32);
-        let mut bindings: Vec<(u32, naga::AddressSpace)> = module
+        let mut bindings: Vec<(u32, &str, Access)> = module
             .global_variables
             .iter()
-            .filter_map(|(_, variable)| Some((variable.binding.as_ref()?, variable.space)))
-            .map(|(binding, space)| {
+            .filter_map(|(_, variable)| Some((variable.binding.as_ref()?, variable)))
+            .map(|(binding, variable)| {
                 assert_eq!(binding.group, 0);
-                (binding.binding, space)
+                let access = match variable.space {
+                    naga::AddressSpace::Uniform => Access::Uniform,
+                    naga::AddressSpace::Storage { access } if access == naga::StorageAccess::LOAD => {
+                        Access::Read
+                    }
+                    naga::AddressSpace::Storage { .. } => Access::Written,
+                    space => panic!("{space:?} is bound"),
+                };
+                (binding.binding, variable.name.as_deref().unwrap_or_default(), access)
             })
             .collect();
-        bindings.sort_by_key(|(binding, _)| *binding);
-        let storage = file.written.iter().map(|written| {
-            let access = naga::StorageAccess::LOAD;
-            let written = if *written { naga::StorageAccess::STORE } else { naga::StorageAccess::empty() };
-            naga::AddressSpace::Storage { access: access | written }
-        });
+        bindings.sort_by_key(|(binding, ..)| *binding);
         let expected: Vec<_> =
-            (0..).zip(std::iter::once(naga::AddressSpace::Uniform).chain(storage)).collect();
+            (0..).zip(file.bindings).map(|(binding, (name, access))| (binding, *name, *access)).collect();
         assert_eq!(bindings, expected, "{}", file.name);
         // The least that every device of WebGPU has.
-        assert!(file.written.len() <= 8);
+        assert!(file.storage_buffers() <= 8);
     }
 }
 
@@ -250,30 +270,16 @@ fn workgroup_bytes(file: &KernelFile, variant: &Variant) -> u64 {
     shared.map(|(_, variable)| u64::from(layouter[variable.ty].size)).sum()
 }
 
+/// A kernel is told the number of each outcome.
 #[test]
-fn outcomes_have_the_same_numbers() {
-    use SystemOutcome::*;
+fn outcomes_have_names_in_kernels() {
     let source = PCG.source(Precision::F32, 64);
-    for (name, outcome) in [
-        ("RUNNING", Running),
-        ("CONVERGED", Converged),
-        ("ITERATION_LIMIT", IterationLimit),
-        ("INDEFINITE", Indefinite),
-        ("NOT_FINITE", NotFinite),
-        ("INVERTED", Inverted),
-        ("STAGNATED", Stagnated),
-    ] {
-        let number = outcome as u32;
+    assert_eq!(SystemOutcome::ALL.len(), 7);
+    for (number, (name, outcome)) in (0..).zip(SystemOutcome::ALL) {
         assert!(source.contains(&format!("const {name} = {number}u;")), "{name}");
         assert_eq!(SystemState { outcome: number, iterations: 0 }.outcome(), Some(outcome));
     }
     assert_eq!(SystemState { outcome: 7, iterations: 0 }.outcome(), None);
-}
-
-/// A number that stands on both sides.
-#[test]
-fn slices_are_as_long_on_both_sides() {
-    assert!(PCG.source(Precision::F32, 64).contains(&format!("const SLICE = {SLICE}u;")));
 }
 
 /// An invocation has room for its entries of as many modes as any mesh has.

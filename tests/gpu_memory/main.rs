@@ -12,8 +12,9 @@ use common::draws;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
-use jointsweep::internals::engine::backend::gpu::elimination::{Elimination, FrontTopology, Job};
+use jointsweep::internals::engine::backend::gpu::elimination::Elimination;
 use jointsweep::internals::engine::backend::gpu::front::FrontLayout;
+use jointsweep::internals::engine::backend::gpu::front_topology::{FrontTopology, Job};
 use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Precision};
 use jointsweep::internals::engine::backend::gpu::layout::MeshLayout;
 use jointsweep::internals::engine::body_request::mesh_class;
@@ -52,9 +53,12 @@ fn elimination_goes_on_with_smaller_buffers(gpu: &GpuDevice) {
     let mesh = MeshLayout::new(&bodies[0], &grading).unwrap();
     let front = FrontLayout::new(&bodies[0], &grading, &RingModes::of(&class), &mesh);
     let topology = FrontTopology::new(&kernels, &mesh, front).unwrap().unwrap();
-    let condense = |elimination: &mut Elimination, bodies: &[Body]| {
+    let job = |bodies: &[Body]| {
         let numbers = bodies.iter().flat_map(|body| mesh.body_numbers(body)).collect();
-        elimination.condense(&kernels, &[Job { topology: &topology, numbers }]).unwrap().remove(0)
+        Job { topology: topology.clone(), numbers }
+    };
+    let condense = |elimination: &mut Elimination, bodies: &[Body]| {
+        elimination.condense(&kernels, vec![job(bodies)]).unwrap().remove(0)
     };
     let mut elimination = Elimination::default();
     let few = bodies.chunks(100).flat_map(|bodies| condense(&mut elimination, bodies));
@@ -66,7 +70,11 @@ fn elimination_goes_on_with_smaller_buffers(gpu: &GpuDevice) {
     let own: u64 = topology.body_bytes().iter().sum();
     let left = MANY as u64 * own / 4;
     rlimit::setrlimit(Resource::AS, virtual_memory() + left, hard).unwrap();
-    let found = condense(&mut elimination, &bodies);
+    // Behind a batch that the device has already.
+    elimination.begin(&kernels, vec![job(&bodies[..100])]).unwrap();
+    elimination.begin(&kernels, vec![job(&bodies)]).unwrap();
+    assert!(elimination.finish(&kernels).unwrap().remove(0) == expected[..100]);
+    let found = elimination.finish(&kernels).unwrap().remove(0);
     rlimit::setrlimit(Resource::AS, soft, hard).unwrap();
     assert!(elimination.halved() > 0, "{:?}", elimination.counts);
     assert!(found == expected && found.iter().all(Option::is_some));

@@ -1,9 +1,9 @@
 //! Elimination on the device against the processor's own, and how bodies are cut into pieces.
 
-use jointsweep::internals::engine::backend::gpu::elimination::{
-    Counts, Elimination, FrontTopology, Job, ROUGHEST,
-};
+use jointsweep::internals::engine::backend::IN_FLIGHT;
+use jointsweep::internals::engine::backend::gpu::elimination::{Counts, Elimination, ROUGHEST};
 use jointsweep::internals::engine::backend::gpu::front::{Front, FrontLayout};
+use jointsweep::internals::engine::backend::gpu::front_topology::{FrontTopology, Job};
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
 use jointsweep::internals::mechanics::compliance::ring_modes::RingModes;
 
@@ -23,9 +23,8 @@ fn topology(kernels: &Kernels, bodies: &Bodies) -> FrontTopology {
 }
 
 fn eliminated(kernels: &Kernels, bodies: &Bodies) -> Vec<Option<Vec<f64>>> {
-    let topology = topology(kernels, bodies);
-    let jobs = [Job { topology: &topology, numbers: bodies.numbers() }];
-    Elimination::default().condense(kernels, &jobs).unwrap().remove(0)
+    let jobs = vec![Job { topology: topology(kernels, bodies), numbers: bodies.numbers() }];
+    Elimination::default().condense(kernels, jobs).unwrap().remove(0)
 }
 
 /// Every shape and support, with and without thin walls, against the processor's own elimination.
@@ -97,8 +96,8 @@ fn what_f32_cannot_carry_is_left_to_the_processor() {
             let mesh = MeshLayout::new(&body, &grading).unwrap();
             let front = FrontLayout::new(&body, &grading, &modes, &mesh);
             let topology = FrontTopology::new(kernels, &mesh, front).unwrap().expect("room for a body");
-            let jobs = [Job { topology: &topology, numbers: mesh.body_numbers(&body) }];
-            let found = Elimination::default().condense(kernels, &jobs).unwrap().remove(0).remove(0);
+            let jobs = vec![Job { topology, numbers: mesh.body_numbers(&body) }];
+            let found = Elimination::default().condense(kernels, jobs).unwrap().remove(0).remove(0);
             let expected = CondensationPlan::new(&body, grading, modes).condense(std::slice::from_ref(&body));
             match found {
                 Some(found) => {
@@ -132,8 +131,8 @@ fn a_front_in_storage_is_the_same() {
             }
             let [on_chip, in_storage] = [small, Front { is_on_chip: false, ..small }].map(|front| {
                 let topology = FrontTopology::with(kernels, &bodies.layout, layout(bodies), front).unwrap();
-                let jobs = [Job { topology: &topology, numbers: bodies.numbers() }];
-                Elimination::default().condense(kernels, &jobs).unwrap().remove(0)
+                let jobs = vec![Job { topology, numbers: bodies.numbers() }];
+                Elimination::default().condense(kernels, jobs).unwrap().remove(0)
             });
             for (one, other) in on_chip.iter().zip(&in_storage) {
                 let (Some(one), Some(other)) = (one, other) else {
@@ -159,8 +158,8 @@ fn a_body_that_cannot_be_eliminated_has_no_works() {
         let kernels = kernels(precision);
         let topology = topology(kernels, &bodies);
         let condense = |numbers: Vec<f64>| {
-            let jobs = [Job { topology: &topology, numbers }];
-            Elimination::default().condense(kernels, &jobs).unwrap().remove(0)
+            let jobs = vec![Job { topology: topology.clone(), numbers }];
+            Elimination::default().condense(kernels, jobs).unwrap().remove(0)
         };
         let sound = condense(bodies.numbers());
         let mut numbers = bodies.numbers();
@@ -181,30 +180,44 @@ fn a_body_that_cannot_be_eliminated_has_no_works() {
     }
 }
 
-/// All topologies in one submission with one wait, into buffers that are kept; in as many pieces as the device asks for, which
-/// changes no bit.
+/// All topologies in one dispatch of `assemble`, one of `eliminate` for the fronts that fit on the chip and one for those that do not, in one
+/// submission with one wait, into buffers that are kept; in as many steps as the device asks for, which changes no bit.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
-fn a_batch_is_one_submission_and_pieces_change_no_bit() {
+fn a_batch_is_one_submission_and_steps_change_no_bit() {
     let kernels = kernels(Precision::F32);
     let all: Vec<&Bodies> = families().iter().map(|(_, bodies)| bodies).collect();
-    let topologies: Vec<FrontTopology> = all.iter().map(|bodies| topology(kernels, bodies)).collect();
-    let jobs = || -> Vec<Job> {
-        let own = topologies.iter().zip(&all);
-        own.map(|(topology, bodies)| Job { topology, numbers: bodies.numbers() }).collect()
+    // Every other front in storage, whatever the device has room for.
+    let of = |(index, bodies): (usize, &&Bodies)| {
+        let layout = layout(bodies);
+        let front = layout.front(4, INVOCATIONS.into(), &device().facts.limits).unwrap();
+        let front = Front { is_on_chip: front.is_on_chip && index % 2 == 0, ..front };
+        FrontTopology::with(kernels, &bodies.layout, layout, front).unwrap()
+    };
+    let topologies: Vec<FrontTopology> = all.iter().enumerate().map(of).collect();
+    let jobs = |count: usize| -> Vec<Job> {
+        let own = topologies.iter().zip(&all).take(count);
+        own.map(|(topology, bodies)| Job { topology: topology.clone(), numbers: bodies.numbers() }).collect()
     };
     // So fast that a busy machine, too, has no reason to cut a batch.
     let mut elimination = Elimination::at_pace(1e-15);
-    let together = elimination.condense(kernels, &jobs()).unwrap();
+    let together = elimination.condense(kernels, jobs(FAMILY_COUNT)).unwrap();
+    assert!(together.iter().flatten().filter(|works| works.is_some()).count() >= 3 * FAMILY_COUNT - 3);
     let numbers: u64 = all.iter().map(|bodies| 4 * bodies.numbers().len() as u64).sum();
-    let Counts { dispatches, submits, waits, new_buffers, bytes_up, bytes_down } = elimination.counts;
-    assert_eq!((dispatches, submits, waits, new_buffers), (2 * FAMILY_COUNT as u64, 1, 1, 7));
-    // What each topology sends and gets begins at a multiple of 256.
+    let Counts { dispatches, submits, waits, new_buffers, bytes_up, bytes_down, .. } = elimination.counts;
+    assert_eq!((dispatches, submits, waits, new_buffers), (3, 1, 1, 8));
+    // Beside the numbers what the dispatches are told of each topology, twice.
     assert!(bytes_up >= numbers && bytes_up < numbers + 256 * FAMILY_COUNT as u64, "{bytes_up} {numbers}");
-    let works: u64 = together.iter().flatten().flatten().map(|works| 4 * (works.len() as u64 + 2)).sum();
-    assert!(bytes_down >= works && bytes_down < works + 256 * FAMILY_COUNT as u64, "{bytes_down} {works}");
-    assert_eq!(elimination.condense(kernels, &jobs()).unwrap(), together);
-    assert_eq!((elimination.counts.waits, elimination.counts.new_buffers), (2, 7));
+    let works: u64 =
+        topologies.iter().zip(&all).map(|(own, bodies)| own.body_bytes()[5] * bodies.count() as u64).sum();
+    assert_eq!(bytes_down, works);
+    // The first one alone, whose front is on the chip.
+    assert_eq!(elimination.condense(kernels, jobs(1)).unwrap(), together[..1]);
+    assert_eq!((elimination.counts.dispatches, elimination.counts.submits), (3 + 2, 2));
+    assert_eq!(elimination.condense(kernels, jobs(FAMILY_COUNT)).unwrap(), together);
+    assert_eq!((elimination.counts.dispatches, elimination.counts.waits), (3 + 2 + 3, 3));
+    // One flight after the other, in two sets of buffers for what travels.
+    assert_eq!((elimination.counts.new_buffers, elimination.counts.waits_with_work), (12, 0));
 
     // Room for one body of the largest, then for less.
     let mut small = device().clone();
@@ -213,12 +226,50 @@ fn a_batch_is_one_submission_and_pieces_change_no_bit() {
     small.facts.limits.binding_bytes = largest;
     let narrow = Kernels::with_tree(&small, Precision::F32, INVOCATIONS, Making::Trusted).unwrap();
     let mut elimination = Elimination::default();
-    assert_eq!(elimination.condense(&narrow, &jobs()).unwrap(), together);
+    assert_eq!(elimination.condense(&narrow, jobs(FAMILY_COUNT)).unwrap(), together);
     assert!(elimination.counts.dispatches > 2 * FAMILY_COUNT as u64, "{:?}", elimination.counts);
-    small.facts.limits.binding_bytes = largest - 1;
+    // Where there is more than that of one topology, it is what all of its bodies share.
+    let most = topologies.iter().map(FrontTopology::bytes).max().unwrap().max(largest);
+    small.facts.limits.binding_bytes = most - 1;
     let narrow = Kernels::with_tree(&small, Precision::F32, INVOCATIONS, Making::Trusted).unwrap();
     let refused = all
         .iter()
         .filter(|bodies| FrontTopology::new(&narrow, &bodies.layout, layout(bodies)).unwrap().is_none());
     assert_eq!(refused.count(), 1);
+}
+
+/// Of batches that are begun two are on the device, and each comes back as it does alone; so do the flights of one that is too large to
+/// travel at once.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn two_flights_are_on_the_device_at_a_time() {
+    let kernels = kernels(Precision::F32);
+    let all: Vec<&Bodies> = families().iter().map(|(_, bodies)| bodies).collect();
+    let topologies: Vec<FrontTopology> = all.iter().map(|bodies| topology(kernels, bodies)).collect();
+    // As many copies of the bodies of a topology as one likes.
+    let job = |index: usize, copies: usize| {
+        let numbers = all[index].numbers().repeat(copies);
+        vec![Job { topology: topologies[index].clone(), numbers }]
+    };
+    let alone: Vec<_> = (0..FAMILY_COUNT)
+        .map(|index| Elimination::at_pace(1e-15).condense(kernels, job(index, 1)).unwrap())
+        .collect();
+    let mut elimination = Elimination::at_pace(1e-15);
+    (0..FAMILY_COUNT).for_each(|index| elimination.begin(kernels, job(index, 1)).unwrap());
+    assert_eq!((elimination.counts.submits, elimination.counts.waits), (IN_FLIGHT as u64, 0));
+    for works in &alone {
+        assert_eq!(elimination.finish(kernels).unwrap(), *works);
+    }
+    let Counts { submits, waits, waits_with_work, .. } = elimination.counts;
+    assert_eq!((submits, waits, waits_with_work), (5, 5, 4));
+    assert!(elimination.finish(kernels).unwrap().is_empty());
+
+    // Room for the works of some bodies at a time.
+    let mut elimination = Elimination::with_bytes(1 << 20);
+    let works = elimination.condense(kernels, job(0, 2000)).unwrap().remove(0);
+    let count = alone[0][0].len();
+    assert_eq!(works.len(), 2000 * count);
+    assert!(works.chunks(count).all(|copy| copy == alone[0][0]));
+    let Counts { waits, waits_with_work, .. } = elimination.counts;
+    assert!(waits > 5 && waits_with_work == waits - 1, "{:?}", elimination.counts);
 }

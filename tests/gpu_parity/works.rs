@@ -273,7 +273,8 @@ fn how_bodies_are_cut_into_batches_changes_no_bit() {
             let mut condenser = GpuChoice { solver: DeviceSolver::Pcg, ..GpuChoice::new(gpu, precision) }
                 .condenser()
                 .unwrap();
-            let works = condenser.condense(groups).unwrap();
+            condenser.begin(groups).unwrap();
+            let works = condenser.finish().unwrap();
             (works, condenser.report)
         };
         let (together, report) = condense(device(), &groups);

@@ -17,11 +17,19 @@ pub use without_gpu as gpu;
 
 use crate::engine::body_request::Group;
 
-/// Condenses bodies, and may be lost.
+/// The works of the ring modes on each body of each group, packed, without near fields; `None` for a body that is left to the processor.
+pub type Works = Vec<Vec<Option<Vec<f64>>>>;
+
+/// What a device is given at a time: it has work while the processor reads what it has done.
+pub const IN_FLIGHT: usize = 2;
+
+/// Condenses bodies, and may be lost. After an error nothing may be asked of it again but what it has done.
 pub trait Device: Send + Sync {
-    /// The works of the ring modes on each body of each group, packed, without near fields; `None` for a body that is left to the
-    /// processor. After an error nothing may be asked of it again but what it has done.
-    fn condense(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError>;
+    /// Gives it the bodies of some groups, and does not wait for them if it can work alone.
+    fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError>;
+
+    /// Waits for what was begun before all else that is not finished.
+    fn finish(&mut self) -> Result<Works, GpuError>;
 
     /// Where the time went, in the order the stages run.
     fn stages(&self) -> Vec<(&'static str, Duration)>;

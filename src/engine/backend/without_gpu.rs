@@ -58,8 +58,8 @@ pub mod solver {
 
     use super::context::{GpuDevice, GpuError};
     use super::kernels::Precision;
-    use crate::engine::backend::Device;
     use crate::engine::backend::device_solver::DeviceSolver;
+    use crate::engine::backend::{Device, Works};
     use crate::engine::body_request::Group;
 
     /// There is none.
@@ -72,7 +72,11 @@ pub mod solver {
     }
 
     impl Device for GpuCondenser<'_> {
-        fn condense(&mut self, _: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
+        fn begin(&mut self, _: &[Group]) -> Result<(), GpuError> {
+            match self.0 {}
+        }
+
+        fn finish(&mut self) -> Result<Works, GpuError> {
             match self.0 {}
         }
 

@@ -3,12 +3,12 @@
 //! In place of the works that such kernels leave out, each body has those of the first body of its topology, so that contact has
 //! something to solve. Making them is not counted.
 
-use std::sync::Mutex;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use foldhash::HashMap;
 
-use crate::engine::backend::Device;
 use crate::engine::backend::adapter::GpuError;
 use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::backend::gpu::context::GpuDevice;
@@ -16,6 +16,7 @@ use crate::engine::backend::gpu::elimination::Counts;
 use crate::engine::backend::gpu::kernels::{Kernels, Making};
 use crate::engine::backend::gpu::solver::{GpuCondenser, INVOCATIONS};
 use crate::engine::backend::precision::Precision;
+use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::engine::ladder::Ladder;
 use crate::engine::outcome::BackendKind;
@@ -57,6 +58,7 @@ impl HostCost {
         let condenser = EmptyCondenser {
             condenser: GpuCondenser::with(kernels, DeviceSolver::Auto),
             works: HashMap::default(),
+            stand_ins: VecDeque::new(),
             seen: &seen,
         };
         let mut ladder = Ladder::new(study.solve).on(Box::new(condenser));
@@ -101,28 +103,46 @@ struct Seen {
 /// A device whose kernels do nothing.
 struct EmptyCondenser<'a> {
     condenser: GpuCondenser<'a>,
-    works: HashMap<TopologyKey, Vec<f64>>,
+    works: HashMap<TopologyKey, Arc<Vec<f64>>>,
+    /// Those of each group that was begun and is not finished.
+    stand_ins: VecDeque<Vec<Arc<Vec<f64>>>>,
     seen: &'a Mutex<Seen>,
 }
 
 impl Device for EmptyCondenser<'_> {
-    fn condense(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
+    fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
         let before = processor_seconds().unwrap_or(f64::NAN);
-        let mut condensed = self.condenser.condense(groups)?;
+        self.condenser.begin(groups)?;
         let between = processor_seconds().unwrap_or(f64::NAN);
-        for ((key, requests), condensed) in groups.iter().zip(&mut condensed) {
+        let mut stand_ins = Vec::with_capacity(groups.len());
+        for (key, requests) in groups {
             let works = self.works.entry(key.clone()).or_insert_with(|| {
                 let body = &requests[0].body;
                 let plan = CondensationPlan::new(body, key.grading(body), RingModes::of(&key.class));
-                plan.condense_alone(body)
+                Arc::new(plan.condense_alone(body))
             });
-            condensed.iter_mut().for_each(|own| *own = Some(works.clone()));
+            stand_ins.push(Arc::clone(works));
+        }
+        self.stand_ins.push_back(stand_ins);
+        let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        seen.condensing += between - before;
+        seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
+        seen.calls += 1;
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<Works, GpuError> {
+        let before = processor_seconds().unwrap_or(f64::NAN);
+        let mut condensed = self.condenser.finish()?;
+        let between = processor_seconds().unwrap_or(f64::NAN);
+        let stand_ins = self.stand_ins.pop_front().unwrap_or_default();
+        for (condensed, works) in condensed.iter_mut().zip(stand_ins) {
+            condensed.iter_mut().for_each(|own| *own = Some(works.to_vec()));
         }
         let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         seen.condensing += between - before;
         seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
         seen.counts = self.condenser.counts();
-        seen.calls += 1;
         Ok(condensed)
     }
 

@@ -7,8 +7,9 @@ use crate::engine::backend::choice::GpuChoice;
 use crate::engine::backend::gpu::batch::{Batch, KernelFacts, TARGET, adapted, batches};
 use crate::engine::backend::gpu::context::{AdapterKind, GpuError};
 use crate::engine::backend::gpu::dispatch::{Dispatch, Pass};
-use crate::engine::backend::gpu::elimination::{Elimination, FrontTopology, Job};
+use crate::engine::backend::gpu::elimination::Elimination;
 use crate::engine::backend::gpu::front::FrontLayout;
+use crate::engine::backend::gpu::front_topology::{FrontTopology, Job};
 use crate::engine::backend::gpu::kernels::{Kernels, Precision, Stage};
 use crate::engine::backend::gpu::layout::{MeshLayout, SystemState};
 use crate::engine::backend::gpu::solver::{INVOCATIONS, Topology};
@@ -118,9 +119,9 @@ fn eliminated(
     // The first batch is small, makes the buffers and tells the pace.
     let (mut count, mut seconds) = (effort.bodies.min(PACING), Vec::new());
     for sample in 0..=effort.samples {
-        let job = Job { topology: &topology, numbers: repeated(&numbers, count) };
+        let job = Job { topology: topology.clone(), numbers: repeated(&numbers, count) };
         let started = Instant::now();
-        elimination.condense(kernels, &[job])?;
+        elimination.condense(kernels, vec![job])?;
         let taken = started.elapsed().as_secs_f64();
         if sample == 0 {
             count = effort.bodies.min((count as f64 * TARGET.as_secs_f64() / taken).ceil() as usize);

@@ -2,7 +2,7 @@
 //! of multiply-adds that do not wait for each other.
 
 use crate::engine::backend::gpu::context::{AdapterKind, GpuDevice, GpuError};
-use crate::engine::backend::gpu::dispatch::{Dispatch, Pass};
+use crate::engine::backend::gpu::dispatch::{Argument, Dispatch, Pass};
 use crate::engine::backend::gpu::kernels::{Making, Precision, ROOFLINE, Stage, Variant};
 use crate::engine::backend::gpu::speed::{
     COPIED, INVOCATIONS, LINKS, RooflineParameters, arithmetic_peak, samples,
@@ -45,7 +45,13 @@ pub fn peaks(gpu: &GpuDevice, precision: Precision) -> Result<Peaks, GpuError> {
         let (source, copied) = (gpu.empty("source", buffer_bytes), gpu.empty("copied", buffer_bytes));
         let bind = |trip_count| {
             let parameters = RooflineParameters { trip_count, factor: 0.5, term: 0.5 };
-            gpu.bind(&stage, &[&gpu.uniform(&parameters), &source, &copied])
+            let parameters = gpu.uniform(&parameters);
+            let arguments = [
+                Argument::whole("parameters", &parameters),
+                Argument::whole("source", &source),
+                Argument::whole("copied", &copied),
+            ];
+            gpu.bind(&stage, &arguments)
         };
         let copy = Dispatch::new(&stage, 0, &bind(COPIED as u32), [across as u32; 2]);
         (copy, Dispatch::new(&stage, 1, &bind(LINKS), [1, 1]))

@@ -40,8 +40,8 @@ pub const MOST_BYTES: u64 = 1 << 30;
 /// A dispatch of fewer steps spends too much of its time loading and storing state: fewer bodies then.
 const FEWEST_STEPS: u64 = 10;
 
-/// Rows of the ring that `works` has in a workgroup's memory; the twin is in `works.wgsl`.
-const fn works_tile(invocations: u64) -> u64 {
+/// Rows of the ring that `works` has in a workgroup's memory.
+pub(super) const fn works_tile(invocations: u64) -> u64 {
     if invocations < 16 { 1 } else { invocations / 16 }
 }
 

@@ -1,9 +1,11 @@
 //! Buffers, bindings, submissions and what is read back: the few things that every stage asks of a device.
 
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use bytemuck::Pod;
-use wgpu::BufferUsages;
+use wgpu::{BufferBinding, BufferUsages};
 
 use super::context::{GpuDevice, GpuError};
 use super::kernels::Stage;
@@ -36,6 +38,35 @@ impl Dispatch {
     pub(crate) fn pass(&self) -> Pass<'_> {
         (&self.pipeline, &self.group, self.workgroups)
     }
+}
+
+/// What a kernel is given for one of its bindings.
+pub(crate) struct Argument<'a> {
+    name: &'static str,
+    binding: BufferBinding<'a>,
+}
+
+impl<'a> Argument<'a> {
+    pub(crate) fn whole(name: &'static str, buffer: &'a wgpu::Buffer) -> Argument<'a> {
+        Argument { name, binding: buffer.as_entire_buffer_binding() }
+    }
+
+    /// Some bytes of a buffer, which has them: wgpu refuses any other. They begin at a multiple of `ALIGNMENT`.
+    pub(crate) fn part(name: &'static str, buffer: &'a wgpu::Buffer, bytes: Range<u64>) -> Argument<'a> {
+        let size = wgpu::BufferSize::new(bytes.end - bytes.start);
+        Argument { name, binding: BufferBinding { buffer, offset: bytes.start, size } }
+    }
+}
+
+/// Of a part of a buffer that is bound, bytes: the most that WebGPU lets a device ask for.
+pub(crate) const ALIGNMENT: u64 = 256;
+
+/// What a submission copies to where the host can read it.
+pub(crate) struct Reading {
+    staging: wgpu::Buffer,
+    size: u64,
+    submission: wgpu::SubmissionIndex,
+    mapped: Arc<OnceLock<Result<(), wgpu::BufferAsyncError>>>,
 }
 
 impl GpuDevice {
@@ -76,20 +107,17 @@ impl GpuDevice {
         })
     }
 
-    /// Buffers in the order of the stage's bindings.
-    pub(crate) fn bind(&self, stage: &Stage, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
-        self.bind_parts(stage, buffers.iter().map(|buffer| buffer.as_entire_buffer_binding()))
-    }
-
-    /// Parts of buffers in the order of the stage's bindings.
-    pub(crate) fn bind_parts<'a>(
-        &self,
-        stage: &Stage,
-        parts: impl IntoIterator<Item = wgpu::BufferBinding<'a>>,
-    ) -> wgpu::BindGroup {
-        let entry =
-            |(binding, part)| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::Buffer(part) };
-        let entries: Vec<_> = (0..).zip(parts).map(entry).collect();
+    /// What a stage is given, by the names of its bindings and in their order.
+    pub(crate) fn bind(&self, stage: &Stage, arguments: &[Argument]) -> wgpu::BindGroup {
+        let names = || arguments.iter().map(|argument| argument.name);
+        let wanted = || stage.bindings.iter().map(|(name, _)| *name);
+        assert!(names().eq(wanted()), "{:?} for {:?}", Vec::from_iter(names()), Vec::from_iter(wanted()));
+        let resources =
+            arguments.iter().map(|argument| wgpu::BindingResource::Buffer(argument.binding.clone()));
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &stage.layout,
@@ -118,31 +146,44 @@ impl GpuDevice {
 
     /// Waits for all work submitted so far and copies a buffer back.
     pub(crate) fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
-        let staging = self.checked("reading back", || {
+        let reading = self.checked("reading back", || {
             let usage = BufferUsages::COPY_DST | BufferUsages::MAP_READ;
             let staging = self.with_usage("staging", buffer.size(), usage);
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
-            self.queue.submit([encoder.finish()]);
-            staging
+            let submission = self.queue.submit([encoder.finish()]);
+            self.reading(&staging, buffer.size(), submission)
         })?;
-        self.mapped(&staging, buffer.size(), |bytes| bytes.to_vec())
+        self.look(reading, |bytes| bytes.to_vec())
     }
 
-    /// Waits for all work submitted so far and looks at the first bytes of a buffer that can be mapped.
-    pub(crate) fn mapped<T>(
+    /// Asks for the first bytes of a buffer as a submission leaves it.
+    pub(crate) fn reading(
         &self,
         staging: &wgpu::Buffer,
         size: u64,
-        look: impl FnOnce(&[u8]) -> T,
-    ) -> Result<T, GpuError> {
-        let (sender, receiver) = std::sync::mpsc::channel();
-        self.checked("reading back", || {
-            staging.map_async(wgpu::MapMode::Read, ..size, move |result| drop(sender.send(result)));
-        })?;
-        self.wait()?;
+        submission: wgpu::SubmissionIndex,
+    ) -> Reading {
+        let mapped = Arc::new(OnceLock::new());
+        let told = Arc::clone(&mapped);
+        staging.map_async(wgpu::MapMode::Read, ..size, move |result| drop(told.set(result)));
+        Reading { staging: staging.clone(), size, submission, mapped }
+    }
+
+    /// Whether the submission has ended already.
+    pub(crate) fn is_there(&self, reading: &Reading) -> Result<bool, GpuError> {
+        self.device.poll(wgpu::PollType::Poll).map_err(|error| self.lost(&error.to_string()))?;
+        Ok(reading.mapped.get().is_some())
+    }
+
+    /// Waits for the end of the submission and looks at what it has left.
+    pub(crate) fn look<T>(&self, reading: Reading, look: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
+        let Reading { staging, size, submission, mapped } = reading;
+        let wait = wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(LONGEST_WAIT) };
         let lost = |problem: String| self.lost(&problem);
-        receiver.recv().map_err(|error| lost(error.to_string()))?.map_err(|error| lost(error.to_string()))?;
+        self.device.poll(wait).map_err(|error| lost(error.to_string()))?;
+        // It may be another thread that polls, and is about to tell.
+        mapped.wait().as_ref().map_err(|error| lost(error.to_string()))?;
         let view = staging.get_mapped_range(..size).map_err(|error| lost(error.to_string()))?;
         let seen = look(&view);
         drop(view);

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::batch::MOST_TRIPS;
 use super::context::DeviceLimits;
-use super::layout::{AssembleParameters, MeshLayout};
+use super::layout::{AssembleParameters, MeshLayout, starts};
 use crate::mechanics::assembly::Assembly;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::arc::packed_count;
@@ -15,6 +15,25 @@ use crate::mechanics::solve::band::{BandStructure, TILE};
 
 /// Numbers of a body before its works: whether it is sound, and its worst true residual or the greatest loss of a pivot.
 pub const WORKS_HEADER: usize = 2;
+
+/// What a device hands over of a body.
+pub struct WorksOfBody<'a> {
+    pub is_sound: bool,
+    /// The worst true residual of its systems, or the greatest loss of a pivot.
+    pub spoilt: f64,
+    /// Packed, one way to push after the other.
+    pub works: &'a [f64],
+}
+
+impl WorksOfBody<'_> {
+    /// From its numbers in `works`.
+    pub fn of(numbers: &[f64]) -> WorksOfBody<'_> {
+        let Some(([is_sound, spoilt], works)) = numbers.split_first_chunk::<WORKS_HEADER>() else {
+            unreachable!("every body has a header")
+        };
+        WorksOfBody { is_sound: *is_sound == 1.0, spoilt: *spoilt, works }
+    }
+}
 
 /// What a workgroup of `eliminate` works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -46,16 +65,25 @@ impl Front {
     }
 }
 
-/// What `eliminate` is told.
+/// What `eliminate` is told of the bodies of a topology. `_at`: the elements before those of the topology in a buffer that others share.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct EliminateParameters {
+    /// In a dispatch.
+    pub first_body: u32,
     pub row_count: u32,
     pub ring_row: u32,
     pub border_count: u32,
     pub mode_count: u32,
     pub value_count: u32,
     pub body_size: u32,
+    pub rows_at: u32,
+    pub tile_starts_at: u32,
+    pub places_at: u32,
+    pub loads_at: u32,
+    pub values_at: u32,
+    pub states_at: u32,
+    pub works_at: u32,
 }
 
 /// What bodies of one topology share, as `assemble` and `eliminate` take it.
@@ -97,6 +125,7 @@ impl FrontLayout {
             mode_count: modes.count as u32,
             value_count: places.len() as u32,
             body_size: (WORKS_HEADER + pushes.len() * packed_count(modes.count)) as u32,
+            ..EliminateParameters::zeroed()
         };
         let assembly =
             AssembleParameters { value_count: places.len() as u32, system_count: 1, ..mesh.parameters };
@@ -113,11 +142,16 @@ impl FrontLayout {
         }
     }
 
-    /// What it takes here.
-    pub fn bytes(&self) -> u64 {
-        let lists = [&self.source_starts, &self.sources, &self.tile_starts, &self.places];
-        let lists: usize = lists.iter().map(|list| size_of_val(&list[..])).sum();
-        (lists + size_of_val(&self.rows[..]) + size_of_val(&self.loads[..])) as u64
+    /// The lists of `assemble` and `eliminate` on bodies of this mesh, and where they begin.
+    pub fn lists(&self, mesh: &MeshLayout) -> (Vec<u32>, AssembleParameters, EliminateParameters) {
+        let rows = self.rows.as_flattened();
+        let FrontLayout { source_starts, sources, tile_starts, places, .. } = self;
+        let lists = [&mesh.element_grid, source_starts, sources, rows, tile_starts, places];
+        let [element_grid_at, source_starts_at, sources_at, rows_at, tile_starts_at, places_at] =
+            starts(lists);
+        let assembly = AssembleParameters { element_grid_at, source_starts_at, sources_at, ..self.assembly };
+        let elimination = EliminateParameters { rows_at, tile_starts_at, places_at, ..self.parameters };
+        (lists.concat(), assembly, elimination)
     }
 
     /// What a kernel must have room for: in the workgroup's own memory if that is large enough. `None` where an invocation would make too

@@ -5,12 +5,16 @@ use std::sync::Mutex;
 
 use wgpu::ShaderStages;
 
-use super::batch::{KernelFacts, OnChip};
+use super::batch::{KernelFacts, OnChip, works_tile};
 use super::context::{GpuDevice, GpuError};
 use super::front::Front;
 pub use super::front::WORKS_HEADER;
+use super::layout::{SLICE, SystemOutcome};
+use super::shared_data::{SharedData, SharedPlace};
 pub use crate::engine::backend::precision::Precision;
 use crate::mechanics::compliance::ring_modes::MOST_MODES;
+use crate::mechanics::layers::{MOST_STEPS, SHRINK, STEEPEST, TOLERANCE};
+use crate::mechanics::mesh::{CROWDING, LEEWAY, THICK_WALL};
 
 impl Precision {
     /// Wide numbers as the device stores them.
@@ -30,12 +34,42 @@ impl Precision {
     }
 }
 
-/// One file of kernels: its text, its entry points, and which of its storage bindings are written.
+/// How a kernel uses what it is bound to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    Uniform,
+    Read,
+    Written,
+}
+
+use Access::{Read, Uniform, Written};
+
+/// A number that stands in a twin.
+#[derive(Clone, Copy, Debug)]
+pub enum Constant {
+    /// u32.
+    Count(usize),
+    /// In the numbers of the kernel.
+    Wide(f64),
+}
+
+impl Constant {
+    fn text(self, name: &str) -> String {
+        match self {
+            Constant::Count(count) => format!("const {name} = {count}u;\n"),
+            Constant::Wide(number) => format!("const {name} = wide({number:?});\n"),
+        }
+    }
+}
+
+/// One file of kernels: its text, its entry points, and its bindings by name, in their order.
 pub struct KernelFile {
     pub name: &'static str,
     pub text: &'static str,
     pub entry_points: &'static [&'static str],
-    pub written: &'static [bool],
+    pub bindings: &'static [(&'static str, Access)],
+    /// What it has from its twin, by name.
+    pub constants: &'static [(&'static str, Constant)],
     /// What it takes sums of over a workgroup.
     pub summand: Option<&'static str>,
 }
@@ -48,10 +82,28 @@ pub const ASSEMBLE: KernelFile = KernelFile {
     name: "assemble",
     text: concat!(
         include_str!("../../../../shaders/functions.wgsl"),
+        include_str!("../../../../shaders/topologies.wgsl"),
         include_str!("../../../../shaders/assemble.wgsl")
     ),
     entry_points: &["assemble"],
-    written: &[false, false, false, false, false, true, true, true],
+    bindings: &[
+        ("topologies", Read),
+        ("bodies", Read),
+        ("shared_numbers", Read),
+        ("lists", Read),
+        ("geometry", Written),
+        ("values", Written),
+        ("states", Written),
+    ],
+    constants: &[
+        ("LEEWAY", Constant::Wide(LEEWAY)),
+        ("CROWDING", Constant::Wide(CROWDING)),
+        ("THICK_WALL", Constant::Wide(THICK_WALL)),
+        ("SHRINK", Constant::Wide(SHRINK)),
+        ("TOLERANCE", Constant::Wide(TOLERANCE)),
+        ("STEEPEST", Constant::Wide(STEEPEST)),
+        ("MOST_STEPS", Constant::Count(MOST_STEPS)),
+    ],
     summand: None,
 };
 
@@ -59,7 +111,17 @@ pub const PCG: KernelFile = KernelFile {
     name: "pcg",
     text: include_str!("../../../../shaders/pcg.wgsl"),
     entry_points: &["solve"],
-    written: &[false, false, false, false, true, true, true],
+    bindings: &[
+        ("parameters", Uniform),
+        ("slice_starts", Read),
+        ("columns", Read),
+        ("diagonal_places", Read),
+        ("values", Read),
+        ("iterates", Written),
+        ("norms", Written),
+        ("states", Written),
+    ],
+    constants: &[],
     summand: Some("real4"),
 };
 
@@ -67,7 +129,8 @@ pub const NARROW: KernelFile = KernelFile {
     name: "narrow",
     text: include_str!("../../../../shaders/narrow.wgsl"),
     entry_points: &["narrow"],
-    written: &[false, true],
+    bindings: &[("parameters", Uniform), ("values", Read), ("narrowed", Written)],
+    constants: &[],
     summand: None,
 };
 
@@ -75,7 +138,18 @@ pub const REFINE: KernelFile = KernelFile {
     name: "refine",
     text: include_str!("../../../../shaders/refine.wgsl"),
     entry_points: &["start", "refine", "settle"],
-    written: &[false, false, false, false, true, true, true, true],
+    bindings: &[
+        ("parameters", Uniform),
+        ("slice_starts", Read),
+        ("columns", Read),
+        ("diagonal_places", Read),
+        ("values", Read),
+        ("iterates", Written),
+        ("norms", Written),
+        ("states", Written),
+        ("solutions", Written),
+    ],
+    constants: &[],
     summand: Some("wide4"),
 };
 
@@ -83,7 +157,8 @@ pub const CONDENSE: KernelFile = KernelFile {
     name: "condense",
     text: include_str!("../../../../shaders/condense.wgsl"),
     entry_points: &["condense"],
-    written: &[false, true],
+    bindings: &[("parameters", Uniform), ("solutions", Read), ("compliance", Written)],
+    constants: &[],
     summand: None,
 };
 
@@ -91,15 +166,35 @@ pub const WORKS: KernelFile = KernelFile {
     name: "works",
     text: include_str!("../../../../shaders/works.wgsl"),
     entry_points: &["sum_works"],
-    written: &[false, false, false, false, true],
+    bindings: &[
+        ("parameters", Uniform),
+        ("compliance", Read),
+        ("loads", Read),
+        ("states", Read),
+        ("norms", Read),
+        ("works", Written),
+    ],
+    constants: &[],
     summand: None,
 };
 
 pub const ELIMINATE: KernelFile = KernelFile {
     name: "eliminate",
-    text: include_str!("../../../../shaders/eliminate.wgsl"),
+    text: concat!(
+        include_str!("../../../../shaders/topologies.wgsl"),
+        include_str!("../../../../shaders/eliminate.wgsl")
+    ),
     entry_points: &["eliminate"],
-    written: &[false, false, false, false, false, false, true, true],
+    bindings: &[
+        ("topologies", Read),
+        ("lists", Read),
+        ("loads", Read),
+        ("values", Read),
+        ("states", Read),
+        ("works", Written),
+        ("fronts", Written),
+    ],
+    constants: &[],
     summand: None,
 };
 
@@ -108,7 +203,8 @@ pub const ROOFLINE: KernelFile = KernelFile {
     name: "roofline",
     text: include_str!("../../../../shaders/roofline.wgsl"),
     entry_points: &["copy", "multiply_add"],
-    written: &[false, true],
+    bindings: &[("parameters", Uniform), ("source", Read), ("copied", Written)],
+    constants: &[],
     summand: None,
 };
 
@@ -151,6 +247,11 @@ impl KernelFile {
         self.variant(&Variant::plain(precision, invocations))
     }
 
+    /// How many of its bindings are storage.
+    pub fn storage_buffers(&self) -> usize {
+        self.bindings.iter().filter(|(_, access)| *access != Uniform).count()
+    }
+
     /// Its entry points, which do nothing.
     pub fn empty(&self, invocations: u32) -> String {
         let empty = |name: &&str| format!("@compute @workgroup_size({invocations})\nfn {name}() {{}}\n");
@@ -173,13 +274,23 @@ impl KernelFile {
             (Some(summand), Sums::Tree) => format!("alias summand = {summand};\n{SUM_TREE}"),
             (Some(summand), Sums::Subgroups) => format!("alias summand = {summand};\n{SUM_SUBGROUPS}"),
         };
+        let outcomes = SystemOutcome::ALL.map(|(name, outcome)| (name, Constant::Count(outcome as usize)));
+        let tile_rows = works_tile(u64::from(*invocations)) as usize;
+        let sizes = [
+            ("SLICE", SLICE),
+            ("MOST_MODES", MOST_MODES),
+            ("WORKS_HEADER", WORKS_HEADER),
+            ("TILE_ROWS", tile_rows),
+        ];
+        let sizes = sizes.map(|(name, size)| (name, Constant::Count(size)));
+        let constants = outcomes.iter().chain(&sizes).chain(self.constants);
+        let constants: String = constants.map(|(name, constant)| constant.text(name)).collect();
         let text = self.text;
         let double = precision.wide_bytes() == 8;
         format!(
             "alias real = {real};\nalias wide = {wide};\nconst IS_WIDE_DOUBLE = {double};\nconst INVOCATIONS = {invocations}u;\n\
              const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\nconst FRONT = {rows}u;\nconst IS_FRONT_ON_CHIP = {is_on_chip};\n\
-             const MOST_MODES = {MOST_MODES}u;\n\
-             const WORKS_HEADER = {WORKS_HEADER}u;\n{COMMON}\n{sums}\n{text}"
+             {constants}{COMMON}\n{sums}\n{text}"
         )
     }
 }
@@ -198,6 +309,7 @@ pub enum Making {
 /// Pipelines of one file, in the order of its entry points.
 #[derive(Clone)]
 pub struct Stage {
+    pub bindings: &'static [(&'static str, Access)],
     pub layout: wgpu::BindGroupLayout,
     pub pipelines: Vec<wgpu::ComputePipeline>,
 }
@@ -212,6 +324,7 @@ pub struct Kernels<'a> {
     pub narrow: Option<Stage>,
     pcg: Mutex<HashMap<OnChip, Stage>>,
     eliminate: Mutex<HashMap<Front, Stage>>,
+    shared: Mutex<SharedData>,
     pub refine: Stage,
     pub condense: Stage,
     pub works: Stage,
@@ -258,6 +371,7 @@ impl<'a> Kernels<'a> {
             narrow: precision.narrows().then(|| stage(&NARROW)).transpose()?,
             pcg: Mutex::default(),
             eliminate: Mutex::default(),
+            shared: Mutex::default(),
             refine: stage(&REFINE)?,
             condense: stage(&CONDENSE)?,
             works: stage(&WORKS)?,
@@ -274,6 +388,14 @@ impl<'a> Kernels<'a> {
     /// Elimination with such a front; made when it is first asked for.
     pub fn eliminate(&self, front: Front) -> Result<Stage, GpuError> {
         self.kept(&self.eliminate, front, &ELIMINATE, |variant| variant.front = front)
+    }
+
+    /// Uploads what the bodies of a topology share: lists, and numbers of which those behind each other begin at whole vectors.
+    pub fn share(&self, lists: &[u32], numbers: &[f64]) -> Result<SharedPlace, GpuError> {
+        // A thread that panicked has left at most a hole.
+        let mut shared = self.shared.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let (precision, wide) = (self.precision, self.precision.wide_bytes());
+        shared.place(self.gpu, lists, &precision.encode(numbers), wide)
     }
 
     fn kept<K: Copy + Eq + std::hash::Hash>(
@@ -313,8 +435,9 @@ impl Stage {
         variant: &Variant,
         making: Making,
     ) -> Result<Stage, GpuError> {
-        if file.written.len() > gpu.facts.limits.storage_buffers as usize {
-            let what = format!("{} storage buffers", file.written.len());
+        let storage_buffers = file.storage_buffers();
+        if storage_buffers > gpu.facts.limits.storage_buffers as usize {
+            let what = format!("{storage_buffers} storage buffers");
             return Err(GpuError::Lacks { adapter: gpu.facts.name.clone(), what });
         }
         let source = match making {
@@ -326,16 +449,21 @@ impl Stage {
     }
 
     fn build(device: &wgpu::Device, file: &KernelFile, source: &str, is_checked: bool) -> Stage {
-        let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
+        let entry = |(binding, (_, access)): (u32, &(&str, Access))| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+            ty: wgpu::BindingType::Buffer {
+                ty: match access {
+                    Uniform => wgpu::BufferBindingType::Uniform,
+                    Read => wgpu::BufferBindingType::Storage { read_only: true },
+                    Written => wgpu::BufferBindingType::Storage { read_only: false },
+                },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
             count: None,
         };
-        let storage =
-            file.written.iter().map(|written| wgpu::BufferBindingType::Storage { read_only: !written });
-        let types = std::iter::once(wgpu::BufferBindingType::Uniform).chain(storage);
-        let entries: Vec<_> = (0..).zip(types).map(entry).collect();
+        let entries: Vec<_> = (0..).zip(file.bindings).map(entry).collect();
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some(file.name),
             entries: &entries,
@@ -369,6 +497,7 @@ impl Stage {
                 cache: None,
             })
         };
-        Stage { pipelines: file.entry_points.iter().map(pipeline).collect(), layout }
+        let pipelines = file.entry_points.iter().map(pipeline).collect();
+        Stage { bindings: file.bindings, layout, pipelines }
     }
 }

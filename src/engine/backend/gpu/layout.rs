@@ -16,10 +16,12 @@ use crate::mechanics::mesh::{
 };
 use crate::mechanics::solve::refine::RefineSettings;
 
-/// What `assemble` is told.
+/// What `assemble` is told of the bodies of a topology. `_at`: the elements before those of the topology in a buffer that others share.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct AssembleParameters {
+    /// In a dispatch.
+    pub first_body: u32,
     pub column_count: u32,
     pub row_count: u32,
     pub element_count: u32,
@@ -28,6 +30,14 @@ pub struct AssembleParameters {
     pub side_count: u32,
     pub is_plane_strain: u32,
     pub shrinking_layers: u32,
+    pub bodies_at: u32,
+    pub shared_numbers_at: u32,
+    pub element_grid_at: u32,
+    pub source_starts_at: u32,
+    pub sources_at: u32,
+    pub geometry_at: u32,
+    pub values_at: u32,
+    pub states_at: u32,
 }
 
 /// What `pcg`, `refine` and `condense` are told.
@@ -68,12 +78,26 @@ pub enum SystemOutcome {
     Stagnated = 6,
 }
 
+impl SystemOutcome {
+    /// All of them, with their names in kernels.
+    pub const ALL: [(&'static str, SystemOutcome); 7] = [
+        ("RUNNING", SystemOutcome::Running),
+        ("CONVERGED", SystemOutcome::Converged),
+        ("ITERATION_LIMIT", SystemOutcome::IterationLimit),
+        ("INDEFINITE", SystemOutcome::Indefinite),
+        ("NOT_FINITE", SystemOutcome::NotFinite),
+        ("INVERTED", SystemOutcome::Inverted),
+        ("STAGNATED", SystemOutcome::Stagnated),
+    ];
+}
+
 impl SystemState {
     /// `None` for a number that stands for nothing.
     pub fn outcome(&self) -> Option<SystemOutcome> {
-        use SystemOutcome::*;
-        let outcomes = [Running, Converged, IterationLimit, Indefinite, NotFinite, Inverted, Stagnated];
-        outcomes.into_iter().find(|outcome| *outcome as u32 == self.outcome)
+        SystemOutcome::ALL
+            .map(|(_, outcome)| outcome)
+            .into_iter()
+            .find(|outcome| *outcome as u32 == self.outcome)
     }
 }
 
@@ -103,7 +127,7 @@ pub struct Sliced {
     pub places: Vec<u32>,
 }
 
-/// Rows of a slice, the common size of a subgroup; the twin is in `common.wgsl`.
+/// Rows of a slice, the common size of a subgroup.
 pub const SLICE: usize = 32;
 
 impl Sliced {
@@ -259,6 +283,7 @@ impl MeshLayout {
             side_count: body.shape.sides.len() as u32,
             is_plane_strain: is_plane_strain(body.idealization),
             shrinking_layers: grading.layers.shrinking as u32,
+            ..AssembleParameters::zeroed()
         };
         Ok(MeshLayout {
             grading: grading.clone(),
@@ -269,6 +294,16 @@ impl MeshLayout {
             shared_numbers: shared_numbers(body, grading, &topology.ring_angles),
             parameters,
         })
+    }
+
+    /// The lists of `assemble`, and where they begin.
+    pub fn lists(&self) -> (Vec<u32>, AssembleParameters) {
+        let lists = [&self.element_grid, &self.source_starts, &self.sources].map(|list| &list[..]);
+        let [element_grid_at, source_starts_at, sources_at] = starts(lists);
+        (
+            lists.concat(),
+            AssembleParameters { element_grid_at, source_starts_at, sources_at, ..self.parameters },
+        )
     }
 
     /// What one body asks of a device.
@@ -342,6 +377,15 @@ impl MeshLayout {
         }
         numbers
     }
+}
+
+/// Elements before each of some lists that follow each other.
+pub(super) fn starts<const N: usize>(lists: [&[u32]; N]) -> [u32; N] {
+    let mut end = 0;
+    lists.map(|list| {
+        end += list.len() as u32;
+        end - list.len() as u32
+    })
 }
 
 /// As the kernels are told.

@@ -2,6 +2,7 @@
 //! body to the works of its ring's modes, with nothing read back between. docs/gpu.md has the whole.
 
 pub mod context;
+pub mod shared_data;
 pub mod batch;
 pub mod layout;
 pub mod front;
@@ -9,6 +10,8 @@ pub mod kernels;
 pub mod dispatch;
 pub mod stages;
 pub mod works;
+pub mod front_topology;
+pub mod elimination_plan;
 pub mod elimination;
 pub mod solver;
 pub mod speed;

@@ -1,5 +1,6 @@
 //! Bodies condensed on a device: what comes back is the works of each and nothing else.
 
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use foldhash::HashMap;
@@ -7,14 +8,15 @@ use rayon::prelude::*;
 
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
 use super::context::{GpuDevice, GpuError};
-use super::elimination::{Counts, Elimination, FrontTopology, Job};
+use super::elimination::{Counts, Elimination};
 use super::front::FrontLayout;
+use super::front_topology::{FrontTopology, Job};
 use super::kernels::{Kernels, Precision};
 use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
-use crate::engine::backend::Device;
 use crate::engine::backend::device_solver::DeviceSolver;
+use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
@@ -27,7 +29,15 @@ pub struct GpuCondenser<'a> {
     solver: DeviceSolver,
     topologies: HashMap<TopologyKey, OnDevice>,
     elimination: Elimination,
+    begun: VecDeque<Begun>,
     pub report: GpuReport,
+}
+
+/// Groups whose works were not asked for yet.
+struct Begun {
+    /// Those that are there: all but of the groups that are eliminated, whose places follow.
+    works: Works,
+    eliminated: Vec<usize>,
 }
 
 /// What a device has done so far.
@@ -38,7 +48,7 @@ pub struct GpuReport {
     pub solves: u64,
     /// The greatest |b - K x|/|b| of a column that works rest on.
     pub worst_residual: f64,
-    /// Wall times: layouts and what bodies share; from numbers to works.
+    /// Wall times: layouts and what bodies share; from numbers to works, without what the device does alone.
     pub preparation: Duration,
     pub condensation: Duration,
 }
@@ -91,6 +101,7 @@ impl<'a> GpuCondenser<'a> {
             solver,
             topologies: HashMap::default(),
             elimination: Elimination::default(),
+            begun: VecDeque::new(),
             report: GpuReport::default(),
         }
     }
@@ -102,32 +113,39 @@ impl<'a> GpuCondenser<'a> {
 }
 
 impl Device for GpuCondenser<'_> {
-    fn condense(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
+    fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
         if self.topologies.values().map(OnDevice::bytes).sum::<u64>() > KEPT_BYTES {
             self.topologies.clear();
         }
         let started = Instant::now();
-        for (key, requests) in groups {
-            if !self.topologies.contains_key(key) {
-                let shared = OnDevice::new(&self.kernels, self.solver, key, &requests[0].body)?;
-                self.topologies.insert(key.clone(), shared);
-            }
-        }
+        self.meet(groups)?;
         self.report.preparation += started.elapsed();
         let started = Instant::now();
-        let mut condensed = self.eliminate(groups)?;
-        for ((key, requests), condensed) in groups.iter().zip(&mut condensed) {
-            match self.topologies.get_mut(key) {
+        let (eliminated, jobs) = self.jobs(groups);
+        self.elimination.begin(&self.kernels, jobs)?;
+        let mut works = Works::with_capacity(groups.len());
+        for (key, requests) in groups {
+            works.push(match self.topologies.get_mut(key) {
                 Some(OnDevice::Iterated(topology)) => {
                     let bodies: Vec<Body> = requests.iter().map(|request| request.body.clone()).collect();
-                    *condensed = condense(&self.kernels, topology, &bodies, &mut self.report)?;
+                    condense(&self.kernels, topology, &bodies, &mut self.report)?
                 }
-                Some(OnDevice::Eliminated(..)) => {}
-                _ => *condensed = vec![None; requests.len()],
-            }
+                _ => vec![None; requests.len()],
+            });
+        }
+        self.begun.push_back(Begun { works, eliminated });
+        self.report.condensation += started.elapsed();
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<Works, GpuError> {
+        let started = Instant::now();
+        let Some(Begun { mut works, eliminated }) = self.begun.pop_front() else { return Ok(Works::new()) };
+        for (place, found) in eliminated.into_iter().zip(self.elimination.finish(&self.kernels)?) {
+            works[place] = found;
         }
         self.report.condensation += started.elapsed();
-        Ok(condensed)
+        Ok(works)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {
@@ -145,8 +163,24 @@ impl Device for GpuCondenser<'_> {
 }
 
 impl GpuCondenser<'_> {
-    /// The works on the bodies of all groups that are eliminated; nothing of the others.
-    fn eliminate(&mut self, groups: &[Group]) -> Result<Vec<Vec<Option<Vec<f64>>>>, GpuError> {
+    /// Prepares topologies that are new.
+    fn meet(&mut self, groups: &[Group]) -> Result<(), GpuError> {
+        let new = groups.iter().filter(|(key, _)| !self.topologies.contains_key(key));
+        let new: Vec<(&TopologyKey, &Body)> = new.map(|(key, group)| (key, &group[0].body)).collect();
+        let lay_out = |(key, body): &(&TopologyKey, &Body)| match self.solver {
+            DeviceSolver::Pcg => Ok(None),
+            _ => layouts(&self.kernels, key, body).map(Some),
+        };
+        let laid_out = new.par_iter().map(lay_out).collect::<Result<Vec<_>, GpuError>>()?;
+        for ((key, body), layouts) in new.into_iter().zip(laid_out) {
+            let shared = OnDevice::new(&self.kernels, self.solver, key, body, layouts)?;
+            self.topologies.insert(key.clone(), shared);
+        }
+        Ok(())
+    }
+
+    /// The groups that are eliminated: their places, and their bodies.
+    fn jobs(&mut self, groups: &[Group]) -> (Vec<usize>, Vec<Job>) {
         let mut jobs = Vec::new();
         for (place, (key, requests)) in groups.iter().enumerate() {
             if let Some(OnDevice::Eliminated(shared)) = self.topologies.get(key) {
@@ -155,31 +189,24 @@ impl GpuCondenser<'_> {
                     .par_iter()
                     .with_min_len(64)
                     .flat_map_iter(|request| mesh.body_numbers(&request.body));
-                jobs.push((place, Job { topology, numbers: numbers.collect() }));
+                jobs.push((place, Job { topology: topology.clone(), numbers: numbers.collect() }));
                 self.report.bodies += requests.len() as u64;
             }
         }
-        let (places, jobs): (Vec<usize>, Vec<Job>) = jobs.into_iter().unzip();
-        let mut works = vec![vec![]; groups.len()];
-        for (place, found) in places.into_iter().zip(self.elimination.condense(&self.kernels, &jobs)?) {
-            works[place] = found;
-        }
-        Ok(works)
+        jobs.into_iter().unzip()
     }
 }
 
 impl OnDevice {
-    /// Of bodies like `body`.
+    /// Of bodies like `body`, with what elimination takes, if it is not conjugate gradients that are asked for.
     fn new(
         kernels: &Kernels,
         solver: DeviceSolver,
         key: &TopologyKey,
         body: &Body,
+        layouts: Option<(MeshLayout, FrontLayout)>,
     ) -> Result<OnDevice, GpuError> {
-        if solver != DeviceSolver::Pcg {
-            let grading = key.grading(body);
-            let mesh = layout(kernels, body, &grading)?;
-            let front = FrontLayout::new(body, &grading, &RingModes::of(&key.class), &mesh);
+        if let Some((mesh, front)) = layouts {
             if let Some(topology) = FrontTopology::new(kernels, &mesh, front)? {
                 return Ok(OnDevice::Eliminated(Box::new((mesh, topology))));
             }
@@ -197,6 +224,13 @@ impl OnDevice {
             OnDevice::Left => 0,
         }
     }
+}
+
+fn layouts(kernels: &Kernels, key: &TopologyKey, body: &Body) -> Result<(MeshLayout, FrontLayout), GpuError> {
+    let grading = key.grading(body);
+    let mesh = layout(kernels, body, &grading)?;
+    let front = FrontLayout::new(body, &grading, &RingModes::of(&key.class), &mesh);
+    Ok((mesh, front))
 }
 
 fn layout(kernels: &Kernels, body: &Body, grading: &Grading) -> Result<MeshLayout, GpuError> {

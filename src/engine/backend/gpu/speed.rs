@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use bytemuck::{Pod, Zeroable};
 
 use super::context::{AdapterKind, GpuDevice, GpuError};
-use super::dispatch::{Dispatch, Pass};
+use super::dispatch::{Argument, Dispatch, Pass};
 use super::kernels::{Making, Precision, ROOFLINE, Stage, Variant};
 
 /// What `roofline` is told.
@@ -61,7 +61,13 @@ fn f64_share(gpu: &GpuDevice) -> Result<f64, GpuError> {
         let chains = gpu.checked("roofline", || {
             let buffers = [gpu.empty("source", bytes), gpu.empty("copied", bytes)];
             let parameters = RooflineParameters { trip_count: LINKS, factor: 0.5, term: 0.5 };
-            let group = gpu.bind(&stage, &[&gpu.uniform(&parameters), &buffers[0], &buffers[1]]);
+            let parameters = gpu.uniform(&parameters);
+            let arguments = [
+                Argument::whole("parameters", &parameters),
+                Argument::whole("source", &buffers[0]),
+                Argument::whole("copied", &buffers[1]),
+            ];
+            let group = gpu.bind(&stage, &arguments);
             Dispatch::new(&stage, 1, &group, [1, 1])
         })?;
         arithmetic_peak(gpu, chains, invocations, 1)

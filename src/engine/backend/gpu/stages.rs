@@ -3,7 +3,7 @@
 
 use super::batch::{ITERATES, OnChip, SOLUTIONS};
 use super::context::GpuError;
-use super::dispatch::Dispatch;
+use super::dispatch::{Argument, Dispatch};
 use super::kernels::{Kernels, Stage};
 use super::layout::{MeshLayout, SystemLayout, SystemState};
 use crate::mechanics::solve::refine::RefineSettings;
@@ -125,18 +125,21 @@ impl<'a> SystemBatch<'a> {
         let (grid, size) = (mesh.grid_count(), mesh.geometry_count());
         let bytes = (self.body_count * size) as u64 * 2 * precision.wide_bytes();
         let geometry = gpu.empty("geometry", bytes);
-        let bindings = [
-            &gpu.uniform(&mesh.parameters),
-            &reals("bodies", body_numbers),
-            &reals("shared_numbers", &mesh.shared_numbers),
-            &gpu.filled("element_grid", &mesh.element_grid),
-            &gpu.filled("source_starts", &mesh.source_starts),
-            &gpu.filled("sources", &mesh.sources),
-            &geometry,
-            &self.values,
-            &self.states,
+        let (lists, parameters) = mesh.lists();
+        let topologies = gpu.filled("topologies", &[parameters]);
+        let bodies = reals("bodies", body_numbers);
+        let shared_numbers = reals("shared_numbers", &mesh.shared_numbers);
+        let lists = gpu.filled("lists", &lists);
+        let arguments = [
+            Argument::whole("topologies", &topologies),
+            Argument::whole("bodies", &bodies),
+            Argument::whole("shared_numbers", &shared_numbers),
+            Argument::whole("lists", &lists),
+            Argument::whole("geometry", &geometry),
+            Argument::whole("values", &self.values),
+            Argument::whole("states", &self.states),
         ];
-        let group = gpu.bind(assemble, &bindings);
+        let group = gpu.bind(assemble, &arguments);
         let dispatch = Dispatch::new(assemble, 0, &group, [self.body_count as u32, 1]);
         (dispatch, Geometry { buffer: geometry, grid, size })
     }
@@ -164,16 +167,29 @@ impl<'a> SystemBatch<'a> {
         let Kernels { gpu, narrow, refine, .. } = self.kernels;
         let groups = self.block_groups();
         let parameters = gpu.uniform(&self.layout.parameters(settings, step_count));
-        let bind = |stage, values, others: &[&wgpu::Buffer]| {
-            let sparsity = [&parameters, &self.slice_starts, &self.columns, &self.diagonal_places, values];
-            gpu.bind(stage, &[&sparsity, others].concat())
+        let bind = |stage, values, solutions: Option<Argument>| {
+            let arguments = [
+                Argument::whole("parameters", &parameters),
+                Argument::whole("slice_starts", &self.slice_starts),
+                Argument::whole("columns", &self.columns),
+                Argument::whole("diagonal_places", &self.diagonal_places),
+                Argument::whole("values", values),
+                Argument::whole("iterates", &self.iterates),
+                Argument::whole("norms", &self.norms),
+                Argument::whole("states", &self.states),
+            ];
+            gpu.bind(stage, &arguments.into_iter().chain(solutions).collect::<Vec<_>>())
         };
-        let steps = bind(pcg, &self.narrowed, &[&self.iterates, &self.norms, &self.states]);
-        let others = [&self.iterates, &self.norms, &self.states, &self.solutions];
-        let rounds = bind(refine, &self.values, &others);
+        let steps = bind(pcg, &self.narrowed, None);
+        let rounds = bind(refine, &self.values, Some(Argument::whole("solutions", &self.solutions)));
         let of_refine = |entry| Dispatch::new(refine, entry, &rounds, groups);
         let narrow = narrow.as_ref().map(|narrow| {
-            let group = gpu.bind(narrow, &[&parameters, &self.values, &self.narrowed]);
+            let arguments = [
+                Argument::whole("parameters", &parameters),
+                Argument::whole("values", &self.values),
+                Argument::whole("narrowed", &self.narrowed),
+            ];
+            let group = gpu.bind(narrow, &arguments);
             Dispatch::new(narrow, 0, &group, [groups[0], 1])
         });
         let solve = Dispatch::new(pcg, 0, &steps, groups);
@@ -189,7 +205,12 @@ impl<'a> SystemBatch<'a> {
     pub(crate) fn condensation(&self) -> Dispatch {
         let Kernels { gpu, condense, .. } = self.kernels;
         let parameters = gpu.uniform(&self.layout.parameters(&NOTHING_TO_SOLVE, 0));
-        let group = gpu.bind(condense, &[&parameters, &self.solutions, &self.compliance]);
+        let arguments = [
+            Argument::whole("parameters", &parameters),
+            Argument::whole("solutions", &self.solutions),
+            Argument::whole("compliance", &self.compliance),
+        ];
+        let group = gpu.bind(condense, &arguments);
         Dispatch::new(condense, 0, &group, self.block_groups())
     }
 

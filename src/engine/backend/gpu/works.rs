@@ -4,8 +4,9 @@ use bytemuck::{Pod, Zeroable};
 
 use super::batch::COLUMNS_ABREAST;
 use super::context::GpuError;
-use super::dispatch::Dispatch;
-use super::kernels::{Kernels, WORKS_HEADER};
+use super::dispatch::{Argument, Dispatch};
+use super::front::{WORKS_HEADER, WorksOfBody};
+use super::kernels::Kernels;
 use super::stages::SystemBatch;
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
@@ -93,8 +94,8 @@ impl SystemBatch<'_> {
         gpu.checked("works", || gpu.submit([dispatch.pass()]))?;
         let numbers = precision.decode(&gpu.read(&buffer)?);
         let of_body = |numbers: &[f64]| {
-            let (header, works) = numbers.split_at(WORKS_HEADER);
-            (header[0] == 1.0).then(|| BodyWorks { works: works.to_vec(), residual: header[1] })
+            let WorksOfBody { is_sound, spoilt, works } = WorksOfBody::of(numbers);
+            is_sound.then(|| BodyWorks { works: works.to_vec(), residual: spoilt })
         };
         Ok(numbers.chunks_exact(body_size).map(of_body).collect())
     }
@@ -110,17 +111,16 @@ impl SystemBatch<'_> {
         let bytes = (self.body_count() * loads.body_size()) as u64 * precision.wide_bytes();
         gpu.checked("works", || {
             let buffer = gpu.empty("works", bytes);
-            let group = gpu.bind(
-                works,
-                &[
-                    &gpu.uniform(&parameters),
-                    &self.compliance,
-                    &loads.buffer,
-                    &self.states,
-                    &self.norms,
-                    &buffer,
-                ],
-            );
+            let parameters = gpu.uniform(&parameters);
+            let arguments = [
+                Argument::whole("parameters", &parameters),
+                Argument::whole("compliance", &self.compliance),
+                Argument::whole("loads", &loads.buffer),
+                Argument::whole("states", &self.states),
+                Argument::whole("norms", &self.norms),
+                Argument::whole("works", &buffer),
+            ];
+            let group = gpu.bind(works, &arguments);
             let dispatch = Dispatch::new(works, 0, &group, [self.body_count() as u32, loads.pushes as u32]);
             WorksBuffer { dispatch, buffer, body_size: loads.body_size() }
         })
