@@ -325,7 +325,7 @@ fn every_circle_of_a_lined_block_carries_the_force() {
         };
         let options = SolveOptions { accuracy: 2e-3, method: MethodChoice::Auto };
         let curve = JointCurve::after(None, &joint, options).unwrap();
-        let force = curve.answers(&[load])[0].response.clone().unwrap().force;
+        let force = curve.answers(&[load])[0].response.unwrap().force;
         let circles = curve.stresses(Side::Plate, load, 2001, &[0.02, 0.2]).unwrap();
         // The contact, both sides of two interfaces, and two depths.
         assert_eq!(circles.len(), 7);
@@ -363,7 +363,7 @@ fn half_pins_have_stresses_up_to_their_corner() {
     let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Auto };
     let curve = JointCurve::after(None, &joint, options).unwrap();
     let load = Load::Indentation(0.002);
-    let peak = curve.answers(&[load])[0].response.clone().unwrap().peak_pressure.unwrap();
+    let peak = curve.answers(&[load])[0].response.unwrap().peak_pressure.unwrap();
     let circles = curve.stresses(Side::Pin, load, 101, &[]).unwrap();
     assert_eq!(circles.iter().map(|circle| circle.layer).collect::<Vec<_>>(), [1, 1, 0]);
     for circle in &circles {
