@@ -8,7 +8,8 @@ use std::path::PathBuf;
 
 use jointsweep::internals::engine::backend::gpu::batch::OnChip;
 use jointsweep::internals::engine::backend::gpu::front::Front;
-use jointsweep::internals::engine::backend::gpu::kernels::{KERNEL_FILES, Precision, Sums, Variant};
+use jointsweep::internals::engine::backend::gpu::kernel_texts::{KERNEL_FILES, Sums, Variant};
+use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 
 fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(std::env::args_os().nth(1).expect("a folder to write to"));

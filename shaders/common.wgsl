@@ -6,7 +6,7 @@
 //     const INVOCATIONS = 64u;        // of a workgroup
 //     const ON_CHIP = 4u;             // vectors that pcg holds in a workgroup's own memory
 //     const CAPACITY = 512u;          // numbers of each of them, four systems abreast
-//     const RUNNING = 0u;             // and so on: how a system stands, `layout::SystemOutcome`
+//     const RUNNING = 0u;             // and so on: how a system stands, `system_layout::SystemOutcome`
 //     const SLICE = 32u;              // rows that lie side by side in a matrix
 //     const MOST_MODES = 48u;         // of a ring
 //     const WORKS_HEADER = 2u;        // numbers of a body before its works

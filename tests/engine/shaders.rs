@@ -4,14 +4,16 @@ use std::mem::offset_of;
 
 use jointsweep::internals::engine::backend::gpu::batch::{KernelFacts, OnChip};
 use jointsweep::internals::engine::backend::gpu::front::{EliminateParameters, Front};
-use jointsweep::internals::engine::backend::gpu::kernels::{
-    ASSEMBLE, Access, CONDENSE, ELIMINATE, KERNEL_FILES, KernelFile, NARROW, PCG, Precision, REFINE,
-    ROOFLINE, Sums, Variant, WORKS,
+use jointsweep::internals::engine::backend::gpu::kernel_texts::{
+    ASSEMBLE, Access, CONDENSE, ELIMINATE, KERNEL_FILES, KernelFile, NARROW, PCG, REFINE, ROOFLINE, Sums,
+    Variant, WORKS,
 };
-use jointsweep::internals::engine::backend::gpu::layout::{
-    AssembleParameters, SystemOutcome, SystemParameters, SystemState,
-};
+use jointsweep::internals::engine::backend::gpu::kernels::Precision;
+use jointsweep::internals::engine::backend::gpu::layout::AssembleParameters;
 use jointsweep::internals::engine::backend::gpu::speed::RooflineParameters;
+use jointsweep::internals::engine::backend::gpu::system_layout::{
+    SystemOutcome, SystemParameters, SystemState,
+};
 use jointsweep::internals::engine::backend::gpu::works::WorksParameters;
 use jointsweep::internals::mechanics::body::{Body, SHAPES, Side};
 use jointsweep::internals::mechanics::compliance::arc::packed_count;

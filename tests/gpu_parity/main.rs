@@ -25,10 +25,9 @@ use crate::common::rings::{MeshedBody, body};
 use jointsweep::internals::engine::backend::gpu::batch::{BodyCounts, MOST_BYTES, MOST_TRIPS, batches};
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Making, Precision};
-use jointsweep::internals::engine::backend::gpu::layout::{
-    MeshLayout, SystemLayout, SystemOutcome, SystemState,
-};
+use jointsweep::internals::engine::backend::gpu::layout::MeshLayout;
 use jointsweep::internals::engine::backend::gpu::stages::{SystemBatch, SystemReports};
+use jointsweep::internals::engine::backend::gpu::system_layout::{SystemLayout, SystemOutcome, SystemState};
 use jointsweep::internals::mechanics::body::Body;
 use jointsweep::internals::mechanics::compliance::condense::variational_compliance;
 use jointsweep::internals::mechanics::element::ElementKind;

@@ -3,7 +3,8 @@
 
 use crate::engine::backend::gpu::context::{AdapterKind, GpuDevice, GpuError};
 use crate::engine::backend::gpu::dispatch::{Argument, Dispatch, Pass};
-use crate::engine::backend::gpu::kernels::{Making, Precision, ROOFLINE, Stage, Variant};
+use crate::engine::backend::gpu::kernel_texts::{ROOFLINE, Variant};
+use crate::engine::backend::gpu::kernels::{Making, Precision, Stage};
 use crate::engine::backend::gpu::speed::{
     COPIED, INVOCATIONS, LINKS, RooflineParameters, arithmetic_peak, samples,
 };

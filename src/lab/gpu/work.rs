@@ -9,8 +9,10 @@
 //! without end, and what bodies share moves once for all of them.
 
 use crate::engine::backend::gpu::batch::COLUMNS_ABREAST;
-use crate::engine::backend::gpu::kernels::{Precision, WORKS_HEADER};
-use crate::engine::backend::gpu::layout::{MeshLayout, SLICE, SystemState};
+use crate::engine::backend::gpu::front::WORKS_HEADER;
+use crate::engine::backend::gpu::kernels::Precision;
+use crate::engine::backend::gpu::layout::MeshLayout;
+use crate::engine::backend::gpu::system_layout::{SLICE, SystemState};
 use crate::mechanics::compliance::arc::packed_count;
 
 /// Operations and bytes of one dispatch, or of several.

@@ -219,12 +219,7 @@ impl Condense<'_> {
                 elasticity.cross.set_lane(lane, plane_strain.cross.lane(lane));
             }
         }
-        if material > 0 {
-            let Elasticity { direct, cross, shear } = elasticity;
-            elasticity =
-                Elasticity { direct: modulus * direct, cross: modulus * cross, shear: modulus * shear };
-        }
-        elasticity
+        if material > 0 { elasticity.times(modulus) } else { elasticity }
     }
 
     /// Products of L^-1 f, in blocks of so many modes.

@@ -69,7 +69,6 @@ impl CircleDifference {
 pub struct MeshStresses {
     /// The concentric body whose stresses are exact.
     pub reference: Body,
-    side: Side,
     body: Loaded,
     of_reference: Loaded,
 }
@@ -82,7 +81,6 @@ impl MeshStresses {
         let LinedReference { body: reference, mesh } = LinedReference::of(body, class);
         let grading = class.grading(body.shape.end_angle);
         Ok(MeshStresses {
-            side: body.shape.side,
             body: Loaded::new(body, &grading, pressure)?,
             of_reference: Loaded::new(&reference, &mesh.grading(), pressure)?,
             reference,
@@ -99,7 +97,7 @@ impl MeshStresses {
         let Loaded { topology, coordinates, elasticity, .. } = &self.body;
         let layer =
             topology.materials.iter().filter(|material| **material < circle).count().saturating_sub(1);
-        let is_outer = (self.side == Side::Plate) == (circle > 0);
+        let is_outer = (self.reference.shape.side == Side::Plate) == (circle > 0);
         let (on_edge, xi) = if is_outer { ([1, 5, 2], 1.0) } else { ([0, 7, 3], -1.0) };
         let mut places = Vec::new();
         for column in 0..topology.ring_nodes.len() / 2 {

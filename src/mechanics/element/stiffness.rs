@@ -30,15 +30,16 @@ impl<T: Real> Elasticity<T> {
             }
         }
     }
-}
 
-impl Elasticity<f64> {
     /// For so many times the Young's modulus.
-    pub fn times(self, modulus: f64) -> Self {
+    #[inline(always)]
+    pub fn times(self, modulus: T) -> Self {
         let Elasticity { direct, cross, shear } = self;
         Elasticity { direct: modulus * direct, cross: modulus * cross, shear: modulus * shear }
     }
+}
 
+impl Elasticity<f64> {
     /// What a strain (xx, yy, engineering xy) puts on a cut with a normal.
     pub fn traction(&self, [xx, yy, xy]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 2] {
         let shear = self.shear * xy;

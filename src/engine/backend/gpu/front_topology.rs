@@ -3,8 +3,9 @@
 use super::context::GpuError;
 use super::front::{EliminateParameters, Front, FrontLayout};
 use super::kernels::Kernels;
-use super::layout::{AssembleParameters, MeshLayout, SystemState};
+use super::layout::{AssembleParameters, MeshLayout};
 use super::shared_data::{SharedBuffers, SharedPlace};
+use super::system_layout::SystemState;
 
 /// What bodies of a topology share, and where it is on the device. A clone is the same topology.
 #[derive(Clone)]

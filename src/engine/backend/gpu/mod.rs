@@ -4,8 +4,10 @@
 pub mod context;
 pub mod shared_data;
 pub mod batch;
+pub mod system_layout;
 pub mod layout;
 pub mod front;
+pub mod kernel_texts;
 pub mod kernels;
 pub mod dispatch;
 pub mod stages;

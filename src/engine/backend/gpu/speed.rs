@@ -7,7 +7,8 @@ use bytemuck::{Pod, Zeroable};
 
 use super::context::{AdapterKind, GpuDevice, GpuError};
 use super::dispatch::{Argument, Dispatch, Pass};
-use super::kernels::{Making, Precision, ROOFLINE, Stage, Variant};
+use super::kernel_texts::{ROOFLINE, Variant};
+use super::kernels::{Making, Precision, Stage};
 
 /// What `roofline` is told.
 #[repr(C)]

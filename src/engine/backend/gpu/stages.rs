@@ -5,7 +5,8 @@ use super::batch::{ITERATES, OnChip, SOLUTIONS};
 use super::context::GpuError;
 use super::dispatch::{Argument, Dispatch};
 use super::kernels::{Kernels, Stage};
-use super::layout::{MeshLayout, SystemLayout, SystemState};
+use super::layout::MeshLayout;
+use super::system_layout::{SystemLayout, SystemState};
 use crate::mechanics::solve::refine::RefineSettings;
 
 /// Systems of a batch on the device: matrices of one sparsity, their iterates, and the compliances of their rings.

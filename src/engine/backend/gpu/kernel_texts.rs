@@ -1,0 +1,270 @@
+//! The kernels as text: their files, and what is put before them in each precision.
+
+use super::batch::{OnChip, works_tile};
+use super::front::{Front, WORKS_HEADER};
+use super::system_layout::{SLICE, SystemOutcome};
+use crate::engine::backend::precision::Precision;
+use crate::mechanics::compliance::ring_modes::MOST_MODES;
+use crate::mechanics::layers::{MOST_STEPS, SHRINK, STEEPEST, TOLERANCE};
+use crate::mechanics::mesh::{CROWDING, LEEWAY, THICK_WALL};
+
+/// How a kernel uses what it is bound to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    Uniform,
+    Read,
+    Written,
+}
+
+use Access::{Read, Uniform, Written};
+
+/// A number that stands in a twin.
+#[derive(Clone, Copy, Debug)]
+pub enum Constant {
+    /// u32.
+    Count(usize),
+    /// In the numbers of the kernel.
+    Wide(f64),
+}
+
+impl Constant {
+    fn text(self, name: &str) -> String {
+        match self {
+            Constant::Count(count) => format!("const {name} = {count}u;\n"),
+            Constant::Wide(number) => format!("const {name} = wide({number:?});\n"),
+        }
+    }
+}
+
+/// One file of kernels: its text, its entry points, and its bindings by name, in their order.
+pub struct KernelFile {
+    pub name: &'static str,
+    pub text: &'static str,
+    pub entry_points: &'static [&'static str],
+    pub bindings: &'static [(&'static str, Access)],
+    /// What it has from its twin, by name.
+    pub constants: &'static [(&'static str, Constant)],
+    /// What it takes sums of over a workgroup.
+    pub summand: Option<&'static str>,
+}
+
+const COMMON: &str = include_str!("../../../../shaders/common.wgsl");
+const SUM_TREE: &str = include_str!("../../../../shaders/sum_tree.wgsl");
+const SUM_SUBGROUPS: &str = include_str!("../../../../shaders/sum_subgroups.wgsl");
+
+pub const ASSEMBLE: KernelFile = KernelFile {
+    name: "assemble",
+    text: concat!(
+        include_str!("../../../../shaders/functions.wgsl"),
+        include_str!("../../../../shaders/topologies.wgsl"),
+        include_str!("../../../../shaders/assemble.wgsl")
+    ),
+    entry_points: &["assemble"],
+    bindings: &[
+        ("topologies", Read),
+        ("bodies", Read),
+        ("shared_numbers", Read),
+        ("lists", Read),
+        ("geometry", Written),
+        ("values", Written),
+        ("states", Written),
+    ],
+    constants: &[
+        ("LEEWAY", Constant::Wide(LEEWAY)),
+        ("CROWDING", Constant::Wide(CROWDING)),
+        ("THICK_WALL", Constant::Wide(THICK_WALL)),
+        ("SHRINK", Constant::Wide(SHRINK)),
+        ("TOLERANCE", Constant::Wide(TOLERANCE)),
+        ("STEEPEST", Constant::Wide(STEEPEST)),
+        ("MOST_STEPS", Constant::Count(MOST_STEPS)),
+    ],
+    summand: None,
+};
+
+pub const PCG: KernelFile = KernelFile {
+    name: "pcg",
+    text: include_str!("../../../../shaders/pcg.wgsl"),
+    entry_points: &["solve"],
+    bindings: &[
+        ("parameters", Uniform),
+        ("slice_starts", Read),
+        ("columns", Read),
+        ("diagonal_places", Read),
+        ("values", Read),
+        ("iterates", Written),
+        ("norms", Written),
+        ("states", Written),
+    ],
+    constants: &[],
+    summand: Some("real4"),
+};
+
+pub const NARROW: KernelFile = KernelFile {
+    name: "narrow",
+    text: include_str!("../../../../shaders/narrow.wgsl"),
+    entry_points: &["narrow"],
+    bindings: &[("parameters", Uniform), ("values", Read), ("narrowed", Written)],
+    constants: &[],
+    summand: None,
+};
+
+pub const REFINE: KernelFile = KernelFile {
+    name: "refine",
+    text: include_str!("../../../../shaders/refine.wgsl"),
+    entry_points: &["start", "refine", "settle"],
+    bindings: &[
+        ("parameters", Uniform),
+        ("slice_starts", Read),
+        ("columns", Read),
+        ("diagonal_places", Read),
+        ("values", Read),
+        ("iterates", Written),
+        ("norms", Written),
+        ("states", Written),
+        ("solutions", Written),
+    ],
+    constants: &[],
+    summand: Some("wide4"),
+};
+
+pub const CONDENSE: KernelFile = KernelFile {
+    name: "condense",
+    text: include_str!("../../../../shaders/condense.wgsl"),
+    entry_points: &["condense"],
+    bindings: &[("parameters", Uniform), ("solutions", Read), ("compliance", Written)],
+    constants: &[],
+    summand: None,
+};
+
+pub const WORKS: KernelFile = KernelFile {
+    name: "works",
+    text: include_str!("../../../../shaders/works.wgsl"),
+    entry_points: &["sum_works"],
+    bindings: &[
+        ("parameters", Uniform),
+        ("compliance", Read),
+        ("loads", Read),
+        ("states", Read),
+        ("norms", Read),
+        ("works", Written),
+    ],
+    constants: &[],
+    summand: None,
+};
+
+pub const ELIMINATE: KernelFile = KernelFile {
+    name: "eliminate",
+    text: concat!(
+        include_str!("../../../../shaders/topologies.wgsl"),
+        include_str!("../../../../shaders/eliminate.wgsl")
+    ),
+    entry_points: &["eliminate"],
+    bindings: &[
+        ("topologies", Read),
+        ("lists", Read),
+        ("loads", Read),
+        ("values", Read),
+        ("states", Read),
+        ("works", Written),
+        ("fronts", Written),
+    ],
+    constants: &[],
+    summand: None,
+};
+
+/// What a device can do at most.
+pub const ROOFLINE: KernelFile = KernelFile {
+    name: "roofline",
+    text: include_str!("../../../../shaders/roofline.wgsl"),
+    entry_points: &["copy", "multiply_add"],
+    bindings: &[("parameters", Uniform), ("source", Read), ("copied", Written)],
+    constants: &[],
+    summand: None,
+};
+
+/// The files of kernels that turn bodies into works of their rings' modes.
+pub const KERNEL_FILES: [&KernelFile; 7] = [&ASSEMBLE, &NARROW, &PCG, &REFINE, &CONDENSE, &WORKS, &ELIMINATE];
+
+/// How the invocations of a workgroup add their parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sums {
+    /// In the order of the twins.
+    Tree,
+    /// In the order of the device, where it has subgroups.
+    Subgroups,
+}
+
+/// What the text of a kernel depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variant {
+    pub precision: Precision,
+    /// Of a workgroup, a power of two.
+    pub invocations: u32,
+    /// Of `pcg`.
+    pub on_chip: OnChip,
+    /// Of `eliminate`.
+    pub front: Front,
+    pub sums: Sums,
+}
+
+impl Variant {
+    /// With all vectors in storage, the smallest front and sums as a tree.
+    pub fn plain(precision: Precision, invocations: u32) -> Variant {
+        let front = Front::SMALLEST;
+        Variant { precision, invocations, on_chip: OnChip::NOTHING, front, sums: Sums::Tree }
+    }
+}
+
+impl KernelFile {
+    /// The whole text in one precision and for one size of workgroup, with all vectors in storage and sums as a tree.
+    pub fn source(&self, precision: Precision, invocations: u32) -> String {
+        self.variant(&Variant::plain(precision, invocations))
+    }
+
+    /// How many of its bindings are storage.
+    pub fn storage_buffers(&self) -> usize {
+        self.bindings.iter().filter(|(_, access)| *access != Uniform).count()
+    }
+
+    /// Its entry points, which do nothing.
+    pub fn empty(&self, invocations: u32) -> String {
+        let empty = |name: &&str| format!("@compute @workgroup_size({invocations})\nfn {name}() {{}}\n");
+        self.entry_points.iter().map(empty).collect()
+    }
+
+    pub fn variant(&self, variant: &Variant) -> String {
+        let Variant {
+            precision,
+            invocations,
+            on_chip: OnChip { vectors, capacity },
+            front: Front { rows, is_on_chip },
+            sums,
+        } = variant;
+        let name = |bytes: u64| if bytes == 4 { "f32" } else { "f64" };
+        let (real, wide) = (name(precision.real_bytes()), name(precision.wide_bytes()));
+        // WGSL wants `enable subgroups;` first, which naga does not read (gfx-rs/wgpu#5555).
+        let sums = match (self.summand, sums) {
+            (None, _) => String::new(),
+            (Some(summand), Sums::Tree) => format!("alias summand = {summand};\n{SUM_TREE}"),
+            (Some(summand), Sums::Subgroups) => format!("alias summand = {summand};\n{SUM_SUBGROUPS}"),
+        };
+        let outcomes = SystemOutcome::ALL.map(|(name, outcome)| (name, Constant::Count(outcome as usize)));
+        let tile_rows = works_tile(u64::from(*invocations)) as usize;
+        let sizes = [
+            ("SLICE", SLICE),
+            ("MOST_MODES", MOST_MODES),
+            ("WORKS_HEADER", WORKS_HEADER),
+            ("TILE_ROWS", tile_rows),
+        ];
+        let sizes = sizes.map(|(name, size)| (name, Constant::Count(size)));
+        let constants = outcomes.iter().chain(&sizes).chain(self.constants);
+        let constants: String = constants.map(|(name, constant)| constant.text(name)).collect();
+        let text = self.text;
+        let double = precision.wide_bytes() == 8;
+        format!(
+            "alias real = {real};\nalias wide = {wide};\nconst IS_WIDE_DOUBLE = {double};\nconst INVOCATIONS = {invocations}u;\n\
+             const ON_CHIP = {vectors}u;\nconst CAPACITY = {capacity}u;\nconst FRONT = {rows}u;\nconst IS_FRONT_ON_CHIP = {is_on_chip};\n\
+             {constants}{COMMON}\n{sums}\n{text}"
+        )
+    }
+}
