@@ -27,6 +27,8 @@ pub struct RingTopology {
     pub element: ElementKind,
     /// Angles of all ring nodes from the load line, mid-side nodes included, rad, ascending from 0.
     pub ring_angles: Vec<f64>,
+    /// Points of the ring, one a column in half elements.
+    ring_points: Vec<[f64; 2]>,
     pub layer_count: usize,
     /// Of each layer from the ring on its material: 0 at the ring, 1 beyond the first interface, and so on.
     pub materials: Vec<usize>,
@@ -137,6 +139,7 @@ impl RingTopology {
         RingTopology {
             element: grading.element,
             ring_angles: grading.ring_angles(),
+            ring_points: ring_points(grading),
             layer_count: grading.layer_count(),
             materials: materials(body, grading),
             node_count: grid.len(),
@@ -188,45 +191,48 @@ fn materials(body: &Body, grading: &Grading) -> Vec<usize> {
     grading.lining.rows.materials().chain(std::iter::repeat_n(last, grading.layers.count)).collect()
 }
 
-/// How one line of a mesh runs from the ring to the far boundary.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    /// Depth of its end, in the shape's measure.
+/// The radii of what is beyond a lining at the ends of its layers along a line.
+struct Layering<'a> {
+    rest: &'a Body,
+    layers: Layers,
+    /// Of the last line, in the shape's measure; NaN before the first.
     depth: f64,
-    /// Factor from one layer to the next.
+    /// Its factor from one layer to the next.
     growth: f64,
-    /// Its end.
-    far: [f64; 2],
+    /// Of its end.
+    far_radius: f64,
+    /// Of its layers' ends the share of the way from the ring to the far boundary.
+    shares: Vec<f64>,
 }
 
-/// The lines of `rest`, what is beyond the lining of `body`, one a column in half elements.
-fn lines(body: &Body, rest: &Body, angles: &[f64], layers: Layers) -> Vec<Line> {
-    let (mut depth, mut growth, mut far_radius) = (f64::NAN, 1.0, f64::NAN);
-    let line = |target: f64| {
-        let own_depth = (rest.shape.depth)(&rest.parameters, target);
-        if own_depth != depth {
-            depth = own_depth;
-            growth = layers.growth(depth, growth);
-            far_radius = radius(rest, depth);
-        }
-        Line { depth, growth, far: polar(far_radius, target) }
-    };
-    boundary_angles(body, angles, thinnest_wall(rest)).into_iter().map(line).collect()
-}
-
-/// Depths below the ring of the layers' ends on a line.
-fn layer_ends(layers: Layers, line: &Line) -> Vec<f64> {
-    let mut reached = 0.0;
-    let mut depths = Vec::with_capacity(layers.count + 1);
-    depths.push(0.0);
-    for thickness in layers.thicknesses(line.growth) {
-        reached += thickness;
-        depths.push(reached);
+impl<'a> Layering<'a> {
+    fn new(rest: &'a Body, layers: Layers) -> Layering<'a> {
+        let shares = Vec::with_capacity(layers.count + 1);
+        Layering { rest, layers, depth: f64::NAN, growth: 1.0, far_radius: f64::NAN, shares }
     }
-    // The growth factor is only as good as its search; the far boundary is where it is.
-    let scale = line.depth / reached;
-    depths.iter_mut().for_each(|end| *end *= scale);
-    depths
+
+    /// For a line that meets the far boundary at an angle, rad. Lines of one depth, as all of a concentric body are, are alike.
+    fn towards(&mut self, angle: f64) {
+        let depth = (self.rest.shape.depth)(&self.rest.parameters, angle);
+        if depth == self.depth {
+            return;
+        }
+        self.depth = depth;
+        self.growth = self.layers.growth(depth, self.growth);
+        self.far_radius = radius(self.rest, depth);
+        let mut reached = 0.0;
+        self.shares.clear();
+        self.shares.push(0.0);
+        for thickness in self.layers.thicknesses(self.growth) {
+            reached += thickness;
+            self.shares.push(reached);
+        }
+        // The growth factor is only as good as its search; the far boundary is where it is.
+        let scale = depth / reached;
+        for share in &mut self.shares {
+            *share = (radius(self.rest, *share * scale) - 1.0) / (self.far_radius - 1.0);
+        }
+    }
 }
 
 /// Points of the ring, one a column in half elements.
@@ -243,7 +249,12 @@ fn radius(body: &Body, depth: f64) -> f64 {
     }
 }
 
-/// The same between concentric circles.
+/// The same at a share of the way from the ring to the far boundary.
+fn on_radius(far_radius: f64, share: f64) -> f64 {
+    1.0 + share * (far_radius - 1.0)
+}
+
+/// The same at a depth between concentric circles.
 fn concentric_radius(body: &Body, depth: f64) -> f64 {
     match body.shape.side {
         Side::Plate => depth.exp(),
@@ -265,39 +276,47 @@ fn deepest(body: &Body) -> f64 {
 /// Layers grow from `first_layer` along each line, so that every body is divided alike near the ring whatever lies
 /// beyond. Those of a lining lie between circles, and beyond them is a body whose ring is the outermost interface. The collapsed centre of a solid disc is a row of coincident nodes, which are supported.
 pub fn coordinates(body: &Body, grading: &Grading, topology: &RingTopology) -> Vec<[f64; 2]> {
-    let columns = 2 * (grading.angles.len() - 1);
     let (rest, scale) = body.beyond_lining();
     let wall = thinnest_wall(&rest);
     let BodyRows { starts, rest: layers } = grading.lining.divided(body, grading.layers);
     let in_lining: Vec<f64> = starts.into_iter().map(|depth| concentric_radius(body, depth)).collect();
-    let mut courses: Vec<Course> = Vec::with_capacity(columns + 1);
-    // Of each column at the ends of its layers.
-    let mut points: Vec<Vec<[f64; 2]>> = Vec::with_capacity(columns + 1);
-    let mut bows: Vec<Vec<f64>> = Vec::with_capacity(columns + 1);
-    for (line, on_ring) in lines(body, &rest, &grading.angles, layers).iter().zip(ring_points(grading)) {
-        let far_radius = radius(&rest, line.depth);
-        let course = Course::new(on_ring, line.far, far_radius, wall);
-        let share = |depth: f64| (radius(&rest, depth) - 1.0) / (far_radius - 1.0);
-        let shares: Vec<f64> = layer_ends(layers, line).into_iter().map(share).collect();
-        let on_circles = in_lining.iter().map(|radius| on_ring.map(|place| radius * place));
-        let beyond = shares.iter().map(|share| course.point(*share).map(|place| scale * place));
-        points.push(on_circles.chain(beyond).collect());
-        let beyond = shares.iter().map(|share| scale * course.bow(*share));
-        bows.push(in_lining.iter().copied().chain(beyond).collect());
-        courses.push(course);
+    let has_corners = !body.shape.sides.is_empty();
+    let (columns, ends) = (topology.ring_points.len(), in_lining.len() + layers.count + 1);
+    let mut layering = Layering::new(&rest, layers);
+    // At the ends of the layers of each column: points, and of bodies with corners how far edges bow.
+    let mut points: Vec<[f64; 2]> = Vec::with_capacity(columns * ends);
+    let mut bows: Vec<f64> = Vec::with_capacity(if has_corners { columns * ends } else { 0 });
+    let targets = boundary_angles(body, &grading.angles, wall);
+    for (target, on_ring) in targets.into_iter().zip(&topology.ring_points) {
+        layering.towards(target);
+        points.extend(in_lining.iter().map(|radius| on_ring.map(|place| radius * place)));
+        let Layering { far_radius, shares, .. } = &layering;
+        if !has_corners {
+            let beyond = shares.iter().map(|share| scale * on_radius(*far_radius, *share));
+            points.extend(beyond.map(|radius| on_ring.map(|place| radius * place)));
+            continue;
+        }
+        let course = Course::new(*on_ring, polar(*far_radius, target), *far_radius, wall);
+        points.extend(shares.iter().map(|share| course.point(*share).map(|place| scale * place)));
+        bows.extend(&in_lining);
+        bows.extend(shares.iter().map(|share| scale * course.bow(*share)));
     }
     // Mid-side nodes of layers lie half-way between corner nodes.
-    let place =
-        |row: usize, column: usize| midpoint(points[column][row / 2], points[column][row.div_ceil(2)]);
+    let around = |row: usize, column: usize| [row / 2, row.div_ceil(2)].map(|end| column * ends + end);
+    let place = |row: usize, column: usize| {
+        let [end, next] = around(row, column);
+        midpoint(points[end], points[next])
+    };
     // And those between two lines half-way between these, but for the bow. The layers of their own line do not matter, so
     // that elements keep their shape where the depth changes quickly.
     let bowed = |row: usize, column: usize| {
         let middle = midpoint(place(row, column - 1), place(row, column + 1));
-        let chord = midpoint(courses[column - 1].on_ring, courses[column + 1].on_ring);
-        let bow = 0.5 * (bows[column][row / 2] + bows[column][row.div_ceil(2)]);
-        [0, 1].map(|axis| middle[axis] + bow * (courses[column].on_ring[axis] - chord[axis]))
+        let chord = midpoint(topology.ring_points[column - 1], topology.ring_points[column + 1]);
+        let [end, next] = around(row, column);
+        let bow = 0.5 * (bows[end] + bows[next]);
+        [0, 1].map(|axis| middle[axis] + bow * (topology.ring_points[column][axis] - chord[axis]))
     };
-    let is_bowed = |column: usize| !body.shape.sides.is_empty() && !column.is_multiple_of(2);
+    let is_bowed = |column: usize| has_corners && !column.is_multiple_of(2);
     let node = |&(row, column): &(usize, usize)| {
         if is_bowed(column) { bowed(row, column) } else { place(row, column) }
     };
@@ -332,22 +351,18 @@ impl Course {
         (1.0 - way) * (1.0 - way) * (1.0 + 2.0 * way)
     }
 
-    fn radius(&self, share: f64) -> f64 {
-        1.0 + share * (self.far_radius - 1.0)
-    }
-
     fn point(&self, share: f64) -> [f64; 2] {
         let part = self.radial_part(share);
         [0, 1].map(|axis| {
             let straight = self.on_ring[axis] + share * (self.far[axis] - self.on_ring[axis]);
-            straight + part * (self.radius(share) * self.on_ring[axis] - straight)
+            straight + part * (on_radius(self.far_radius, share) * self.on_ring[axis] - straight)
         })
     }
 
     /// How far a layer's edge bulges, over the ring's: like a circle near the ring, straight at the end.
     fn bow(&self, share: f64) -> f64 {
         let part = self.radial_part(share);
-        part * self.radius(share) + (1.0 - part) * (1.0 - share)
+        part * on_radius(self.far_radius, share) + (1.0 - part) * (1.0 - share)
     }
 }
 
