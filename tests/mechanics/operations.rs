@@ -110,7 +110,7 @@ fn the_factorisation_does_what_is_counted() {
     for level in 0..3 {
         let structure = structure(level);
         let mut tiles = structure.empty::<Counted>();
-        let done = operations(|| structure.factorise(&mut tiles));
+        let done = operations(|| structure.factorise::<_, 1>(&mut tiles));
         assert_eq!(structure.factorise_operations(), done, "level {level}");
     }
 }
@@ -121,9 +121,9 @@ fn the_substitution_does_what_is_counted() {
     let tiles = structure.empty::<Counted>();
     let ring = (structure.size - structure.ring_start) / TILE;
     for start in [0, ring / 2, ring - 1] {
-        let mut values = vec![[[Counted(1.0); 10]; TILE]; ring - start];
+        let mut values = vec![[[Counted(1.0); 12]; TILE]; ring - start];
         let done = operations(|| structure.substitute_ring(&tiles, start, &mut values));
-        assert_eq!(structure.substitute_operations(ring - start, 10), done, "from tile row {start}");
+        assert_eq!(structure.substitute_operations(ring - start, 12), done, "from tile row {start}");
     }
 }
 

@@ -6,7 +6,7 @@
 use super::arc::{packed, packed_count};
 use super::ring_modes::{Push, RingModes};
 use crate::mechanics::body::Body;
-use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
+use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes, lanes_fit_a_register};
 use crate::mechanics::element::MAX_NODES;
 use crate::mechanics::element::stiffness::{
     Elasticity, ElementRule, element_stiffness, stiffness_operations,
@@ -135,22 +135,29 @@ impl LaneWork for Condense<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<Vec<f64>> {
-        if self.bodies.len() == 1 { self.works::<Alone<FUSED>>() } else { self.works::<Lanes<FUSED>>() }
+        // As many sums at a time as stay in registers: of 16 registers, each with half of the lanes, half as many as of 32 with all.
+        if self.bodies.len() == 1 {
+            self.works::<Alone<FUSED>, 2>()
+        } else if lanes_fit_a_register() {
+            self.works::<Lanes<FUSED>, 2>()
+        } else {
+            self.works::<Lanes<FUSED>, 1>()
+        }
     }
 }
 
 impl Condense<'_> {
     #[inline(always)]
-    fn works<T: Bodies>(&self) -> Vec<Vec<f64>> {
+    fn works<T: Bodies, const ABREAST: usize>(&self) -> Vec<Vec<f64>> {
         let mut tiles = self.plan.structure.empty::<T>();
         let smallest_jacobian = self.assemble(&mut tiles);
-        self.plan.structure.factorise(&mut tiles);
+        self.plan.structure.factorise::<T, ABREAST>(&mut tiles);
         let CondensationPlan { modes: RingModes { count, .. }, loads, .. } = self.plan;
         let mut works = vec![vec![0.0; loads.len() * packed_count(*count)]; self.bodies.len()];
         if count.is_multiple_of(BLOCKS[0]) {
-            self.gram::<T, { BLOCKS[0] }>(&tiles, &mut works);
+            self.gram::<T, { BLOCKS[0] }, ABREAST>(&tiles, &mut works);
         } else {
-            self.gram::<T, { BLOCKS[1] }>(&tiles, &mut works);
+            self.gram::<T, { BLOCKS[1] }, ABREAST>(&tiles, &mut works);
         }
         for (lane, works) in works.iter_mut().enumerate() {
             let smallest = smallest_jacobian.lane(lane);
@@ -224,7 +231,11 @@ impl Condense<'_> {
 
     /// Products of L^-1 f, in blocks of so many modes.
     #[inline(always)]
-    fn gram<T: Bodies, const BLOCK: usize>(&self, tiles: &[Tile<T>], works: &mut [Vec<f64>]) {
+    fn gram<T: Bodies, const BLOCK: usize, const ABREAST: usize>(
+        &self,
+        tiles: &[Tile<T>],
+        works: &mut [Vec<f64>],
+    ) {
         let CondensationPlan { modes: RingModes { count, .. }, loads, .. } = self.plan;
         let normal = self.substituted::<T, BLOCK>(tiles, &loads[0]);
         for (push, loads) in loads.iter().enumerate() {
@@ -240,7 +251,7 @@ impl Condense<'_> {
                 // The works of the normal loads are symmetric, those of others are made so.
                 let blocks = if push == 0 { i + 1 } else { normal.len() };
                 for (j, of_columns) in normal[..blocks].iter().enumerate() {
-                    let matrix = products(of_rows, of_columns);
+                    let matrix = products::<T, BLOCK, ABREAST>(of_rows, of_columns);
                     for (a, of_row) in matrix.iter().enumerate() {
                         let row = i * BLOCK + a;
                         for (b, value) in of_row.iter().enumerate() {
@@ -288,17 +299,25 @@ impl Condense<'_> {
 /// A row of tiles of so many modes.
 type Rows<T, const BLOCK: usize> = [[T; BLOCK]; TILE];
 
-/// The sum over rows of the products of two blocks of modes.
+/// The sum over rows of the products of two blocks of modes, `ABREAST` times `TILE` of them at a time.
 #[inline(always)]
-fn products<T: Real, const BLOCK: usize>(
+fn products<T: Real, const BLOCK: usize, const ABREAST: usize>(
     one: &[Rows<T, BLOCK>],
     other: &[Rows<T, BLOCK>],
 ) -> [[T; BLOCK]; BLOCK] {
     let mut matrix = [[T::zero(); BLOCK]; BLOCK];
-    for (rows, columns) in one.iter().flatten().zip(other.iter().flatten()) {
-        for a in 0..BLOCK {
-            for b in 0..BLOCK {
-                matrix[a][b] = matrix[a][b].minus_product(rows[a], -columns[b]);
+    for (of_rows, a) in matrix.as_chunks_mut::<ABREAST>().0.iter_mut().zip((0..).step_by(ABREAST)) {
+        for b in (0..BLOCK).step_by(TILE) {
+            let mut sums = [[T::zero(); TILE]; ABREAST];
+            for (rows, columns) in one.iter().flatten().zip(other.iter().flatten()) {
+                for i in 0..ABREAST {
+                    for j in 0..TILE {
+                        sums[i][j] = sums[i][j].minus_product(rows[a + i], -columns[b + j]);
+                    }
+                }
+            }
+            for (row, sums) in of_rows.iter_mut().zip(sums) {
+                row[b..b + TILE].copy_from_slice(&sums);
             }
         }
     }

@@ -3,6 +3,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::arc::{MAX_TERMS, TERM_CHOICES};
+use crate::mechanics::real::LANES;
 
 /// Work that is written once for any vectors.
 pub trait LaneWork {
@@ -27,6 +28,22 @@ pub fn in_lanes<W: LaneWork>(work: W) -> W::Output {
 /// With a count of trial pressures there is code for.
 pub fn in_lanes_with_terms<W: TermWork>(terms: usize, work: W) -> W::Output {
     in_lanes(WithTerms { terms, work })
+}
+
+/// Whether a register of the processor holds all lanes, not half of them or fewer.
+pub fn lanes_fit_a_register() -> bool {
+    Arch::new().dispatch(RegisterWidth) >= LANES
+}
+
+struct RegisterWidth;
+
+impl WithSimd for RegisterWidth {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        S::F64_LANES
+    }
 }
 
 struct Vectorised<W>(W);

@@ -126,8 +126,9 @@ pub fn element_stiffness<T: Real>(
     for shape in &rule.points {
         let (gradient, determinant) = gradients(shape, nodes, count);
         smallest_jacobian = smallest_jacobian.least(determinant);
+        let minus = -determinant;
         let (direct, cross, shear) =
-            (elasticity.direct * determinant, elasticity.cross * determinant, elasticity.shear * determinant);
+            (elasticity.direct * minus, elasticity.cross * minus, elasticity.shear * minus);
         if rule.kind == ElementKind::Quad8 {
             for j in 0..count {
                 let [x, y] = gradient[j];
@@ -135,10 +136,12 @@ pub fn element_stiffness<T: Real>(
                 let (dy, cy, sy) = (direct * y, cross * y, shear * y);
                 for i in 0..=j {
                     let [p, q] = gradient[i];
-                    values[2 * i][2 * j] += p * dx + q * sy;
-                    values[2 * i][2 * j + 1] += p * cy + q * sx;
-                    values[2 * i + 1][2 * j] += q * cx + p * sy;
-                    values[2 * i + 1][2 * j + 1] += q * dy + p * sx;
+                    let added = [[[dx, sy], [cy, sx]], [[sy, cx], [sx, dy]]];
+                    for (row, added) in values[2 * i..].iter_mut().zip(added) {
+                        for (value, [of_x, of_y]) in row[2 * j..].iter_mut().zip(added) {
+                            *value = value.minus_product(p, of_x).minus_product(q, of_y);
+                        }
+                    }
                 }
             }
         } else {
@@ -154,7 +157,9 @@ pub fn element_stiffness<T: Real>(
                 let [xx, yy, xy] = strain[j];
                 let stress = [direct * xx + cross * yy, cross * xx + direct * yy, shear * xy];
                 for (i, row) in strain.iter().enumerate().take(j + 1) {
-                    values[i][j] += row[0] * stress[0] + row[1] * stress[1] + row[2] * stress[2];
+                    for (row, stress) in row.iter().zip(stress) {
+                        values[i][j] = values[i][j].minus_product(*row, stress);
+                    }
                 }
             }
         }

@@ -189,9 +189,10 @@ impl BandStructure {
     }
 
     /// K = L L^T in place, tile row by tile row: each tile less the products of its row and its column, then divided
-    /// by the column's diagonal tile. A lane that is not positive definite ends in NaN.
+    /// by the column's diagonal tile. In place of the diagonal is its inverse. A lane that is not positive definite ends in NaN.
+    /// `ABREAST` columns of a tile are summed at a time.
     #[inline(always)]
-    pub fn factorise<T: Real>(&self, tiles: &mut [Tile<T>]) {
+    pub fn factorise<T: Real, const ABREAST: usize>(&self, tiles: &mut [Tile<T>]) {
         for row in 0..self.rows.len() {
             let (first, offset) = self.rows[row];
             let (done, current) = tiles.split_at_mut(offset);
@@ -202,17 +203,18 @@ impl BandStructure {
                 let row_tiles = &left[start - first..];
                 let column_tiles = &done[column_offset + start - column_first..][..row_tiles.len()];
                 let tile = &mut right[0];
-                subtract_products(tile, row_tiles, column_tiles);
+                subtract_products::<T, ABREAST>(tile, row_tiles, column_tiles);
                 divide_by_lower_transposed(tile, &done[column_offset + column - column_first]);
             }
             let (left, right) = current.split_at_mut(row - first);
-            subtract_products(&mut right[0], left, left);
+            subtract_products::<T, ABREAST>(&mut right[0], left, left);
             factorise_tile(&mut right[0]);
         }
     }
 
     /// L^-1 of the ring's block applied to `columns` right-hand sides, in place, from tile row `start` (counted from
-    /// the ring's first) on; rows before it are taken as zero. `values` is `[ring row][column]`, from that row on.
+    /// the ring's first) on; rows before it are taken as zero. `values` is `[ring row][column]`, from that row on, of a multiple of
+    /// `TILE` columns.
     #[inline(always)]
     pub fn substitute_ring<T: Real, const COLUMNS: usize>(
         &self,
@@ -220,31 +222,34 @@ impl BandStructure {
         start: usize,
         values: &mut [[[T; COLUMNS]; TILE]],
     ) {
+        const { assert!(COLUMNS.is_multiple_of(TILE)) };
         let ring = self.ring_start / TILE + start;
         for row in 0..values.len() {
             let (done, current) = values.split_at_mut(row);
             let current = &mut current[0];
             let row_tiles = &tiles[self.tile(ring + row, ring)..];
             for i in 0..TILE {
-                let mut sums = current[i];
-                for (tile, known) in row_tiles.iter().zip(done.iter()) {
-                    for k in 0..TILE {
-                        for c in 0..COLUMNS {
-                            sums[c] = sums[c].minus_product(tile[k][i], known[k][c]);
+                let blocks = current[i].as_chunks_mut::<TILE>().0.iter_mut();
+                for (block, first) in blocks.zip((0..).step_by(TILE)) {
+                    let mut sums = *block;
+                    for (tile, known) in row_tiles.iter().zip(done.iter()) {
+                        for k in 0..TILE {
+                            for c in 0..TILE {
+                                sums[c] = sums[c].minus_product(tile[k][i], known[k][first + c]);
+                            }
                         }
                     }
+                    *block = sums;
                 }
-                current[i] = sums;
             }
             let diagonal = &row_tiles[row];
             for i in 0..TILE {
-                let inverse = T::from_f64(1.0) / diagonal[i][i];
                 for c in 0..COLUMNS {
                     let mut value = current[i][c];
                     for k in 0..i {
                         value = value.minus_product(diagonal[k][i], current[k][c]);
                     }
-                    current[i][c] = value * inverse;
+                    current[i][c] = value * diagonal[i][i];
                 }
             }
         }
@@ -264,37 +269,38 @@ impl BandStructure {
     pub fn substitute_operations(&self, rows: usize, columns: usize) -> u64 {
         let (rows, columns) = (rows as u64, columns as u64);
         let tile = 2 * (TILE * TILE) as u64 * columns;
-        let diagonal = TILE as u64 + (TILE * TILE) as u64 * columns;
+        let diagonal = (TILE * TILE) as u64 * columns;
         rows * (rows - 1) / 2 * tile + rows * diagonal
     }
 }
 
 // Operations of one tile in the functions below.
 pub const PRODUCT_OPERATIONS: u64 = 2 * (TILE * TILE * TILE) as u64;
-const DIVISION_OPERATIONS: u64 = TILE as u64 + (TILE * TILE * TILE) as u64;
+const DIVISION_OPERATIONS: u64 = (TILE * TILE * TILE) as u64;
 const FACTOR_OPERATIONS: u64 = (TILE * (2 * TILE * TILE + 3 * TILE + 7)) as u64 / 6;
 
 /// tile -= sum of a b^T.
 #[inline(always)]
-fn subtract_products<T: Real>(tile: &mut Tile<T>, row: &[Tile<T>], column: &[Tile<T>]) {
-    let mut sum = *tile;
-    for (a, b) in row.iter().zip(column) {
-        for k in 0..TILE {
-            for j in 0..TILE {
-                for i in 0..TILE {
-                    sum[j][i] = sum[j][i].minus_product(a[k][i], b[k][j]);
+fn subtract_products<T: Real, const ABREAST: usize>(tile: &mut Tile<T>, row: &[Tile<T>], column: &[Tile<T>]) {
+    for (of_columns, first) in tile.as_chunks_mut::<ABREAST>().0.iter_mut().zip((0..).step_by(ABREAST)) {
+        let mut sums = *of_columns;
+        for (a, b) in row.iter().zip(column) {
+            for k in 0..TILE {
+                for j in 0..ABREAST {
+                    for i in 0..TILE {
+                        sums[j][i] = sums[j][i].minus_product(a[k][i], b[k][first + j]);
+                    }
                 }
             }
         }
+        *of_columns = sums;
     }
-    *tile = sum;
 }
 
-/// tile := tile L^-T for a lower triangular L.
+/// tile := tile L^-T for a lower triangular L with the inverses of its diagonal.
 #[inline(always)]
 fn divide_by_lower_transposed<T: Real>(tile: &mut Tile<T>, lower: &Tile<T>) {
     for j in 0..TILE {
-        let inverse = T::from_f64(1.0) / lower[j][j];
         let (done, current) = tile.split_at_mut(j);
         let column = &mut current[0];
         for (known, lower) in done.iter().zip(lower) {
@@ -303,12 +309,12 @@ fn divide_by_lower_transposed<T: Real>(tile: &mut Tile<T>, lower: &Tile<T>) {
             }
         }
         for value in column {
-            *value = *value * inverse;
+            *value = *value * lower[j][j];
         }
     }
 }
 
-/// tile := its lower Cholesky factor.
+/// tile := its lower Cholesky factor, with the inverses of the diagonal.
 #[inline(always)]
 fn factorise_tile<T: Real>(tile: &mut Tile<T>) {
     for j in 0..TILE {
@@ -316,9 +322,8 @@ fn factorise_tile<T: Real>(tile: &mut Tile<T>) {
         for k in 0..j {
             diagonal = diagonal.minus_product(tile[k][j], tile[k][j]);
         }
-        let root = diagonal.sqrt();
-        let inverse = T::from_f64(1.0) / root;
-        tile[j][j] = root;
+        let inverse = T::from_f64(1.0) / diagonal.sqrt();
+        tile[j][j] = inverse;
         for i in j + 1..TILE {
             let mut value = tile[j][i];
             for k in 0..j {
