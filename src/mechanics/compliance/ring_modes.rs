@@ -18,7 +18,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::RingCompliance;
-use super::arc::{ContactArc, cosines, packed, packed_count};
+use super::arc::{ArcMap, ContactArc, cosines, packed, packed_count};
 use super::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::body::Side;
 use crate::mechanics::element::quadrature::gauss_legendre;
@@ -137,8 +137,13 @@ impl RingModes {
 
     /// psi_m at u, m = 0 ... count - 1.
     fn values(&self, stretched: f64, values: &mut [f64]) {
-        let turn = 2.0 * (PI / self.end() * stretched).cos();
-        let (mut value, mut previous) = (1.0, 0.5 * turn);
+        self.values_of((PI / self.end() * stretched).cos(), values);
+    }
+
+    /// The same from psi_1.
+    fn values_of(&self, first: f64, values: &mut [f64]) {
+        let turn = 2.0 * first;
+        let (mut value, mut previous) = (1.0, first);
         for psi in values {
             *psi = value;
             (value, previous) = (turn * value - previous, value);
@@ -272,10 +277,25 @@ impl RingModes {
         let mut psi = vec![0.0; self.count];
         let points = 32 + terms + 2 * self.count;
         let weight = FRAC_PI_2 / points as f64;
+        let held = ContactArc::new(LARGEST_HELD).b;
         for i in 0..points {
             let tau = (i as f64 + 0.5) * weight;
-            self.values(self.stretched(arc.angle(tau)), &mut psi);
-            let trials = cosines((2.0 * tau).cos(), terms);
+            let cosine = tau.cos();
+            // tan(phi/2) squared is a quotient.
+            let above = (arc.b * cosine).powi(2);
+            let below = match arc.map {
+                ArcMap::Tangent => 1.0,
+                ArcMap::Sine => 1.0 - above,
+            };
+            let first = match self.ring {
+                Ring::Whole(quarters) => {
+                    let above = (0.25 * f64::from(quarters)).powi(2) * above;
+                    (below - above) / (below + above)
+                }
+                Ring::EndsHeld => (2.0 * above / (below * held * held) - 1.0).min(1.0),
+            };
+            self.values_of(first, &mut psi);
+            let trials = cosines(2.0 * cosine * cosine - 1.0, terms);
             for (m, (psi, moments)) in psi.iter().zip(moments.chunks_exact_mut(terms)).enumerate() {
                 let scale = weight * psi / self.norm(m);
                 moments.iter_mut().zip(&trials).for_each(|(moment, trial)| *moment += scale * trial);
@@ -333,10 +353,13 @@ impl LaneWork for WorksOfModes<'_> {
             if side == Side::Pin {
                 let mut tilt = vec![[0.0; LANES]; packed_count(count)];
                 for n in 1..highest {
-                    // Of either order.
-                    let scales =
-                        scales(&|[_, along]| if n < along.len() { along[n] - along[n - 1] } else { 0.0 });
-                    add_product(&scales, of_mode(n), of_mode(n - 1), &mut tilt);
+                    // Half of it in either order.
+                    let half = |n: usize, along: &[f64]| {
+                        if n < along.len() { 0.5 * (along[n] - along[n - 1]) } else { 0.0 }
+                    };
+                    let halves = scales(&|[_, along]| half(n, along));
+                    add_product(&halves, of_mode(n), of_mode(n - 1), &mut tilt);
+                    add_product(&halves, of_mode(n - 1), of_mode(n), &mut tilt);
                 }
                 works.extend(tilt);
             }
@@ -347,14 +370,14 @@ impl LaneWork for WorksOfModes<'_> {
     }
 }
 
-/// works[m n] += scale (a_m b_n + b_m a_n)/2, packed, of each body with its scale.
+/// works[m n] += scale a_m b_n, packed, of each body with its scale.
 #[inline(always)]
 fn add_product(scales: &[f64; LANES], a: &[f64], b: &[f64], works: &mut [[f64; LANES]]) {
     for m in 0..a.len() {
-        let (of_a, of_b) = (scales.map(|scale| 0.5 * scale * a[m]), scales.map(|scale| 0.5 * scale * b[m]));
-        for ((works, a), b) in works[packed(m, 0)..=packed(m, m)].iter_mut().zip(a).zip(b) {
+        let of_a = scales.map(|scale| scale * a[m]);
+        for (works, b) in works[packed(m, 0)..=packed(m, m)].iter_mut().zip(b) {
             for lane in 0..LANES {
-                works[lane] += of_a[lane] * b + of_b[lane] * a;
+                works[lane] += of_a[lane] * b;
             }
         }
     }

@@ -193,9 +193,6 @@ fn scale<T: Real>(even: f64, bed: f64, b: T) -> T {
     b * number(even + bed) / (number(even) * b + number(bed))
 }
 
-/// Functions whose sums stay in registers.
-const ABREAST: usize = 3;
-
 /// From values at the nodes to Chebyshev coefficients.
 struct Transform<'a> {
     rows: &'a [Vec<[f64; LANES]>],
@@ -216,26 +213,23 @@ impl LaneWork for Transform<'_> {
         // Of degree 0 half as much.
         let share = Lanes::<FUSED>::from_f64(2.0 / count as f64);
         for chunk in 0..even.len() {
-            for first in (0..FUNCTIONS).step_by(ABREAST) {
-                let mut sums = [[Lanes::<FUSED>::zero(); ABREAST]; 2];
-                for (node, (even, odd)) in even[chunk].iter().zip(&odd[chunk]).enumerate() {
-                    let far = count - 1 - node;
-                    let (of_near, of_far) = (states.functions(node / LANES), states.functions(far / LANES));
-                    for place in 0..ABREAST {
-                        let near = of_near[first + place][node % LANES];
-                        let far = of_far[first + place][far % LANES];
-                        // Even degrees are the same at the node opposite, odd ones its negative.
-                        let minus_sum = Lanes::from_f64(-near - far);
-                        let minus_difference = Lanes::from_f64(far - near);
-                        sums[0][place] = sums[0][place].minus_product(Lanes(*even), minus_sum);
-                        sums[1][place] = sums[1][place].minus_product(Lanes(*odd), minus_difference);
-                    }
+            let mut sums = [[Lanes::<FUSED>::zero(); FUNCTIONS]; 2];
+            for (node, (even, odd)) in even[chunk].iter().zip(&odd[chunk]).enumerate() {
+                let far = count - 1 - node;
+                let (of_near, of_far) = (states.functions(node / LANES), states.functions(far / LANES));
+                for function in 0..FUNCTIONS {
+                    let (near, far) = (of_near[function][node % LANES], of_far[function][far % LANES]);
+                    // Even degrees are the same at the node opposite, odd ones its negative.
+                    let minus_sum = Lanes::from_f64(-near - far);
+                    let minus_difference = Lanes::from_f64(far - near);
+                    sums[0][function] = sums[0][function].minus_product(Lanes(*even), minus_sum);
+                    sums[1][function] = sums[1][function].minus_product(Lanes(*odd), minus_difference);
                 }
-                for (parity, sums) in sums.iter().enumerate() {
-                    let of_chunk = &mut coefficients[parity * rows.len() / 2 + chunk];
-                    for (own, sum) in of_chunk[first..].iter_mut().zip(sums) {
-                        *own = (*sum * share).0;
-                    }
+            }
+            for parity in 0..2 {
+                for function in 0..FUNCTIONS {
+                    coefficients[parity * rows.len() / 2 + chunk][function] =
+                        (sums[parity][function] * share).0;
                 }
             }
         }
