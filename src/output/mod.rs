@@ -18,6 +18,8 @@ pub mod slurm;
 pub mod sink;
 pub mod table;
 pub mod zst_table;
+mod parquet_runs;
+mod parquet_chunk;
 mod parquet_footer;
 pub mod parquet_table;
 pub mod parquet_text;

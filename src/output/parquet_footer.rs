@@ -84,7 +84,7 @@ fn moved(row_group: RowGroupMetaData, start: u64) -> Result<RowGroupMetaData, Pa
 }
 
 /// The end of a Parquet file.
-fn footer(
+pub fn footer(
     row_groups: Vec<RowGroupMetaData>,
     schema: &SchemaDescPtr,
     about: Vec<KeyValue>,

@@ -1,20 +1,22 @@
 //! `table.parquet`: one row group a portion. Numbers are the doubles that were computed, not rounded; cells without a value are null.
 
 use std::fs::File;
+use std::io::Write;
 use std::sync::Arc;
 
-use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::basic::{LogicalType, Repetition, Type as Physical};
+use parquet::data_type::ByteArray;
 use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{WriterProperties, WriterPropertiesPtr};
-use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
-use parquet::schema::types::{ColumnPath, SchemaDescPtr, SchemaDescriptor, Type, TypePtr};
+use parquet::file::metadata::{ColumnChunkMetaData, KeyValue, RowGroupMetaData};
+use parquet::file::writer::TrackedWrite;
+use parquet::schema::types::{ColumnDescPtr, SchemaDescPtr, SchemaDescriptor, Type};
 
 use crate::engine::outcome::{BackendKind, DesignOutcome, StepOutcome};
 use crate::engine::status::Status;
 use crate::output::folder::TABLE_PARQUET;
+use crate::output::parquet_chunk::{Cells, ChunkWriter};
 use crate::output::parquet_footer::{self, MAGIC};
+use crate::output::parquet_runs::Runs;
 use crate::output::schema::{Kind, LoadColumn, TableColumn, columns_of, constants_as_json};
 use crate::output::sink::Sink;
 use crate::study::columns::{Cell, Column};
@@ -24,15 +26,12 @@ use crate::study::design::Load;
 /// Writes outcomes as row groups.
 pub struct ParquetTable {
     columns: Vec<TableColumn>,
-    schema: TypePtr,
     descriptor: SchemaDescPtr,
-    properties: WriterPropertiesPtr,
+    /// The load of the first design: lists may have both kinds.
+    asked: Option<Load>,
     /// Of the whole file: units and meaning of its columns, and what is the same in all rows and has none.
     about: Vec<KeyValue>,
 }
-
-/// Higher levels take more time and save nothing worth it: the last digits of results are noise to a compressor.
-const LEVEL: i32 = 1;
 
 /// What is in a column.
 enum Content {
@@ -55,7 +54,7 @@ impl ParquetTable {
     pub fn of(study: &Study) -> ParquetTable {
         let columns = columns_of(study);
         let schema = Arc::new(schema(&columns).expect("the columns have names of their own"));
-        let descriptor = Arc::new(SchemaDescriptor::new(schema.clone()));
+        let descriptor = Arc::new(SchemaDescriptor::new(schema));
         let documented = columns.iter().map(|column| {
             let (unit, meaning) = (column.unit, &column.about);
             (column.name.to_string(), serde_json::json!({ "unit": unit, "meaning": meaning }))
@@ -63,20 +62,64 @@ impl ParquetTable {
         let documented: serde_json::Map<_, _> = documented.collect();
         let json = |key: &str, map| KeyValue::new(key.into(), serde_json::Value::Object(map).to_string());
         let about = vec![json("columns", documented), json("constants", constants_as_json(study))];
-        let properties = Arc::new(properties(&columns, asked_load(study)));
-        ParquetTable { columns, schema, descriptor, properties, about }
+        ParquetTable { columns, descriptor, asked: asked_load(study), about }
     }
 
+    /// A Parquet file of its own.
     fn row_group(&self, outcomes: &[DesignOutcome]) -> Result<Vec<u8>, ParquetError> {
-        let mut file = SerializedFileWriter::new(Vec::new(), self.schema.clone(), self.properties.clone())?;
-        let mut row_group = file.next_row_group()?;
-        for column in &self.columns {
-            if let Some(writer) = row_group.next_column()? {
-                write_column(writer, column, outcomes)?;
+        let mut file = TrackedWrite::new(Vec::new());
+        file.write_all(MAGIC)?;
+        let mut writer = ChunkWriter::new(&mut file)?;
+        let columns = self.columns.iter().zip(self.descriptor.columns());
+        let chunk = |(column, described): (&TableColumn, &ColumnDescPtr)| {
+            self.chunk(&mut writer, described.clone(), column, outcomes)
+        };
+        let chunks: Vec<ColumnChunkMetaData> = columns.map(chunk).collect::<Result<_, _>>()?;
+        let rows = outcomes.iter().map(|outcome| outcome.steps.len() as i64).sum();
+        let row_group = RowGroupMetaData::builder(self.descriptor.clone())
+            .set_num_rows(rows)
+            .set_total_byte_size(chunks.iter().map(ColumnChunkMetaData::uncompressed_size).sum())
+            .set_column_metadata(chunks)
+            .set_file_offset(MAGIC.len() as i64)
+            .build()?;
+        let mut file = file.into_inner()?;
+        file.extend(parquet_footer::footer(vec![row_group], &self.descriptor, Vec::new())?);
+        Ok(file)
+    }
+
+    fn chunk(
+        &self,
+        writer: &mut ChunkWriter,
+        described: ColumnDescPtr,
+        column: &TableColumn,
+        outcomes: &[DesignOutcome],
+    ) -> Result<ColumnChunkMetaData, ParquetError> {
+        let is_asked = |own: LoadColumn| self.asked.is_some_and(|load| (own.asked)(load).is_some());
+        match column.kind {
+            Kind::Design => {
+                let mut cells = Cells::default();
+                outcomes.iter().for_each(|outcome| {
+                    cells.follow(outcome.case.index as i64, outcome.steps.len());
+                });
+                writer.write(described, &cells)
             }
+            Kind::Input(input) if input.is_number() => {
+                writer.write(described, &numbers_of_designs(input, outcomes))
+            }
+            Kind::Input(input) => writer.write(described, &words_of_designs(input, outcomes)),
+            Kind::Load(own) if is_asked(own) => writer.write(described, &asked_loads(own, outcomes)),
+            Kind::Load(_) | Kind::Result(_) => {
+                let (mut numbers, mut levels, mut rows) = (Vec::new(), Runs::default(), 0);
+                each_step(outcomes, |load, step, _| {
+                    let number = number(column.kind, load, step);
+                    levels.push(u32::from(number.is_some()), 1);
+                    numbers.extend(number);
+                    rows += 1;
+                });
+                writer.write_all(described, &numbers, &levels, rows)
+            }
+            Kind::Word(_) | Kind::Status => writer.write(described, &words(column.kind, outcomes)),
         }
-        row_group.close()?;
-        file.into_inner()
     }
 }
 
@@ -120,137 +163,71 @@ fn schema(columns: &[TableColumn]) -> Result<Type, ParquetError> {
     Type::group_type_builder("table").with_fields(fields?).build()
 }
 
-/// The load of the first design: lists may have both kinds.
 fn asked_load(study: &Study) -> Option<Load> {
     let first = study.cases().ok()?.next()?.ok()?;
     first.steps.first().copied()
 }
 
-/// Dictionaries where values repeat: the inputs, the load that is asked, words. Results hardly do; their bytes are sorted by
-/// significance, which makes files of many digits a twentieth smaller than plain ones.
-fn properties(columns: &[TableColumn], asked: Option<Load>) -> WriterProperties {
-    let is_asked = |own: LoadColumn| asked.is_some_and(|load| (own.asked)(load).is_some());
-    let level = ZstdLevel::try_new(LEVEL).expect("a level of Zstandard");
-    let mut builder = WriterProperties::builder()
-        .set_created_by(concat!("jointsweep ", env!("CARGO_PKG_VERSION")).into())
-        .set_compression(Compression::ZSTD(level))
-        .set_offset_index_disabled(true)
-        .set_statistics_enabled(parquet::file::properties::EnabledStatistics::Chunk);
-    for column in columns {
-        let path = ColumnPath::from(column.name.as_ref());
-        builder = match column.kind {
-            Kind::Design => builder
-                .set_column_dictionary_enabled(path.clone(), false)
-                .set_column_encoding(path, Encoding::DELTA_BINARY_PACKED),
-            Kind::Load(own) if is_asked(own) => builder,
-            Kind::Load(_) | Kind::Result(_) => builder
-                .set_column_dictionary_enabled(path.clone(), false)
-                .set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT),
-            _ => builder,
-        };
+/// Those of an input, which the rows of a design share.
+fn numbers_of_designs(input: Column, outcomes: &[DesignOutcome]) -> Cells<f64> {
+    let mut cells = Cells::default();
+    for outcome in outcomes {
+        match input.cell(&outcome.case.joint) {
+            Cell::Number(number) => cells.follow(number, outcome.steps.len()),
+            _ => cells.skip(outcome.steps.len()),
+        }
     }
-    builder.build()
+    cells
 }
 
-/// The cells of a column, row by row.
-fn write_column(
-    mut writer: SerializedColumnWriter,
-    column: &TableColumn,
-    outcomes: &[DesignOutcome],
-) -> Result<(), ParquetError> {
-    match content(column) {
-        Content::Whole => {
-            let rows =
-                |outcome: &DesignOutcome| std::iter::repeat_n(outcome.case.index as i64, outcome.steps.len());
-            let designs: Vec<i64> = outcomes.iter().flat_map(rows).collect();
-            writer.typed::<Int64Type>().write_batch(&designs, None, None)?;
-        }
-        Content::Number => {
-            let mut numbers = Cells::of(outcomes);
-            match column.kind {
-                Kind::Input(input) => each_input(input, outcomes, |cell, times| {
-                    numbers.repeat(if let Cell::Number(number) = cell { Some(number) } else { None }, times);
-                }),
-                kind => each_step(outcomes, |load, step, _| numbers.push(number(kind, load, step))),
-            }
-            writer.typed::<DoubleType>().write_batch(&numbers.values, Some(&numbers.levels), None)?;
-        }
-        Content::Word => {
-            let (mut words, mut known) = (Cells::of(outcomes), Known::default());
-            match column.kind {
-                Kind::Input(input) => each_input(input, outcomes, |cell, times| {
-                    words.repeat(known.bytes(if let Cell::Word(word) = cell { word } else { "" }), times);
-                }),
-                Kind::Word(word) => {
-                    each_step(outcomes, |_, step, backend| words.push(known.bytes(word(step, backend))));
+fn words_of_designs(input: Column, outcomes: &[DesignOutcome]) -> Cells<ByteArray> {
+    let mut cells = Cells::default();
+    for outcome in outcomes {
+        let cell = input.cell(&outcome.case.joint);
+        push_word(&mut cells, if let Cell::Word(word) = cell { word } else { "" }, outcome.steps.len());
+    }
+    cells
+}
+
+/// A word in so many cells; an empty one is none. Columns have a few different ones.
+fn push_word(cells: &mut Cells<ByteArray>, word: &str, times: usize) {
+    if word.is_empty() {
+        return cells.skip(times);
+    }
+    match cells.entries().iter().position(|entry| entry.data() == word.as_bytes()) {
+        Some(place) => cells.again(place, times),
+        None => cells.follow(word.into(), times),
+    }
+}
+
+/// Those of the load that is asked: most designs have those of the design before.
+fn asked_loads(own: LoadColumn, outcomes: &[DesignOutcome]) -> Cells<f64> {
+    let (mut cells, mut before, mut places) = (Cells::default(), Vec::new(), Vec::new());
+    for outcome in outcomes {
+        std::mem::swap(&mut before, &mut places);
+        places.clear();
+        for (place, (load, step)) in outcome.case.steps.iter().zip(&outcome.steps).enumerate() {
+            match number(Kind::Load(own), *load, step) {
+                Some(number) => places.push(cells.repeat(number, 1, before.get(place).copied())),
+                None => {
+                    cells.skip(1);
+                    places.push(usize::MAX);
                 }
-                _ => each_step(outcomes, |_, step, _| {
-                    let is_ok = step.status == Status::OK;
-                    let word = if is_ok { known.bytes("ok") } else { known.bytes(&step.status.to_string()) };
-                    words.push(word);
-                }),
-            }
-            // A column that has a word in each row has no levels.
-            let levels = (!matches!(column.kind, Kind::Status)).then_some(&*words.levels);
-            writer.typed::<ByteArrayType>().write_batch(&words.values, levels, None)?;
-        }
-    }
-    writer.close()
-}
-
-/// What is written of a column: its values, and of each row whether it has one (1 or 0).
-struct Cells<T> {
-    values: Vec<T>,
-    levels: Vec<i16>,
-}
-
-impl<T: Clone> Cells<T> {
-    /// With room for the rows of all outcomes.
-    fn of(outcomes: &[DesignOutcome]) -> Cells<T> {
-        let rows = outcomes.iter().map(|outcome| outcome.steps.len()).sum();
-        Cells { values: Vec::with_capacity(rows), levels: Vec::with_capacity(rows) }
-    }
-
-    fn push(&mut self, value: Option<T>) {
-        self.levels.push(i16::from(value.is_some()));
-        self.values.extend(value);
-    }
-
-    /// The same in so many rows.
-    fn repeat(&mut self, value: Option<T>, times: usize) {
-        self.levels.extend(std::iter::repeat_n(i16::from(value.is_some()), times));
-        if let Some(value) = value {
-            self.values.extend(std::iter::repeat_n(value, times));
-        }
-    }
-}
-
-/// Words that rows share without copies.
-#[derive(Default)]
-struct Known {
-    last: Option<(String, ByteArray)>,
-}
-
-impl Known {
-    /// `None` for an empty word.
-    fn bytes(&mut self, word: &str) -> Option<ByteArray> {
-        if word.is_empty() {
-            return None;
-        }
-        match &self.last {
-            Some((last, bytes)) if last == word => Some(bytes.clone()),
-            _ => {
-                let bytes = ByteArray::from(word);
-                self.last = Some((word.to_string(), bytes.clone()));
-                Some(bytes)
             }
         }
     }
+    cells
 }
 
-/// The cell of an input in each design, with how many rows have it.
-fn each_input(input: Column, outcomes: &[DesignOutcome], mut push: impl FnMut(Cell, usize)) {
-    outcomes.iter().for_each(|outcome| push(input.cell(&outcome.case.joint), outcome.steps.len()));
+/// Those of words that come of load steps.
+fn words(kind: Kind, outcomes: &[DesignOutcome]) -> Cells<ByteArray> {
+    let mut cells = Cells::default();
+    each_step(outcomes, |_, step, backend| match kind {
+        Kind::Word(word) => push_word(&mut cells, word(step, backend), 1),
+        _ if step.status == Status::OK => push_word(&mut cells, "ok", 1),
+        _ => push_word(&mut cells, &step.status.to_string(), 1),
+    });
+    cells
 }
 
 fn each_step(outcomes: &[DesignOutcome], mut push: impl FnMut(Load, &StepOutcome, BackendKind)) {
