@@ -54,7 +54,11 @@ const ALL: [Quantity; 3] = [Quantity::Indentation, Quantity::Force, Quantity::St
 
 /// A study with something in `[output]`.
 fn study(work: &Workdir, output: &str) -> Study {
-    work.write("study.toml", &format!("{CONFIG}[output]\nlaws = false\n{output}"));
+    study_of(work, CONFIG, output)
+}
+
+fn study_of(work: &Workdir, config: &str, output: &str) -> Study {
+    work.write("study.toml", &format!("{config}[output]\nlaws = false\n{output}"));
     Study::load(&work.path("study.toml")).unwrap()
 }
 
@@ -105,12 +109,12 @@ struct Compared {
     empty: usize,
 }
 
-/// Compares a Parquet file with the CSV of the same rows.
-fn compare(work: &Workdir, csv: &str, parquet: &str) -> Compared {
+/// Compares a Parquet file with the CSV of the same rows, so many.
+fn compare(work: &Workdir, count: usize, csv: &str, parquet: &str) -> Compared {
     let csv = work.table(csv);
     let (names, rows) = parquet_cells(work.path(parquet));
     assert_eq!(names, csv.names.iter().collect::<Vec<_>>());
-    assert_eq!((rows.len(), csv.records.len()), (40_000, 40_000));
+    assert_eq!((rows.len(), csv.records.len()), (count, count));
     let mut compared = Compared::default();
     for (row, record) in rows.iter().zip(&csv.records) {
         for ((field, cell), name) in row.iter().zip(record).zip(&names) {
@@ -156,7 +160,7 @@ fn every_format_holds_the_same_rows_whatever_the_threads() {
         assert!(plain == text, "the compressed text is another one");
     }
     let [auto, closed] = ["auto", "closed"].map(|method| {
-        compare(&work, &format!("{method}-csv/table.csv"), &format!("{method}-parquet/table.parquet"))
+        compare(&work, 40_000, &format!("{method}-csv/table.csv"), &format!("{method}-parquet/table.parquet"))
     });
     assert!(auto.exact > 300_000 && auto.rounded > 100_000, "{} {}", auto.exact, auto.rounded);
     let failed = work.table("closed-csv/table.csv").column("status").join("\n").matches("failed: ").count();
@@ -165,6 +169,40 @@ fn every_format_holds_the_same_rows_whatever_the_threads() {
         "{failed} failed, {} empty",
         closed.empty
     );
+}
+
+/// Runs of one value and packed ones, values that come back, loads that differ from design to design, cells that are empty in some.
+#[test]
+fn few_rows_a_design_are_the_same_in_parquet() {
+    let work = Workdir::new("formats_few");
+    let check = |config: &str, count: usize| {
+        for format in ["csv", "parquet"] {
+            let study = study_of(&work, config, &format!("format = \"{format}\""));
+            table(&work, &study, format, &portions(&study, 1));
+        }
+        let compared = compare(&work, count, "csv/table.csv", "parquet/table.parquet");
+        ["csv", "parquet"].map(|folder| std::fs::remove_dir_all(work.path(folder)).unwrap());
+        compared
+    };
+    for steps in [2, 7, 8, 9, 20] {
+        let config = CONFIG.replace("count = 1000", &format!("count = {steps}"));
+        assert!(check(&config, 40 * steps).exact > 300 * steps, "{steps} loads");
+    }
+    let (kept, _) = CONFIG.split_once("[load]").unwrap();
+    assert!(check(&format!("{kept}[load]\nforce = \"5 kN\"\n"), 40).exact > 300);
+    // Empty inputs, values that come back, and either kind of load.
+    let example = include_str!("../../configs/designs-example.csv");
+    let mut list = format!("{}\n", example.lines().next().unwrap());
+    for design in 0..60 {
+        let core = ["0.1", ""][design / 3 % 2];
+        let load = [format!("0.0{},", 1 + design % 2), format!(",{}", 1000 + design % 5)];
+        let (radius, load) = (2 + design % 3, &load[design / 20 % 2]);
+        list += &format!("20,0.05,10,plane-stress,rigid-core,{core},210000,0.3,annulus,{radius},,,,,");
+        list += &format!("{},0.33,{load}\n", 70_000 + design / 30);
+    }
+    work.write("list.csv", &list);
+    let listed = check("title = \"a list\"\n[designs]\nfile = \"list.csv\"\n", 60);
+    assert!(listed.exact > 400 && listed.empty >= 240, "{} {}", listed.exact, listed.empty);
 }
 
 /// Of each column its unit and meaning, and one description of all row groups: what the format itself promises of a file.
