@@ -249,7 +249,7 @@ impl FineBody {
                 }
             }
         }
-        self.structure.substitute_ring(&self.tiles, 0, &mut loads);
+        self.structure.substitute_ring::<_, _, 1>(&self.tiles, 0, &mut loads);
         let mut matrix = [[0.0; TRIALS]; TRIALS];
         for row in loads.iter().flatten() {
             for (j, entries) in matrix.iter_mut().enumerate() {

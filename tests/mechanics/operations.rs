@@ -122,7 +122,7 @@ fn the_substitution_does_what_is_counted() {
     let ring = (structure.size - structure.ring_start) / TILE;
     for start in [0, ring / 2, ring - 1] {
         let mut values = vec![[[Counted(1.0); 12]; TILE]; ring - start];
-        let done = operations(|| structure.substitute_ring(&tiles, start, &mut values));
+        let done = operations(|| structure.substitute_ring::<_, 12, 4>(&tiles, start, &mut values));
         assert_eq!(structure.substitute_operations(ring - start, 12), done, "from tile row {start}");
     }
 }

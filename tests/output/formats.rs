@@ -181,7 +181,7 @@ fn few_rows_a_design_are_the_same_in_parquet() {
             table(&work, &study, format, &portions(&study, 1));
         }
         let compared = compare(&work, count, "csv/table.csv", "parquet/table.parquet");
-        ["csv", "parquet"].map(|folder| std::fs::remove_dir_all(work.path(folder)).unwrap());
+        ["csv", "parquet"].iter().for_each(|folder| std::fs::remove_dir_all(work.path(folder)).unwrap());
         compared
     };
     for steps in [2, 7, 8, 9, 20] {

@@ -135,11 +135,11 @@ impl LaneWork for Condense<'_> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> Vec<Vec<f64>> {
-        // As many sums at a time as stay in registers: of 16 registers, each with half of the lanes, half as many as of 32 with all.
+        // As many sums at a time as stay in registers: 16 of 32 registers that hold all lanes, 4 of 16 that hold half of them.
         if self.bodies.len() == 1 {
             self.works::<Alone<FUSED>, 2>()
         } else if lanes_fit_a_register() {
-            self.works::<Lanes<FUSED>, 2>()
+            self.works::<Lanes<FUSED>, 4>()
         } else {
             self.works::<Lanes<FUSED>, 1>()
         }
@@ -237,13 +237,13 @@ impl Condense<'_> {
         works: &mut [Vec<f64>],
     ) {
         let CondensationPlan { modes: RingModes { count, .. }, loads, .. } = self.plan;
-        let normal = self.substituted::<T, BLOCK>(tiles, &loads[0]);
+        let normal = self.substituted::<T, BLOCK, ABREAST>(tiles, &loads[0]);
         for (push, loads) in loads.iter().enumerate() {
             let own;
             let pushed = if push == 0 {
                 &normal
             } else {
-                own = self.substituted::<T, BLOCK>(tiles, loads);
+                own = self.substituted::<T, BLOCK, ABREAST>(tiles, loads);
                 &own
             };
             let from = push * packed_count(*count);
@@ -275,7 +275,7 @@ impl Condense<'_> {
 
     /// L^-1 f on the ring: `[block of modes][row of tiles][row][mode]`.
     #[inline(always)]
-    fn substituted<T: Bodies, const BLOCK: usize>(
+    fn substituted<T: Bodies, const BLOCK: usize, const ABREAST: usize>(
         &self,
         tiles: &[Tile<T>],
         loads: &[f64],
@@ -289,7 +289,11 @@ impl Condense<'_> {
                     *value = T::from_f64(*load);
                 }
             }
-            self.plan.structure.substitute_ring(tiles, 0, &mut block);
+            if ABREAST == 1 {
+                self.plan.structure.substitute_ring::<T, BLOCK, TILE>(tiles, 0, &mut block);
+            } else {
+                self.plan.structure.substitute_ring::<T, BLOCK, BLOCK>(tiles, 0, &mut block);
+            }
             blocks.push(block);
         }
         blocks

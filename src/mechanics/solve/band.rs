@@ -213,28 +213,28 @@ impl BandStructure {
     }
 
     /// L^-1 of the ring's block applied to `columns` right-hand sides, in place, from tile row `start` (counted from
-    /// the ring's first) on; rows before it are taken as zero. `values` is `[ring row][column]`, from that row on, of a multiple of
-    /// `TILE` columns.
+    /// the ring's first) on; rows before it are taken as zero. `values` is `[ring row][column]`, from that row on.
+    /// `ABREAST` columns, of which there is a multiple, are summed at a time.
     #[inline(always)]
-    pub fn substitute_ring<T: Real, const COLUMNS: usize>(
+    pub fn substitute_ring<T: Real, const COLUMNS: usize, const ABREAST: usize>(
         &self,
         tiles: &[Tile<T>],
         start: usize,
         values: &mut [[[T; COLUMNS]; TILE]],
     ) {
-        const { assert!(COLUMNS.is_multiple_of(TILE)) };
+        const { assert!(COLUMNS.is_multiple_of(ABREAST)) };
         let ring = self.ring_start / TILE + start;
         for row in 0..values.len() {
             let (done, current) = values.split_at_mut(row);
             let current = &mut current[0];
             let row_tiles = &tiles[self.tile(ring + row, ring)..];
             for i in 0..TILE {
-                let blocks = current[i].as_chunks_mut::<TILE>().0.iter_mut();
-                for (block, first) in blocks.zip((0..).step_by(TILE)) {
+                let blocks = current[i].as_chunks_mut::<ABREAST>().0.iter_mut();
+                for (block, first) in blocks.zip((0..).step_by(ABREAST)) {
                     let mut sums = *block;
                     for (tile, known) in row_tiles.iter().zip(done.iter()) {
                         for k in 0..TILE {
-                            for c in 0..TILE {
+                            for c in 0..ABREAST {
                                 sums[c] = sums[c].minus_product(tile[k][i], known[k][first + c]);
                             }
                         }
