@@ -13,7 +13,7 @@ use parquet::file::writer::{SerializedPageWriter, TrackedWrite};
 use parquet::schema::types::ColumnDescPtr;
 use zstd::bulk::Compressor;
 
-use super::parquet_runs::{Runs, bits_of};
+use super::parquet_runs::{Runs, bits_of, put_differences};
 
 /// Higher levels take more time and save nothing worth it: the last digits of results are noise to a compressor.
 const LEVEL: i32 = 1;
@@ -36,10 +36,14 @@ pub trait Value: Clone + PartialEq {
 }
 
 impl Value for i64 {
-    const ENCODING: Encoding = Encoding::PLAIN;
+    const ENCODING: Encoding = Encoding::DELTA_BINARY_PACKED;
 
     fn put_plain(values: &[i64], bytes: &mut Vec<u8>) {
         values.iter().for_each(|value| bytes.extend(value.to_le_bytes()));
+    }
+
+    fn put(values: &[i64], bytes: &mut Vec<u8>) {
+        put_differences(values, bytes);
     }
 
     fn statistics(values: &[i64], empty: u64) -> Statistics {
@@ -97,17 +101,30 @@ impl Value for ByteArray {
 pub struct Cells<V> {
     /// Values that differ from those they were compared with.
     entries: Vec<V>,
+    /// Of each the place of the one that followed it last.
+    followers: Vec<usize>,
+    /// The place of the value before.
+    last: usize,
     /// Of cells that have a value, its place among these.
     places: Runs,
     /// Whether cells have one (1 or 0).
     levels: Runs,
     rows: usize,
+    /// Of these, those without a value.
     empty: usize,
 }
 
 impl<V> Default for Cells<V> {
     fn default() -> Cells<V> {
-        Cells { entries: Vec::new(), places: Runs::default(), levels: Runs::default(), rows: 0, empty: 0 }
+        Cells {
+            entries: Vec::new(),
+            followers: Vec::new(),
+            last: 0,
+            places: Runs::default(),
+            levels: Runs::default(),
+            rows: 0,
+            empty: 0,
+        }
     }
 }
 
@@ -128,6 +145,7 @@ impl<V: Value> Cells<V> {
         let known = known.filter(|place| self.entries.get(*place) == Some(&value));
         let place = known.unwrap_or_else(|| {
             self.entries.push(value);
+            self.followers.push(0);
             self.entries.len() - 1
         });
         self.again(place, times);
@@ -141,9 +159,15 @@ impl<V: Value> Cells<V> {
         self.places.push(place as u32, times);
     }
 
-    /// The same as the value before, or another one.
+    /// The same as the value before, or the one that followed that before, as in grids, or another one.
     pub fn follow(&mut self, value: V, times: usize) {
-        self.repeat(value, times, self.entries.len().checked_sub(1));
+        let is_same = self.entries.get(self.last) == Some(&value);
+        let known = if is_same { Some(self.last) } else { self.followers.get(self.last).copied() };
+        let place = self.repeat(value, times, known);
+        if !is_same {
+            self.followers[self.last] = place;
+        }
+        self.last = place;
     }
 }
 
@@ -155,7 +179,7 @@ pub struct ChunkWriter<'a> {
     bytes: Vec<u8>,
 }
 
-/// Of the values in a dictionary, how many at least have a place for each.
+/// A dictionary is worth it where there are so many cells at least for each of its values.
 const REPEATED: usize = 2;
 
 impl<'a> ChunkWriter<'a> {
@@ -169,7 +193,7 @@ impl<'a> ChunkWriter<'a> {
         column: ColumnDescPtr,
         cells: &Cells<V>,
     ) -> Result<ColumnChunkMetaData, ParquetError> {
-        let Cells { entries, places, levels, rows, empty } = cells;
+        let Cells { entries, places, levels, rows, empty, .. } = cells;
         if REPEATED * entries.len() > rows - empty {
             let values: Vec<V> = places.numbers().map(|place| entries[place as usize].clone()).collect();
             return self.write_all(column, &values, levels, *rows);

@@ -1,5 +1,5 @@
-//! Small whole numbers of a Parquet column, row by row: levels, and places in a dictionary. Runs of one number and groups of packed
-//! ones take turns (Parquet's encoding RLE).
+//! Whole numbers of a Parquet column in few bits. Levels and places in a dictionary: runs of one number and groups of packed ones take turns
+//! (Parquet's encoding RLE). Others by their differences.
 
 /// Numbers with how often each follows itself.
 #[derive(Default)]
@@ -50,9 +50,14 @@ fn pack(numbers: &mut Vec<u32>, bits: u32, bytes: &mut Vec<u8>) {
     }
     numbers.resize(numbers.len().next_multiple_of(GROUP), 0);
     put_varint((numbers.len() / GROUP) as u64 * 2 + 1, bytes);
-    let (mut waiting, mut count) = (0_u64, 0);
-    for number in numbers.drain(..) {
-        waiting |= u64::from(number) << count;
+    put_bits(numbers.drain(..).map(u64::from), bits, bytes);
+}
+
+/// Appends numbers, as many as a multiple of eight, of so many bits each.
+fn put_bits(numbers: impl Iterator<Item = u64>, bits: u32, bytes: &mut Vec<u8>) {
+    let (mut waiting, mut count) = (0_u128, 0);
+    for number in numbers {
+        waiting |= u128::from(number) << count;
         count += bits;
         while count >= 8 {
             bytes.push(waiting as u8);
@@ -60,6 +65,38 @@ fn pack(numbers: &mut Vec<u32>, bits: u32, bytes: &mut Vec<u8>) {
             count -= 8;
         }
     }
+}
+
+/// Differences that are packed together, in so many parts, each of as many bits as it needs.
+const BLOCK: usize = 128;
+const PARTS: usize = 4;
+
+/// Appends numbers by their differences (Parquet's encoding DELTA_BINARY_PACKED).
+pub fn put_differences(numbers: &[i64], bytes: &mut Vec<u8>) {
+    put_varint(BLOCK as u64, bytes);
+    put_varint(PARTS as u64, bytes);
+    put_varint(numbers.len() as u64, bytes);
+    put_varint(zigzag(numbers.first().copied().unwrap_or(0)), bytes);
+    let differences: Vec<i64> = numbers.windows(2).map(|pair| pair[1].wrapping_sub(pair[0])).collect();
+    for block in differences.chunks(BLOCK) {
+        let least = block.iter().copied().min().unwrap_or(0);
+        put_varint(zigzag(least), bytes);
+        let above = |difference: &i64| difference.wrapping_sub(least) as u64;
+        let parts = || block.chunks(BLOCK / PARTS);
+        let bits_of_part =
+            |part: &[i64]| u64::BITS - part.iter().map(above).max().unwrap_or(0).leading_zeros();
+        let widths = parts().map(|part| bits_of_part(part) as u8).chain(std::iter::repeat(0));
+        bytes.extend(widths.take(PARTS));
+        for part in parts() {
+            let filled = part.iter().map(above).chain(std::iter::repeat(0)).take(BLOCK / PARTS);
+            put_bits(filled, bits_of_part(part), bytes);
+        }
+    }
+}
+
+/// Of numbers near zero small ones, whatever their sign.
+fn zigzag(number: i64) -> u64 {
+    (number << 1 ^ number >> 63) as u64
 }
 
 /// Seven bits a byte, the lowest first.
@@ -140,6 +177,64 @@ mod tests {
             }
         }
         assert!(compared > 10_000);
+    }
+
+    /// As the format describes it.
+    fn summed_up(bytes: &[u8]) -> Vec<i64> {
+        let mut at = 0;
+        let mut byte = || {
+            at += 1;
+            bytes[at - 1]
+        };
+        fn varint(byte: &mut impl FnMut() -> u8) -> u64 {
+            let (mut number, mut shift) = (0, 0);
+            loop {
+                let next = byte();
+                number |= u64::from(next & 0x7f) << shift;
+                shift += 7;
+                if next < 0x80 {
+                    return number;
+                }
+            }
+        }
+        let signed = |number: u64| (number >> 1) as i64 ^ -((number & 1) as i64);
+        let [block, parts, count] = [(); 3].map(|()| varint(&mut byte) as usize);
+        let mut numbers = vec![signed(varint(&mut byte))];
+        while numbers.len() < count {
+            let least = signed(varint(&mut byte));
+            let widths: Vec<u32> = (0..parts).map(|_| u32::from(byte())).collect();
+            for width in widths {
+                if numbers.len() >= count {
+                    continue;
+                }
+                let packed: Vec<u8> = (0..block / parts * width as usize / 8).map(|_| byte()).collect();
+                let bit = |place: usize| u64::from(packed[place / 8] >> (place % 8) & 1);
+                for number in 0..block / parts {
+                    let above =
+                        (0..width as usize).map(|i| bit(number * width as usize + i) << i).sum::<u64>();
+                    let last = numbers[numbers.len() - 1];
+                    numbers.push(last.wrapping_add(least).wrapping_add(above as i64));
+                }
+            }
+        }
+        assert_eq!(at, bytes.len());
+        numbers.truncate(count);
+        numbers
+    }
+
+    #[test]
+    fn differences_sum_up_to_the_numbers() {
+        let extremes = [i64::MIN, i64::MAX, 0, -1, 1, i64::MAX, i64::MIN];
+        let mut lists = vec![extremes.to_vec(), vec![7], (0..1000).map(|i| i / 10).collect()];
+        lists.extend((1..300).map(|count| (0..count).map(|i| i * i * (i % 3 - 1) * count).collect()));
+        for list in &lists {
+            let mut bytes = Vec::new();
+            put_differences(list, &mut bytes);
+            assert_eq!(summed_up(&bytes), *list);
+        }
+        let mut bytes = Vec::new();
+        put_differences(&(0..1_000_000).collect::<Vec<_>>(), &mut bytes);
+        assert!(bytes.len() < 50_000, "{} bytes", bytes.len());
     }
 
     #[test]

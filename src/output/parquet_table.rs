@@ -97,11 +97,11 @@ impl ParquetTable {
         let is_asked = |own: LoadColumn| self.asked.is_some_and(|load| (own.asked)(load).is_some());
         match column.kind {
             Kind::Design => {
-                let mut cells = Cells::default();
-                outcomes.iter().for_each(|outcome| {
-                    cells.follow(outcome.case.index as i64, outcome.steps.len());
-                });
-                writer.write(described, &cells)
+                let rows = |outcome: &DesignOutcome| {
+                    std::iter::repeat_n(outcome.case.index as i64, outcome.steps.len())
+                };
+                let designs: Vec<i64> = outcomes.iter().flat_map(rows).collect();
+                writer.write_all(described, &designs, &Runs::default(), designs.len())
             }
             Kind::Input(input) if input.is_number() => {
                 writer.write(described, &numbers_of_designs(input, outcomes))

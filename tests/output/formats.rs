@@ -217,6 +217,40 @@ fn a_parquet_file_describes_itself() {
     assert_eq!(metadata.num_row_groups(), all.len());
     assert!(all.len() > 2, "{} portions", all.len());
     assert_eq!(metadata.file_metadata().num_rows(), 40_000);
+    // Of each chunk its extremes and how many cells are empty.
+    let names: Vec<String> = (metadata.file_metadata().schema_descr().columns().iter())
+        .map(|column| column.name().to_string())
+        .collect();
+    let (_, rows) = parquet_cells(work.path("result/table.parquet"));
+    let mut rows = rows.into_iter();
+    let mut compared = 0;
+    for row_group in metadata.row_groups() {
+        let own: Vec<Vec<Field>> = rows.by_ref().take(row_group.num_rows() as usize).collect();
+        for (place, name) in names.iter().enumerate() {
+            let told = row_group.column(place).statistics().unwrap();
+            let cells = || own.iter().map(|row| &row[place]);
+            let empty = cells().filter(|cell| matches!(cell, Field::Null)).count();
+            assert_eq!(told.null_count_opt(), Some(empty as u64), "{name}");
+            let bytes = |cell: &Field| match cell {
+                Field::Double(number) => number.to_le_bytes().to_vec(),
+                Field::Long(number) => number.to_le_bytes().to_vec(),
+                Field::Str(word) => word.as_bytes().to_vec(),
+                other => panic!("{name}: {other:?}"),
+            };
+            let filled = || cells().filter(|cell| !matches!(cell, Field::Null));
+            let order = |a: &&Field, b: &&Field| match (a, b) {
+                (Field::Double(a), Field::Double(b)) => a.total_cmp(b),
+                (Field::Long(a), Field::Long(b)) => a.cmp(b),
+                (a, b) => bytes(a).cmp(&bytes(b)),
+            };
+            let least = filled().min_by(order).map(bytes);
+            let greatest = filled().max_by(order).map(bytes);
+            assert_eq!(told.min_bytes_opt(), least.as_deref(), "{name}");
+            assert_eq!(told.max_bytes_opt(), greatest.as_deref(), "{name}");
+            compared += usize::from(least.is_some());
+        }
+    }
+    assert!(compared > 20, "{compared} chunks");
     let about = metadata.file_metadata().key_value_metadata().unwrap();
     let json = |key: &str| -> serde_json::Value {
         let value = about.iter().find(|entry| entry.key == key).unwrap().value.clone();
