@@ -226,8 +226,12 @@ impl NearField {
         let references: Vec<ConcentricBody> = classes.iter().flat_map(NearFieldClass::references).collect();
         let bodies: Vec<Body> = references.iter().map(|reference| mesh.body(reference)).collect();
         let condensed = condense(&mesh.plan(&bodies[0], loads), &bodies);
-        let boundaries: Vec<_> = references.iter().map(ConcentricBody::boundary_modes).collect();
-        let exact = modes.works_of_modes(mesh.side, &boundaries).into_iter();
+        // How many modes there are hangs on the radius alone. Together with others a reference would not come to the same bits.
+        let alike = references.chunk_by(|one, other| one.fixed_radius_ratio == other.fixed_radius_ratio);
+        let exact = alike.flat_map(|references| {
+            let boundaries: Vec<_> = references.iter().map(ConcentricBody::boundary_modes).collect();
+            modes.works_of_modes(mesh.side, &boundaries)
+        });
         let mut works = exact.zip(condensed).zip(&references).map(|((mut works, condensed), of)| {
             let scale = of.idealization.plane_modulus_ratio(of.poissons_ratio);
             works
