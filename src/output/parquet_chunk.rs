@@ -23,24 +23,21 @@ pub trait Value: Clone + PartialEq {
     /// How values are written where they do not repeat.
     const ENCODING: Encoding;
 
-    /// Appends values as dictionaries have them.
-    fn put_plain(values: &[Self], bytes: &mut Vec<u8>);
-
     /// Appends values by `ENCODING`.
-    fn put(values: &[Self], bytes: &mut Vec<u8>) {
-        Self::put_plain(values, bytes);
-    }
+    fn put(values: &[Self], bytes: &mut Vec<u8>);
 
     /// The least and the greatest, with the number of cells without a value.
     fn statistics(values: &[Self], empty: u64) -> Statistics;
 }
 
+/// What may stand in a dictionary.
+pub trait Repeated: Value {
+    /// Appends values as dictionaries have them.
+    fn put_plain(values: &[Self], bytes: &mut Vec<u8>);
+}
+
 impl Value for i64 {
     const ENCODING: Encoding = Encoding::DELTA_BINARY_PACKED;
-
-    fn put_plain(values: &[i64], bytes: &mut Vec<u8>) {
-        values.iter().for_each(|value| bytes.extend(value.to_le_bytes()));
-    }
 
     fn put(values: &[i64], bytes: &mut Vec<u8>) {
         put_differences(values, bytes);
@@ -55,10 +52,6 @@ impl Value for i64 {
 impl Value for f64 {
     /// Bytes sorted by significance, which makes files of many digits a twentieth smaller.
     const ENCODING: Encoding = Encoding::BYTE_STREAM_SPLIT;
-
-    fn put_plain(values: &[f64], bytes: &mut Vec<u8>) {
-        values.iter().for_each(|value| bytes.extend(value.to_le_bytes()));
-    }
 
     fn put(values: &[f64], bytes: &mut Vec<u8>) {
         for byte in 0..size_of::<f64>() {
@@ -79,21 +72,33 @@ impl Value for f64 {
     }
 }
 
+impl Repeated for f64 {
+    fn put_plain(values: &[f64], bytes: &mut Vec<u8>) {
+        values.iter().for_each(|value| bytes.extend(value.to_le_bytes()));
+    }
+}
+
 /// Words: a short text each.
 impl Value for ByteArray {
     const ENCODING: Encoding = Encoding::PLAIN;
 
-    fn put_plain(values: &[ByteArray], bytes: &mut Vec<u8>) {
-        for value in values {
-            bytes.extend((value.len() as u32).to_le_bytes());
-            bytes.extend(value.data());
-        }
+    fn put(values: &[ByteArray], bytes: &mut Vec<u8>) {
+        ByteArray::put_plain(values, bytes);
     }
 
     fn statistics(values: &[ByteArray], empty: u64) -> Statistics {
         let least = values.iter().min_by_key(|value| value.data());
         let greatest = values.iter().max_by_key(|value| value.data());
         Statistics::byte_array(least.cloned(), greatest.cloned(), None, Some(empty), false)
+    }
+}
+
+impl Repeated for ByteArray {
+    fn put_plain(values: &[ByteArray], bytes: &mut Vec<u8>) {
+        for value in values {
+            bytes.extend((value.len() as u32).to_le_bytes());
+            bytes.extend(value.data());
+        }
     }
 }
 
@@ -128,8 +133,8 @@ impl<V> Default for Cells<V> {
     }
 }
 
-impl<V: Value> Cells<V> {
-    /// How many values a dictionary would have.
+impl<V: Repeated> Cells<V> {
+    /// The values a dictionary would have.
     pub fn entries(&self) -> &[V] {
         &self.entries
     }
@@ -188,7 +193,7 @@ impl<'a> ChunkWriter<'a> {
     }
 
     /// Cells of values that repeat.
-    pub fn write<V: Value>(
+    pub fn write<V: Repeated>(
         &mut self,
         column: ColumnDescPtr,
         cells: &Cells<V>,
@@ -225,7 +230,6 @@ impl<'a> ChunkWriter<'a> {
         levels: &Runs,
         rows: usize,
     ) -> Result<ColumnChunkMetaData, ParquetError> {
-        self.bytes.clear();
         self.put_levels(&column, levels);
         V::put(values, &mut self.bytes);
         let data = self.data_page(rows, V::ENCODING)?;
@@ -233,7 +237,7 @@ impl<'a> ChunkWriter<'a> {
         chunk(column, rows, statistics, None, (data, V::ENCODING))
     }
 
-    /// A column that has a value in each row has no levels.
+    /// Begins a data page. A column that has a value in each row has no levels.
     fn put_levels(&mut self, column: &ColumnDescPtr, levels: &Runs) {
         self.bytes.clear();
         if column.max_def_level() > 0 {

@@ -117,20 +117,24 @@ pub fn bits_of(greatest: u32) -> u32 {
 mod tests {
     use super::*;
 
+    fn read_varint(bytes: &[u8], at: &mut usize) -> u64 {
+        let (mut number, mut shift) = (0, 0);
+        loop {
+            let byte = bytes[*at];
+            *at += 1;
+            number |= u64::from(byte & 0x7f) << shift;
+            shift += 7;
+            if byte < 0x80 {
+                return number;
+            }
+        }
+    }
+
     /// As the format describes it, for so many numbers of so many bits.
     fn decoded(bytes: &[u8], bits: u32, count: usize) -> Vec<u32> {
         let (mut numbers, mut at) = (Vec::new(), 0);
         while numbers.len() < count {
-            let (mut header, mut shift) = (0_u64, 0);
-            loop {
-                let byte = bytes[at];
-                at += 1;
-                header |= u64::from(byte & 0x7f) << shift;
-                shift += 7;
-                if byte < 0x80 {
-                    break;
-                }
-            }
+            let header = read_varint(bytes, &mut at);
             if header % 2 == 0 {
                 let length = bits.div_ceil(8) as usize;
                 let number =
@@ -182,36 +186,24 @@ mod tests {
     /// As the format describes it.
     fn summed_up(bytes: &[u8]) -> Vec<i64> {
         let mut at = 0;
-        let mut byte = || {
-            at += 1;
-            bytes[at - 1]
-        };
-        fn varint(byte: &mut impl FnMut() -> u8) -> u64 {
-            let (mut number, mut shift) = (0, 0);
-            loop {
-                let next = byte();
-                number |= u64::from(next & 0x7f) << shift;
-                shift += 7;
-                if next < 0x80 {
-                    return number;
-                }
-            }
-        }
         let signed = |number: u64| (number >> 1) as i64 ^ -((number & 1) as i64);
-        let [block, parts, count] = [(); 3].map(|()| varint(&mut byte) as usize);
-        let mut numbers = vec![signed(varint(&mut byte))];
+        let [block, parts, count] = [(); 3].map(|()| read_varint(bytes, &mut at) as usize);
+        let mut numbers = vec![signed(read_varint(bytes, &mut at))];
         while numbers.len() < count {
-            let least = signed(varint(&mut byte));
-            let widths: Vec<u32> = (0..parts).map(|_| u32::from(byte())).collect();
+            let least = signed(read_varint(bytes, &mut at));
+            let widths = &bytes[at..at + parts];
+            at += parts;
             for width in widths {
                 if numbers.len() >= count {
                     continue;
                 }
-                let packed: Vec<u8> = (0..block / parts * width as usize / 8).map(|_| byte()).collect();
+                let packed = &bytes[at..][..block / parts * usize::from(*width) / 8];
+                at += packed.len();
                 let bit = |place: usize| u64::from(packed[place / 8] >> (place % 8) & 1);
                 for number in 0..block / parts {
-                    let above =
-                        (0..width as usize).map(|i| bit(number * width as usize + i) << i).sum::<u64>();
+                    let above = (0..usize::from(*width))
+                        .map(|i| bit(number * usize::from(*width) + i) << i)
+                        .sum::<u64>();
                     let last = numbers[numbers.len() - 1];
                     numbers.push(last.wrapping_add(least).wrapping_add(above as i64));
                 }

@@ -196,7 +196,7 @@ fn push_word(cells: &mut Cells<ByteArray>, word: &str, times: usize) {
     }
     match cells.entries().iter().position(|entry| entry.data() == word.as_bytes()) {
         Some(place) => cells.again(place, times),
-        None => cells.follow(word.into(), times),
+        None => _ = cells.repeat(word.into(), times, None),
     }
 }
 

@@ -354,10 +354,10 @@ impl LaneWork for WorksOfModes<'_> {
                 let mut tilt = vec![[0.0; LANES]; packed_count(count)];
                 for n in 1..highest {
                     // Half of it in either order.
-                    let half = |n: usize, along: &[f64]| {
-                        if n < along.len() { 0.5 * (along[n] - along[n - 1]) } else { 0.0 }
-                    };
-                    let halves = scales(&|[_, along]| half(n, along));
+                    let halves = scales(&|[_, along]| match along.get(n - 1..=n) {
+                        Some([before, value]) => 0.5 * (value - before),
+                        _ => 0.0,
+                    });
                     add_product(&halves, of_mode(n), of_mode(n - 1), &mut tilt);
                     add_product(&halves, of_mode(n - 1), of_mode(n), &mut tilt);
                 }
