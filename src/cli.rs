@@ -101,7 +101,7 @@ enum Command {
     /// clearance and no layers
     Tradeoff(tradeoff::TradeoffArgs),
     /// Lists the GPUs with a Vulkan driver, and what a sweep would be computed on
-    Devices,
+    Devices(devices::DevicesArgs),
     /// Prints what a shell needs to complete command lines
     Completions(shell::CompletionsArgs),
     /// Prints the manual page
@@ -144,7 +144,7 @@ pub fn main() -> ExitCode {
         Command::Bench(args) => bench::bench(&args),
         Command::BenchGpu(args) => bench_gpu::bench_gpu(&args),
         Command::Tradeoff(args) => tradeoff::tradeoff(&args),
-        Command::Devices => devices::devices(),
+        Command::Devices(args) => devices::devices(&args),
         Command::Completions(args) => shell::completions(&args),
         Command::Man(args) => shell::man(&args),
     };

@@ -1,17 +1,23 @@
 //! Which device a run is computed on.
 
+use std::path::PathBuf;
+
 use clap::{Args, ValueEnum};
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
+use jointsweep::internals::engine::backend::gpu::calibration::measure;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
+use jointsweep::internals::engine::forecast::Demand;
+use jointsweep::internals::output::kept_rates;
+use jointsweep::internals::output::origin::Origin;
 use jointsweep::internals::study::config::Study;
 
 use super::say;
 
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct BackendArgs {
     /// What computes
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
@@ -30,7 +36,8 @@ pub struct BackendArgs {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Backend {
-    /// The processor, until it is measured that a GPU is faster for sweeps
+    /// The processor, or a GPU for large sweeps where that is clearly faster by what both were measured to do; of shards and
+    /// failed rows always the processor
     Auto,
     Cpu,
     /// A GPU, and the processor where there is none or it is lost
@@ -71,12 +78,11 @@ pub fn check(args: &BackendArgs) -> Result<(), Error> {
 }
 
 /// The device and the numbers it computes in; `None` for the processor. A device that was asked for and cannot be had
-/// is told in a line; one whose name no adapter has is an error, and so is any in a program without GPUs.
+/// is told in a line; one whose name no adapter has is an error, and so is any in a program without GPUs. `auto` is the processor.
 pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<OpenGpu>, Error> {
     let choice = match (args.backend, &args.adapter) {
         (_, Some(name)) => AdapterChoice::Named(name),
         (Backend::Gpu, None) => AdapterChoice::Best,
-        // `auto` as well: no GPU was measured to be faster.
         (Backend::Cpu | Backend::Auto, None) => return Ok(None),
     };
     match open(choice, args, study.solve.accuracy) {
@@ -91,6 +97,56 @@ pub fn choose(args: &BackendArgs, study: &Study) -> Result<Option<OpenGpu>, Erro
     }
 }
 
+/// The same of a whole sweep on so many threads, `auto` by a forecast of both; of one that was begun it is what it was begun with.
+pub fn choose_for_sweep(
+    args: &BackendArgs,
+    study: &Study,
+    threads: usize,
+    begun: Option<&Origin>,
+) -> Result<Option<OpenGpu>, Error> {
+    if args.backend != Backend::Auto || args.adapter.is_some() {
+        return choose(args, study);
+    }
+    if let Some(begun) = begun {
+        let backend = if begun.is_of_processor() { Backend::Cpu } else { Backend::Gpu };
+        return choose(&BackendArgs { backend, ..args.clone() }, study);
+    }
+    Ok(clearly_faster(args, study, threads))
+}
+
+/// The best GPU, where a sweep is large enough and the forecast says so. Without any, nothing is said.
+fn clearly_faster(args: &BackendArgs, study: &Study, threads: usize) -> Option<OpenGpu> {
+    let demand = Demand::worth_a_device(study, threads)?;
+    let opened = match open(AdapterChoice::Best, args, study.solve.accuracy) {
+        Ok(opened) => opened,
+        Err(GpuError::NoAdapter | GpuError::OnlySoftware { .. } | GpuError::NotBuilt) => return None,
+        Err(error) => {
+            say(&format!("warning: {error}; the processor computes instead"));
+            return None;
+        }
+    };
+    let measured = match cache_folder() {
+        Some(folder) => kept_rates::rates(&folder, &opened.choice()),
+        None => measure(&opened.device, opened.precision, opened.solver).map(|rates| (rates, None)),
+    };
+    let (rates, not_kept) = match measured {
+        Ok(measured) => measured,
+        Err(error) => {
+            say(&format!("warning: {error}; the processor computes instead"));
+            return None;
+        }
+    };
+    if let Some(error) = not_kept {
+        say(&format!("warning: what {} was measured to do is not kept: {error}", opened.device.facts.name));
+    }
+    demand.forecast(&rates, threads).prefers_device().then_some(opened)
+}
+
+/// Where what is measured of this machine is kept.
+pub fn cache_folder() -> Option<PathBuf> {
+    dirs::cache_dir().map(|dir| dir.join("jointsweep"))
+}
+
 /// A device that is open, and how it computes.
 pub struct OpenGpu {
     device: GpuDevice,
@@ -98,13 +154,16 @@ pub struct OpenGpu {
     solver: DeviceSolver,
 }
 
+impl OpenGpu {
+    /// As a sweep takes it.
+    pub fn choice(&self) -> GpuChoice<'_> {
+        GpuChoice { device: &self.device, precision: self.precision, solver: self.solver }
+    }
+}
+
 /// What was chosen, as a sweep takes it.
 pub fn gpu(chosen: &Option<OpenGpu>) -> Option<GpuChoice<'_>> {
-    chosen.as_ref().map(|OpenGpu { device, precision, solver }| GpuChoice {
-        device,
-        precision: *precision,
-        solver: *solver,
-    })
+    chosen.as_ref().map(OpenGpu::choice)
 }
 
 /// Gives a driver the folder that Mesa's looks for, so that it does not complain of it to the user.
@@ -115,7 +174,7 @@ pub fn quiet_driver() {
     }
 }
 
-fn open(choice: AdapterChoice, args: &BackendArgs, accuracy: f64) -> Result<OpenGpu, GpuError> {
+pub fn open(choice: AdapterChoice, args: &BackendArgs, accuracy: f64) -> Result<OpenGpu, GpuError> {
     quiet_driver();
     let device = Adapters::enumerate().open(choice)?;
     let precision = match args.precision {

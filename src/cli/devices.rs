@@ -2,21 +2,58 @@
 
 use std::fmt::Write as _;
 
+use clap::Args;
 use jointsweep::Error;
+use jointsweep::internals::engine::backend::choice::GpuChoice;
+use jointsweep::internals::engine::backend::gpu::calibration::measure;
 use jointsweep::internals::engine::backend::gpu::context::{
-    AdapterChoice, AdapterFacts, Adapters, GpuError, choose,
+    AdapterChoice, AdapterFacts, Adapters, GpuDevice, GpuError, choose,
 };
+use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
+use jointsweep::internals::output::kept_rates::measured_anew;
 
-use super::{Ending, backend, print};
+use super::{Ending, backend, print, say};
 
-pub fn devices() -> Result<Ending, Error> {
+#[derive(Args)]
+pub struct DevicesArgs {
+    /// Measure how fast each condenses bodies, some seconds each; `--backend auto` then goes by it
+    #[arg(long)]
+    measure: bool,
+}
+
+/// Accuracy of sweeps that are measured for.
+const ACCURACY: f64 = 0.01;
+
+pub fn devices(args: &DevicesArgs) -> Result<Ending, Error> {
     backend::quiet_driver();
-    let text = listing(&Adapters::enumerate().facts);
+    let adapters = Adapters::enumerate();
+    let measured = |facts: &AdapterFacts| {
+        let told = adapters.open(AdapterChoice::Named(&facts.name)).and_then(|device| measured(&device));
+        told.unwrap_or_else(|error| error.to_string())
+    };
+    let text = listing(&adapters.facts, |facts| args.measure.then(|| measured(facts)));
     print(&text)?;
     Ok(Ending::Complete)
 }
 
-fn listing(adapters: &[AdapterFacts]) -> String {
+/// How fast a device is, in words; kept.
+fn measured(device: &GpuDevice) -> Result<String, GpuError> {
+    let choice = GpuChoice::new(device, preferred_precision(device, ACCURACY)?);
+    let (rates, not_kept) = match backend::cache_folder() {
+        Some(folder) => measured_anew(&folder, &choice)?,
+        None => (measure(device, choice.precision, choice.solver)?, None),
+    };
+    if let Some(error) = not_kept {
+        say(&format!("warning: what was measured is not kept: {error}"));
+    }
+    let (name, threads) = (choice.precision.name(), rates.threads());
+    Ok(format!(
+        "condenses like {threads:.2} threads of the processor in {name}, ready after {:.1} s",
+        rates.start
+    ))
+}
+
+fn listing(adapters: &[AdapterFacts], measured: impl Fn(&AdapterFacts) -> Option<String>) -> String {
     let mut text = String::new();
     for adapter in adapters {
         let AdapterFacts { name, kind, driver, limits, features } = adapter;
@@ -42,7 +79,8 @@ fn listing(adapters: &[AdapterFacts]) -> String {
                 ),
             ),
         ];
-        for (what, value) in lines {
+        let measured = measured(adapter).map(|measured| ("measured", measured));
+        for (what, value) in lines.into_iter().chain(measured) {
             let _ = writeln!(text, "  {what:<10} {value}");
         }
         text.push('\n');
@@ -52,7 +90,11 @@ fn listing(adapters: &[AdapterFacts]) -> String {
         Err(error @ GpuError::NotBuilt) => format!("refused: {error}"),
         Err(error) => format!("the processor: {error}"),
     };
-    let _ = writeln!(text, "--backend auto   the processor");
+    let auto = match choose(adapters, AdapterChoice::Best) {
+        Ok(_) => "the processor, or that GPU for a large sweep where it is clearly faster",
+        Err(_) => "the processor",
+    };
+    let _ = writeln!(text, "--backend auto   {auto}");
     let _ = writeln!(text, "--backend gpu    {gpu}");
     text
 }

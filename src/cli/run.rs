@@ -74,13 +74,15 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
         return retry::retry(args, &study, &folder);
     }
     let permissions = Permissions { force: args.force, again: args.again };
-    if let Verdict::Done(origin) = folder.check(&study, permissions)? {
-        return already_done(args, &folder.table(&study), &origin);
-    }
+    let begun = match folder.check(&study, permissions)? {
+        Verdict::Done(origin) => return already_done(args, &folder.table(&study), &origin),
+        Verdict::Begun(origin) => Some(origin),
+        Verdict::ToDo => None,
+    };
 
-    let chosen = backend::choose(&args.backend, &study)?;
-    let gpu = backend::gpu(&chosen);
     let threads = threads(args.threads);
+    let chosen = backend::choose_for_sweep(&args.backend, &study, threads, begun.as_deref())?;
+    let gpu = backend::gpu(&chosen);
     let claim = folder.claim(&format!("of {}", args.config.display()))?;
     if !claim.is_locked() {
         say(&format!(

@@ -17,7 +17,7 @@ use crate::engine::law_fit::{law_case, range_of};
 use crate::engine::plan::JointPlan;
 use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{
-    Unit, batch, body_seconds, design, interpolated_design, joint_seconds, near_field_works,
+    Cost, Unit, batch, body_seconds, design, interpolated_design, joint_seconds, near_field_works,
     reference_seconds, series, space, space_modes, space_ring_modes, topology,
 };
 use crate::error::Error;
@@ -68,6 +68,8 @@ struct Group {
     size: MeshSize,
     modes: usize,
     bodies: f64,
+    /// Whether they have layers.
+    is_lined: bool,
 }
 
 impl Group {
@@ -122,7 +124,8 @@ impl Needs {
         if times == 1.0 {
             self.unknowns += size.unknowns;
         }
-        if topology.class.is_lined() {
+        group.is_lined = topology.class.is_lined();
+        if group.is_lined {
             // A lined body has a reference of its own, condensed like it, with exact modes.
             group.bodies += times;
             self.seconds += times * reference_seconds(&request.body);
@@ -211,6 +214,16 @@ fn working_range_of(case: &DesignCase) -> (f64, f64) {
     range_of(indentations).unwrap_or((RANGE.0 * clearance, RANGE.1 * clearance))
 }
 
+/// What a design takes, s.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DesignParts {
+    /// Bodies that a device may condense.
+    pub bodies: f64,
+    /// Their condensation, on the processor.
+    pub condensation: f64,
+    pub others: f64,
+}
+
 /// What designs of a study take.
 pub struct DesignCost<'a> {
     study: &'a Study,
@@ -229,20 +242,38 @@ impl DesignCost<'_> {
 
     /// A further design, s, whatever it shares with others.
     pub fn seconds(&self, case: &DesignCase) -> f64 {
+        let DesignParts { condensation, others, .. } = self.parts(case);
+        condensation + others
+    }
+
+    /// The same by what a device may do of it.
+    pub fn parts(&self, case: &DesignCase) -> DesignParts {
         let rows = case.steps.len() as f64;
+        let without_meshes = |cost: Cost<2>| DesignParts { others: cost.seconds(), ..DesignParts::default() };
         if self.interpolation.as_ref().is_some_and(|plan| plan.covers(&case.joint)) {
-            return interpolated_design(rows).seconds();
+            return without_meshes(interpolated_design(rows));
         }
-        let of_rows = design(rows).seconds();
+        let of_rows = design(rows);
         let solve = self.study.solve;
         if solve.method == MethodChoice::ClosedForm {
-            return of_rows;
+            return without_meshes(of_rows);
         }
-        let Ok(first) = JointPlan::cheapest(case, solve.method, solve.accuracy) else { return of_rows };
+        let Ok(first) = JointPlan::cheapest(case, solve.method, solve.accuracy) else {
+            return without_meshes(of_rows);
+        };
         let mut needs = Needs::default();
         needs.climb(case, first, solve.accuracy);
-        let in_lanes = |group: &Group| group.bodies * batch(group.size).seconds() / LANES as f64;
-        of_rows + needs.seconds + needs.groups.values().map(in_lanes).sum::<f64>()
+        let mut parts = DesignParts { others: of_rows.seconds() + needs.seconds, ..DesignParts::default() };
+        for group in needs.groups.values() {
+            let in_lanes = group.bodies * batch(group.size).seconds() / LANES as f64;
+            if group.is_lined {
+                parts.others += in_lanes;
+            } else {
+                parts.bodies += group.bodies;
+                parts.condensation += in_lanes;
+            }
+        }
+        parts
     }
 
     /// Goes through some designs without solving any, as if they were run alone.

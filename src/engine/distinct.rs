@@ -35,6 +35,17 @@ impl Distinct {
     }
 }
 
+/// About how many distinct things there are among `all`, of which `seen` were looked at and so many different ones found.
+pub fn distinct_among(all: f64, seen: f64, found: f64) -> f64 {
+    // Of D, equally frequent, D (1 - exp(-seen/D)) are met.
+    let (mut low, mut high) = (found, all.max(found));
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if middle * (1.0 - (-seen / middle).exp()) < found { low = middle } else { high = middle }
+    }
+    low
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,5 +65,20 @@ mod tests {
         let error = distinct.count() as f64 / 5e6 - 1.0;
         // Four times the standard deviation.
         assert!(error.abs() < 0.011, "{error}");
+    }
+
+    /// Of a thousand different things, drawn at random; where each is another one there may be as many as there are.
+    #[test]
+    fn few_that_are_looked_at_tell_how_many_there_are() {
+        let mut seed = 1_u64;
+        let mut draw = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) % 1000
+        };
+        let found: HashSet<u64> = (0..2000).map(|_| draw()).collect();
+        let told = distinct_among(1e6, 2000.0, found.len() as f64);
+        assert!((told - 1000.0).abs() < 60.0, "{told}");
+        assert_eq!(distinct_among(1e6, 100.0, 100.0).round(), 1e6);
+        assert_eq!(distinct_among(1e6, 100.0, 1.0).round(), 1.0);
     }
 }

@@ -5,6 +5,7 @@ pub mod filter;
 pub mod host;
 pub mod counts;
 pub mod whole_file;
+pub mod kept_rates;
 pub mod manifest_parts;
 pub mod origin;
 pub mod manifest;

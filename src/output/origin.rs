@@ -97,6 +97,11 @@ struct Saved {
 }
 
 impl Origin {
+    /// Whether no device has a part in it.
+    pub fn is_of_processor(&self) -> bool {
+        self.computed_by == computed_by(None, "")
+    }
+
     /// Reads a manifest; `None` where it is none of this program's.
     pub fn of(manifest: &str) -> Option<Origin> {
         let saved: Saved = serde_json::from_str(manifest).ok()?;

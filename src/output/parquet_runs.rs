@@ -135,7 +135,7 @@ mod tests {
         let (mut numbers, mut at) = (Vec::new(), 0);
         while numbers.len() < count {
             let header = read_varint(bytes, &mut at);
-            if header % 2 == 0 {
+            if header.is_multiple_of(2) {
                 let length = bits.div_ceil(8) as usize;
                 let number =
                     bytes[at..at + length].iter().rev().fold(0, |sum, byte| sum << 8 | u32::from(*byte));

@@ -2,8 +2,13 @@
 //!
 //! Without a Vulkan driver these tests are ignored.
 
+use jointsweep::internals::engine::backend::choice::GpuChoice;
+use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters};
+use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
+use jointsweep::internals::output::kept_rates::{RATES, rates};
+
 use crate::common::greatest::greatest;
-use crate::common::workdir::{Rows, Workdir};
+use crate::common::workdir::{Ended, Rows, Workdir};
 
 /// A drawn sweep of cored pins in blocks, in steel and softer.
 fn config(varied: &Varied) -> String {
@@ -183,4 +188,43 @@ fn an_adapter_that_is_not_there_is_an_error_that_names_those_that_are() {
     let line = refused.stderr.lines().find(|line| line.starts_with(start)).expect(&refused.stderr);
     assert!(line.len() > start.len());
     assert_eq!(work.files(), ["sweep.toml"]);
+}
+
+/// What `devices --measure` finds is what later runs go by; what is no such file is measured anew, and so is what cannot be kept.
+#[test]
+#[cfg(target_os = "linux")]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_device_is_measured_once() {
+    let work = Workdir::new("rates");
+    let mut command = work.command(&["devices", "--measure"]);
+    let told = Ended::new(command.env("XDG_CACHE_HOME", work.path("cache")).output().unwrap()).expect(0);
+    assert!(told.stdout.contains("  measured   condenses like "), "{}", told.stdout);
+    assert_eq!(told.stderr, "");
+    let (folder, name) = (work.path("cache/jointsweep"), format!("cache/jointsweep/{RATES}"));
+    let kept: serde_json::Value = serde_json::from_str(&work.read(&name)).unwrap();
+    let entries = kept.as_array().unwrap();
+    assert_eq!(entries.len(), told.stdout.matches("  measured   condenses like ").count());
+
+    let device = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap();
+    let choice = GpuChoice::new(&device, preferred_precision(&device, 0.01).unwrap());
+    let of_device = |entry: &&serde_json::Value| entry["of"]["adapter"] == device.facts.name;
+    let own = entries.iter().find(of_device).unwrap();
+    let read = rates(&folder, &choice).unwrap();
+    assert!(read.1.is_none());
+    assert_eq!(serde_json::to_value(read.0).unwrap(), own["rates"]);
+    // A thread of the processor was timed, and the device.
+    assert!(read.0.processor > 0.05 && read.0.processor < 50.0 && read.0.threads() > 1e-4, "{read:?}");
+
+    for (told, is_believed) in [("12345.0", true), ("-1.0", false), ("1e999", false), ("}", false)] {
+        let own = own["rates"]["start"].to_string();
+        work.write(&name, &serde_json::to_string(&kept).unwrap().replace(&own, told));
+        let (found, not_kept) = rates(&folder, &choice).unwrap();
+        assert!(not_kept.is_none());
+        assert_eq!(found.start == 12345.0, is_believed, "{told}: {found:?}");
+        assert!(found.are_sound());
+        assert_eq!(rates(&folder, &choice).unwrap().0, found, "{told}");
+    }
+    work.write("file", "");
+    let (found, not_kept) = rates(&work.path("file/jointsweep"), &choice).unwrap();
+    assert!(found.are_sound() && not_kept.unwrap().to_string().contains("file/jointsweep"));
 }

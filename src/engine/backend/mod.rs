@@ -3,6 +3,7 @@
 pub mod adapter;
 pub mod precision;
 pub mod device_solver;
+pub mod rates;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 #[cfg(not(feature = "gpu"))]

@@ -51,6 +51,18 @@ pub mod speed {
     }
 }
 
+pub mod calibration {
+    use super::context::{GpuDevice, GpuError};
+    use super::kernels::Precision;
+    use crate::engine::backend::device_solver::DeviceSolver;
+    use crate::engine::backend::rates::Rates;
+
+    /// Of no device.
+    pub fn measure(gpu: &GpuDevice, _: Precision, _: DeviceSolver) -> Result<Rates, GpuError> {
+        match gpu.none {}
+    }
+}
+
 pub mod solver {
     use std::convert::Infallible;
     use std::marker::PhantomData;

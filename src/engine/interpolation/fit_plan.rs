@@ -7,6 +7,7 @@ use foldhash::{HashMap, HashSet};
 
 use crate::engine::accuracy::known_errors::known_level;
 use crate::engine::body_request::{BodyRequest, Fidelity};
+use crate::engine::distinct::distinct_among;
 use crate::engine::interpolation::family::{
     Family, FamilyKey, MOST_COORDINATES, Point, coordinate_count, coordinates,
 };
@@ -86,14 +87,7 @@ impl Members {
 
     /// About how many distinct bodies there are among `all` designs like those seen.
     fn distinct_of(&self, all: f64) -> f64 {
-        let (found, seen) = (self.distinct.len() as f64, self.seen as f64);
-        // Of D bodies, equally frequent, D (1 - exp(-seen/D)) are met.
-        let (mut low, mut high) = (found, all.max(found));
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if middle * (1.0 - (-seen / middle).exp()) < found { low = middle } else { high = middle }
-        }
-        low
+        distinct_among(all, self.seen as f64, self.distinct.len() as f64)
     }
 }
 
@@ -213,7 +207,7 @@ fn may_interpolate(solve: &SolveOptions) -> bool {
 
 /// The numbers of the designs looked at, ascending: one in each of equal shares of the study, at no fixed distance, so that
 /// they do not keep step with a grid.
-fn picks(count: u64) -> Vec<u64> {
+pub fn picks(count: u64) -> Vec<u64> {
     if count <= LOOKED_AT {
         return (0..count).collect();
     }

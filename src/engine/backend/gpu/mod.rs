@@ -17,3 +17,4 @@ pub mod elimination_plan;
 pub mod elimination;
 pub mod solver;
 pub mod speed;
+pub mod calibration;

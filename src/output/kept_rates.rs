@@ -1,0 +1,90 @@
+//! What devices were measured to do, kept from one run of the program to the next.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::engine::backend::choice::GpuChoice;
+use crate::engine::backend::gpu::calibration::measure;
+use crate::engine::backend::gpu::context::GpuError;
+use crate::engine::backend::rates::Rates;
+use crate::error::Error;
+use crate::output::host::{Host, Program};
+use crate::output::whole_file::{create_dir, write_whole};
+
+/// The file, in a folder that the user may empty at any time.
+pub const RATES: &str = "rates.json";
+
+/// More than this is no file of ours, bytes.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// Most entries: the oldest go.
+const MOST_KEPT: usize = 64;
+
+/// What rates hold for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Measured {
+    /// With its commit.
+    program: String,
+    cpu: Option<String>,
+    adapter: String,
+    driver: String,
+    precision: String,
+    solver: String,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Entry {
+    of: Measured,
+    rates: Rates,
+}
+
+/// Those of a device as it was chosen: as they were kept, or else measured now and kept. Where they cannot be kept there are rates all the
+/// same, and why they could not.
+pub fn rates(folder: &Path, choice: &GpuChoice) -> Result<(Rates, Option<Error>), GpuError> {
+    let of = Measured::of(choice);
+    match entries(folder).into_iter().find(|entry| entry.of == of) {
+        Some(entry) => Ok((entry.rates, None)),
+        None => measured_anew(folder, choice),
+    }
+}
+
+/// Those of a device, measured now.
+pub fn measured_anew(folder: &Path, choice: &GpuChoice) -> Result<(Rates, Option<Error>), GpuError> {
+    let rates = measure(choice.device, choice.precision, choice.solver)?;
+    let of = Measured::of(choice);
+    let mut all = entries(folder);
+    all.retain(|entry| entry.of != of);
+    all.push(Entry { of, rates });
+    let from = all.len().saturating_sub(MOST_KEPT);
+    let text = serde_json::to_string_pretty(&all[from..]).unwrap_or_default() + "\n";
+    let kept = create_dir(folder).and_then(|()| write_whole(&folder.join(RATES), text.as_bytes()));
+    Ok((rates, kept.err()))
+}
+
+impl Measured {
+    fn of(GpuChoice { device, precision, solver }: &GpuChoice) -> Measured {
+        Measured {
+            program: Program::CURRENT.in_words(),
+            cpu: Host::current().cpu,
+            adapter: device.facts.name.clone(),
+            driver: device.facts.driver.clone(),
+            precision: precision.name().into(),
+            solver: solver.name().into(),
+        }
+    }
+}
+
+/// None where there is no such file, or one that cannot be read.
+fn entries(folder: &Path) -> Vec<Entry> {
+    let mut text = String::new();
+    let file = File::open(folder.join(RATES)).map(|file| file.take(MOST_BYTES));
+    if file.and_then(|mut file| file.read_to_string(&mut text)).is_err() {
+        return Vec::new();
+    }
+    let mut entries: Vec<Entry> = serde_json::from_str(&text).unwrap_or_default();
+    entries.retain(|entry| entry.rates.are_sound());
+    entries
+}
