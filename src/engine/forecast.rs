@@ -31,6 +31,9 @@ pub struct Forecast {
 /// Sweeps whose condensation takes the processor less than this, s, are not worth opening a device and measuring it.
 const WORTH: f64 = 3.0;
 
+/// Fewer designs do not fill a device, however long each takes.
+const FEWEST: u64 = 256;
+
 /// Designs that are looked at first.
 const FIRST: usize = 16;
 
@@ -41,6 +44,9 @@ impl Demand {
     /// Of a sweep on so many threads; `None` where no device is worth asking, or a design cannot be read, which is told where
     /// designs are drawn.
     pub fn worth_a_device(study: &Study, threads: usize) -> Option<Demand> {
+        if study.design_count() < FEWEST {
+            return None;
+        }
         let least = WORTH * threads as f64;
         let numbers = picks(study.design_count());
         let few = numbers.iter().copied().step_by(numbers.len().div_ceil(FIRST).max(1));
