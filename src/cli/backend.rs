@@ -174,7 +174,7 @@ pub fn quiet_driver() {
     }
 }
 
-pub fn open(choice: AdapterChoice, args: &BackendArgs, accuracy: f64) -> Result<OpenGpu, GpuError> {
+fn open(choice: AdapterChoice, args: &BackendArgs, accuracy: f64) -> Result<OpenGpu, GpuError> {
     quiet_driver();
     let device = Adapters::enumerate().open(choice)?;
     let precision = match args.precision {
