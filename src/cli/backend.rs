@@ -6,7 +6,6 @@ use clap::{Args, ValueEnum};
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
-use jointsweep::internals::engine::backend::gpu::calibration::measure;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
@@ -111,35 +110,26 @@ pub fn choose_for_sweep(
         let backend = if begun.is_of_processor() { Backend::Cpu } else { Backend::Gpu };
         return choose(&BackendArgs { backend, ..args.clone() }, study);
     }
-    Ok(clearly_faster(args, study, threads))
+    match clearly_faster(args, study, threads) {
+        Ok(chosen) => Ok(chosen),
+        // Nobody has asked for one.
+        Err(GpuError::NoAdapter | GpuError::OnlySoftware { .. } | GpuError::NotBuilt) => Ok(None),
+        Err(error) => {
+            say(&format!("warning: {error}; the processor computes instead"));
+            Ok(None)
+        }
+    }
 }
 
-/// The best GPU, where a sweep is large enough and the forecast says so. Without any, nothing is said.
-fn clearly_faster(args: &BackendArgs, study: &Study, threads: usize) -> Option<OpenGpu> {
-    let demand = Demand::worth_a_device(study, threads)?;
-    let opened = match open(AdapterChoice::Best, args, study.solve.accuracy) {
-        Ok(opened) => opened,
-        Err(GpuError::NoAdapter | GpuError::OnlySoftware { .. } | GpuError::NotBuilt) => return None,
-        Err(error) => {
-            say(&format!("warning: {error}; the processor computes instead"));
-            return None;
-        }
-    };
-    let measured = match cache_folder() {
-        Some(folder) => kept_rates::rates(&folder, &opened.choice()),
-        None => measure(&opened.device, opened.precision, opened.solver).map(|rates| (rates, None)),
-    };
-    let (rates, not_kept) = match measured {
-        Ok(measured) => measured,
-        Err(error) => {
-            say(&format!("warning: {error}; the processor computes instead"));
-            return None;
-        }
-    };
+/// The best GPU, where a sweep is large enough and the forecast says so.
+fn clearly_faster(args: &BackendArgs, study: &Study, threads: usize) -> Result<Option<OpenGpu>, GpuError> {
+    let Some(demand) = Demand::worth_a_device(study, threads) else { return Ok(None) };
+    let opened = open(AdapterChoice::Best, args, study.solve.accuracy)?;
+    let (rates, not_kept) = kept_rates::rates(cache_folder().as_deref(), &opened.choice())?;
     if let Some(error) = not_kept {
         say(&format!("warning: what {} was measured to do is not kept: {error}", opened.device.facts.name));
     }
-    demand.forecast(&rates, threads).prefers_device().then_some(opened)
+    Ok(demand.forecast(&rates, threads).prefers_device().then_some(opened))
 }
 
 /// Where what is measured of this machine is kept.

@@ -5,7 +5,6 @@ use std::fmt::Write as _;
 use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
-use jointsweep::internals::engine::backend::gpu::calibration::measure;
 use jointsweep::internals::engine::backend::gpu::context::{
     AdapterChoice, AdapterFacts, Adapters, GpuDevice, GpuError, choose,
 };
@@ -39,10 +38,7 @@ pub fn devices(args: &DevicesArgs) -> Result<Ending, Error> {
 /// How fast a device is, in words; kept.
 fn measured(device: &GpuDevice) -> Result<String, GpuError> {
     let choice = GpuChoice::new(device, preferred_precision(device, ACCURACY)?);
-    let (rates, not_kept) = match backend::cache_folder() {
-        Some(folder) => measured_anew(&folder, &choice)?,
-        None => (measure(device, choice.precision, choice.solver)?, None),
-    };
+    let (rates, not_kept) = measured_anew(backend::cache_folder().as_deref(), &choice)?;
     if let Some(error) = not_kept {
         say(&format!("warning: what was measured is not kept: {error}"));
     }

@@ -41,19 +41,20 @@ struct Entry {
     rates: Rates,
 }
 
-/// Those of a device as it was chosen: as they were kept, or else measured now and kept. Where they cannot be kept there are rates all the
-/// same, and why they could not.
-pub fn rates(folder: &Path, choice: &GpuChoice) -> Result<(Rates, Option<Error>), GpuError> {
+/// Those of a device as it was chosen: as they were kept, or else measured now and kept, if there is a folder. Where they cannot be kept
+/// there are rates all the same, and why they could not.
+pub fn rates(folder: Option<&Path>, choice: &GpuChoice) -> Result<(Rates, Option<Error>), GpuError> {
     let of = Measured::of(choice);
-    match entries(folder).into_iter().find(|entry| entry.of == of) {
+    match folder.and_then(|folder| entries(folder).into_iter().find(|entry| entry.of == of)) {
         Some(entry) => Ok((entry.rates, None)),
         None => measured_anew(folder, choice),
     }
 }
 
-/// Those of a device, measured now.
-pub fn measured_anew(folder: &Path, choice: &GpuChoice) -> Result<(Rates, Option<Error>), GpuError> {
+/// The same, measured now whatever was kept.
+pub fn measured_anew(folder: Option<&Path>, choice: &GpuChoice) -> Result<(Rates, Option<Error>), GpuError> {
     let rates = measure(choice.device, choice.precision, choice.solver)?;
+    let Some(folder) = folder else { return Ok((rates, None)) };
     let of = Measured::of(choice);
     let mut all = entries(folder);
     all.retain(|entry| entry.of != of);

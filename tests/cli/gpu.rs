@@ -209,7 +209,7 @@ fn a_device_is_measured_once() {
     let choice = GpuChoice::new(&device, preferred_precision(&device, 0.01).unwrap());
     let of_device = |entry: &&serde_json::Value| entry["of"]["adapter"] == device.facts.name;
     let own = entries.iter().find(of_device).unwrap();
-    let read = rates(&folder, &choice).unwrap();
+    let read = rates(Some(&folder), &choice).unwrap();
     assert!(read.1.is_none());
     assert_eq!(serde_json::to_value(read.0).unwrap(), own["rates"]);
     // A thread of the processor was timed, and the device.
@@ -218,13 +218,13 @@ fn a_device_is_measured_once() {
     for (told, is_believed) in [("12345.0", true), ("-1.0", false), ("1e999", false), ("}", false)] {
         let own = own["rates"]["start"].to_string();
         work.write(&name, &serde_json::to_string(&kept).unwrap().replace(&own, told));
-        let (found, not_kept) = rates(&folder, &choice).unwrap();
+        let (found, not_kept) = rates(Some(&folder), &choice).unwrap();
         assert!(not_kept.is_none());
         assert_eq!(found.start == 12345.0, is_believed, "{told}: {found:?}");
         assert!(found.are_sound());
-        assert_eq!(rates(&folder, &choice).unwrap().0, found, "{told}");
+        assert_eq!(rates(Some(&folder), &choice).unwrap().0, found, "{told}");
     }
     work.write("file", "");
-    let (found, not_kept) = rates(&work.path("file/jointsweep"), &choice).unwrap();
+    let (found, not_kept) = rates(Some(&work.path("file/jointsweep")), &choice).unwrap();
     assert!(found.are_sound() && not_kept.unwrap().to_string().contains("file/jointsweep"));
 }
