@@ -13,6 +13,7 @@ use crate::engine::plan::JointPlan;
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::compliance::Boundary;
+use crate::mechanics::compliance::body_fit::ROUNDED;
 use crate::mechanics::contact::curve::{ContactCurve, CurveRoom};
 use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::load::NoState;
@@ -97,6 +98,9 @@ pub fn solve_designs<'a>(
     solve_joint(space, &members, outlines, trust, solving, cases, &mut CurveRoom::default())
 }
 
+/// Of what rounding leaves of interpolated bodies, where searches of their loads end.
+const SEARCH_SHARE: f64 = 0.1;
+
 /// The same of designs whose joint is one of these bodies, with these outlines, in a space; with a trust and a level where their
 /// meshes are told by the change since coarser ones.
 pub fn solve_joint<'a>(
@@ -109,7 +113,7 @@ pub fn solve_joint<'a>(
     room: &mut CurveRoom,
 ) -> Vec<(Answer, Want)> {
     let parts = bodies.each_ref().map(|body| &body.part);
-    let Some(curve) = ContactCurve::in_room(space, parts, outlines, room) else {
+    let Some(mut curve) = ContactCurve::in_room(space, parts, outlines, room) else {
         let is_too_wide = outlines.radial_clearance >= WIDEST_CLEARANCE;
         let (reason, want) = if is_too_wide {
             (NoState::ClearanceTooWide, Want::Nothing)
@@ -118,6 +122,9 @@ pub fn solve_joint<'a>(
         };
         return cases.map(|case| (solving.all_failed(case, reason), want)).collect();
     };
+    if solving.method == Method::Interpolated {
+        curve.tolerance = SEARCH_SHARE * ROUNDED;
+    }
     let errors = BodyErrors::new(&curve, bodies, trust);
     let of_curve = curve.error(solving.method == Method::Series);
     let answer = |case: &DesignCase| {

@@ -16,6 +16,7 @@ use crate::mechanics::compliance::body_fit::{BodyFit, FitScratch};
 use crate::mechanics::compliance::pressure_space::{JointCompliance, Tilt};
 use crate::mechanics::compliance::row_sums::Rows;
 use crate::mechanics::compliance::{BodyCompliance, Boundary, infinite};
+use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::outlines::Outlines;
 
 /// A fit with its error.
@@ -24,7 +25,7 @@ pub struct FittedFamily {
     side: Side,
     basis: Basis,
     /// In each space that was prepared, what `even`, `odd` and the amplitude of each member add to a compliance, and behind that what
-    /// they add to that of a pin by unit tilt of either order.
+    /// they add to that of a pin by unit tilt of either order, to that of a plate times the clearance ratio, its square and its cube.
     in_spaces: HashMap<SpaceKey, Rows>,
     pub bound: FitBound,
     /// Bodies solved for it, on every mesh.
@@ -139,19 +140,21 @@ impl FittedFamily {
             .collect();
         for key in keys {
             spaces.prepare(unit.iter().map(|unit| (key, unit)));
-            let pressures = &spaces.get(key).pressures;
-            let compliances = |tilt: Tilt| {
-                unit.iter().map(move |unit| pressures.joint(&[(unit, 1.0)], tilt).values.into_owned())
-            };
-            let own: Vec<Vec<f64>> = compliances(Tilt::NONE).collect();
-            let mut rows = own.clone();
-            if self.side == Side::Pin {
-                for tilt in [Tilt { first: 1.0, ..Tilt::NONE }, Tilt { second: 1.0, ..Tilt::NONE }] {
-                    let added = |(tilted, own): (Vec<f64>, &Vec<f64>)| {
-                        tilted.iter().zip(own).map(|(tilted, own)| tilted - own).collect()
-                    };
-                    rows.extend(compliances(tilt).zip(&own).map(added));
+            let space = spaces.get(key);
+            let compliances =
+                |tilt: Tilt| unit.iter().map(move |unit| space.pressures.joint(&[(unit, 1.0)], tilt));
+            let own: Vec<JointCompliance> = compliances(Tilt::NONE).collect();
+            let mut rows: Vec<Vec<f64>> = own.iter().map(|own| own.values.to_vec()).collect();
+            match self.side {
+                Side::Pin => {
+                    for tilt in [Tilt { first: 1.0, ..Tilt::NONE }, Tilt { second: 1.0, ..Tilt::NONE }] {
+                        let added = |(tilted, own): (JointCompliance, &JointCompliance)| {
+                            tilted.values.iter().zip(&*own.values).map(|(tilted, own)| tilted - own).collect()
+                        };
+                        rows.extend(compliances(tilt).zip(&own).map(added));
+                    }
                 }
+                Side::Plate => rows.extend(added_by_clearance(space, &own)),
             }
             self.in_spaces.insert(key, Rows::new(&rows));
         }
@@ -178,16 +181,53 @@ impl FittedFamily {
             return None;
         }
         let numbers = infinite(body);
-        let (is_pin, Tilt { first, second }) = (self.side == Side::Pin, outlines.tilt());
-        let shares = [1.0, first, second];
-        let shares = if is_pin { &shares[..] } else { &shares[..1] };
+        let (Tilt { first, second }, clearance) = (outlines.tilt(), outlines.radial_clearance.max(0.0));
+        let is_moved = self.side == Side::Plate && clearance > NARROW;
+        let shares = match self.side {
+            Side::Pin => &[1.0, first, second][..],
+            Side::Plate if is_moved => &[1.0],
+            Side::Plate => &[1.0, clearance, clearance * clearance, clearance.powi(3)],
+        };
         self.fit.sum(rows, (share, shares), (&numbers, point), scratch);
         let FitScratch { values, moved, .. } = scratch;
         let part = JointCompliance { even: share * numbers[0], bed: 0.0, values: (&values[..]).into() };
-        if is_pin {
+        if !is_moved {
             return Some(part);
         }
         spaces.get(key).to_hole(&part, outlines, moved);
         Some(JointCompliance { values: (&moved[..]).into(), ..part })
     }
+}
+
+/// Up to this clearance ratio a polynomial of it tells what the hole's arcs being smaller changes.
+const NARROW: f64 = 0.05;
+
+/// Where it goes through, beside zero, over `NARROW`.
+const THROUGH: [f64; 3] = [0.25, 0.75, 1.0];
+
+/// What the compliances of plates have on the hole's arcs more than on those of a space, over the clearance ratio: a polynomial of it, the
+/// coefficients of each power one after the other.
+fn added_by_clearance(space: &CurveSpace, own: &[JointCompliance]) -> Vec<Vec<f64>> {
+    let places = THROUGH.map(|place| NARROW * place);
+    let mut powers = vec![Vec::new(); THROUGH.len()];
+    let mut moved = Vec::new();
+    for own in own {
+        let added = places.map(|place| {
+            space.to_hole(own, &Outlines::new(place), &mut moved);
+            moved.iter().zip(&*own.values).map(|(moved, own)| (moved - own) / place).collect::<Vec<f64>>()
+        });
+        let of_entry = |entry: usize| quadratic(&places, added.each_ref().map(|added| added[entry]));
+        let coefficients: Vec<[f64; 3]> = (0..own.values.len()).map(of_entry).collect();
+        for (power, of_power) in powers.iter_mut().enumerate() {
+            of_power.push(coefficients.iter().map(|own| own[power]).collect());
+        }
+    }
+    powers.concat()
+}
+
+/// Coefficients of the polynomial through three values at places.
+fn quadratic([a, b, c]: &[f64; 3], [at_a, at_b, at_c]: [f64; 3]) -> [f64; 3] {
+    let (first, next) = ((at_b - at_a) / (b - a), (at_c - at_b) / (c - b));
+    let second = (next - first) / (c - a);
+    [at_a - a * first + a * b * second, first - (a + b) * second, second]
 }

@@ -51,7 +51,7 @@ struct Weighted<'a> {
 const ABREAST: usize = 7;
 
 /// The most rows that are summed at a time.
-const TOGETHER: usize = 128;
+const TOGETHER: usize = 256;
 
 impl WithSimd for Weighted<'_> {
     type Output = ();
@@ -59,30 +59,26 @@ impl WithSimd for Weighted<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let Rows { stride, sizes, .. } = self.rows;
-        let sizes = self.weights.iter().zip(sizes).map(|(weight, size)| weight.abs() * size);
-        let least = self.negligible * sizes.clone().next().unwrap_or(0.0);
-        let mut needed = (0..).zip(sizes).filter(|(_, size)| *size > least).map(|(row, _)| row);
+        let size = |row: usize| self.weights[row].abs() * sizes[row];
+        let least = if sizes.is_empty() { 0.0 } else { self.negligible * size(0) };
         let mut kept = [(0_u32, 0.0_f32); TOGETHER];
-        let mut is_first = true;
-        loop {
+        for first in (0..sizes.len()).step_by(TOGETHER) {
+            // Written whether it is kept or not: nothing is to be foretold.
             let mut count = 0;
-            for (kept, row) in kept.iter_mut().zip(needed.by_ref()) {
-                *kept = ((row * stride) as u32, self.weights[row]);
-                count += 1;
+            for row in first..sizes.len().min(first + TOGETHER) {
+                kept[count] = ((row * stride) as u32, self.weights[row]);
+                count += usize::from(size(row) > least);
             }
+            let (kept, is_first) = (&kept[..count], first == 0);
             let mut from = 0;
             while from + ABREAST * S::F32_LANES <= *stride {
-                self.block::<S, ABREAST>(simd, from, &kept[..count], is_first);
+                self.block::<S, ABREAST>(simd, from, kept, is_first);
                 from += ABREAST * S::F32_LANES;
             }
             while from < *stride {
-                self.block::<S, 1>(simd, from, &kept[..count], is_first);
+                self.block::<S, 1>(simd, from, kept, is_first);
                 from += S::F32_LANES;
             }
-            if count < TOGETHER {
-                return;
-            }
-            is_first = false;
         }
     }
 }

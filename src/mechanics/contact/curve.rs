@@ -11,6 +11,7 @@
 use super::curve_space::{CurveSpace, chunk_of};
 use super::edge::EdgeStates;
 use super::outlines::Outlines;
+use super::search::TOLERANCE;
 use super::reduced::{FUNCTIONS, Functions, OF_LOAD, Reduced};
 use crate::mechanics::compliance::arc::ArcMap;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
@@ -27,6 +28,8 @@ pub struct ContactCurve<'a> {
     pub(super) coefficients: Vec<Functions>,
     /// What is known node by node.
     pub states: EdgeStates,
+    /// What searches of loads leave of a state, relative.
+    pub tolerance: f64,
     /// The widest node that a load can reach, and no node from there on.
     pub(super) first: usize,
 }
@@ -98,7 +101,7 @@ impl<'a> ContactCurve<'a> {
             }
         }
         let coefficients = in_lanes(Transform { rows: &space.chebyshev, states: &states, coefficients });
-        Some(ContactCurve { space, outlines, even, bed, coefficients, states, first })
+        Some(ContactCurve { space, outlines, even, bed, coefficients, states, tolerance: TOLERANCE, first })
     }
 
     /// Of a function, at a degree.
@@ -140,19 +143,23 @@ impl<'a> ContactCurve<'a> {
         turn: Lanes<FUSED, COUNT>,
     ) -> [Lanes<FUSED, COUNT>; OF] {
         let number = Lanes::<FUSED, COUNT>::from_f64;
-        let mut current = [Lanes::<FUSED, COUNT>::zero(); OF];
-        let mut previous = current;
-        let nodes = self.states.count();
-        for degree in (0..nodes).rev() {
-            let (of_degree, lane) = (&self.coefficients[chunk_of(nodes, degree)], degree / 2 % LANES);
-            let turn = if degree == 0 { number(0.5) * turn } else { turn };
+        let (mut even, mut odd) = ([number(0.0); OF], [number(0.0); OF]);
+        // Two degrees at a time, so that sums need not be moved.
+        let (of_even, of_odd) = self.coefficients.split_at(self.coefficients.len() / 2);
+        for pair in (0..self.states.count() / 2).rev() {
+            let lane = pair % LANES;
+            let (of_even, of_odd) = (&of_even[pair / LANES], &of_odd[pair / LANES]);
+            let last = if pair == 0 { number(0.5) * turn } else { turn };
             for function in 0..OF {
-                let next = (number(of_degree[FROM + function][lane]) - previous[function])
-                    .minus_product(turn, current[function]);
-                (current[function], previous[function]) = (next, current[function]);
+                odd[function] = (number(of_odd[FROM + function][lane]) - odd[function])
+                    .minus_product(turn, even[function]);
+            }
+            for function in 0..OF {
+                even[function] = (number(of_even[FROM + function][lane]) - even[function])
+                    .minus_product(last, odd[function]);
             }
         }
-        current
+        even
     }
 
     /// From what is a polynomial to the functions themselves.

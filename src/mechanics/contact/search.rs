@@ -14,7 +14,7 @@ use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Where a search ends: what h differs from 1.
-const TOLERANCE: f64 = 1e-10;
+pub const TOLERANCE: f64 = 1e-10;
 
 /// Or how narrow its bracket is, relative.
 const NARROWEST: f64 = 1e-15;
@@ -136,18 +136,16 @@ impl<const FUSED: bool, const COUNT: usize> Inverse<FUSED, COUNT> {
         places: &[Lanes<FUSED, COUNT>; AROUND],
         y: [Lanes<FUSED, COUNT>; AROUND],
     ) -> Inverse<FUSED, COUNT> {
-        let mut products = [Lanes::from_f64(1.0); AROUND];
-        for i in 0..AROUND {
-            for j in 0..i {
-                let distance = y[j] - y[i];
-                products[i] = products[i] * distance;
-                products[j] = products[j] * -distance;
+        let mut weights = *places;
+        for (i, weight) in weights.iter_mut().enumerate() {
+            // One at a time, which stays in a register.
+            let mut product = Lanes::from_f64(1.0);
+            for j in (0..i).chain(i + 1..AROUND) {
+                product = product * (y[j] - y[i]);
             }
+            *weight = *weight / product;
         }
-        for (product, place) in products.iter_mut().zip(places) {
-            *product = *place / *product;
-        }
-        Inverse { y, weights: products }
+        Inverse { y, weights }
     }
 
     /// P and W.
@@ -250,7 +248,7 @@ impl ContactCurve<'_> {
             let (mut has_ended, mut goes_on) = ([false; COUNT], false);
             for lane in 0..COUNT {
                 let (place, sum) = (place.0[lane], sum.0[lane]);
-                let is_near = (sum - 1.0).abs() < TOLERANCE;
+                let is_near = (sum - 1.0).abs() < self.tolerance;
                 // One that has come to its end stays there.
                 low[lane] = if sum < 1.0 || is_near { place } else { low[lane] };
                 high[lane] = if sum >= 1.0 || is_near { place } else { high[lane] };
