@@ -5,11 +5,17 @@ use std::path::Path;
 
 use crate::common::greatest::greatest;
 use crate::common::random::Random;
+use jointsweep::internals::engine::bodies::BodyLibrary;
+use jointsweep::internals::engine::interpolation::family::coordinates;
 use jointsweep::internals::engine::interpolation::fit_plan::InterpolationPlan;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{DesignOutcome, Method};
+use jointsweep::internals::engine::spaces::{SpaceKey, Spaces};
 use jointsweep::internals::engine::sweep::{self, SweepOptions};
-use jointsweep::internals::mechanics::body::{Shape, annulus, block, cored_disc, half_disc};
+use jointsweep::internals::mechanics::body::{Shape, Side, annulus, block, cored_disc, half_disc};
+use jointsweep::internals::mechanics::compliance::body_fit::FitScratch;
+use jointsweep::internals::mechanics::compliance::pressure_space::JointCompliance;
+use jointsweep::internals::mechanics::contact::outlines::Outlines;
 use jointsweep::internals::mechanics::material::{Idealization, Material};
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
@@ -394,6 +400,43 @@ fn wide_clearances_are_interpolated_as_well() {
     );
     assert!(steps > 2900 && force.len() * 100 > 98 * steps, "{} of {steps}", force.len());
     assert!(bounded * 100 >= 99 * force.len() && greatest(force.iter().copied()) < 4e-3, "{bounded}");
+}
+
+/// What smaller arcs of the hole change of a plate is a polynomial of the clearance, and beyond it found point by point.
+#[test]
+fn plates_are_moved_to_the_holes_arcs() {
+    let cases = draw(3, 60, disc_in_ring);
+    let plan = plan(SolveOptions { accuracy: 1e-3, method: MethodChoice::Fe }, &cases).unwrap();
+    let (mut library, mut spaces) = (BodyLibrary::default(), Spaces::default());
+    let (family, budget) =
+        plan.families.iter().find(|(family, _)| family.example.shape.side == Side::Plate).unwrap();
+    let mut fit = family.fit(1e-3, *budget, &mut library, &mut spaces).unwrap();
+    let keys: Vec<SpaceKey> = SpaceKey::of_fits_of_thick_walls(false, 1e-2).collect();
+    fit.prepare(keys.iter().copied(), &mut spaces);
+    let mut scratch = FitScratch::default();
+    let (mut compared, mut worst) = (0, 0.0_f64);
+    for case in &cases {
+        let body = case.joint.body(&case.joint.plate);
+        let body = (&body, &coordinates(&body), 1.0);
+        for key in keys.iter().copied() {
+            let Some(own) = fit.part(body, &Outlines::ALIKE, (key, &spaces), &mut scratch) else { continue };
+            let own = JointCompliance { values: own.values.into_owned().into(), ..own };
+            let size = greatest(own.values.iter().map(|value| value.abs()));
+            let mut expected = Vec::new();
+            for clearance in [0.0, 1e-5, 1e-3, 0.007, 0.03, 0.05, 0.051, 0.2] {
+                let outlines = Outlines::new(clearance);
+                spaces.get(key).to_hole(&own, &outlines, &mut expected);
+                let moved = fit.part(body, &outlines, (key, &spaces), &mut scratch).unwrap();
+                assert_eq!(moved.even, own.even);
+                let errors =
+                    moved.values.iter().zip(&expected).map(|(found, expected)| (found - expected).abs());
+                worst = worst.max(greatest(errors) / size);
+                compared += 1;
+            }
+        }
+    }
+    println!("{compared} plates, worst {worst:.1e}");
+    assert!(compared > 500 && worst < 3e-6, "{compared} {worst}");
 }
 
 /// No fit for few bodies, for methods and accuracies that leave no room, and for bodies that no mesh is trusted with.

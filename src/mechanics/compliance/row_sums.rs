@@ -28,9 +28,10 @@ impl Rows {
         Rows { values, length, stride, sizes: rows.iter().map(size).collect() }
     }
 
-    /// The sum of the rows times their weights and a scale, but for those that add less than a share of what the first one adds.
+    /// The sum of the first rows, as many as there are weights, times these and a scale, but for those that add less than a share of what
+    /// the first one adds.
     pub fn sum(&self, weights: &[f32], negligible: f32, scale: f64, sum: &mut Vec<f64>) {
-        debug_assert_eq!(weights.len(), self.sizes.len());
+        debug_assert!(weights.len() <= self.sizes.len());
         // All of it is overwritten.
         sum.resize(self.stride, 0.0);
         Arch::new().dispatch(Weighted { rows: self, weights, negligible, scale, sum });
@@ -50,6 +51,9 @@ struct Weighted<'a> {
 /// nodes, of which there are most, is a multiple of it.
 const ABREAST: usize = 7;
 
+/// The same of what is left, of amplitudes all.
+const FEWER: usize = 2;
+
 /// The most rows that are summed at a time.
 const TOGETHER: usize = 256;
 
@@ -58,15 +62,15 @@ impl WithSimd for Weighted<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let Rows { stride, sizes, .. } = self.rows;
-        let size = |row: usize| self.weights[row].abs() * sizes[row];
-        let least = if sizes.is_empty() { 0.0 } else { self.negligible * size(0) };
+        let (Rows { stride, sizes, .. }, weights) = (self.rows, self.weights);
+        let size = |row: usize| weights[row].abs() * sizes[row];
+        let least = if weights.is_empty() { 0.0 } else { self.negligible * size(0) };
         let mut kept = [(0_u32, 0.0_f32); TOGETHER];
-        for first in (0..sizes.len()).step_by(TOGETHER) {
+        for first in (0..weights.len()).step_by(TOGETHER) {
             // Written whether it is kept or not: nothing is to be foretold.
             let mut count = 0;
-            for row in first..sizes.len().min(first + TOGETHER) {
-                kept[count] = ((row * stride) as u32, self.weights[row]);
+            for row in first..weights.len().min(first + TOGETHER) {
+                kept[count] = ((row * stride) as u32, weights[row]);
                 count += usize::from(size(row) > least);
             }
             let (kept, is_first) = (&kept[..count], first == 0);
@@ -74,6 +78,10 @@ impl WithSimd for Weighted<'_> {
             while from + ABREAST * S::F32_LANES <= *stride {
                 self.block::<S, ABREAST>(simd, from, kept, is_first);
                 from += ABREAST * S::F32_LANES;
+            }
+            while from + FEWER * S::F32_LANES <= *stride {
+                self.block::<S, FEWER>(simd, from, kept, is_first);
+                from += FEWER * S::F32_LANES;
             }
             while from < *stride {
                 self.block::<S, 1>(simd, from, kept, is_first);
@@ -123,7 +131,9 @@ mod tests {
             let rows: Vec<Vec<f64>> = (0..count).map(row).collect();
             let weights: Vec<f32> = (0..count).map(|i| 0.9_f32.powi(i as i32)).collect();
             for negligible in [0.0, 1e-2] {
-                Rows::new(&rows).sum(&weights, negligible, 0.5, &mut sum);
+                // Rows behind them have no weight.
+                let more = [&rows[..], &[vec![7.0; length]]].concat();
+                Rows::new(&more).sum(&weights, negligible, 0.5, &mut sum);
                 assert_eq!(sum.len(), length);
                 let left_out = weights.iter().filter(|weight| **weight < negligible).sum::<f32>();
                 for (place, sum) in sum.iter().enumerate() {

@@ -11,8 +11,8 @@
 use super::curve_space::{CurveSpace, chunk_of};
 use super::edge::EdgeStates;
 use super::outlines::Outlines;
-use super::search::TOLERANCE;
 use super::reduced::{FUNCTIONS, Functions, OF_LOAD, Reduced};
+use super::search::TOLERANCE;
 use crate::mechanics::compliance::arc::ArcMap;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::compliance::pressure_space::JointCompliance;
