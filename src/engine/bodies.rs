@@ -9,6 +9,7 @@ use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::engine::backend::adapter::GpuError;
+use crate::engine::backend::joints::{JointGroup, JointStates};
 use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
 use crate::engine::hashed::Hashed;
@@ -96,6 +97,23 @@ impl<'a> BodyLibrary<'a> {
     /// Why the device was given up, if it was.
     pub fn lost(&self) -> Option<&GpuError> {
         self.lost.as_ref()
+    }
+
+    /// The states of interpolated joints, where there is a device that solves them; nothing where it is given up.
+    pub fn solve_joints(&mut self, groups: &[JointGroup]) -> Option<Vec<Vec<Option<JointStates>>>> {
+        let device = self.device.as_mut().filter(|_| self.lost.is_none())?;
+        match device.joints(groups) {
+            Ok(states) => Some(states),
+            Err(error) => {
+                self.lost = Some(error);
+                None
+            }
+        }
+    }
+
+    /// Whether there is one.
+    pub fn solves_joints(&self) -> bool {
+        self.lost.is_none() && self.device().is_some_and(Device::solves_joints)
     }
 
     /// Forgets solved bodies, but not what they share.

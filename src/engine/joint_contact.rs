@@ -18,6 +18,7 @@ use crate::mechanics::contact::curve::{ContactCurve, CurveRoom};
 use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::outlines::Outlines;
+use crate::mechanics::contact::state::ContactState;
 use crate::study::design::{DesignCase, JointDesign, Part};
 
 /// Joints with one of these have a curve in common: sizes and loads are left.
@@ -130,20 +131,34 @@ pub fn solve_joint<'a>(
     let answer = |case: &DesignCase| {
         let may_peak_aside = case.joint.is_lopsided_fit()
             || [&case.joint.pin, &case.joint.plate].into_iter().any(Part::is_stiff_on_soft);
-        let scale = JointScale::of(&case.joint);
-        let of_outlines = OutlineError::of(&case.joint, &outlines);
-        let states = curve.states_of_fit(scale.loads_in_contact(&case.steps));
+        let states = curve.states_of_fit(JointScale::of(&case.joint).loads_in_contact(&case.steps));
         let states = states.into_iter().map(|state| {
             let (mut state, node) = state?;
             if may_peak_aside {
                 state = curve.peaked(state, node);
             }
-            let of_bodies = errors.at(state.half_angle, node);
-            Ok((state, ForceError::new(&state, of_curve, of_bodies, of_outlines.at(state.half_angle))))
+            Ok((state, errors.at(state.half_angle, node)))
         });
-        solving.respond(case, states)
+        judged(case, &outlines, solving, of_curve, states)
     };
     let answers = cases.map(answer).collect();
     *room = curve.into_room();
     answers
+}
+
+/// The answer to a design from its states, each with what its bodies leave of its force (`BodyErrors::at`), and from what the curve
+/// leaves; and what it wants.
+pub fn judged(
+    case: &DesignCase,
+    outlines: &Outlines,
+    solving: Solving,
+    of_curve: f64,
+    states: impl IntoIterator<Item = Result<(ContactState, [f64; 2]), NoState>>,
+) -> (Answer, Want) {
+    let of_outlines = OutlineError::of(&case.joint, outlines);
+    let states = states.into_iter().map(|state| {
+        let (state, of_bodies) = state?;
+        Ok((state, ForceError::new(&state, of_curve, of_bodies, of_outlines.at(state.half_angle))))
+    });
+    solving.respond(case, states)
 }

@@ -15,10 +15,12 @@ use jointsweep::internals::engine::accuracy::Want;
 use jointsweep::internals::engine::accuracy::known_errors::KNOWN_LEVELS;
 use jointsweep::internals::engine::accuracy::mesh_change::Trust;
 use jointsweep::internals::engine::backend::gpu::context::GpuError;
+use jointsweep::internals::engine::backend::joints::{JointGroup, JointStates};
 use jointsweep::internals::engine::backend::{Device, Works};
 use jointsweep::internals::engine::body_request::{Fidelity, Group, mesh_size};
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::engine::expected_contact::ExpectedContact;
+use jointsweep::internals::engine::interpolation::fit_plan::InterpolationPlan;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method, Response, StepOutcome};
 use jointsweep::internals::engine::plan::{JointPlan, first_level};
@@ -541,6 +543,74 @@ impl Device for GivesUp {
 
     fn solves(&self) -> u64 {
         7
+    }
+}
+
+/// Finds no states of interpolated joints, or is lost over them.
+struct FindsNone {
+    condenser: GivesUp,
+    is_lost: bool,
+    asked: Arc<AtomicUsize>,
+}
+
+impl Device for FindsNone {
+    fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
+        self.condenser.begin(groups)
+    }
+
+    fn finish(&mut self) -> Result<Works, GpuError> {
+        self.condenser.finish()
+    }
+
+    fn solves_joints(&self) -> bool {
+        true
+    }
+
+    fn joints(&mut self, groups: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
+        self.asked.fetch_add(groups.iter().map(|group| group.joints.len()).sum(), Ordering::Relaxed);
+        let none = |group: &JointGroup| vec![None; group.joints.len()];
+        if self.is_lost { Err(GpuError::NoAdapter) } else { Ok(groups.iter().map(none).collect()) }
+    }
+
+    fn stages(&self) -> Vec<(&'static str, Duration)> {
+        Vec::new()
+    }
+
+    fn worst_residual(&self) -> f64 {
+        0.0
+    }
+
+    fn solves(&self) -> u64 {
+        0
+    }
+}
+
+/// Interpolated joints that a device has no states of, or is lost over, are the processor's, to the bit.
+#[test]
+fn joints_that_a_device_leaves_are_solved() {
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    let cases = draw(11, 60, concentric);
+    let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint.clone()).collect();
+    let interpolating = || {
+        let plan = InterpolationPlan::new(&options, 1_000_000, &joints);
+        assert!(plan.is_some());
+        Ladder::new(options).interpolating(plan)
+    };
+    let rows = |outcomes: Vec<DesignOutcome>| -> Vec<String> {
+        outcomes.iter().map(|outcome| format!("{:?}", outcome.steps)).collect()
+    };
+    let expected = rows(interpolating().solve(&cases));
+    for is_lost in [false, true] {
+        let asked = Arc::new(AtomicUsize::new(0));
+        let device = FindsNone { condenser: GivesUp::default(), is_lost, asked: Arc::clone(&asked) };
+        let mut ladder = interpolating().on(Box::new(device));
+        assert_eq!(rows(ladder.solve(&cases)), expected);
+        assert!(asked.load(Ordering::Relaxed) > 50, "{asked:?}");
+        assert_eq!(ladder.library.lost().is_some(), is_lost);
+        // It is not asked again once it is lost.
+        let before = asked.swap(0, Ordering::Relaxed);
+        assert_eq!(rows(ladder.solve(&cases)), expected);
+        assert_eq!(asked.load(Ordering::Relaxed), if is_lost { 0 } else { before });
     }
 }
 

@@ -4,9 +4,10 @@ use std::mem::offset_of;
 
 use jointsweep::internals::engine::backend::gpu::batch::{KernelFacts, OnChip};
 use jointsweep::internals::engine::backend::gpu::front::{EliminateParameters, Front};
+use jointsweep::internals::engine::backend::gpu::joint_kernel::{FitParameters, JointParameters};
 use jointsweep::internals::engine::backend::gpu::kernel_texts::{
-    ASSEMBLE, Access, CONDENSE, ELIMINATE, KERNEL_FILES, KernelFile, NARROW, PCG, REFINE, ROOFLINE, Sums,
-    Variant, WORKS,
+    ASSEMBLE, Access, CONDENSE, ELIMINATE, JOINTS, KERNEL_FILES, KernelFile, NARROW, PCG, REFINE, ROOFLINE,
+    Sums, Variant, WORKS,
 };
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::gpu::layout::AssembleParameters;
@@ -56,7 +57,7 @@ fn module(file: &KernelFile, precision: Precision) -> naga::Module {
 
 #[test]
 fn every_variant_is_valid() {
-    for file in KERNEL_FILES.into_iter().chain([&ROOFLINE]) {
+    for file in KERNEL_FILES.into_iter().chain([&JOINTS, &ROOFLINE]) {
         for precision in PRECISIONS {
             for (invocations, vectors, sums) in [
                 (32, 0, Sums::Tree),
@@ -168,6 +169,34 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
     );
     let roofline: Layout = layout_here!(RooflineParameters, trip_count, factor, term);
     assert_eq!(layout_in(&module(&ROOFLINE, Precision::F64), "RooflineParameters"), Some(roofline));
+    let fit: Layout = layout_here!(
+        FitParameters,
+        product_count,
+        degree_count,
+        member_count,
+        coefficient_stride,
+        row_stride,
+        order_count,
+        products_at,
+        coefficients_at,
+        sizes_at,
+        rows_at,
+        padding
+    );
+    assert_eq!(layout_in(&module(&JOINTS, Precision::F32), "Fit"), Some(fit));
+    let joints: Layout = layout_here!(
+        JointParameters,
+        fits,
+        node_count,
+        load_count,
+        space_at,
+        turns_at,
+        cosines_at,
+        widest,
+        negligible,
+        padding
+    );
+    assert_eq!(layout_in(&module(&JOINTS, Precision::F32), "JointParameters"), Some(joints));
     for precision in PRECISIONS {
         assert_eq!(layout_in(&module(&ASSEMBLE, precision), "AssembleParameters").as_ref(), Some(&assemble));
         assert_eq!(layout_in(&module(&ASSEMBLE, precision), "SystemState").as_ref(), Some(&state));
@@ -197,7 +226,7 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
 /// Group 0, binding by binding: named, read or written as the host binds it.
 #[test]
 fn bindings_are_as_the_host_makes_them() {
-    for file in KERNEL_FILES.into_iter().chain([&ROOFLINE]) {
+    for file in KERNEL_FILES.into_iter().chain([&JOINTS, &ROOFLINE]) {
         let module = module(file, Precision::F32);
         let mut bindings: Vec<(u32, &str, Access)> = module
             .global_variables

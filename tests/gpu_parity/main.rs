@@ -12,6 +12,7 @@ mod common {
     pub mod rings;
 }
 mod elimination;
+mod joints;
 mod limits;
 mod stages;
 mod sweeps;

@@ -4,6 +4,7 @@ pub mod adapter;
 pub mod precision;
 pub mod device_solver;
 pub mod rates;
+pub mod joints;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 #[cfg(not(feature = "gpu"))]
@@ -17,6 +18,7 @@ use adapter::GpuError;
 pub use without_gpu as gpu;
 
 use crate::engine::body_request::Group;
+use joints::{JointGroup, JointStates};
 
 /// The works of the ring modes on each body of each group, packed, without near fields; `None` for a body that is left to the processor.
 pub type Works = Vec<Vec<Option<Vec<f64>>>>;
@@ -31,6 +33,17 @@ pub trait Device: Send + Sync {
 
     /// Waits for what was begun before all else that is not finished.
     fn finish(&mut self) -> Result<Works, GpuError>;
+
+    /// Whether it has a kernel for interpolated joints.
+    fn solves_joints(&self) -> bool {
+        false
+    }
+
+    /// The states of interpolated joints of each group, in their order; `None` for a joint with a load that has none. Only of a
+    /// device that `solves_joints`.
+    fn joints(&mut self, _: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
+        Ok(Vec::new())
+    }
 
     /// Where the time went, in the order the stages run.
     fn stages(&self) -> Vec<(&'static str, Duration)>;

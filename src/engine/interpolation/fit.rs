@@ -2,8 +2,8 @@
 
 use foldhash::HashMap;
 
-use crate::engine::accuracy::body_errors::OwnError;
-use crate::engine::accuracy::fit_bound::{FitBound, NEAR_END};
+use crate::engine::accuracy::fit_bound::{BodyBound, FitBound, NEAR_END};
+use crate::engine::backend::joints::{InterpolatedBody, MOST_COORDINATES};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::basis::Basis;
 use crate::engine::interpolation::family::{Family, Point, body_at, coordinate_count};
@@ -28,6 +28,8 @@ pub struct FittedFamily {
     /// they add to that of a pin by unit tilt of either order, to that of a plate times the clearance ratio, its square and its cube.
     in_spaces: HashMap<SpaceKey, Rows>,
     pub bound: FitBound,
+    /// Among the fits of its plan, once that is known.
+    pub number: usize,
     /// Bodies solved for it, on every mesh.
     pub solved: u64,
 }
@@ -105,7 +107,10 @@ impl Family {
                 let worst = bound.near().fold(0.0, f64::max).hypot(of_mesh);
                 if best.as_ref().is_none_or(|(least, _)| worst < *least) {
                     let (side, in_spaces) = (self.example.shape.side, HashMap::default());
-                    best = Some((worst, FittedFamily { fit, side, basis, in_spaces, bound, solved: 0 }));
+                    best = Some((
+                        worst,
+                        FittedFamily { fit, side, basis, in_spaces, bound, number: 0, solved: 0 },
+                    ));
                 }
                 if worst <= GOOD * accuracy {
                     break;
@@ -160,10 +165,24 @@ impl FittedFamily {
         }
     }
 
-    /// The error of a body at its coordinates.
-    pub fn error(&self, body: &Body, point: &Point) -> OwnError<'_> {
+    /// The bound of the error of a body at its coordinates.
+    pub fn error<'a>(&'a self, body: &Body, point: &Point) -> BodyBound<'a> {
         let point = &point[..coordinate_count(body.shape)];
-        OwnError::Fit(self.bound.of(body, self.fit.polynomials.is_inside(point, NEAR_END)))
+        self.bound.of(body, self.fit.polynomials.is_inside(point, NEAR_END))
+    }
+
+    /// What members add to compliances in a space that was prepared.
+    pub fn rows(&self, key: SpaceKey) -> Option<&Rows> {
+        self.in_spaces.get(&key)
+    }
+
+    /// A body at its coordinates with 1/E for a device; `None` where it is outside of the box.
+    pub fn on_device(&self, (body, point, share): (&Body, &Point, f64)) -> Option<InterpolatedBody> {
+        let point = &point[..coordinate_count(body.shape)];
+        let mut place = [0.0; MOST_COORDINATES];
+        place.iter_mut().zip(self.fit.polynomials.place(point)).for_each(|(place, own)| *place = own);
+        let body = InterpolatedBody { place, numbers: infinite(body), share };
+        self.fit.polynomials.contains(point).then_some(body)
     }
 
     /// The part of a joint's compliance of a body at its coordinates with 1/E, kept in `scratch`; `None` where it is outside of the box, and of spaces that
@@ -200,7 +219,7 @@ impl FittedFamily {
 }
 
 /// Up to this clearance ratio a polynomial of it tells what the hole's arcs being smaller changes.
-const NARROW: f64 = 0.05;
+pub const NARROW: f64 = 0.05;
 
 /// Where it goes through, beside zero, over `NARROW`.
 const THROUGH: [f64; 3] = [0.25, 0.75, 1.0];

@@ -6,10 +6,10 @@ use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
-use crate::engine::accuracy::body_errors::JudgedBody;
+use crate::engine::accuracy::body_errors::{JudgedBody, OwnError};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::expected_contact::ExpectedContact;
-use crate::engine::interpolation::family::{FamilyKey, coordinates};
+use crate::engine::interpolation::family::{FamilyKey, Point, coordinates};
 use crate::engine::interpolation::fit::FittedFamily;
 use crate::engine::interpolation::fit_plan::{InterpolationPlan, Member, pair};
 use crate::engine::joint_contact::solve_joint;
@@ -20,6 +20,8 @@ use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::engine::stopwatch::Stopwatch;
 use crate::mechanics::compliance::body_fit::FitScratch;
 use crate::mechanics::contact::curve::CurveRoom;
+use crate::mechanics::contact::curve_space::CurveSpace;
+use crate::mechanics::contact::outlines::Outlines;
 use crate::study::design::DesignCase;
 
 /// Designs that a thread takes at a time.
@@ -47,10 +49,11 @@ impl Interpolation {
         }
         let started = Stopwatch::start();
         let mut fitted = HashMap::default();
-        for (family, budget) in &self.plan.families {
+        for (number, (family, budget)) in self.plan.families.iter().enumerate() {
             if let Some(mut fit) = family.fit(self.plan.accuracy, *budget, library, spaces) {
                 let coarsest = SpaceKey::of_fits_of_thick_walls(family.key.half_ring, self.plan.accuracy);
                 let finer = |key: SpaceKey| [Some(key), key.with_more_terms(), key.with_more_nodes()];
+                fit.number = number;
                 fit.prepare(coarsest.flat_map(finer).flatten(), spaces);
                 fitted.insert(family.key, fit);
             }
@@ -73,10 +76,14 @@ impl Interpolation {
     ) -> Vec<Option<Answer>> {
         self.prepare(library, spaces);
         let (this, spaces) = (&*self, &*spaces);
-        let mut answers: Vec<Option<Answer>> = vec![None; cases.len()];
+        let mut answers = if library.solves_joints() {
+            this.solve_on_device(library, spaces, cases)
+        } else {
+            vec![None; cases.len()]
+        };
         let solve = |scratch: &mut _, (cases, answers): (&[DesignCase], &mut [Option<Answer>])| {
             let started = Stopwatch::start();
-            for (case, answer) in cases.iter().zip(answers) {
+            for (case, answer) in cases.iter().zip(answers).filter(|(_, answer)| answer.is_none()) {
                 *answer = this.solve_design(spaces, case, scratch);
             }
             started.elapsed()
@@ -86,12 +93,8 @@ impl Interpolation {
         answers
     }
 
-    fn solve_design(
-        &self,
-        spaces: &Spaces,
-        case: &DesignCase,
-        (scratch, room): &mut ([FitScratch; 2], CurveRoom),
-    ) -> Option<Answer> {
+    /// A design as its fits have it; `None` where it has none.
+    pub(super) fn meet(&self, case: &DesignCase) -> Option<MetJoint<'_>> {
         let InterpolationPlan { accuracy, pairs, .. } = &self.plan;
         let members = pair(&case.joint)?;
         let [pin, plate] = &members;
@@ -99,32 +102,57 @@ impl Interpolation {
         let fits = [families.get(&pin.key)?, families.get(&plate.key)?];
         let points = [coordinates(&pin.body), coordinates(&plate.body)];
         let expected = ExpectedContact::of(case).half_angle;
-        let outlines = JointScale::of(&case.joint).outlines;
-        let mut key = SpaceKey::of_fits(&pin.body, &plate.body, *accuracy, expected);
+        let key = SpaceKey::of_fits(&pin.body, &plate.body, *accuracy, expected);
+        Some(MetJoint { members, fits, points, outlines: JointScale::of(&case.joint).outlines, key })
+    }
+
+    /// With what has computed it.
+    pub(super) fn solving(&self, backend: BackendKind, outlines: &Outlines, space: &CurveSpace) -> Solving {
+        let (method, accuracy) = (Method::Interpolated, self.plan.accuracy);
+        Solving { backend, method, limit: outlines.of_hole(space.limit), accuracy }
+    }
+
+    fn solve_design(
+        &self,
+        spaces: &Spaces,
+        case: &DesignCase,
+        (scratch, room): &mut ([FitScratch; 2], CurveRoom),
+    ) -> Option<Answer> {
+        let MetJoint { members, fits, points, outlines, mut key } = self.meet(case)?;
         loop {
             let judged = |side: usize, scratch| -> Option<JudgedBody> {
                 let Member { body, share, .. } = &members[side];
                 let (fit, point) = (fits[side], &points[side]);
                 let part = fit.part((body, point, *share), &outlines, (key, spaces), scratch)?;
-                Some(JudgedBody { body, own: fit.error(body, point), change: None, part })
+                Some(JudgedBody { body, own: OwnError::Fit(fit.error(body, point)), change: None, part })
             };
             let [of_pin, of_plate] = scratch.each_mut();
             let judged = [judged(0, of_pin)?, judged(1, of_plate)?];
             let space = spaces.get(key);
-            let (backend, method) = (BackendKind::Cpu, Method::Interpolated);
-            let solving =
-                Solving { backend, method, limit: outlines.of_hole(space.limit), accuracy: *accuracy };
+            let solving = self.solving(BackendKind::Cpu, &outlines, space);
             let (outcome, want) =
                 solve_joint(space, &judged, outlines, None, solving, [case].into_iter(), room).pop()?;
             match want {
-                Want::Nothing => {
-                    let is_whole = outcome.steps.iter().all(|step| step.response.is_some());
-                    return is_whole.then_some(outcome);
-                }
+                Want::Nothing => return whole(outcome),
                 Want::MoreTerms => key = key.with_more_terms()?,
                 Want::MoreNodes => key = key.with_more_nodes()?,
                 Want::FinerMesh => return None,
             }
         }
     }
+}
+
+/// A design as its fits have it.
+pub(super) struct MetJoint<'a> {
+    pub members: [Member; 2],
+    pub fits: [&'a FittedFamily; 2],
+    pub points: [Point; 2],
+    pub outlines: Outlines,
+    pub key: SpaceKey,
+}
+
+/// An answer with a state for every load.
+pub(super) fn whole(answer: Answer) -> Option<Answer> {
+    let is_whole = answer.steps.iter().all(|step| step.response.is_some());
+    is_whole.then_some(answer)
 }

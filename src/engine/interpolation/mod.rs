@@ -13,3 +13,4 @@ mod held_out;
 pub mod fit;
 pub mod fit_plan;
 pub mod interpolated;
+mod on_device;

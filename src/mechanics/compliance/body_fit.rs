@@ -52,6 +52,25 @@ impl Polynomials {
         self.products.len()
     }
 
+    /// The degrees of each product, of four coordinates; those there are not have degree 0.
+    pub fn degrees(&self) -> Vec<[u8; 4]> {
+        let mut degrees = vec![[0; 4]];
+        for (parent, axis, degree) in &self.products[1..] {
+            let mut own = degrees[*parent];
+            own[*axis] = *degree as u8;
+            degrees.push(own);
+        }
+        degrees
+    }
+
+    /// A point from -1 to 1 over the box; zero where it has no width.
+    pub fn place<'a>(&'a self, point: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let place = |((low, high), value): (&(f64, f64), &f64)| {
+            if high > low { (2.0 * value - low - high) / (high - low) } else { 0.0 }
+        };
+        self.ranges.iter().zip(point).map(place)
+    }
+
     /// Whether a point is in the box.
     pub fn contains(&self, point: &[f64]) -> bool {
         self.ranges.iter().zip(point).all(|((low, high), value)| low <= value && value <= high)
@@ -69,8 +88,7 @@ impl Polynomials {
     pub fn values(&self, point: &[f64], work: &mut Vec<f64>, values: &mut Vec<f64>) {
         let row = self.highest + 1;
         work.clear();
-        for ((low, high), value) in self.ranges.iter().zip(point) {
-            let x = if high > low { (2.0 * value - low - high) / (high - low) } else { 0.0 };
+        for x in self.place(point) {
             let (mut current, mut previous) = (1.0, x);
             for _ in 0..row {
                 work.push(current);
@@ -194,6 +212,15 @@ impl BodyFit {
         rows.sum(weights, NEGLIGIBLE, scale, values);
     }
 
+    /// Of the amplitudes of its members, a row for each product.
+    pub fn coefficients(&self) -> &Rows {
+        &self.coefficients
+    }
+
+    pub fn member_count(&self) -> usize {
+        self.members.len() / self.length
+    }
+
     /// Its members, each as the samples are.
     pub fn members(&self) -> impl Iterator<Item = &[f64]> {
         self.members.chunks_exact(self.length)
@@ -201,7 +228,7 @@ impl BodyFit {
 }
 
 /// Rows that add less than this of the first to a sum are left out.
-const NEGLIGIBLE: f32 = 1e-6;
+pub const NEGLIGIBLE: f32 = 1e-6;
 
 /// What that and sums in f32 leave of a compliance, relative, on the safe side.
 pub const ROUNDED: f64 = 1e-5;

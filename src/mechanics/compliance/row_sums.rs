@@ -28,6 +28,20 @@ impl Rows {
         Rows { values, length, stride, sizes: rows.iter().map(size).collect() }
     }
 
+    /// All numbers, row by row, each row `stride` after the one before.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// The greatest number of each row.
+    pub fn sizes(&self) -> &[f32] {
+        &self.sizes
+    }
+
     /// The sum of the first rows, as many as there are weights, times these and a scale, but for those that add less than a share of what
     /// the first one adds.
     pub fn sum(&self, weights: &[f32], negligible: f32, scale: f64, sum: &mut Vec<f64>) {

@@ -12,11 +12,13 @@ use super::curve_space::{CurveSpace, chunk_of};
 use super::edge::EdgeStates;
 use super::outlines::Outlines;
 use super::reduced::{FUNCTIONS, Functions, OF_LOAD, Reduced};
-use super::search::TOLERANCE;
 use crate::mechanics::compliance::arc::ArcMap;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::compliance::pressure_space::JointCompliance;
 use crate::mechanics::real::{LANES, Lanes, Real};
+
+/// Where a search of a load ends unless less will do.
+const TOLERANCE: f64 = 1e-10;
 
 /// The curve of a joint.
 pub struct ContactCurve<'a> {
@@ -28,7 +30,7 @@ pub struct ContactCurve<'a> {
     pub(super) coefficients: Vec<Functions>,
     /// What is known node by node.
     pub states: EdgeStates,
-    /// What searches of loads leave of a state, relative.
+    /// Where a search of a load ends: what its h differs from 1.
     pub tolerance: f64,
     /// The widest node that a load can reach, and no node from there on.
     pub(super) first: usize,

@@ -87,7 +87,7 @@ const SAFETY: f64 = 2.0;
 const FOUR: usize = 4;
 
 /// Nodes between which noise is interpolated make this of the last two coefficients, about.
-const ROUGH: f64 = 2.0;
+pub const ROUGH: f64 = 2.0;
 
 /// How much faster or slower than this the coefficients of a function fall, four by four, is not told by eight of them
 /// (`tests/mechanics/curves.rs` holds what follows).

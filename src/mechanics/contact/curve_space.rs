@@ -114,6 +114,17 @@ impl CurveSpace {
         &self.pressures.arcs
     }
 
+    /// Of each node b, ln b, the logarithm that S is without, and the place, where loads are searched.
+    pub fn node_numbers(&self) -> impl Iterator<Item = [f64; 4]> {
+        let of_arcs = self.arcs().iter().zip(&self.logarithms).zip(&self.places);
+        of_arcs.map(|((arc, logarithm), place)| [arc.b, arc.ln_b, *logarithm, *place])
+    }
+
+    /// tan(limit/4), where functions are polynomials of z.
+    pub fn widest(&self) -> f64 {
+        self.widest
+    }
+
     /// The part of a joint's compliance of bodies of one side with their shares, as `PressureSpace::joint` has them: a pin's under its
     /// tilt, a plate's on the hole's arcs.
     pub fn part(

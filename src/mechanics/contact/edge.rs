@@ -40,10 +40,10 @@ use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpac
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Of two trial pressures over the two before: slower than that their fall is not told by four.
-const SLOWEST: f64 = 0.9;
+pub const SLOWEST: f64 = 0.9;
 
 /// Tension that truncation may leave at the edge, over the peak pressure.
-const TENSION: f64 = 0.01;
+pub const TENSION: f64 = 0.01;
 
 /// The joint at as many arcs as there are lanes.
 #[derive(Clone, Copy)]

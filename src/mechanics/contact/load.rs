@@ -9,6 +9,14 @@ pub enum DimensionlessLoad {
     Force(f64),
 }
 
+impl DimensionlessLoad {
+    /// How much of delta/e and of F/e sum to one at the state under it.
+    pub fn target(self, radial_clearance: f64) -> [f64; 2] {
+        let Target { of_indentation, of_force } = Target::new(radial_clearance, self);
+        [of_indentation, of_force]
+    }
+}
+
 /// Why a load has no state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoState {

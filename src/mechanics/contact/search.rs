@@ -13,15 +13,12 @@ use super::state::ContactState;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
-/// Where a search ends: what h differs from 1.
-pub const TOLERANCE: f64 = 1e-10;
-
 /// Or how narrow its bracket is, relative.
 const NARROWEST: f64 = 1e-15;
 
 /// Steps of a search at most, and those that P is asked for: from then on there is bisection alone.
 const MOST_STEPS: usize = 100;
-const MOST_OF_POLYNOMIALS: usize = 8;
+pub const MOST_OF_POLYNOMIALS: usize = 8;
 
 /// Nodes that P goes through.
 const AROUND: usize = 6;

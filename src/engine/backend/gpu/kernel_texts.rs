@@ -3,8 +3,14 @@
 use super::batch::{OnChip, works_tile};
 use super::front::{Front, WORKS_HEADER};
 use super::system_layout::{SLICE, SystemOutcome};
+use crate::engine::backend::joints::{
+    JOINT_NUMBERS, MOST_MEMBERS, MOST_NODES, MOST_ORDERS, MOST_PRODUCTS, STATE_NUMBERS, TERMS,
+};
 use crate::engine::backend::precision::Precision;
 use crate::mechanics::compliance::ring_modes::MOST_MODES;
+use crate::mechanics::contact::edge::{SLOWEST, TENSION};
+use crate::mechanics::contact::reduced::{DECISIVE, FUNCTIONS, OF_LOAD};
+use crate::mechanics::contact::search::MOST_OF_POLYNOMIALS;
 use crate::mechanics::layers::{MOST_STEPS, SHRINK, STEEPEST, TOLERANCE};
 use crate::mechanics::mesh::{CROWDING, LEEWAY, THICK_WALL};
 
@@ -25,12 +31,15 @@ pub enum Constant {
     Count(usize),
     /// In the numbers of the kernel.
     Wide(f64),
+    /// f32 in any precision.
+    Single(f64),
 }
 
 impl Constant {
     fn text(self, name: &str) -> String {
         match self {
             Constant::Count(count) => format!("const {name} = {count}u;\n"),
+            Constant::Single(number) => format!("const {name} = f32({number:?});\n"),
             Constant::Wide(number) => format!("const {name} = wide({number:?});\n"),
         }
     }
@@ -171,6 +180,37 @@ pub const ELIMINATE: KernelFile = KernelFile {
     constants: &[],
     summand: None,
 };
+
+/// From interpolated bodies and loads to states of contact.
+pub const JOINTS: KernelFile = KernelFile {
+    name: "joints",
+    text: include_str!("../../../../shaders/joints.wgsl"),
+    entry_points: &["solve_joints"],
+    bindings: &[("parameters", Uniform), ("tables", Read), ("joints", Read), ("found", Written)],
+    constants: &[
+        ("TERMS", Constant::Count(TERMS)),
+        ("MOST_NODES", Constant::Count(MOST_NODES)),
+        ("MOST_PRODUCTS", Constant::Count(MOST_PRODUCTS)),
+        ("MOST_ROWS", Constant::Count(MOST_ORDERS * (MOST_MEMBERS + 2))),
+        ("JOINT_NUMBERS", Constant::Count(JOINT_NUMBERS)),
+        ("STATE_NUMBERS", Constant::Count(STATE_NUMBERS)),
+        ("FUNCTIONS", Constant::Count(FUNCTIONS)),
+        ("DECISIVE", Constant::Count(DECISIVE)),
+        ("OF_LOAD", Constant::Count(OF_LOAD)),
+        ("MOST_STEPS", Constant::Count(MOST_SEARCH_STEPS)),
+        ("MOST_OF_POLYNOMIALS", Constant::Count(MOST_OF_POLYNOMIALS)),
+        ("SEARCH_TOLERANCE", Constant::Single(SEARCH_TOLERANCE)),
+        ("NARROWEST", Constant::Single(NARROWEST)),
+        ("SLOWEST", Constant::Single(SLOWEST)),
+        ("TENSION", Constant::Single(TENSION)),
+    ],
+    summand: None,
+};
+
+/// Where a search in single precision ends: what its load is off by, or how narrow its bracket is, relative, or after so many steps.
+const SEARCH_TOLERANCE: f64 = 1e-6;
+const NARROWEST: f64 = 3e-7;
+const MOST_SEARCH_STEPS: usize = 40;
 
 /// What a device can do at most.
 pub const ROOFLINE: KernelFile = KernelFile {

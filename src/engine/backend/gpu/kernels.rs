@@ -67,7 +67,7 @@ pub struct Kernels<'a> {
     pub condense: Stage,
     pub works: Stage,
     sums: Sums,
-    making: Making,
+    pub making: Making,
 }
 
 impl<'a> Kernels<'a> {

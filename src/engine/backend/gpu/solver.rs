@@ -11,11 +11,14 @@ use super::context::{GpuDevice, GpuError};
 use super::elimination::{Counts, Elimination};
 use super::front::FrontLayout;
 use super::front_topology::{FrontTopology, Job};
+use super::joint_kernel::JointKernel;
 use super::kernels::{Kernels, Precision};
 use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
+use crate::engine::backend::adapter::AdapterKind;
 use crate::engine::backend::device_solver::DeviceSolver;
+use crate::engine::backend::joints::{JointGroup, JointStates};
 use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
@@ -30,6 +33,9 @@ pub struct GpuCondenser<'a> {
     topologies: HashMap<TopologyKey, OnDevice>,
     elimination: Elimination,
     begun: VecDeque<Begun>,
+    /// Whether it is to solve interpolated joints, and what does once there were any.
+    solves_joints: bool,
+    joints: Option<JointKernel>,
     pub report: GpuReport,
 }
 
@@ -51,6 +57,8 @@ pub struct GpuReport {
     /// Wall times: layouts and what bodies share; from numbers to works, without what the device does alone.
     pub preparation: Duration,
     pub condensation: Duration,
+    /// Of interpolated joints, from their numbers to their states.
+    pub joints: Duration,
 }
 
 /// What the bodies of a topology share on the device, as its solver takes them.
@@ -96,7 +104,10 @@ impl<'a> GpuCondenser<'a> {
 
     /// By kernels that are there.
     pub fn with(kernels: Kernels<'a>, solver: DeviceSolver) -> GpuCondenser<'a> {
+        let is_software = kernels.gpu.facts.kind == AdapterKind::Software;
         GpuCondenser {
+            solves_joints: !is_software && kernels.precision != Precision::F64,
+            joints: None,
             kernels,
             solver,
             topologies: HashMap::default(),
@@ -104,6 +115,11 @@ impl<'a> GpuCondenser<'a> {
             begun: VecDeque::new(),
             report: GpuReport::default(),
         }
+    }
+
+    /// Which solves interpolated joints, too: what software is slower with than the processor itself.
+    pub fn solving_joints(self) -> GpuCondenser<'a> {
+        GpuCondenser { solves_joints: true, ..self }
     }
 
     /// What elimination has asked of the device.
@@ -148,9 +164,30 @@ impl Device for GpuCondenser<'_> {
         Ok(works)
     }
 
+    fn solves_joints(&self) -> bool {
+        self.solves_joints
+    }
+
+    fn joints(&mut self, groups: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
+        let started = Instant::now();
+        let Kernels { gpu, making, .. } = &self.kernels;
+        let kernel = match &mut self.joints {
+            Some(kernel) => kernel,
+            none => none.insert(JointKernel::new(gpu, *making)?),
+        };
+        let states = kernel.solve(gpu, groups);
+        self.report.joints += started.elapsed();
+        states
+    }
+
     fn stages(&self) -> Vec<(&'static str, Duration)> {
-        let GpuReport { preparation, condensation, .. } = self.report;
-        vec![("preparation on the GPU", preparation), ("condensation on the GPU", condensation)]
+        let GpuReport { preparation, condensation, joints, .. } = self.report;
+        let mut stages =
+            vec![("preparation on the GPU", preparation), ("condensation on the GPU", condensation)];
+        if self.solves_joints {
+            stages.push(("interpolation on the GPU", joints));
+        }
+        stages
     }
 
     fn worst_residual(&self) -> f64 {

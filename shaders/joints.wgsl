@@ -1,0 +1,584 @@
+// Twin: `engine/interpolation/fit.rs` (`FittedFamily::part`), `contact/edge.rs`, `curve.rs` and `search.rs`.
+//
+// Joints of two interpolated bodies: from the coordinates of the bodies to the states under some loads, in f32, as the sums of fits
+// are on the processor. Compliances are over that of the infinite body, so that its even part is one.
+//
+// One workgroup has one joint. Its invocations take products of polynomials, then members of the fit, then nodes of the curve, then its
+// coefficients, then loads. A joint has no more nodes than a workgroup has invocations.
+
+struct Fit {
+    // Products of polynomials, and numbers of one more than their highest degree.
+    product_count: u32,
+    degree_count: u32,
+    member_count: u32,
+    // Numbers from one row of coefficients, or of compliances, to the next.
+    coefficient_stride: u32,
+    row_stride: u32,
+    // How often members come among the rows: of the body itself, and times powers of a number of the joint.
+    order_count: u32,
+    // Where in the tables there are degrees of the products, four to a word; coefficients, [product][member]; the greatest number of each
+    // row; rows, [row][packed entry][node].
+    products_at: u32,
+    coefficients_at: u32,
+    sizes_at: u32,
+    rows_at: u32,
+    padding: vec2<u32>,
+}
+
+struct JointParameters {
+    // Pin and plate.
+    fits: array<Fit, 2>,
+    node_count: u32,
+    load_count: u32,
+    // Where in the tables there are of each node b, ln b, logarithm and place; 2 cos of angles of pressures; cosines of a whole turn in
+    // 4 `node_count` steps.
+    space_at: u32,
+    turns_at: u32,
+    cosines_at: u32,
+    // tan(limit/4).
+    widest: f32,
+    negligible: f32,
+    padding: u32,
+}
+
+@group(0) @binding(0) var<uniform> parameters: JointParameters;
+@group(0) @binding(1) var<storage, read> tables: array<u32>;
+// [joint][number]: of each body four coordinates from -1 to 1, even and odd of the infinite body, and its share; tilts of the pin; the
+// clearance ratio, m, and the bend of the gap; two numbers a load.
+@group(0) @binding(2) var<storage, read> joints: array<f32>;
+// [joint][number]: what the curve leaves between its nodes, then `STATE_NUMBERS` of each load.
+@group(0) @binding(3) var<storage, read_write> found: array<f32>;
+
+const HALF_PI = 1.5707964;
+const PI = 3.1415927;
+const ENTRIES = TERMS * (TERMS + 1u) / 2u;
+const BODY_NUMBERS = 7u;
+const AROUND = 6u;
+const DEGREES = 20u;
+
+// Functions of `contact/reduced.rs`, in their order.
+const SINGULAR = 0u;
+const EDGE = 1u;
+const EDGE_OF_VERSINE = 2u;
+const EDGE_OF_GAP = 3u;
+const VERSINE = 4u;
+const GAP = 5u;
+const WORK = 6u;
+const MIXED_WORK = 7u;
+const WORK_OF_GAP = 8u;
+const PEAK = 9u;
+const PEAK_OF_VERSINE = 10u;
+const PEAK_OF_GAP = 11u;
+
+struct Node {
+    indentation: f32,
+    force: f32,
+    truncation: f32,
+    of_pin: f32,
+    is_sound: bool,
+    is_positive: bool,
+}
+
+var<workgroup> factors: array<f32, 4u * DEGREES>;
+var<workgroup> products: array<f32, MOST_PRODUCTS>;
+var<workgroup> weights: array<f32, MOST_ROWS>;
+// [function][node], and [function][degree].
+var<workgroup> functions: array<f32, FUNCTIONS * MOST_NODES>;
+var<workgroup> coefficients: array<f32, FUNCTIONS * MOST_NODES>;
+var<workgroup> nodes: array<Node, MOST_NODES>;
+// What the last two coefficients of a function are of its greatest.
+var<workgroup> left_out: array<f32, DECISIVE>;
+
+fn number(at: u32) -> f32 {
+    return bitcast<f32>(tables[at]);
+}
+
+fn packed(row: u32, column: u32) -> u32 {
+    return row * (row + 1u) / 2u + column;
+}
+
+fn between(indentation: f32, of_versine: f32, of_gap: f32) -> f32 {
+    return of_gap + indentation * (of_versine - of_gap);
+}
+
+// delta/e and F/e of the state with a free edge.
+fn load_of(f: ptr<function, array<f32, FUNCTIONS>>, b: f32) -> vec2<f32> {
+    let b2 = b * b;
+    let arm = HALF_PI - b2 * (*f)[VERSINE];
+    let flexible = (*f)[SINGULAR] / (*f)[EDGE];
+    let closed = b2 * ((*f)[GAP] + flexible * (*f)[EDGE_OF_GAP]);
+    let indentation = closed / (arm + closed - b2 * flexible * (*f)[EDGE_OF_VERSINE]);
+    let work = b2 * b2 * between(indentation, (*f)[WORK], (*f)[MIXED_WORK]);
+    let first = between(indentation, (*f)[EDGE_OF_VERSINE], (*f)[EDGE_OF_GAP]) / (*f)[EDGE];
+    return vec2<f32>(indentation, 2.0 * (b2 * first * arm + work));
+}
+
+// Strain energy over e^2 b^4.
+fn energy_of(f: ptr<function, array<f32, FUNCTIONS>>, indentation: f32) -> f32 {
+    let first = between(indentation, (*f)[EDGE_OF_VERSINE], (*f)[EDGE_OF_GAP]) / (*f)[EDGE];
+    let of_versine = between(indentation, (*f)[WORK], (*f)[MIXED_WORK]);
+    let of_gap = between(indentation, (*f)[MIXED_WORK], (*f)[WORK_OF_GAP]);
+    return (*f)[SINGULAR] * first * first + between(indentation, of_versine, of_gap);
+}
+
+// Integrals of 1 - cos(phi) on an arc whose b is smaller by a ratio, over b^2.
+fn versines(b: f32, ratio: f32) -> array<f32, TERMS> {
+    let own = b / ratio;
+    let root = sqrt(1.0 + own * own);
+    let inverse = 1.0 / (1.0 + root);
+    let t = own * inverse;
+    let scale = PI / (root * ratio * ratio);
+    var values: array<f32, TERMS>;
+    values[0] = scale * inverse;
+    var next = scale * inverse * inverse;
+    for (var k = 1u; k < TERMS; k += 1u) {
+        values[k] = next;
+        next = -next * t * t;
+    }
+    return values;
+}
+
+// Integrals of sin^2(phi) (1 - cos(phi)) over b^2.
+fn bent_versines(b: f32) -> array<f32, TERMS> {
+    let root = sqrt(1.0 + b * b);
+    let r = 1.0 / root;
+    let inverse = 1.0 / (1.0 + root);
+    let t = b * inverse;
+    let q = b * b * r * r;
+    let square = 2.0 * r * r;
+    let single = r * (2.0 + 3.0 * q);
+    var values: array<f32, TERMS>;
+    values[0] = 1.5 * PI * r * q * r * r;
+    var factor = -PI * r * inverse * inverse;
+    for (var k = 1u; k < TERMS; k += 1u) {
+        let degree = f32(k);
+        values[k] = factor * (degree * (degree * square - single) + 1.5 * q * q);
+        factor = -factor * t * t;
+    }
+    return values;
+}
+
+// Amplitudes of the members of a body's fit, and from them the weights of its rows.
+fn weigh(side: u32, joint_at: u32, invocation: u32) {
+    let fit = parameters.fits[side];
+    let body_at = joint_at + side * BODY_NUMBERS;
+    if invocation < 4u {
+        let x = joints[body_at + invocation];
+        var current = 1.0;
+        var previous = x;
+        for (var degree = 0u; degree < fit.degree_count; degree += 1u) {
+            factors[invocation * DEGREES + degree] = current;
+            let next = 2.0 * x * current - previous;
+            previous = current;
+            current = next;
+        }
+    }
+    workgroupBarrier();
+    for (var product = invocation; product < fit.product_count; product += INVOCATIONS) {
+        let degrees = tables[fit.products_at + product];
+        products[product] = factors[degrees & 255u]
+            * factors[DEGREES + ((degrees >> 8u) & 255u)]
+            * factors[2u * DEGREES + ((degrees >> 16u) & 255u)]
+            * factors[3u * DEGREES + (degrees >> 24u)];
+    }
+    workgroupBarrier();
+    let share = joints[body_at + 6u];
+    let row_count = fit.member_count + 2u;
+    let at = joint_at + 2u * BODY_NUMBERS;
+    for (var row = invocation; row < row_count; row += INVOCATIONS) {
+        var amplitude = 0.0;
+        if row < 2u {
+            amplitude = joints[body_at + 4u + row];
+        } else {
+            for (var product = 0u; product < fit.product_count; product += 1u) {
+                let coefficient = number(fit.coefficients_at + product * fit.coefficient_stride + row - 2u);
+                amplitude += products[product] * coefficient;
+            }
+        }
+        var of_order = share;
+        for (var order = 0u; order < fit.order_count; order += 1u) {
+            weights[order * row_count + row] = amplitude * of_order;
+            // Tilts of the pin, powers of the clearance ratio of the plate.
+            if side == 0u {
+                of_order = share * joints[at + min(order, 1u)];
+            } else {
+                of_order *= joints[at + 2u];
+            }
+        }
+    }
+    workgroupBarrier();
+}
+
+// Adds a body's compliance at a node.
+fn add_compliance(side: u32, node: u32, sums: ptr<function, array<f32, ENTRIES>>) {
+    let fit = parameters.fits[side];
+    let nodes_of_entry = parameters.node_count;
+    let row_count = fit.order_count * (fit.member_count + 2u);
+    let least = parameters.negligible * abs(weights[0]) * number(fit.sizes_at);
+    for (var row = 0u; row < row_count; row += 1u) {
+        let weight = weights[row];
+        if abs(weight) * number(fit.sizes_at + row) > least {
+            let at = fit.rows_at + row * fit.row_stride + node;
+            for (var entry = 0u; entry < ENTRIES; entry += 1u) {
+                (*sums)[entry] += weight * number(at + entry * nodes_of_entry);
+            }
+        }
+    }
+}
+
+// What the equations of a node come to; the compliance is overwritten.
+fn solve_node(
+    node: u32,
+    joint_at: u32,
+    matrix: ptr<function, array<f32, ENTRIES>>,
+    pin: ptr<function, array<f32, ENTRIES>>,
+) {
+    let space_at = parameters.space_at + 4u * node;
+    let b = number(space_at);
+    let logarithm = HALF_PI * number(space_at + 1u);
+    let at = joint_at + 2u * BODY_NUMBERS;
+    let ratio = joints[at + 3u];
+    let bend = joints[at + 4u];
+    var y: array<f32, TERMS>;
+    var of_versine = versines(b, ratio);
+    var of_gap = versines(b, sqrt(ratio));
+    let bent = bent_versines(b);
+    var last_entries: array<f32, 2>;
+    for (var k = 0u; k < TERMS; k += 1u) {
+        y[k] = (*matrix)[packed(k, 0u)];
+        of_gap[k] += bend * bent[k];
+    }
+    last_entries[0] = (*matrix)[packed(TERMS - 2u, TERMS - 2u)];
+    last_entries[1] = (*matrix)[packed(TERMS - 1u, TERMS - 1u)];
+    let coupling = y;
+    let versine = of_versine;
+    let gap = of_gap;
+    var inverse: array<f32, TERMS>;
+    var is_sound = true;
+    for (var row = 1u; row < TERMS; row += 1u) {
+        for (var column = 1u; column <= row; column += 1u) {
+            var value = (*matrix)[packed(row, column)];
+            for (var k = 1u; k < column; k += 1u) {
+                value -= (*matrix)[packed(row, k)] * (*matrix)[packed(column, k)];
+            }
+            if column < row {
+                value *= inverse[column];
+            }
+            (*matrix)[packed(row, column)] = value;
+        }
+        let pivot = (*matrix)[packed(row, row)];
+        is_sound = is_sound && pivot > 0.0;
+        inverse[row] = inverseSqrt(max(pivot, 1e-30));
+        for (var k = 1u; k < row; k += 1u) {
+            let factor = (*matrix)[packed(row, k)];
+            y[row] -= factor * y[k];
+            of_versine[row] -= factor * of_versine[k];
+            of_gap[row] -= factor * of_gap[k];
+        }
+        y[row] *= inverse[row];
+        of_versine[row] *= inverse[row];
+        of_gap[row] *= inverse[row];
+    }
+    for (var row = TERMS - 1u; row > 0u; row -= 1u) {
+        for (var k = row + 1u; k < TERMS; k += 1u) {
+            let factor = (*matrix)[packed(k, row)];
+            y[row] -= factor * y[k];
+            of_versine[row] -= factor * of_versine[k];
+            of_gap[row] -= factor * of_gap[k];
+        }
+        y[row] *= inverse[row];
+        of_versine[row] *= inverse[row];
+        of_gap[row] *= inverse[row];
+    }
+    var f: array<f32, FUNCTIONS>;
+    f[SINGULAR] = coupling[0] - logarithm;
+    f[EDGE] = 1.0;
+    f[VERSINE] = versine[0];
+    f[GAP] = gap[0];
+    f[PEAK] = 1.0;
+    var sign = -1.0;
+    for (var k = 1u; k < TERMS; k += 1u) {
+        f[SINGULAR] -= coupling[k] * y[k];
+        f[EDGE] -= y[k];
+        f[EDGE_OF_VERSINE] += of_versine[k];
+        f[EDGE_OF_GAP] += of_gap[k];
+        f[VERSINE] -= y[k] * versine[k];
+        f[GAP] -= y[k] * gap[k];
+        f[WORK] += of_versine[k] * versine[k];
+        f[MIXED_WORK] += of_versine[k] * gap[k];
+        f[WORK_OF_GAP] += of_gap[k] * gap[k];
+        f[PEAK] -= sign * y[k];
+        f[PEAK_OF_VERSINE] += sign * of_versine[k];
+        f[PEAK_OF_GAP] += sign * of_gap[k];
+        sign = -sign;
+    }
+    let load = load_of(&f, b);
+    let first = between(load.x, f[EDGE_OF_VERSINE], f[EDGE_OF_GAP]) / f[EDGE];
+    // Coefficients of the trial pressures over e b^2.
+    var pressure: array<f32, TERMS>;
+    pressure[0] = first;
+    var most = abs(first);
+    for (var k = 1u; k < TERMS; k += 1u) {
+        pressure[k] = -(first * y[k] + between(load.x, of_versine[k], of_gap[k]));
+        most = max(most, abs(pressure[k]));
+    }
+    let last = abs(pressure[TERMS - 2u]) + abs(pressure[TERMS - 1u]);
+    let before = abs(pressure[TERMS - 4u]) + abs(pressure[TERMS - 3u]);
+    let falling = 1.0 - min(last / before, SLOWEST);
+    let tail = last / (most * falling);
+    let work = energy_of(&f, load.x);
+    let square = vec2<f32>(pressure[TERMS - 2u], pressure[TERMS - 1u]);
+    let of_last = last_entries[0] * square.x * square.x + last_entries[1] * square.y * square.y;
+    // The least pressure between the zeros of the highest trial pressure.
+    var peak = 0.0;
+    sign = 1.0;
+    for (var k = 0u; k < TERMS; k += 1u) {
+        peak += sign * pressure[k];
+        sign = -sign;
+    }
+    var least = peak;
+    for (var place = 0u; place < 2u * TERMS; place += 1u) {
+        let turn = number(parameters.turns_at + place);
+        var current = 0.0;
+        var previous = 0.0;
+        for (var k = TERMS - 1u; k > 0u; k -= 1u) {
+            let next = pressure[k] - previous + turn * current;
+            previous = current;
+            current = next;
+        }
+        least = min(least, pressure[0] - previous + 0.5 * turn * current);
+    }
+    // What goes into the pin.
+    var of_pin = 0.0;
+    for (var row = 0u; row < TERMS; row += 1u) {
+        var sum = 0.0;
+        for (var column = 0u; column <= row; column += 1u) {
+            let twice = select(1.0, 2.0, column < row);
+            sum += twice * pressure[column] * (*pin)[packed(row, column)];
+        }
+        of_pin += sum * pressure[row];
+    }
+    let even_of_pin = joints[joint_at + 4u] * joints[joint_at + 6u];
+    of_pin -= even_of_pin * logarithm * first * first;
+    // Polynomials go through S without its logarithm.
+    is_sound = is_sound && f[SINGULAR] > 0.0;
+    f[SINGULAR] += PI * number(space_at + 2u);
+    for (var function_ = 0u; function_ < FUNCTIONS; function_ += 1u) {
+        functions[function_ * MOST_NODES + node] = f[function_];
+        is_sound = is_sound && is_finite(wide(f[function_]));
+    }
+    nodes[node] = Node(
+        load.x,
+        load.y,
+        max(of_last / (work * falling * falling), tail * tail),
+        of_pin / work,
+        is_sound,
+        least + TENSION * peak >= 0.0,
+    );
+}
+
+// Clenshaw's sums of the functions from one on up to another.
+fn sum_functions(f: ptr<function, array<f32, FUNCTIONS>>, from_: u32, to: u32, turn: f32) {
+    for (var function_ = from_; function_ < to; function_ += 1u) {
+        let at = function_ * MOST_NODES;
+        var current = 0.0;
+        var previous = 0.0;
+        for (var degree = parameters.node_count - 1u; degree > 0u; degree -= 1u) {
+            let next = coefficients[at + degree] - previous - turn * current;
+            previous = current;
+            current = next;
+        }
+        (*f)[function_] = coefficients[at] - previous - 0.5 * turn * current;
+    }
+}
+
+// Place, delta/e and F/e at a node; at the angle zero behind the last one.
+fn node_at(node: u32) -> vec3<f32> {
+    if node < parameters.node_count {
+        return vec3<f32>(number(parameters.space_at + 4u * node + 3u), nodes[node].indentation, nodes[node].force);
+    }
+    return vec3<f32>(0.0);
+}
+
+// P and W of `contact/search.rs`.
+fn inverse_at(
+    y: ptr<function, array<f32, AROUND>>,
+    weight: ptr<function, array<f32, AROUND>>,
+    wanted: f32,
+) -> vec2<f32> {
+    var sum = 0.0;
+    var before = 1.0;
+    for (var i = 0u; i < AROUND; i += 1u) {
+        let distance = (*y)[i] - wanted;
+        sum = sum * distance + before * (*weight)[i];
+        before *= distance;
+    }
+    return vec2<f32>(sum, before);
+}
+
+// The state under a load, from the widest node that loads reach on.
+fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
+    let load_at = joint_at + JOINT_NUMBERS + 2u * load;
+    let wanted = vec2<f32>(joints[load_at], joints[load_at + 1u]);
+    let node_count = parameters.node_count;
+    var above = node_count;
+    for (var node = first_node; node < node_count; node += 1u) {
+        if dot(wanted, node_at(node).yz) >= 1.0 {
+            above = node;
+        }
+    }
+    for (var place = 0u; place < STATE_NUMBERS; place += 1u) {
+        found[found_at + place] = 0.0;
+    }
+    // No node is: the contact would be too wide.
+    if above == node_count {
+        return;
+    }
+    let from_ = min(max(max(above, 2u) - 2u, first_node), node_count + 1u - AROUND);
+    var places: array<f32, AROUND>;
+    var y: array<f32, AROUND>;
+    for (var i = 0u; i < AROUND; i += 1u) {
+        let own = node_at(from_ + i);
+        places[i] = own.x;
+        y[i] = sqrt(dot(wanted, own.yz));
+    }
+    var weight = places;
+    for (var i = 0u; i < AROUND; i += 1u) {
+        var product = 1.0;
+        for (var j = 0u; j < AROUND; j += 1u) {
+            if j != i {
+                product *= y[j] - y[i];
+            }
+        }
+        weight[i] /= product;
+    }
+    var low = node_at(above + 1u).x;
+    var high = node_at(above).x;
+    let start = inverse_at(&y, &weight, 1.0);
+    var next = start.x;
+    var y_before = 0.0;
+    var left_before = 0.0;
+    var b = 0.0;
+    var turn = 0.0;
+    var logarithm = 0.0;
+    var f: array<f32, FUNCTIONS>;
+    var has_ended = false;
+    for (var step = 0u; step < MOST_STEPS && !has_ended; step += 1u) {
+        let is_within = step < MOST_OF_POLYNOMIALS && next >= low && next <= high;
+        let place = select(0.5 * (low + high), next, is_within);
+        let unit = sqrt(place);
+        let quarter = parameters.widest * place;
+        b = 2.0 * quarter / (1.0 - quarter * quarter);
+        turn = 2.0 - 4.0 * unit;
+        logarithm = log(unit);
+        sum_functions(&f, 0u, OF_LOAD, turn);
+        f[SINGULAR] -= PI * logarithm;
+        let own = load_of(&f, b);
+        let sum = dot(wanted, own);
+        let is_near = abs(sum - 1.0) < SEARCH_TOLERANCE;
+        if sum < 1.0 {
+            low = place;
+        } else {
+            high = place;
+        }
+        let is_sound = f[SINGULAR] > 0.0 && own.x > 0.0 && is_finite(wide(sum));
+        has_ended = is_sound && (is_near || high - low <= NARROWEST * high);
+        let own_y = sqrt(sum);
+        let at = inverse_at(&y, &weight, own_y);
+        let left = (place - at.x) / at.y;
+        var left_at_one = left;
+        if step > 0u {
+            left_at_one += (left - left_before) * (1.0 - own_y) / (own_y - y_before);
+        }
+        next = start.x + start.y * left_at_one;
+        y_before = own_y;
+        left_before = left;
+    }
+    sum_functions(&f, OF_LOAD, FUNCTIONS, turn);
+    let own = load_of(&f, b);
+    let b2 = b * b;
+    let arm = HALF_PI - b2 * f[VERSINE];
+    let first = b2 * between(own.x, f[EDGE_OF_VERSINE], f[EDGE_OF_GAP]) / f[EDGE];
+    let peak = between(own.x, f[PEAK_OF_VERSINE], f[PEAK_OF_GAP]);
+    let ratio = joints[joint_at + 2u * BODY_NUMBERS + 3u];
+    let below = min(above + 1u, node_count - 1u);
+    found[found_at] = select(1.0, 2.0, has_ended);
+    found[found_at + 1u] = b;
+    found[found_at + 2u] = own.x;
+    found[found_at + 3u] = own.y;
+    found[found_at + 4u] = 2.0 * (arm * arm / f[SINGULAR] + b2 * b2 * f[WORK]);
+    found[found_at + 5u] = b2 * b2 * energy_of(&f, own.x);
+    found[found_at + 6u] = (first * f[PEAK] - b2 * peak) * 0.5 * ratio / b;
+    found[found_at + 7u] = max(nodes[above].truncation, nodes[below].truncation);
+    found[found_at + 8u] = select(0.0, 1.0, nodes[above].is_positive && nodes[below].is_positive);
+    found[found_at + 9u] = nodes[above].of_pin;
+    found[found_at + 10u] = nodes[below].of_pin;
+}
+
+@compute @workgroup_size(INVOCATIONS)
+fn solve_joints(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_index) invocation: u32,
+) {
+    let joint = group.x;
+    let node_count = parameters.node_count;
+    let joint_at = joint * (JOINT_NUMBERS + 2u * parameters.load_count);
+    let found_at = joint * (1u + STATE_NUMBERS * parameters.load_count);
+    var pin: array<f32, ENTRIES>;
+    var both: array<f32, ENTRIES>;
+    weigh(0u, joint_at, invocation);
+    if invocation < node_count {
+        add_compliance(0u, invocation, &pin);
+    }
+    workgroupBarrier();
+    both = pin;
+    weigh(1u, joint_at, invocation);
+    if invocation < node_count {
+        add_compliance(1u, invocation, &both);
+        solve_node(invocation, joint_at, &both, &pin);
+    }
+    workgroupBarrier();
+    for (var entry = invocation; entry < FUNCTIONS * node_count; entry += INVOCATIONS) {
+        let function_ = entry / node_count;
+        let degree = entry % node_count;
+        var sum = 0.0;
+        for (var node = 0u; node < node_count; node += 1u) {
+            let step = ((2u * node + 1u) * degree) % (4u * node_count);
+            sum += functions[function_ * MOST_NODES + node] * number(parameters.cosines_at + step);
+        }
+        coefficients[function_ * MOST_NODES + degree] = sum * select(2.0, 1.0, degree == 0u) / f32(node_count);
+    }
+    workgroupBarrier();
+    for (var function_ = invocation; function_ < DECISIVE; function_ += INVOCATIONS) {
+        let at = function_ * MOST_NODES;
+        var most = 1e-30;
+        for (var degree = 0u; degree < node_count; degree += 1u) {
+            most = max(most, abs(coefficients[at + degree]));
+        }
+        let last = abs(coefficients[at + node_count - 2u]) + abs(coefficients[at + node_count - 1u]);
+        left_out[function_] = last / most;
+    }
+    workgroupBarrier();
+    // From the narrowest contact on up to the first beyond a neat fit, as far as it grows with the load.
+    var first_node = node_count;
+    var grown = 0.0;
+    var is_whole = true;
+    for (var node = node_count; node > 0u; node -= 1u) {
+        let own = nodes[node - 1u];
+        is_whole = is_whole && own.is_sound && own.indentation > grown && grown < 1.0;
+        if is_whole {
+            first_node = node - 1u;
+            grown = own.indentation;
+        }
+    }
+    if invocation == 0u {
+        var most = 0.0;
+        for (var function_ = 0u; function_ < DECISIVE; function_ += 1u) {
+            most = max(most, left_out[function_]);
+        }
+        found[found_at] = most;
+    }
+    for (var load = invocation; load < parameters.load_count; load += INVOCATIONS) {
+        search(joint_at, load, first_node, found_at + 1u + STATE_NUMBERS * load);
+    }
+}

@@ -1,0 +1,163 @@
+//! Interpolated joints on a device and on the processor, which has the same fits.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
+use jointsweep::internals::engine::backend::gpu::solver::GpuCondenser;
+use jointsweep::internals::engine::backend::joints::{JointGroup, JointStates};
+use jointsweep::internals::engine::backend::{Device, Works};
+use jointsweep::internals::engine::body_request::Group;
+use jointsweep::internals::engine::interpolation::fit_plan::InterpolationPlan;
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
+
+use super::*;
+use crate::common::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
+use crate::common::random::Random;
+
+/// Of the sweeps that the designs drawn here stand for.
+const COUNT: u64 = 1_000_000;
+
+fn interpolating<'a>(options: SolveOptions, cases: &[DesignCase]) -> Ladder<'a> {
+    let joints: Vec<JointDesign> = cases.iter().map(|case| case.joint.clone()).collect();
+    let plan = InterpolationPlan::new(&options, COUNT, &joints);
+    assert!(plan.is_some());
+    Ladder::new(options).interpolating(plan)
+}
+
+/// Leaves all bodies to the processor, so that fits are the same.
+struct JointsAlone<'a> {
+    condenser: GpuCondenser<'a>,
+    begun: VecDeque<Works>,
+}
+
+impl Device for JointsAlone<'_> {
+    fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
+        let works = groups.iter().map(|(_, group)| vec![None; group.len()]).collect();
+        self.begun.push_back(works);
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<Works, GpuError> {
+        Ok(self.begun.pop_front().unwrap_or_default())
+    }
+
+    fn solves_joints(&self) -> bool {
+        self.condenser.solves_joints()
+    }
+
+    fn joints(&mut self, groups: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
+        self.condenser.joints(groups)
+    }
+
+    fn stages(&self) -> Vec<(&'static str, Duration)> {
+        self.condenser.stages()
+    }
+
+    fn worst_residual(&self) -> f64 {
+        0.0
+    }
+
+    fn solves(&self) -> u64 {
+        0
+    }
+}
+
+/// The outcomes of designs whose fits are made for all of these, and of the first few of them by themselves.
+fn on_device(options: SolveOptions, cases: &[DesignCase], few: usize) -> [Vec<DesignOutcome>; 2] {
+    let kernels = Kernels::with_tree(device(), Precision::F32, INVOCATIONS, Making::Checked).unwrap();
+    let condenser = GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints();
+    let device = JointsAlone { condenser, begun: VecDeque::new() };
+    let mut ladder = interpolating(options, cases).on(Box::new(device));
+    let outcomes = [cases, &cases[..few]].map(|cases| ladder.solve(cases));
+    assert_eq!(ladder.library.lost(), None);
+    outcomes
+}
+
+/// The greatest relative differences of forces and indentations, stiffnesses, peak pressures, energies, half angles, and errors told, and how many
+/// designs the device has solved.
+fn compare(found: &[DesignOutcome], expected: &[DesignOutcome]) -> ([f64; 6], usize) {
+    let (mut worst, mut on_device) = ([0.0_f64; 6], 0);
+    for (found, expected) in found.iter().zip(expected) {
+        assert_eq!(found.steps.len(), expected.steps.len());
+        let is_interpolated =
+            |step: &_| matches!(step, (Some(a), Some(b)) if a == &Method::Interpolated && b == a);
+        on_device += usize::from(found.backend == BackendKind::Gpu);
+        for (found, expected) in found.steps.iter().zip(&expected.steps) {
+            let methods = [found, expected].map(|step| step.response.map(|response| response.method));
+            if !is_interpolated(&(methods[0], methods[1])) {
+                continue;
+            }
+            let [a, b] = [found, expected].map(|step| step.response.unwrap());
+            let of = |a: f64, b: f64| if a == b { 0.0 } else { (a / b - 1.0).abs() };
+            let errors = [
+                of(a.force, b.force).max(of(a.indentation, b.indentation)),
+                of(a.tangent_stiffness, b.tangent_stiffness),
+                of(a.peak_pressure.unwrap(), b.peak_pressure.unwrap()),
+                of(a.energy.unwrap(), b.energy.unwrap()),
+                of(a.contact_half_angle.unwrap(), b.contact_half_angle.unwrap()),
+                (a.force_error - b.force_error).abs(),
+            ];
+            worst.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(error));
+        }
+    }
+    (worst, on_device)
+}
+
+/// Designs of a kind of plate, some of them with wide clearances, with loads of the one kind or the other, and some without a first load.
+fn designs(seed: u64, count: u64, shapes: fn(&mut Random) -> (Part, Part)) -> Vec<DesignCase> {
+    let mut cases = draw(seed, count, shapes);
+    let mut random = Random::new(seed + 1);
+    for DesignCase { index, joint, steps } in &mut cases {
+        joint.radial_clearance = joint.hole_radius * random.log(1e-5, 0.052);
+        let indentations = (0..3).map(|_| random.log(0.02, 20.0) * joint.radial_clearance);
+        *steps = if *index % 3 == 0 {
+            // About what these indentations ask for.
+            let modulus = joint.pin.material.youngs_modulus.min(joint.plate.material.youngs_modulus);
+            indentations.map(|length| Load::Force(0.3 * modulus * joint.thickness * length)).collect()
+        } else {
+            indentations.map(Load::Indentation).collect()
+        };
+        if *index % 5 == 0 {
+            steps.insert(0, Load::Indentation(0.0));
+        }
+    }
+    cases
+}
+
+/// A block on its base of which one side varies: more would take longer to fit than all else.
+fn disc_in_simple_block(random: &mut Random) -> (Part, Part) {
+    let (pin, mut plate) = disc_in_block(random);
+    (plate.parameters[1], plate.parameters[2], plate.support) = (2.5, 3.0, 0);
+    (pin, plate)
+}
+
+/// Indentations and forces on every kind of plate, by the fits of the processor.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn interpolated_joints_are_those_of_the_processor() {
+    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
+    for (name, cases) in [
+        ("concentric", designs(81, 500, concentric)),
+        ("half disc in annulus", designs(82, 250, half_disc_in_annulus)),
+        ("disc in block", designs(83, 250, disc_in_simple_block)),
+    ] {
+        let expected = interpolating(options, &cases).solve(&cases);
+        let [found, few] = on_device(options, &cases, 40);
+        let (worst, on_device) = compare(&found, &expected);
+        let shown = worst.map(|worst| format!("{worst:.1e}")).join(" ");
+        println!("{name}: {on_device} of {} on the device, {shown}", cases.len());
+        assert!(on_device * 10 > 9 * cases.len(), "{name}: {on_device}");
+        assert!(greatest(worst) < 1e-5, "{name}: {shown}");
+        // However many there are at a time.
+        assert_eq!(rows(&few), rows(&found[..40]), "{name}");
+    }
+}
+
+/// All that a row says.
+fn rows(outcomes: &[DesignOutcome]) -> Vec<String> {
+    outcomes.iter().map(|outcome| format!("{:?} {:?}", outcome.backend, outcome.steps)).collect()
+}
