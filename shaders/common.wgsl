@@ -11,6 +11,7 @@
 //     const MOST_MODES = 48u;         // of a ring
 //     const WORKS_HEADER = 2u;        // numbers of a body before its works
 //     const TILE_ROWS = 4u;           // rows of the ring that works has in a workgroup's own memory
+//     const TERMS = 6u;               // trial pressures of joints
 //     alias summand = real4;          // what the kernel takes sums of, if any
 //
 // and constants that a kernel has from its twin (`KernelFile::constants`).

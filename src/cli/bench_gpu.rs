@@ -360,6 +360,7 @@ impl Bench<'_> {
             }
             Err(error) => return Err(error),
         };
+        let interpolated = measured.study(designs, true)?;
         let on_cpu = |study: &Study| -> Result<Option<f64>, Error> {
             if designs > self.effort.most_on_cpu {
                 return Ok(None);
@@ -372,7 +373,11 @@ impl Bench<'_> {
             sweep,
             with_table,
             cpu_seconds: on_cpu(&study)?,
-            cpu_interpolated_seconds: on_cpu(&measured.study(designs, true)?)?,
+            cpu_interpolated_seconds: on_cpu(&interpolated)?,
+            gpu_interpolated_seconds: match gpu.solves_joints() {
+                true => self.sweeps.dropped(&interpolated, gpu)?.map(|sweep| sweep.seconds),
+                false => None,
+            },
         }))
     }
 }

@@ -52,10 +52,11 @@ pub fn summary(
         "processor",
         "GPU/CPU",
         "interpolated",
+        "on the GPU",
     ];
     let mut lines = vec![header.map(String::from)];
     lines.extend(scaling.iter().map(|row| {
-        let ScalingRow { measured, sweep, with_table, cpu_seconds, cpu_interpolated_seconds, .. } = row;
+        let ScalingRow { measured, sweep, with_table, cpu_seconds, .. } = row;
         [
             measured.scene.to_string(),
             measured.accuracy.to_string(),
@@ -66,7 +67,8 @@ pub fn summary(
             with_table.map_or(String::new(), |(seconds, _)| duration(seconds)),
             cpu_seconds.map_or(String::new(), duration),
             cpu_seconds.map_or(String::new(), |seconds| format!("{:.3}", seconds / sweep.seconds)),
-            cpu_interpolated_seconds.map_or(String::new(), duration),
+            row.cpu_interpolated_seconds.map_or(String::new(), duration),
+            row.gpu_interpolated_seconds.map_or(String::new(), duration),
         ]
     }));
     text += &aligned(&lines);

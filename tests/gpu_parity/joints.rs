@@ -8,6 +8,7 @@ use jointsweep::internals::engine::backend::gpu::solver::GpuCondenser;
 use jointsweep::internals::engine::backend::joints::{JointGroup, JointStates};
 use jointsweep::internals::engine::backend::{Device, Works};
 use jointsweep::internals::engine::body_request::Group;
+use jointsweep::internals::engine::expected_contact::ExpectedContact;
 use jointsweep::internals::engine::interpolation::fit_plan::InterpolationPlan;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
@@ -69,7 +70,7 @@ impl Device for JointsAlone<'_> {
 /// The outcomes of designs whose fits are made for all of these, and of the first few of them by themselves.
 fn on_device(options: SolveOptions, cases: &[DesignCase], few: usize) -> [Vec<DesignOutcome>; 2] {
     let kernels = Kernels::with_tree(device(), Precision::F32, INVOCATIONS, Making::Checked).unwrap();
-    let condenser = GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints();
+    let condenser = GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(true);
     let device = JointsAlone { condenser, begun: VecDeque::new() };
     let mut ladder = interpolating(options, cases).on(Box::new(device));
     let outcomes = [cases, &cases[..few]].map(|cases| ladder.solve(cases));
@@ -135,22 +136,40 @@ fn disc_in_simple_block(random: &mut Random) -> (Part, Part) {
     (pin, plate)
 }
 
+/// As meshes at 0.1 % are fitted well enough.
+fn concentric_and_mild(random: &mut Random) -> (Part, Part) {
+    let (mut pin, mut plate) = concentric(random);
+    pin.parameters[0] = pin.parameters[0].clamp(0.05, 0.6);
+    plate.parameters[0] = plate.parameters[0].max(1.3);
+    for part in [&mut pin, &mut plate] {
+        part.material.poissons_ratio = part.material.poissons_ratio.clamp(0.1, 0.45);
+    }
+    (pin, plate)
+}
+
 /// Indentations and forces on every kind of plate, by the fits of the processor.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn interpolated_joints_are_those_of_the_processor() {
-    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
-    for (name, cases) in [
-        ("concentric", designs(81, 500, concentric)),
-        ("half disc in annulus", designs(82, 250, half_disc_in_annulus)),
-        ("disc in block", designs(83, 250, disc_in_simple_block)),
+    for (name, accuracy, cases) in [
+        ("concentric", 1e-2, designs(81, 500, concentric)),
+        // Ten trial pressures in wide contacts.
+        ("concentric, 0.1 %", 1e-3, designs(85, 200, concentric_and_mild)),
+        ("half disc in annulus", 1e-2, designs(82, 250, half_disc_in_annulus)),
+        ("disc in block", 1e-2, designs(83, 250, disc_in_simple_block)),
     ] {
+        let options = SolveOptions { accuracy, method: MethodChoice::Fe };
         let expected = interpolating(options, &cases).solve(&cases);
         let [found, few] = on_device(options, &cases, 40);
         let (worst, on_device) = compare(&found, &expected);
         let shown = worst.map(|worst| format!("{worst:.1e}")).join(" ");
         println!("{name}: {on_device} of {} on the device, {shown}", cases.len());
         assert!(on_device * 10 > 9 * cases.len(), "{name}: {on_device}");
+        let is_wide = |outcome: &&DesignOutcome| {
+            outcome.backend == BackendKind::Gpu && ExpectedContact::of(&outcome.case).half_angle > 1.5
+        };
+        // Which have ten trial pressures at 0.1 %.
+        assert!(found.iter().filter(is_wide).count() * 20 > cases.len(), "{name}");
         assert!(greatest(worst) < 1e-5, "{name}: {shown}");
         // However many there are at a time.
         assert_eq!(rows(&few), rows(&found[..40]), "{name}");

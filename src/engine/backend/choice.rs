@@ -31,8 +31,14 @@ impl<'a> GpuChoice<'a> {
         if self.device.facts.kind == AdapterKind::Software { SOFTWARE_BATCH } else { BATCH }
     }
 
+    /// Whether interpolated joints are the device's, too: in single precision, and not of software, which is slower than the processor
+    /// itself.
+    pub fn solves_joints(&self) -> bool {
+        self.device.facts.kind != AdapterKind::Software && self.precision != Precision::F64
+    }
+
     /// The device with its kernels.
     pub fn condenser(&self) -> Result<GpuCondenser<'a>, GpuError> {
-        GpuCondenser::new(self.device, self.precision, self.solver)
+        Ok(GpuCondenser::new(self.device, self.precision, self.solver)?.solving_joints(self.solves_joints()))
     }
 }

@@ -10,8 +10,8 @@ use crate::mechanics::contact::load::DimensionlessLoad;
 use crate::mechanics::contact::outlines::Outlines;
 use crate::mechanics::contact::state::ContactState;
 
-/// Trial pressures that a device has a kernel for.
-pub const TERMS: usize = 6;
+/// Counts of trial pressures that a device has a kernel for.
+pub const TERMS: [usize; 2] = [6, 10];
 
 /// The most nodes of a curve, products of polynomials, members of a fit and coordinates of a body that it has room for.
 pub const MOST_NODES: usize = 32;
@@ -85,7 +85,7 @@ pub fn has_room(key: SpaceKey, fits: [(&BodyFit, &Rows); 2]) -> bool {
             && count.is_multiple_of(of_one)
             && count / of_one <= MOST_ORDERS
     });
-    fits && key.terms == TERMS && key.nodes <= MOST_NODES && key.variable == Variable::Root
+    fits && TERMS.contains(&key.terms) && key.nodes <= MOST_NODES && key.variable == Variable::Root
 }
 
 impl JointGroup<'_> {

@@ -43,6 +43,8 @@ pub struct ScalingRow {
     pub cpu_seconds: Option<f64>,
     /// The same with bodies interpolated, s.
     pub cpu_interpolated_seconds: Option<f64>,
+    /// And on the GPU, if that solves their contact, s.
+    pub gpu_interpolated_seconds: Option<f64>,
 }
 
 impl GpuSweep {
@@ -136,11 +138,12 @@ pub fn scaling(rows: &[ScalingRow]) -> String {
     let stages = stage_columns(rows.first().map(|row| &row.sweep));
     let mut text =
         "scene,accuracy,solver,designs,precision,wall_s,designs_per_s,solves,designs_on_cpu,with_table_s,\
-                    table_bytes,cpu_wall_s,cpu_designs_per_s,gpu_over_cpu,cpu_interpolated_wall_s"
+                    table_bytes,cpu_wall_s,cpu_designs_per_s,gpu_over_cpu,cpu_interpolated_wall_s,gpu_interpolated_wall_s"
             .to_string()
             + &stage_header(&stages)
             + "\n";
-    for ScalingRow { measured, precision, sweep, with_table, cpu_seconds, cpu_interpolated_seconds } in rows {
+    for row in rows {
+        let ScalingRow { measured, precision, sweep, with_table, cpu_seconds, .. } = row;
         let own = [
             measured.scene.to_string(),
             measured.accuracy.to_string(),
@@ -156,7 +159,8 @@ pub fn scaling(rows: &[ScalingRow]) -> String {
             optional(*cpu_seconds),
             optional(cpu_seconds.map(|seconds| sweep.designs as f64 / seconds)),
             optional(cpu_seconds.map(|seconds| seconds / sweep.seconds)),
-            optional(*cpu_interpolated_seconds),
+            optional(row.cpu_interpolated_seconds),
+            optional(row.gpu_interpolated_seconds),
         ];
         text += &line(&[&own[..], &stage_cells(&stages, sweep)].concat());
     }
@@ -270,13 +274,19 @@ mod tests {
             with_table: Some((5.0, 99)),
             cpu_seconds: Some(8.0),
             cpu_interpolated_seconds: Some(2.5),
+            gpu_interpolated_seconds: Some(0.25),
         };
-        let empty = ScalingRow { cpu_seconds: None, cpu_interpolated_seconds: None, ..row.clone() };
+        let empty = ScalingRow {
+            cpu_seconds: None,
+            cpu_interpolated_seconds: None,
+            gpu_interpolated_seconds: None,
+            ..row.clone()
+        };
         let text = scaling(&[row, empty]);
         let lines: Vec<&str> = text.lines().collect();
-        assert!(lines[0].ends_with("cpu_interpolated_wall_s,condensation_on_the_gpu_s"), "{}", lines[0]);
+        assert!(lines[0].ends_with("gpu_interpolated_wall_s,condensation_on_the_gpu_s"), "{}", lines[0]);
         let start = "concentric,0.1 %,auto,100,f32,4.00000e0,2.50000e1,800,1,5.00000e0,99,";
-        assert_eq!(lines[1], format!("{start}8.00000e0,1.25000e1,2.00000e0,2.50000e0,5.00000e-1"));
-        assert_eq!(lines[2], format!("{start},,,,5.00000e-1"));
+        assert_eq!(lines[1], format!("{start}8.00000e0,1.25000e1,2.00000e0,2.50000e0,2.50000e-1,5.00000e-1"));
+        assert_eq!(lines[2], format!("{start},,,,,5.00000e-1"));
     }
 }

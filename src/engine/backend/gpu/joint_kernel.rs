@@ -60,7 +60,9 @@ pub struct JointParameters {
 
 /// The kernel with the tables it has been given.
 pub struct JointKernel {
-    stage: Stage,
+    /// Of the counts of trial pressures that were asked for.
+    stages: HashMap<usize, Stage>,
+    making: Making,
     tables: HashMap<JointTablesKey, Tables>,
 }
 
@@ -77,9 +79,8 @@ struct Piece {
 }
 
 impl JointKernel {
-    pub fn new(gpu: &GpuDevice, making: Making) -> Result<JointKernel, GpuError> {
-        let variant = Variant::plain(Precision::F32, MOST_NODES as u32);
-        Ok(JointKernel { stage: Stage::new(gpu, &JOINTS, &variant, making)?, tables: HashMap::new() })
+    pub fn new(making: Making) -> JointKernel {
+        JointKernel { stages: HashMap::new(), making, tables: HashMap::new() }
     }
 
     /// The states of the joints of each group, in their order; `None` for a joint with a load that has none.
@@ -92,6 +93,11 @@ impl JointKernel {
             self.tables.clear();
         }
         for group in groups {
+            let terms = group.space.pressures.terms;
+            if !self.stages.contains_key(&terms) {
+                let variant = Variant { terms, ..Variant::plain(Precision::F32, MOST_NODES as u32) };
+                self.stages.insert(terms, Stage::new(gpu, &JOINTS, &variant, self.making)?);
+            }
             if !self.tables.contains_key(&group.key) {
                 let tables = gpu.checked("tables of fits", || Tables::of(gpu, group))?;
                 self.tables.insert(group.key, tables);
@@ -122,6 +128,7 @@ impl JointKernel {
     /// Some joints of a group, in one dispatch.
     fn submit(&self, gpu: &GpuDevice, group: &JointGroup, joints: &[InterpolatedJoint]) -> Reading {
         let Tables { buffer, parameters } = &self.tables[&group.key];
+        let stage = &self.stages[&group.space.pressures.terms];
         let parameters = JointParameters { load_count: group.load_count as u32, ..*parameters };
         let numbers: Vec<f32> = joints
             .par_chunks(TOGETHER)
@@ -143,8 +150,8 @@ impl JointKernel {
         ];
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&self.stage.pipelines[0]);
-        pass.set_bind_group(0, &gpu.bind(&self.stage, &arguments), &[]);
+        pass.set_pipeline(&stage.pipelines[0]);
+        pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
         pass.dispatch_workgroups(joints.len() as u32, 1, 1);
         drop(pass);
         encoder.copy_buffer_to_buffer(&found, 0, &staging, 0, size);

@@ -188,7 +188,6 @@ pub const JOINTS: KernelFile = KernelFile {
     entry_points: &["solve_joints"],
     bindings: &[("parameters", Uniform), ("tables", Read), ("joints", Read), ("found", Written)],
     constants: &[
-        ("TERMS", Constant::Count(TERMS)),
         ("MOST_NODES", Constant::Count(MOST_NODES)),
         ("MOST_PRODUCTS", Constant::Count(MOST_PRODUCTS)),
         ("MOST_ROWS", Constant::Count(MOST_ORDERS * (MOST_MEMBERS + 2))),
@@ -244,14 +243,16 @@ pub struct Variant {
     pub on_chip: OnChip,
     /// Of `eliminate`.
     pub front: Front,
+    /// Trial pressures of `joints`.
+    pub terms: usize,
     pub sums: Sums,
 }
 
 impl Variant {
-    /// With all vectors in storage, the smallest front and sums as a tree.
+    /// With all vectors in storage, the smallest front, the fewest trial pressures and sums as a tree.
     pub fn plain(precision: Precision, invocations: u32) -> Variant {
         let front = Front::SMALLEST;
-        Variant { precision, invocations, on_chip: OnChip::NOTHING, front, sums: Sums::Tree }
+        Variant { precision, invocations, on_chip: OnChip::NOTHING, front, terms: TERMS[0], sums: Sums::Tree }
     }
 }
 
@@ -278,6 +279,7 @@ impl KernelFile {
             invocations,
             on_chip: OnChip { vectors, capacity },
             front: Front { rows, is_on_chip },
+            terms,
             sums,
         } = variant;
         let name = |bytes: u64| if bytes == 4 { "f32" } else { "f64" };
@@ -295,6 +297,7 @@ impl KernelFile {
             ("MOST_MODES", MOST_MODES),
             ("WORKS_HEADER", WORKS_HEADER),
             ("TILE_ROWS", tile_rows),
+            ("TERMS", *terms),
         ];
         let sizes = sizes.map(|(name, size)| (name, Constant::Count(size)));
         let constants = outcomes.iter().chain(&sizes).chain(self.constants);

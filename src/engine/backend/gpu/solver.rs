@@ -16,7 +16,6 @@ use super::kernels::{Kernels, Precision};
 use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
-use crate::engine::backend::adapter::AdapterKind;
 use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::backend::joints::{JointGroup, JointStates};
 use crate::engine::backend::{Device, Works};
@@ -104,9 +103,8 @@ impl<'a> GpuCondenser<'a> {
 
     /// By kernels that are there.
     pub fn with(kernels: Kernels<'a>, solver: DeviceSolver) -> GpuCondenser<'a> {
-        let is_software = kernels.gpu.facts.kind == AdapterKind::Software;
         GpuCondenser {
-            solves_joints: !is_software && kernels.precision != Precision::F64,
+            solves_joints: false,
             joints: None,
             kernels,
             solver,
@@ -117,9 +115,9 @@ impl<'a> GpuCondenser<'a> {
         }
     }
 
-    /// Which solves interpolated joints, too: what software is slower with than the processor itself.
-    pub fn solving_joints(self) -> GpuCondenser<'a> {
-        GpuCondenser { solves_joints: true, ..self }
+    /// Which solves interpolated joints, too, or leaves them to the processor.
+    pub fn solving_joints(self, solves_joints: bool) -> GpuCondenser<'a> {
+        GpuCondenser { solves_joints, ..self }
     }
 
     /// What elimination has asked of the device.
@@ -171,10 +169,7 @@ impl Device for GpuCondenser<'_> {
     fn joints(&mut self, groups: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
         let started = Instant::now();
         let Kernels { gpu, making, .. } = &self.kernels;
-        let kernel = match &mut self.joints {
-            Some(kernel) => kernel,
-            none => none.insert(JointKernel::new(gpu, *making)?),
-        };
+        let kernel = self.joints.get_or_insert_with(|| JointKernel::new(*making));
         let states = kernel.solve(gpu, groups);
         self.report.joints += started.elapsed();
         states
