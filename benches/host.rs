@@ -1,5 +1,5 @@
 //! What processors do around a GPU, in time of all threads a design: sweeps of designs that are all different, finite elements at 1 %,
-//! with kernels that do nothing. `condense`: from the bodies of a batch to their works; `rest`: plans, keys, near fields, contact. `cargo bench --bench host [-- DESIGNS [REPEATS]]`. Any Vulkan device will do, software too; no table is written.
+//! with kernels that do nothing. `condense`: from the bodies of a batch to their works, or from interpolated joints to their states; `rest`: plans, keys, near fields, contact, what is judged. `cargo bench --bench host [-- DESIGNS [REPEATS]]`. Any Vulkan device will do, software too; no table is written.
 
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters};
 use jointsweep::internals::engine::backend::precision::Precision;
@@ -16,13 +16,17 @@ fn main() {
     let gpu = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap_or_else(|error| panic!("{error}"));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     println!("{}, {} threads", gpu.facts.name, threads);
-    for (sweep, precision) in
-        [(&SWEEPS[0], Precision::F32), (&SWEEPS[0], Precision::Mixed), (&SWEEPS[2], Precision::F32)]
-    {
-        let study = sweep.study(designs, false).unwrap();
+    for (sweep, precision, is_interpolated) in [
+        (&SWEEPS[0], Precision::F32, false),
+        (&SWEEPS[0], Precision::Mixed, false),
+        (&SWEEPS[2], Precision::F32, false),
+        (&SWEEPS[0], Precision::F32, true),
+    ] {
+        let study = sweep.study(designs, is_interpolated).unwrap();
         println!(
-            "\n{} at {}, {}, {designs} designs; us of processor time a design",
+            "\n{}{} at {}, {}, {designs} designs; us of processor time a design",
             sweep.scene,
+            if is_interpolated { ", interpolated" } else { "" },
             sweep.accuracy,
             precision.name()
         );

@@ -16,6 +16,7 @@ use jointsweep::internals::engine::backend::gpu::system_layout::{
     SystemOutcome, SystemParameters, SystemState,
 };
 use jointsweep::internals::engine::backend::gpu::works::WorksParameters;
+use jointsweep::internals::engine::backend::joints::{MOST_NODES, TERMS};
 use jointsweep::internals::mechanics::body::{Body, SHAPES, Side};
 use jointsweep::internals::mechanics::compliance::arc::packed_count;
 use jointsweep::internals::mechanics::compliance::ring_modes::{MOST_MODES, RingModes};
@@ -291,6 +292,17 @@ fn the_memory_of_a_front_is_known() {
             let found = workgroup_bytes(&ELIMINATE, &variant);
             assert_eq!(found, front.workgroup_bytes(precision.wide_bytes()), "{precision:?} {front:?}");
         }
+    }
+}
+
+/// The least that a device of WebGPU has is enough for interpolated joints.
+#[test]
+fn joints_need_no_more_memory_than_any_device_has() {
+    for terms in TERMS {
+        let variant = Variant { terms, ..Variant::plain(Precision::F32, MOST_NODES as u32) };
+        let bytes = workgroup_bytes(&JOINTS, &variant);
+        println!("{bytes} bytes of a workgroup");
+        assert!((8 * 1024..=16 * 1024).contains(&bytes), "{bytes}");
     }
 }
 

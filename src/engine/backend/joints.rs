@@ -19,6 +19,9 @@ pub const MOST_PRODUCTS: usize = 1024;
 pub const MOST_MEMBERS: usize = 128;
 pub const MOST_COORDINATES: usize = 4;
 
+/// Loads of a joint at most: what more of them come to would not fit the least buffer that devices have.
+pub const MOST_LOADS: usize = 4096;
+
 /// How often a fit's members come among its rows at most: of the body itself, and times powers of a number of the joint.
 pub const MOST_ORDERS: usize = 4;
 

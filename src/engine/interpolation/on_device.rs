@@ -5,7 +5,9 @@ use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
-use crate::engine::backend::joints::{InterpolatedJoint, JointGroup, JointStates, JointTablesKey, has_room};
+use crate::engine::backend::joints::{
+    InterpolatedJoint, JointGroup, JointStates, JointTablesKey, MOST_LOADS, has_room,
+};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::fit::NARROW;
 use crate::engine::interpolation::interpolated::{Interpolation, MetJoint, whole};
@@ -90,7 +92,8 @@ impl Interpolation {
         let loads: Vec<_> = JointScale::of(&case.joint).loads_in_contact(&case.steps).collect();
         let key = ((fits[0].number, fits[1].number, *key), loads.len());
         let joint = InterpolatedJoint { bodies: [body(0)?, body(1)?], outlines: *outlines, loads };
-        (!joint.loads.is_empty()).then_some(Given { key, met, rows: [of_pin, of_plate], joint })
+        let has_loads = (1..=MOST_LOADS).contains(&joint.loads.len());
+        has_loads.then_some(Given { key, met, rows: [of_pin, of_plate], joint })
     }
 
     /// The answer from what a device has found, if that is good enough.

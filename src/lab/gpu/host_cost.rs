@@ -1,7 +1,8 @@
 //! What processors do around a GPU: a sweep whose bodies go the whole way to a device and back, with kernels that do nothing.
 //!
 //! In place of the works that such kernels leave out, each body has those of the first body of its topology, so that contact has
-//! something to solve. Making them is not counted.
+//! something to solve. Making them is not counted. Joints of interpolated bodies have one state in place of all that are left out; their fits, which the
+//! processor makes, are not counted, either.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
@@ -15,13 +16,16 @@ use crate::engine::backend::gpu::context::GpuDevice;
 use crate::engine::backend::gpu::elimination::Counts;
 use crate::engine::backend::gpu::kernels::{Kernels, Making};
 use crate::engine::backend::gpu::solver::{GpuCondenser, INVOCATIONS};
+use crate::engine::backend::joints::{FoundState, JointGroup, JointStates};
 use crate::engine::backend::precision::Precision;
 use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
+use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
 use crate::engine::outcome::BackendKind;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::contact::state::ContactState;
 use crate::output::host::processor_seconds;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
@@ -34,7 +38,8 @@ pub struct HostCost {
     pub on_device: u64,
     /// Drawing the designs.
     pub drawing: f64,
-    /// From the bodies of a batch to their works, by the device's driver too: on software that is what runs the empty kernels.
+    /// From the bodies of a batch to their works, or from joints to their states, by the device's driver too: on software that is what runs
+    /// the empty kernels.
     pub condensing: f64,
     /// From designs to answers, `condensing` included.
     pub solving: f64,
@@ -53,17 +58,23 @@ impl HostCost {
         precision: Precision,
         batch_size: usize,
     ) -> Result<HostCost, GpuError> {
-        let seen = Mutex::default();
+        let (seen, plan) = (Mutex::default(), InterpolationPlan::of_study(study));
         let kernels = Kernels::with_tree(gpu, precision, INVOCATIONS, Making::Empty)?;
         let condenser = EmptyCondenser {
-            condenser: GpuCondenser::with(kernels, DeviceSolver::Auto),
+            condenser: GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(plan.is_some()),
             works: HashMap::default(),
             stand_ins: VecDeque::new(),
+            interpolates: plan.is_some(),
             seen: &seen,
         };
-        let mut ladder = Ladder::new(study.solve).on(Box::new(condenser));
+        let mut ladder = Ladder::new(study.solve).interpolating(plan).on(Box::new(condenser));
         let mut cost = HostCost::default();
         let mut cases = study.cases().into_iter().flatten();
+        if ladder.interpolation.is_some() {
+            let first: Vec<DesignCase> = cases.by_ref().take(UNCOUNTED).flatten().collect();
+            ladder.answers(&first);
+            *seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Seen::default();
+        }
         loop {
             let before = processor_seconds().unwrap_or(f64::NAN);
             let batch: Vec<DesignCase> = cases.by_ref().take(batch_size).flatten().collect();
@@ -90,6 +101,26 @@ impl HostCost {
     }
 }
 
+/// Designs that fits are made for.
+const UNCOUNTED: usize = 64;
+
+/// In place of all that the kernel leaves out: it meets any accuracy.
+const STAND_IN: FoundState = FoundState {
+    state: ContactState {
+        half_angle: 0.5,
+        indentation: 0.5,
+        force: 1.0,
+        tangent_stiffness: 1.0,
+        energy: 1.0,
+        peak_pressure: 1.0,
+        peak_angle: 0.0,
+        truncation: 0.0,
+        pressure_is_positive: true,
+        on_whole_ring: false,
+    },
+    of_pin: [0.5; 2],
+};
+
 /// What a condenser has to say of itself.
 #[derive(Default)]
 struct Seen {
@@ -106,6 +137,8 @@ struct EmptyCondenser<'a> {
     works: HashMap<TopologyKey, Arc<Vec<f64>>>,
     /// Those of each group that was begun and is not finished.
     stand_ins: VecDeque<Vec<Arc<Vec<f64>>>>,
+    /// Then it solves joints, and leaves the bodies of fits to the processor.
+    interpolates: bool,
     seen: &'a Mutex<Seen>,
 }
 
@@ -115,7 +148,7 @@ impl Device for EmptyCondenser<'_> {
         self.condenser.begin(groups)?;
         let between = processor_seconds().unwrap_or(f64::NAN);
         let mut stand_ins = Vec::with_capacity(groups.len());
-        for (key, requests) in groups {
+        for (key, requests) in groups.iter().filter(|_| !self.interpolates) {
             let works = self.works.entry(key.clone()).or_insert_with(|| {
                 let body = &requests[0].body;
                 let plan = CondensationPlan::new(body, key.grading(body), RingModes::of(&key.class));
@@ -144,6 +177,25 @@ impl Device for EmptyCondenser<'_> {
         seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
         seen.counts = self.condenser.counts();
         Ok(condensed)
+    }
+
+    fn solves_joints(&self) -> bool {
+        self.interpolates
+    }
+
+    fn joints(&mut self, groups: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
+        let before = processor_seconds().unwrap_or(f64::NAN);
+        let mut found = self.condenser.joints(groups)?;
+        let between = processor_seconds().unwrap_or(f64::NAN);
+        for (found, group) in found.iter_mut().zip(groups) {
+            let states = JointStates { of_curve: 0.0, states: vec![STAND_IN; group.load_count] };
+            found.iter_mut().for_each(|own| *own = Some(states.clone()));
+        }
+        let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        seen.condensing += between - before;
+        seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
+        seen.calls += 1;
+        Ok(found)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {

@@ -20,6 +20,9 @@ use crate::mechanics::compliance::row_sums::Rows;
 /// Of a dispatch at most: few enough for any device's limit, and for a watchdog.
 const MOST_JOINTS: usize = 8192;
 
+/// Bytes that are found by a dispatch at most.
+const MOST_FOUND: usize = 64 << 20;
+
 /// Joints whose numbers a thread makes at a time.
 const TOGETHER: usize = 256;
 
@@ -106,8 +109,9 @@ impl JointKernel {
         // The device has the first ones while the numbers of the next ones are made.
         let mut pieces = Vec::new();
         for (number, group) in groups.iter().enumerate() {
-            for first in (0..group.joints.len()).step_by(MOST_JOINTS) {
-                let joints = &group.joints[first..group.joints.len().min(first + MOST_JOINTS)];
+            let most = MOST_JOINTS.min(MOST_FOUND / (4 * group.found_of_joint()));
+            for first in (0..group.joints.len()).step_by(most) {
+                let joints = &group.joints[first..group.joints.len().min(first + most)];
                 let reading = gpu.checked("interpolated joints", || self.submit(gpu, group, joints))?;
                 pieces.push(Piece { group: number, first, reading });
             }
