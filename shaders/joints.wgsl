@@ -440,7 +440,7 @@ fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
     for (var i = 0u; i < AROUND; i += 1u) {
         let own = node_at(from_ + i);
         places[i] = own.x;
-        y[i] = sqrt(dot(wanted, own.yz));
+        y[i] = sqrt(max(dot(wanted, own.yz), 0.0));
     }
     var weight = places;
     for (var i = 0u; i < AROUND; i += 1u) {
@@ -483,7 +483,7 @@ fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
         }
         let is_sound = f[SINGULAR] > 0.0 && own.x > 0.0 && is_finite(wide(sum));
         has_ended = is_sound && (is_near || high - low <= NARROWEST * high);
-        let own_y = sqrt(sum);
+        let own_y = sqrt(max(sum, 0.0));
         let at = inverse_at(&y, &weight, own_y);
         let left = (place - at.x) / at.y;
         var left_at_one = left;

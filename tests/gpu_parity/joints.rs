@@ -175,7 +175,8 @@ fn interpolated_joints_are_those_of_the_processor() {
         };
         // Which have ten trial pressures at 0.1 %.
         assert!(found.iter().filter(is_wide).count() * 20 > cases.len(), "{name}");
-        assert!(greatest(worst) < 1e-5, "{name}: {shown}");
+        // Seen: 4.0e-6, on software; other devices round otherwise.
+        assert!(greatest(worst) < 3e-5, "{name}: {shown}");
         // However many there are at a time.
         assert_eq!(rows(&few), rows(&found[..40]), "{name}");
     }

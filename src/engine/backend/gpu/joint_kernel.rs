@@ -1,6 +1,7 @@
 //! The states of interpolated joints on a device: fits and spaces are uploaded once, a joint is some numbers up and some a load down.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::f64::consts::FRAC_PI_2;
 
 use bytemuck::{Pod, Zeroable};
@@ -97,13 +98,12 @@ impl JointKernel {
         }
         for group in groups {
             let terms = group.space.pressures.terms;
-            if !self.stages.contains_key(&terms) {
+            if let Entry::Vacant(place) = self.stages.entry(terms) {
                 let variant = Variant { terms, ..Variant::plain(Precision::F32, MOST_NODES as u32) };
-                self.stages.insert(terms, Stage::new(gpu, &JOINTS, &variant, self.making)?);
+                place.insert(Stage::new(gpu, &JOINTS, &variant, self.making)?);
             }
-            if !self.tables.contains_key(&group.key) {
-                let tables = gpu.checked("tables of fits", || Tables::of(gpu, group))?;
-                self.tables.insert(group.key, tables);
+            if let Entry::Vacant(place) = self.tables.entry(group.key) {
+                place.insert(gpu.checked("tables of fits", || Tables::of(gpu, group))?);
             }
         }
         // The device has the first ones while the numbers of the next ones are made.
@@ -121,7 +121,7 @@ impl JointKernel {
         for Piece { group, first, reading } in pieces {
             let JointGroup { joints, .. } = &groups[group];
             let size = groups[group].found_of_joint();
-            let found = gpu.look(reading, |bytes| bytemuck::pod_collect_to_vec::<u8, f32>(bytes))?;
+            let found = gpu.look(reading, bytemuck::pod_collect_to_vec::<u8, f32>)?;
             let of_joint = |(numbers, joint): (&[f32], _)| InterpolatedJoint::states(joint, numbers);
             let of_piece = found.par_chunks_exact(size).zip(&joints[first..]).map(of_joint);
             states[group].extend(of_piece.collect::<Vec<_>>());
