@@ -239,20 +239,20 @@ fn solve_node(
     let at = joint_at + 2u * BODY_NUMBERS;
     let ratio = joints[at + 3u];
     let bend = joints[at + 4u];
-    var y: array<f32, TERMS>;
-    var of_versine = versines(b, ratio);
-    var of_gap = versines(b, sqrt(ratio));
+    let versine = versines(b, ratio);
+    var gap = versines(b, sqrt(ratio));
     let bent = bent_versines(b);
-    var last_entries: array<f32, 2>;
+    // What the equations are solved for side by side: the coupling to the first trial pressure, versines, gaps.
+    var sides: array<vec3<f32>, TERMS>;
     for (var k = 0u; k < TERMS; k += 1u) {
-        y[k] = (*matrix)[packed(k, 0u)];
-        of_gap[k] += bend * bent[k];
+        gap[k] += bend * bent[k];
+        sides[k] = vec3<f32>((*matrix)[packed(k, 0u)], versine[k], gap[k]);
     }
-    last_entries[0] = (*matrix)[packed(TERMS - 2u, TERMS - 2u)];
-    last_entries[1] = (*matrix)[packed(TERMS - 1u, TERMS - 1u)];
-    let coupling = y;
-    let versine = of_versine;
-    let gap = of_gap;
+    let given = sides;
+    let last_entries = vec2<f32>(
+        (*matrix)[packed(TERMS - 2u, TERMS - 2u)],
+        (*matrix)[packed(TERMS - 1u, TERMS - 1u)],
+    );
     var inverse: array<f32, TERMS>;
     var is_sound = true;
     for (var row = 1u; row < TERMS; row += 1u) {
@@ -270,46 +270,37 @@ fn solve_node(
         is_sound = is_sound && pivot > 0.0;
         inverse[row] = inverseSqrt(max(pivot, 1e-30));
         for (var k = 1u; k < row; k += 1u) {
-            let factor = (*matrix)[packed(row, k)];
-            y[row] -= factor * y[k];
-            of_versine[row] -= factor * of_versine[k];
-            of_gap[row] -= factor * of_gap[k];
+            sides[row] -= (*matrix)[packed(row, k)] * sides[k];
         }
-        y[row] *= inverse[row];
-        of_versine[row] *= inverse[row];
-        of_gap[row] *= inverse[row];
+        sides[row] *= inverse[row];
     }
     for (var row = TERMS - 1u; row > 0u; row -= 1u) {
         for (var k = row + 1u; k < TERMS; k += 1u) {
-            let factor = (*matrix)[packed(k, row)];
-            y[row] -= factor * y[k];
-            of_versine[row] -= factor * of_versine[k];
-            of_gap[row] -= factor * of_gap[k];
+            sides[row] -= (*matrix)[packed(k, row)] * sides[k];
         }
-        y[row] *= inverse[row];
-        of_versine[row] *= inverse[row];
-        of_gap[row] *= inverse[row];
+        sides[row] *= inverse[row];
     }
     var f: array<f32, FUNCTIONS>;
-    f[SINGULAR] = coupling[0] - logarithm;
+    f[SINGULAR] = given[0].x - logarithm;
     f[EDGE] = 1.0;
-    f[VERSINE] = versine[0];
-    f[GAP] = gap[0];
+    f[VERSINE] = given[0].y;
+    f[GAP] = given[0].z;
     f[PEAK] = 1.0;
     var sign = -1.0;
     for (var k = 1u; k < TERMS; k += 1u) {
-        f[SINGULAR] -= coupling[k] * y[k];
-        f[EDGE] -= y[k];
-        f[EDGE_OF_VERSINE] += of_versine[k];
-        f[EDGE_OF_GAP] += of_gap[k];
-        f[VERSINE] -= y[k] * versine[k];
-        f[GAP] -= y[k] * gap[k];
-        f[WORK] += of_versine[k] * versine[k];
-        f[MIXED_WORK] += of_versine[k] * gap[k];
-        f[WORK_OF_GAP] += of_gap[k] * gap[k];
-        f[PEAK] -= sign * y[k];
-        f[PEAK_OF_VERSINE] += sign * of_versine[k];
-        f[PEAK_OF_GAP] += sign * of_gap[k];
+        let own = sides[k];
+        f[SINGULAR] -= given[k].x * own.x;
+        f[EDGE] -= own.x;
+        f[EDGE_OF_VERSINE] += own.y;
+        f[EDGE_OF_GAP] += own.z;
+        f[VERSINE] -= own.x * given[k].y;
+        f[GAP] -= own.x * given[k].z;
+        f[WORK] += own.y * given[k].y;
+        f[MIXED_WORK] += own.y * given[k].z;
+        f[WORK_OF_GAP] += own.z * given[k].z;
+        f[PEAK] -= sign * own.x;
+        f[PEAK_OF_VERSINE] += sign * own.y;
+        f[PEAK_OF_GAP] += sign * own.z;
         sign = -sign;
     }
     let load = load_of(&f, b);
@@ -319,7 +310,7 @@ fn solve_node(
     pressure[0] = first;
     var most = abs(first);
     for (var k = 1u; k < TERMS; k += 1u) {
-        pressure[k] = -(first * y[k] + between(load.x, of_versine[k], of_gap[k]));
+        pressure[k] = -(first * sides[k].x + between(load.x, sides[k].y, sides[k].z));
         most = max(most, abs(pressure[k]));
     }
     let last = abs(pressure[TERMS - 2u]) + abs(pressure[TERMS - 1u]);
@@ -327,8 +318,8 @@ fn solve_node(
     let falling = 1.0 - min(last / before, SLOWEST);
     let tail = last / (most * falling);
     let work = energy_of(&f, load.x);
-    let square = vec2<f32>(pressure[TERMS - 2u], pressure[TERMS - 1u]);
-    let of_last = last_entries[0] * square.x * square.x + last_entries[1] * square.y * square.y;
+    let last_two = vec2<f32>(pressure[TERMS - 2u], pressure[TERMS - 1u]);
+    let of_last = dot(last_entries, last_two * last_two);
     // The least pressure between the zeros of the highest trial pressure.
     var peak = 0.0;
     sign = 1.0;

@@ -32,8 +32,7 @@ pub struct GpuCondenser<'a> {
     topologies: HashMap<TopologyKey, OnDevice>,
     elimination: Elimination,
     begun: VecDeque<Begun>,
-    /// Whether it is to solve interpolated joints, and what does once there were any.
-    solves_joints: bool,
+    /// Where it solves interpolated joints.
     joints: Option<JointKernel>,
     pub report: GpuReport,
 }
@@ -104,7 +103,6 @@ impl<'a> GpuCondenser<'a> {
     /// By kernels that are there.
     pub fn with(kernels: Kernels<'a>, solver: DeviceSolver) -> GpuCondenser<'a> {
         GpuCondenser {
-            solves_joints: false,
             joints: None,
             kernels,
             solver,
@@ -117,7 +115,7 @@ impl<'a> GpuCondenser<'a> {
 
     /// Which solves interpolated joints, too, or leaves them to the processor.
     pub fn solving_joints(self, solves_joints: bool) -> GpuCondenser<'a> {
-        GpuCondenser { solves_joints, ..self }
+        GpuCondenser { joints: solves_joints.then(|| JointKernel::new(self.kernels.making)), ..self }
     }
 
     /// What elimination has asked of the device.
@@ -163,14 +161,13 @@ impl Device for GpuCondenser<'_> {
     }
 
     fn solves_joints(&self) -> bool {
-        self.solves_joints
+        self.joints.is_some()
     }
 
     fn joints(&mut self, groups: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
+        let Some(kernel) = &mut self.joints else { return Ok(Vec::new()) };
         let started = Instant::now();
-        let Kernels { gpu, making, .. } = &self.kernels;
-        let kernel = self.joints.get_or_insert_with(|| JointKernel::new(*making));
-        let states = kernel.solve(gpu, groups);
+        let states = kernel.solve(self.kernels.gpu, groups);
         self.report.joints += started.elapsed();
         states
     }
@@ -179,7 +176,7 @@ impl Device for GpuCondenser<'_> {
         let GpuReport { preparation, condensation, joints, .. } = self.report;
         let mut stages =
             vec![("preparation on the GPU", preparation), ("condensation on the GPU", condensation)];
-        if self.solves_joints {
+        if self.solves_joints() {
             stages.push(("interpolation on the GPU", joints));
         }
         stages
