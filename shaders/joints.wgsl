@@ -1,13 +1,13 @@
-// Twin: `engine/interpolation/fit.rs` (`FittedFamily::part`), `contact/edge.rs`, `curve.rs` and `search.rs`.
+// Twin: `contact/compliance_rows.rs`, `engine/interpolation/fit.rs` (`FittedFamily::part`), `contact/edge.rs`, `curve.rs` and `search.rs`.
 //
-// Joints of two interpolated bodies: from the coordinates of the bodies to the states under some loads, in f32, as the sums of fits
-// are on the processor. Compliances are over that of the infinite body, so that its even part is one.
+// Joints: from two bodies, by their coordinates in fits or by their amplitudes, to the states under some loads, in f32. Compliances are over
+// that of the infinite body, so that its even part is one.
 //
-// One workgroup has one joint. Its invocations take products of polynomials, then members of the fit, then nodes of the curve, then its
+// One workgroup has one joint. Its invocations take products of polynomials, then members, then nodes of the curve, then its
 // coefficients, then loads. A joint has no more nodes than a workgroup has invocations.
 
-struct Fit {
-    // Products of polynomials, and numbers of one more than their highest degree.
+struct Rows {
+    // Products of a fit's polynomials, and numbers of one more than their highest degree; no products where amplitudes come with the joint.
     product_count: u32,
     degree_count: u32,
     member_count: u32,
@@ -27,9 +27,8 @@ struct Fit {
 
 struct JointParameters {
     // Pin and plate.
-    fits: array<Fit, 2>,
+    bodies: array<Rows, 2>,
     node_count: u32,
-    load_count: u32,
     // Where in the tables there are of each node b, ln b, logarithm and place; 2 cos of angles of pressures; cosines of a whole turn in
     // 4 `node_count` steps.
     space_at: u32,
@@ -38,16 +37,22 @@ struct JointParameters {
     // tan(limit/4).
     widest: f32,
     negligible: f32,
-    padding: u32,
+    padding: vec2<u32>,
 }
 
-@group(0) @binding(0) var<uniform> parameters: JointParameters;
+@group(0) @binding(0) var<storage, read> parameters: array<JointParameters>;
 @group(0) @binding(1) var<storage, read> tables: array<u32>;
-// [joint][number]: of each body four coordinates from -1 to 1, even and odd of the infinite body, and its share; tilts of the pin; the
-// clearance ratio, m, and the bend of the gap; two numbers a load.
-@group(0) @binding(2) var<storage, read> joints: array<f32>;
-// [joint][number]: what the curve leaves between its nodes, then `STATE_NUMBERS` of each load.
-@group(0) @binding(3) var<storage, read_write> found: array<f32>;
+// Of each joint: its parameters, where its numbers and what is found of it begin, and how many loads it has.
+@group(0) @binding(2) var<storage, read> places: array<vec4<u32>>;
+// Of a joint: of each body four coordinates from -1 to 1, even and odd of the infinite body, and its share; tilts of the pin; the
+// clearance ratio, m, and the bend of the gap; two numbers a load; amplitudes of the pin, and of the plate.
+@group(0) @binding(3) var<storage, read> joints: array<f32>;
+// Of a joint: what the curve leaves between its nodes, then `STATE_NUMBERS` of each load.
+@group(0) @binding(4) var<storage, read_write> found: array<f32>;
+
+// Of the joint that a workgroup has.
+var<private> of_joint: JointParameters;
+var<private> load_count: u32;
 
 const HALF_PI = 1.5707964;
 const PI = 3.1415927;
@@ -158,15 +163,15 @@ fn bent_versines(b: f32) -> array<f32, TERMS> {
     return values;
 }
 
-// Amplitudes of the members of a body's fit, and from them the weights of its rows.
+// Amplitudes of a body's members, and from them the weights of its rows.
 fn weigh(side: u32, joint_at: u32, invocation: u32) {
-    let fit = parameters.fits[side];
+    let rows = of_joint.bodies[side];
     let body_at = joint_at + side * BODY_NUMBERS;
     if invocation < 4u {
         let x = joints[body_at + invocation];
         var current = 1.0;
         var previous = x;
-        for (var degree = 0u; degree < fit.degree_count; degree += 1u) {
+        for (var degree = 0u; degree < rows.degree_count; degree += 1u) {
             factors[invocation * DEGREES + degree] = current;
             let next = 2.0 * x * current - previous;
             previous = current;
@@ -174,29 +179,37 @@ fn weigh(side: u32, joint_at: u32, invocation: u32) {
         }
     }
     workgroupBarrier();
-    for (var product = invocation; product < fit.product_count; product += INVOCATIONS) {
-        let degrees = tables[fit.products_at + product];
+    for (var product = invocation; product < rows.product_count; product += INVOCATIONS) {
+        let degrees = tables[rows.products_at + product];
         products[product] = factors[degrees & 255u]
             * factors[DEGREES + ((degrees >> 8u) & 255u)]
             * factors[2u * DEGREES + ((degrees >> 16u) & 255u)]
             * factors[3u * DEGREES + (degrees >> 24u)];
     }
     workgroupBarrier();
+    // Those of the plate are behind those of the pin.
+    var amplitudes_at = joint_at + JOINT_NUMBERS + 2u * load_count;
+    if side == 1u && of_joint.bodies[0].product_count == 0u {
+        amplitudes_at += of_joint.bodies[0].member_count;
+    }
     let share = joints[body_at + 6u];
-    let row_count = fit.member_count + 2u;
+    let row_count = rows.member_count + 2u;
     let at = joint_at + 2u * BODY_NUMBERS;
     for (var row = invocation; row < row_count; row += INVOCATIONS) {
         var amplitude = 0.0;
         if row < 2u {
             amplitude = joints[body_at + 4u + row];
         } else {
-            for (var product = 0u; product < fit.product_count; product += 1u) {
-                let coefficient = number(fit.coefficients_at + product * fit.coefficient_stride + row - 2u);
+            if rows.product_count == 0u {
+                amplitude = joints[amplitudes_at + row - 2u];
+            }
+            for (var product = 0u; product < rows.product_count; product += 1u) {
+                let coefficient = number(rows.coefficients_at + product * rows.coefficient_stride + row - 2u);
                 amplitude += products[product] * coefficient;
             }
         }
         var of_order = share;
-        for (var order = 0u; order < fit.order_count; order += 1u) {
+        for (var order = 0u; order < rows.order_count; order += 1u) {
             weights[order * row_count + row] = amplitude * of_order;
             // Tilts of the pin, powers of the clearance ratio of the plate.
             if side == 0u {
@@ -211,14 +224,14 @@ fn weigh(side: u32, joint_at: u32, invocation: u32) {
 
 // Adds a body's compliance at a node.
 fn add_compliance(side: u32, node: u32, sums: ptr<function, array<f32, ENTRIES>>) {
-    let fit = parameters.fits[side];
-    let nodes_of_entry = parameters.node_count;
-    let row_count = fit.order_count * (fit.member_count + 2u);
-    let least = parameters.negligible * abs(weights[0]) * number(fit.sizes_at);
+    let rows = of_joint.bodies[side];
+    let nodes_of_entry = of_joint.node_count;
+    let row_count = rows.order_count * (rows.member_count + 2u);
+    let least = of_joint.negligible * abs(weights[0]) * number(rows.sizes_at);
     for (var row = 0u; row < row_count; row += 1u) {
         let weight = weights[row];
-        if abs(weight) * number(fit.sizes_at + row) > least {
-            let at = fit.rows_at + row * fit.row_stride + node;
+        if abs(weight) * number(rows.sizes_at + row) > least {
+            let at = rows.rows_at + row * rows.row_stride + node;
             for (var entry = 0u; entry < ENTRIES; entry += 1u) {
                 (*sums)[entry] += weight * number(at + entry * nodes_of_entry);
             }
@@ -233,7 +246,7 @@ fn solve_node(
     matrix: ptr<function, array<f32, ENTRIES>>,
     pin: ptr<function, array<f32, ENTRIES>>,
 ) {
-    let space_at = parameters.space_at + 4u * node;
+    let space_at = of_joint.space_at + 4u * node;
     let b = number(space_at);
     let logarithm = HALF_PI * number(space_at + 1u);
     let at = joint_at + 2u * BODY_NUMBERS;
@@ -329,7 +342,7 @@ fn solve_node(
     }
     var least = peak;
     for (var place = 0u; place < 2u * TERMS; place += 1u) {
-        let turn = number(parameters.turns_at + place);
+        let turn = number(of_joint.turns_at + place);
         var current = 0.0;
         var previous = 0.0;
         for (var k = TERMS - 1u; k > 0u; k -= 1u) {
@@ -374,7 +387,7 @@ fn sum_functions(f: ptr<function, array<f32, FUNCTIONS>>, from_: u32, to: u32, t
         let at = function_ * MOST_NODES;
         var current = 0.0;
         var previous = 0.0;
-        for (var degree = parameters.node_count - 1u; degree > 0u; degree -= 1u) {
+        for (var degree = of_joint.node_count - 1u; degree > 0u; degree -= 1u) {
             let next = coefficients[at + degree] - previous - turn * current;
             previous = current;
             current = next;
@@ -385,8 +398,8 @@ fn sum_functions(f: ptr<function, array<f32, FUNCTIONS>>, from_: u32, to: u32, t
 
 // Place, delta/e and F/e at a node; at the angle zero behind the last one.
 fn node_at(node: u32) -> vec3<f32> {
-    if node < parameters.node_count {
-        return vec3<f32>(number(parameters.space_at + 4u * node + 3u), nodes[node].indentation, nodes[node].force);
+    if node < of_joint.node_count {
+        return vec3<f32>(number(of_joint.space_at + 4u * node + 3u), nodes[node].indentation, nodes[node].force);
     }
     return vec3<f32>(0.0);
 }
@@ -411,7 +424,7 @@ fn inverse_at(
 fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
     let load_at = joint_at + JOINT_NUMBERS + 2u * load;
     let wanted = vec2<f32>(joints[load_at], joints[load_at + 1u]);
-    let node_count = parameters.node_count;
+    let node_count = of_joint.node_count;
     var above = node_count;
     for (var node = first_node; node < node_count; node += 1u) {
         if dot(wanted, node_at(node).yz) >= 1.0 {
@@ -426,14 +439,14 @@ fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
         return;
     }
     let from_ = min(max(max(above, 2u) - 2u, first_node), node_count + 1u - AROUND);
-    var places: array<f32, AROUND>;
+    var own_places: array<f32, AROUND>;
     var y: array<f32, AROUND>;
     for (var i = 0u; i < AROUND; i += 1u) {
         let own = node_at(from_ + i);
-        places[i] = own.x;
+        own_places[i] = own.x;
         y[i] = sqrt(max(dot(wanted, own.yz), 0.0));
     }
-    var weight = places;
+    var weight = own_places;
     for (var i = 0u; i < AROUND; i += 1u) {
         var product = 1.0;
         for (var j = 0u; j < AROUND; j += 1u) {
@@ -458,7 +471,7 @@ fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
         let is_within = step < MOST_OF_POLYNOMIALS && next >= low && next <= high;
         let place = select(0.5 * (low + high), next, is_within);
         let unit = sqrt(place);
-        let quarter = parameters.widest * place;
+        let quarter = of_joint.widest * place;
         b = 2.0 * quarter / (1.0 - quarter * quarter);
         turn = 2.0 - 4.0 * unit;
         logarithm = log(unit);
@@ -511,10 +524,12 @@ fn solve_joints(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    let joint = group.x;
-    let node_count = parameters.node_count;
-    let joint_at = joint * (JOINT_NUMBERS + 2u * parameters.load_count);
-    let found_at = joint * (1u + STATE_NUMBERS * parameters.load_count);
+    let place = places[group.x];
+    of_joint = parameters[place.x];
+    load_count = place.w;
+    let joint_at = place.y;
+    let found_at = place.z;
+    let node_count = of_joint.node_count;
     var pin: array<f32, ENTRIES>;
     var both: array<f32, ENTRIES>;
     weigh(0u, joint_at, invocation);
@@ -535,7 +550,7 @@ fn solve_joints(
         var sum = 0.0;
         for (var node = 0u; node < node_count; node += 1u) {
             let step = ((2u * node + 1u) * degree) % (4u * node_count);
-            sum += functions[function_ * MOST_NODES + node] * number(parameters.cosines_at + step);
+            sum += functions[function_ * MOST_NODES + node] * number(of_joint.cosines_at + step);
         }
         coefficients[function_ * MOST_NODES + degree] = sum * select(2.0, 1.0, degree == 0u) / f32(node_count);
     }
@@ -569,7 +584,7 @@ fn solve_joints(
         }
         found[found_at] = most;
     }
-    for (var load = invocation; load < parameters.load_count; load += INVOCATIONS) {
+    for (var load = invocation; load < load_count; load += INVOCATIONS) {
         search(joint_at, load, first_node, found_at + 1u + STATE_NUMBERS * load);
     }
 }

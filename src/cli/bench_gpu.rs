@@ -10,6 +10,7 @@ use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, AdapterKind, Adapters, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
+use jointsweep::internals::engine::backend::joints::SolvedJoints;
 use jointsweep::internals::lab::gpu::benchmark::{Asked, GpuBenchmark};
 use jointsweep::internals::lab::gpu::budget::Budget;
 use jointsweep::internals::lab::gpu::figures::{GpuSweep, PrecisionRow, ScalingRow};
@@ -375,8 +376,8 @@ impl Bench<'_> {
             cpu_seconds: on_cpu(&study)?,
             cpu_interpolated_seconds: on_cpu(&interpolated)?,
             gpu_interpolated_seconds: match gpu.solves_joints() {
-                true => self.sweeps.dropped(&interpolated, gpu)?.map(|sweep| sweep.seconds),
-                false => None,
+                SolvedJoints::None => None,
+                _ => self.sweeps.dropped(&interpolated, gpu)?.map(|sweep| sweep.seconds),
             },
         }))
     }

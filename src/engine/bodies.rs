@@ -9,7 +9,7 @@ use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::engine::backend::adapter::GpuError;
-use crate::engine::backend::joints::{JointGroup, JointStates};
+use crate::engine::backend::joints::{JointBatch, SolvedJoints};
 use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
 use crate::engine::hashed::Hashed;
@@ -99,21 +99,28 @@ impl<'a> BodyLibrary<'a> {
         self.lost.as_ref()
     }
 
-    /// The states of interpolated joints, where there is a device that solves them; nothing where it is given up.
-    pub fn solve_joints(&mut self, groups: &[JointGroup]) -> Option<Vec<Vec<Option<JointStates>>>> {
+    /// Which joints the device solves.
+    pub fn solves_joints(&self) -> SolvedJoints {
+        let device = self.device().filter(|_| self.lost.is_none());
+        device.map_or(SolvedJoints::None, Device::solves_joints)
+    }
+
+    /// Gives the device joints; where it is lost, they are the processor's.
+    pub fn begin_joints(&mut self, batch: &JointBatch) {
+        let device = self.device.as_mut().filter(|_| self.lost.is_none());
+        self.lost = device.and_then(|device| device.begin_joints(batch).err()).or(self.lost.take());
+    }
+
+    /// What the device has found of the joints that were begun before all others; nothing where it is lost.
+    pub fn finish_joints(&mut self) -> Option<Vec<f32>> {
         let device = self.device.as_mut().filter(|_| self.lost.is_none())?;
-        match device.joints(groups) {
-            Ok(states) => Some(states),
+        match device.finish_joints() {
+            Ok(found) => Some(found),
             Err(error) => {
                 self.lost = Some(error);
                 None
             }
         }
-    }
-
-    /// Whether there is one.
-    pub fn solves_joints(&self) -> bool {
-        self.lost.is_none() && self.device().is_some_and(Device::solves_joints)
     }
 
     /// Forgets solved bodies, but not what they share.

@@ -5,15 +5,15 @@ use crate::engine::accuracy::geometry_error::{OutlineError, WIDEST_CLEARANCE};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, ForceError, Want};
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::body_request::{Fidelity, RequestKey};
+use crate::engine::body_request::{BodyRequest, Fidelity, RequestKey};
 use crate::engine::hashed::Hashed;
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind, Method};
 use crate::engine::plan::JointPlan;
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
-use crate::mechanics::compliance::Boundary;
 use crate::mechanics::compliance::body_fit::ROUNDED;
+use crate::mechanics::compliance::{BodyCompliance, Boundary};
 use crate::mechanics::contact::curve::{ContactCurve, CurveRoom};
 use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::load::NoState;
@@ -65,17 +65,20 @@ fn judged_bodies<'a>(
         let coarser = plan.coarser(request);
         let change =
             coarser.map(|coarser| [(compliance, share), (&*library.solved(&coarser).compliance, -share)]);
-        let own = match request.fidelity {
-            Fidelity::Series if matches!(compliance.boundary, Boundary::Nothing) => {
-                OwnError::Bed(&request.body)
-            }
-            Fidelity::Mesh { level } if change.is_none() => OwnError::of_mesh(&request.body, level),
-            _ => OwnError::of_layers(&request.body),
-        };
+        let own = own_error(request, compliance, change.is_none());
         let part = space.part(request.body.shape.side, &[(compliance, share)], outlines);
         JudgedBody { body: &request.body, own, change, part }
     });
     (bodies, backend)
+}
+
+/// What is known of a solved body; of a mesh only where that `is_known`.
+pub fn own_error<'a>(request: &'a BodyRequest, compliance: &BodyCompliance, is_known: bool) -> OwnError<'a> {
+    match request.fidelity {
+        Fidelity::Series if matches!(compliance.boundary, Boundary::Nothing) => OwnError::Bed(&request.body),
+        Fidelity::Mesh { level } if is_known => OwnError::of_mesh(&request.body, level),
+        _ => OwnError::of_layers(&request.body),
+    }
 }
 
 /// The answers to designs of one `JointKey`, on one rung, and what each wants of the next. Bodies and space of the plan were

@@ -13,8 +13,8 @@ pub struct JointScale<'a> {
     pub outlines: Outlines,
 }
 
-impl JointScale<'_> {
-    pub fn of(joint: &JointDesign) -> JointScale<'_> {
+impl<'a> JointScale<'a> {
+    pub fn of(joint: &'a JointDesign) -> JointScale<'a> {
         JointScale { joint, outlines: Outlines::new(joint.radial_clearance / joint.hole_radius) }
     }
 
@@ -35,8 +35,8 @@ impl JointScale<'_> {
     }
 
     /// Those of the loads under which there is contact, in their order.
-    pub fn loads_in_contact(&self, steps: &[Load]) -> impl Iterator<Item = DimensionlessLoad> {
-        steps.iter().filter_map(|load| self.load(*load))
+    pub fn loads_in_contact(self, steps: &[Load]) -> impl Iterator<Item = DimensionlessLoad> {
+        steps.iter().filter_map(move |load| self.load(*load))
     }
 
     /// What a state under a load is per unit of, over R2: e, of press fits |dR|.

@@ -8,9 +8,12 @@ use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
+use crate::engine::backend::joints::SolvedJoints;
 use crate::engine::backend::{Device, IN_FLIGHT};
 use crate::engine::bodies::{BodyLibrary, MANY};
 use crate::engine::body_request::BodyRequest;
+use crate::engine::contact_on_device::{given, judged_designs};
+use crate::engine::device_joints::{Underway, gathered};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::interpolation::interpolated::Interpolation;
 use crate::engine::joint_contact::{JointKey, joint_key, solve_designs};
@@ -31,6 +34,18 @@ const FEWEST: usize = 1024;
 
 /// An attempt, with the place of its design among those tried together.
 type Placed = (usize, (Answer, Want));
+
+/// Designs whose bodies are solved, on their way to an attempt.
+struct Attempt<'a> {
+    open: &'a [(usize, JointPlan)],
+    /// Those with a joint in common, by their places: no more to a joint than a thread solves.
+    joints: Vec<Vec<usize>>,
+    /// Of each joint what is kept while a device has it, where one solves joints.
+    on_device: Option<Underway<f64>>,
+}
+
+/// Joints that a thread takes at a time.
+const JOINTS_TOGETHER: usize = 16;
 
 /// Solves batches of designs; keeps the bodies it has met.
 pub struct Ladder<'a> {
@@ -127,22 +142,28 @@ impl<'a> Ladder<'a> {
         settled
     }
 
-    /// One attempt at each of some designs. A device has the bodies of up to two portions while the processor solves the contact of another.
+    /// One attempt at each of some designs. A device has the bodies of up to two portions, and the joints of another, while the processor
+    /// judges those of one more, or solves them.
     fn attempts(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
         if self.library.device().is_none() || self.library.lost().is_some() {
             self.prepare(open);
-            return self.attempt(cases, open);
+            let attempt = self.begin_attempt(cases, open);
+            return self.finish_attempt(cases, attempt);
         }
         self.library.keep_used(&requests(open));
         let portion = open.len().div_ceil(PORTIONS).max(FEWEST);
         let mut ahead = open.chunks(portion);
         ahead.by_ref().take(IN_FLIGHT).for_each(|portion| self.library.begin(&requests(portion)));
         let mut solved = Vec::with_capacity(open.len());
+        let mut begun: Option<Attempt> = None;
         for portion in open.chunks(portion) {
             self.solve_bodies(portion, BodyLibrary::finish);
+            let attempt = self.begin_attempt(cases, portion);
             ahead.next().into_iter().for_each(|portion| self.library.begin(&requests(portion)));
-            solved.extend(self.attempt(cases, portion));
+            let before = begun.replace(attempt);
+            solved.extend(before.into_iter().flat_map(|attempt| self.finish_attempt(cases, attempt)));
         }
+        solved.extend(begun.into_iter().flat_map(|attempt| self.finish_attempt(cases, attempt)));
         solved
     }
 
@@ -170,27 +191,55 @@ impl<'a> Ladder<'a> {
         self.times.spaces += started.elapsed();
     }
 
-    /// One attempt at each of some designs, by its number and plan.
-    fn attempt(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
+    /// Finds which designs have a joint in common, by their numbers and plans, and gives a device those that it solves.
+    fn begin_attempt<'b>(&mut self, cases: &[DesignCase], open: &'b [(usize, JointPlan)]) -> Attempt<'b> {
         let mut joints: HashMap<JointKey, Vec<usize>> = HashMap::default();
         let key = |(index, plan): &(usize, JointPlan)| joint_key(plan, &cases[*index]);
         let keys: Vec<JointKey> = open.par_iter().with_min_len(MANY).map(key).collect();
         for (place, key) in keys.into_iter().enumerate() {
             joints.entry(key).or_default().push(place);
         }
-        let joints: Vec<Vec<usize>> = joints.into_values().collect();
+        let portions = joints.into_values().flat_map(|places| match places.len() {
+            ..=TOGETHER => vec![places],
+            _ => places.chunks(TOGETHER).map(<[usize]>::to_vec).collect(),
+        });
+        let joints: Vec<Vec<usize>> = portions.collect();
+        if self.library.solves_joints() < SolvedJoints::All {
+            return Attempt { open, joints, on_device: None };
+        }
+        let (library, spaces) = (&self.library, &self.spaces);
+        let give = |places: &Vec<usize>, numbers: &mut Vec<f32>| {
+            given(library, spaces, &open[places[0]].1, cases_of(cases, open, places), numbers)
+        };
+        let (batch, underway) = gathered(&joints, JOINTS_TOGETHER, give);
+        self.library.begin_joints(&batch);
+        Attempt { open, joints, on_device: Some(underway) }
+    }
+
+    /// The answers of an attempt, those first that a device has.
+    fn finish_attempt(
+        &mut self,
+        cases: &[DesignCase],
+        Attempt { open, joints, on_device }: Attempt,
+    ) -> Vec<(Answer, Want)> {
+        let found = on_device.and_then(|underway| Some((underway, self.library.finish_joints()?)));
         let (library, spaces, accuracy) = (&self.library, &self.spaces, self.options.accuracy);
-        let solved: Vec<(Vec<Placed>, Duration)> = joints
-            .par_iter()
-            .with_min_len(4)
-            .flat_map_iter(|places| places.chunks(TOGETHER))
-            .map(|places| {
-                let started = Stopwatch::start();
-                let own = places.iter().map(|place| &cases[open[*place].0]);
-                let solved = solve_designs(library, spaces, &open[places[0]].1, own, accuracy);
-                (places.iter().copied().zip(solved).collect(), started.elapsed())
-            })
-            .collect();
+        let judge = |places: &Vec<usize>, even: f64, found: &[f32]| {
+            let own = cases_of(cases, open, places);
+            judged_designs(library, spaces, &open[places[0]].1, own, accuracy, (even, found))
+        };
+        let judged = found.map_or(vec![None; joints.len()], |(underway, found)| {
+            underway.judged(&joints, JOINTS_TOGETHER, &found, judge)
+        });
+        let solve = |(places, judged): (&Vec<usize>, Option<Vec<(Answer, Want)>>)| {
+            let started = Stopwatch::start();
+            let own = cases_of(cases, open, places);
+            let solve = || solve_designs(library, spaces, &open[places[0]].1, own, accuracy);
+            let solved = judged.unwrap_or_else(solve);
+            let placed: Vec<Placed> = places.iter().copied().zip(solved).collect();
+            (placed, started.elapsed())
+        };
+        let solved: Vec<_> = joints.par_iter().with_min_len(4).zip(judged).map(solve).collect();
         self.times.contact += solved.iter().map(|(_, time)| *time).sum::<Duration>();
         let mut in_order: Vec<Option<(Answer, Want)>> = vec![None; open.len()];
         for (place, solved) in solved.into_iter().flat_map(|(solved, _)| solved) {
@@ -218,6 +267,15 @@ impl<'a> Ladder<'a> {
         ]);
         stages
     }
+}
+
+/// The designs at some places.
+fn cases_of<'a>(
+    cases: &'a [DesignCase],
+    open: &'a [(usize, JointPlan)],
+    places: &'a [usize],
+) -> impl Iterator<Item = &'a DesignCase> + Clone {
+    places.iter().map(|place| &cases[open[*place].0])
 }
 
 /// The bodies of plans.

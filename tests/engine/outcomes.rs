@@ -15,7 +15,7 @@ use jointsweep::internals::engine::accuracy::Want;
 use jointsweep::internals::engine::accuracy::known_errors::KNOWN_LEVELS;
 use jointsweep::internals::engine::accuracy::mesh_change::Trust;
 use jointsweep::internals::engine::backend::gpu::context::GpuError;
-use jointsweep::internals::engine::backend::joints::{JointGroup, JointStates};
+use jointsweep::internals::engine::backend::joints::{BatchedJoint, JointBatch, SolvedJoints};
 use jointsweep::internals::engine::backend::{Device, Works};
 use jointsweep::internals::engine::body_request::{Fidelity, Group, mesh_size};
 use jointsweep::internals::engine::cost;
@@ -546,11 +546,19 @@ impl Device for GivesUp {
     }
 }
 
-/// Finds no states of interpolated joints, or is lost over them.
+/// Finds no states of joints, or is lost when it is given them, or when it is asked for them.
 struct FindsNone {
     condenser: GivesUp,
-    is_lost: bool,
+    lost: Lost,
     asked: Arc<AtomicUsize>,
+    found: VecDeque<Vec<f32>>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Lost {
+    Never,
+    OnTheWayUp,
+    OnTheWayDown,
 }
 
 impl Device for FindsNone {
@@ -562,14 +570,19 @@ impl Device for FindsNone {
         self.condenser.finish()
     }
 
-    fn solves_joints(&self) -> bool {
-        true
+    fn solves_joints(&self) -> SolvedJoints {
+        SolvedJoints::All
     }
 
-    fn joints(&mut self, groups: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
-        self.asked.fetch_add(groups.iter().map(|group| group.joints.len()).sum(), Ordering::Relaxed);
-        let none = |group: &JointGroup| vec![None; group.joints.len()];
-        if self.is_lost { Err(GpuError::NoAdapter) } else { Ok(groups.iter().map(none).collect()) }
+    fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
+        self.asked.fetch_add(batch.joints.len(), Ordering::Relaxed);
+        self.found.push_back(vec![0.0; batch.joints.iter().map(BatchedJoint::found).sum()]);
+        if self.lost == Lost::OnTheWayUp { Err(GpuError::NoAdapter) } else { Ok(()) }
+    }
+
+    fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
+        let found = self.found.pop_front().expect("something was begun");
+        if self.lost == Lost::OnTheWayDown { Err(GpuError::NoAdapter) } else { Ok(found) }
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {
@@ -585,7 +598,7 @@ impl Device for FindsNone {
     }
 }
 
-/// Interpolated joints that a device has no states of, or is lost over, are the processor's, to the bit.
+/// Joints that a device has no states of, or is lost over, are the processor's, to the bit.
 #[test]
 fn joints_that_a_device_leaves_are_solved() {
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
@@ -596,21 +609,30 @@ fn joints_that_a_device_leaves_are_solved() {
         assert!(plan.is_some());
         Ladder::new(options).interpolating(plan)
     };
+    let on_meshes = || Ladder::new(options);
     let rows = |outcomes: Vec<DesignOutcome>| -> Vec<String> {
         outcomes.iter().map(|outcome| format!("{:?}", outcome.steps)).collect()
     };
-    let expected = rows(interpolating().solve(&cases));
-    for is_lost in [false, true] {
-        let asked = Arc::new(AtomicUsize::new(0));
-        let device = FindsNone { condenser: GivesUp::default(), is_lost, asked: Arc::clone(&asked) };
-        let mut ladder = interpolating().on(Box::new(device));
-        assert_eq!(rows(ladder.solve(&cases)), expected);
-        assert!(asked.load(Ordering::Relaxed) > 50, "{asked:?}");
-        assert_eq!(ladder.library.lost().is_some(), is_lost);
-        // It is not asked again once it is lost.
-        let before = asked.swap(0, Ordering::Relaxed);
-        assert_eq!(rows(ladder.solve(&cases)), expected);
-        assert_eq!(asked.load(Ordering::Relaxed), if is_lost { 0 } else { before });
+    let ladders: [&dyn Fn() -> Ladder<'static>; 2] = [&interpolating, &on_meshes];
+    for ladder in ladders {
+        let expected = rows(ladder().solve(&cases));
+        for lost in [Lost::Never, Lost::OnTheWayUp, Lost::OnTheWayDown] {
+            let asked = Arc::new(AtomicUsize::new(0));
+            let device = FindsNone {
+                condenser: GivesUp::default(),
+                lost,
+                asked: Arc::clone(&asked),
+                found: VecDeque::new(),
+            };
+            let mut ladder = ladder().on(Box::new(device));
+            assert_eq!(rows(ladder.solve(&cases)), expected);
+            assert!(asked.load(Ordering::Relaxed) > 50, "{asked:?}");
+            assert_eq!(ladder.library.lost().is_some(), lost != Lost::Never);
+            // It is not asked again once it is lost.
+            let before = asked.swap(0, Ordering::Relaxed);
+            assert_eq!(rows(ladder.solve(&cases)), expected);
+            assert_eq!(asked.load(Ordering::Relaxed), if lost == Lost::Never { before } else { 0 });
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use std::mem::offset_of;
 
 use jointsweep::internals::engine::backend::gpu::batch::{KernelFacts, OnChip};
 use jointsweep::internals::engine::backend::gpu::front::{EliminateParameters, Front};
-use jointsweep::internals::engine::backend::gpu::joint_kernel::{FitParameters, JointParameters};
+use jointsweep::internals::engine::backend::gpu::joint_tables::{JointParameters, RowParameters};
 use jointsweep::internals::engine::backend::gpu::kernel_texts::{
     ASSEMBLE, Access, CONDENSE, ELIMINATE, JOINTS, KERNEL_FILES, KernelFile, NARROW, PCG, REFINE, ROOFLINE,
     Sums, Variant, WORKS,
@@ -171,8 +171,8 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
     );
     let roofline: Layout = layout_here!(RooflineParameters, trip_count, factor, term);
     assert_eq!(layout_in(&module(&ROOFLINE, Precision::F64), "RooflineParameters"), Some(roofline));
-    let fit: Layout = layout_here!(
-        FitParameters,
+    let rows: Layout = layout_here!(
+        RowParameters,
         product_count,
         degree_count,
         member_count,
@@ -185,12 +185,11 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         rows_at,
         padding
     );
-    assert_eq!(layout_in(&module(&JOINTS, Precision::F32), "Fit"), Some(fit));
+    assert_eq!(layout_in(&module(&JOINTS, Precision::F32), "Rows"), Some(rows));
     let joints: Layout = layout_here!(
         JointParameters,
-        fits,
+        bodies,
         node_count,
-        load_count,
         space_at,
         turns_at,
         cosines_at,
@@ -295,7 +294,7 @@ fn the_memory_of_a_front_is_known() {
     }
 }
 
-/// The least that a device of WebGPU has is enough for interpolated joints.
+/// The least that a device of WebGPU has is enough for joints.
 #[test]
 fn joints_need_no_more_memory_than_any_device_has() {
     for terms in TERMS {

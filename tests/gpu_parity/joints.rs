@@ -1,11 +1,11 @@
-//! Interpolated joints on a device and on the processor, which has the same fits.
+//! Joints on a device and on the processor, which has the same fits and bodies.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::backend::gpu::solver::GpuCondenser;
-use jointsweep::internals::engine::backend::joints::{JointGroup, JointStates};
+use jointsweep::internals::engine::backend::joints::{JointBatch, SolvedJoints};
 use jointsweep::internals::engine::backend::{Device, Works};
 use jointsweep::internals::engine::body_request::Group;
 use jointsweep::internals::engine::expected_contact::ExpectedContact;
@@ -29,7 +29,7 @@ fn interpolating<'a>(options: SolveOptions, cases: &[DesignCase]) -> Ladder<'a> 
     Ladder::new(options).interpolating(plan)
 }
 
-/// Leaves all bodies to the processor, so that fits are the same.
+/// Leaves all bodies to the processor, so that fits and bodies are the same.
 struct JointsAlone<'a> {
     condenser: GpuCondenser<'a>,
     begun: VecDeque<Works>,
@@ -46,12 +46,16 @@ impl Device for JointsAlone<'_> {
         Ok(self.begun.pop_front().unwrap_or_default())
     }
 
-    fn solves_joints(&self) -> bool {
+    fn solves_joints(&self) -> SolvedJoints {
         self.condenser.solves_joints()
     }
 
-    fn joints(&mut self, groups: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
-        self.condenser.joints(groups)
+    fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
+        self.condenser.begin_joints(batch)
+    }
+
+    fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
+        self.condenser.finish_joints()
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {
@@ -67,12 +71,12 @@ impl Device for JointsAlone<'_> {
     }
 }
 
-/// The outcomes of designs whose fits are made for all of these, and of the first few of them by themselves.
-fn on_device(options: SolveOptions, cases: &[DesignCase], few: usize) -> [Vec<DesignOutcome>; 2] {
+/// The outcomes of designs by a ladder whose device solves joints, and of the first few of them by themselves.
+fn on_device(ladder: Ladder, cases: &[DesignCase], few: usize) -> [Vec<DesignOutcome>; 2] {
     let kernels = Kernels::with_tree(device(), Precision::F32, INVOCATIONS, Making::Checked).unwrap();
-    let condenser = GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(true);
+    let condenser = GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(SolvedJoints::All);
     let device = JointsAlone { condenser, begun: VecDeque::new() };
-    let mut ladder = interpolating(options, cases).on(Box::new(device));
+    let mut ladder = ladder.on(Box::new(device));
     let outcomes = [cases, &cases[..few]].map(|cases| ladder.solve(cases));
     assert_eq!(ladder.library.lost(), None);
     outcomes
@@ -80,16 +84,14 @@ fn on_device(options: SolveOptions, cases: &[DesignCase], few: usize) -> [Vec<De
 
 /// The greatest relative differences of forces and indentations, stiffnesses, peak pressures, energies, half angles, and errors told, and how many
 /// designs the device has solved.
-fn compare(found: &[DesignOutcome], expected: &[DesignOutcome]) -> ([f64; 6], usize) {
+fn compare(found: &[DesignOutcome], expected: &[DesignOutcome], method: Method) -> ([f64; 6], usize) {
     let (mut worst, mut on_device) = ([0.0_f64; 6], 0);
     for (found, expected) in found.iter().zip(expected) {
         assert_eq!(found.steps.len(), expected.steps.len());
-        let is_interpolated =
-            |step: &_| matches!(step, (Some(a), Some(b)) if a == &Method::Interpolated && b == a);
         on_device += usize::from(found.backend == BackendKind::Gpu);
         for (found, expected) in found.steps.iter().zip(&expected.steps) {
             let methods = [found, expected].map(|step| step.response.map(|response| response.method));
-            if !is_interpolated(&(methods[0], methods[1])) {
+            if methods != [Some(method); 2] {
                 continue;
             }
             let [a, b] = [found, expected].map(|step| step.response.unwrap());
@@ -165,8 +167,8 @@ fn interpolated_joints_are_those_of_the_processor() {
     ] {
         let options = SolveOptions { accuracy, method: MethodChoice::Fe };
         let expected = interpolating(options, &cases).solve(&cases);
-        let [found, few] = on_device(options, &cases, 40);
-        let (worst, on_device) = compare(&found, &expected);
+        let [found, few] = on_device(interpolating(options, &cases), &cases, 40);
+        let (worst, on_device) = compare(&found, &expected, Method::Interpolated);
         let shown = worst.map(|worst| format!("{worst:.1e}")).join(" ");
         println!("{name}: {on_device} of {} on the device, {shown}", cases.len());
         assert!(on_device * 10 > 9 * cases.len(), "{name}: {on_device}");
@@ -177,6 +179,29 @@ fn interpolated_joints_are_those_of_the_processor() {
         assert!(found.iter().filter(is_wide).count() * 20 > cases.len(), "{name}");
         // Seen: 4.0e-6, on software; other devices round otherwise.
         assert!(greatest(worst) < 3e-5, "{name}: {shown}");
+        // However many there are at a time.
+        assert_eq!(rows(&few), rows(&found[..40]), "{name}");
+    }
+}
+
+/// Bodies on meshes of every kind of plate, and exact pins in blocks.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn joints_of_meshes_are_those_of_the_processor() {
+    for (name, accuracy, method, cases) in [
+        ("concentric", 1e-2, MethodChoice::Fe, designs(91, 400, concentric)),
+        ("concentric, 0.1 %", 1e-3, MethodChoice::Fe, designs(95, 200, concentric)),
+        ("half disc in annulus", 1e-2, MethodChoice::Fe, designs(92, 200, half_disc_in_annulus)),
+        ("disc in block", 1e-2, MethodChoice::Auto, designs(93, 200, disc_in_block)),
+    ] {
+        let options = SolveOptions { accuracy, method };
+        let expected = Ladder::new(options).solve(&cases);
+        let [found, few] = on_device(Ladder::new(options), &cases, 40);
+        let (worst, on_device) = compare(&found, &expected, Method::Fe);
+        let shown = worst.map(|worst| format!("{worst:.1e}")).join(" ");
+        println!("{name}: {on_device} of {} on the device, {shown}", cases.len());
+        assert!(on_device * 10 > 8 * cases.len(), "{name}: {on_device}");
+        assert!(greatest(worst) < 6e-5, "{name}: {shown}");
         // However many there are at a time.
         assert_eq!(rows(&few), rows(&found[..40]), "{name}");
     }

@@ -41,6 +41,17 @@ impl OwnError<'_> {
         cut.map_or(OwnError::Nothing, OwnError::CutModes)
     }
 
+    /// What a share of the work is to be multiplied by at a contact half angle, rad: of meshes and fits, and of beds and thin layers.
+    pub fn at(&self, half_angle: f64) -> [f64; 2] {
+        match self {
+            OwnError::Nothing => [0.0, 0.0],
+            OwnError::CutModes(body) => [0.0, body.left_out(half_angle)],
+            OwnError::Bed(body) => [0.0, bed_error(body, half_angle)],
+            OwnError::Mesh(known) => [known[column(half_angle)], 0.0],
+            OwnError::Fit(bound) => [bound.at(half_angle), 0.0],
+        }
+    }
+
     /// Of a mesh of a level.
     pub fn of_mesh(body: &Body, level: usize) -> OwnError<'static> {
         OwnError::Mesh(known_errors(body, level).copied().unwrap_or([f64::INFINITY; _]))
@@ -97,13 +108,12 @@ impl<'a> BodyErrors<'a> {
         let mut of_bodies = self.trust.map_or(0.0, of_change);
         let mut of_beds = 0.0;
         for (own, shares) in &self.bodies {
-            let share = || ContactCurve::around(node, shares);
-            match own {
-                OwnError::Nothing => {}
-                OwnError::CutModes(body) => of_beds += share() * body.left_out(half_angle),
-                OwnError::Bed(body) => of_beds += share() * bed_error(body, half_angle),
-                OwnError::Mesh(known) => of_bodies += share() * known[column(half_angle)],
-                OwnError::Fit(bound) => of_bodies += share() * bound.at(half_angle),
+            // Where nobody asks for shares there are none.
+            if !matches!(own, OwnError::Nothing) {
+                let share = ContactCurve::around(node, shares);
+                let [of_body, of_bed] = own.at(half_angle);
+                of_bodies += share * of_body;
+                of_beds += share * of_bed;
             }
         }
         [of_bodies, of_beds]

@@ -4,6 +4,7 @@ use crate::engine::backend::adapter::{AdapterKind, GpuError};
 use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::backend::gpu::context::GpuDevice;
 use crate::engine::backend::gpu::solver::GpuCondenser;
+use crate::engine::backend::joints::SolvedJoints;
 use crate::engine::backend::precision::Precision;
 
 /// A device and how it computes.
@@ -31,14 +32,25 @@ impl<'a> GpuChoice<'a> {
         if self.device.facts.kind == AdapterKind::Software { SOFTWARE_BATCH } else { BATCH }
     }
 
-    /// Whether interpolated joints are the device's, too: in single precision, and not of software, which is slower than the processor
-    /// itself.
-    pub fn solves_joints(&self) -> bool {
-        self.device.facts.kind != AdapterKind::Software && self.precision != Precision::F64
+    /// Which joints are the device's, too: in single precision, and not of software, which is slower than the processor itself.
+    pub fn solves_joints(&self) -> SolvedJoints {
+        match self.device.facts.kind {
+            AdapterKind::Software => SolvedJoints::None,
+            _ => joints_in(self.precision),
+        }
     }
 
     /// The device with its kernels.
     pub fn condenser(&self) -> Result<GpuCondenser<'a>, GpuError> {
         Ok(GpuCondenser::new(self.device, self.precision, self.solver)?.solving_joints(self.solves_joints()))
+    }
+}
+
+/// Which joints a device solves that computes in these numbers.
+pub fn joints_in(precision: Precision) -> SolvedJoints {
+    match precision {
+        Precision::F64 => SolvedJoints::None,
+        Precision::Mixed => SolvedJoints::Interpolated,
+        Precision::F32 => SolvedJoints::All,
     }
 }

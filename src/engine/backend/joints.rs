@@ -1,9 +1,14 @@
-//! Joints of interpolated bodies as a device is given them, and the states that it finds.
+//! Joints as a device is given them, and the states that it finds.
+//!
+//! A body's compliance in a space is a sum of rows, and bodies of one kind have the rows in common. What the rows are multiplied by comes up
+//! with the joint, or follows on the device from the body's place in its fit.
 
 use crate::engine::spaces::SpaceKey;
+use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::body_fit::BodyFit;
 use crate::mechanics::compliance::pressure_space::Tilt;
 use crate::mechanics::compliance::row_sums::Rows;
+use crate::mechanics::contact::compliance_rows::{ModeMembers, NARROW};
 use crate::mechanics::contact::curve_error::ROUGH;
 use crate::mechanics::contact::curve_space::{CurveSpace, Variable};
 use crate::mechanics::contact::load::DimensionlessLoad;
@@ -13,61 +18,88 @@ use crate::mechanics::contact::state::ContactState;
 /// Counts of trial pressures that a device has a kernel for.
 pub const TERMS: [usize; 2] = [6, 10];
 
-/// The most nodes of a curve, products of polynomials, members of a fit and coordinates of a body that it has room for.
+/// The most nodes of a curve, products of polynomials, rows of a body and coordinates of its fit that it has room for.
 pub const MOST_NODES: usize = 32;
 pub const MOST_PRODUCTS: usize = 1024;
-pub const MOST_MEMBERS: usize = 128;
+pub const MOST_ROWS: usize = 576;
 pub const MOST_COORDINATES: usize = 4;
 
 /// Loads of a joint at most: what more of them come to would not fit the least buffer that devices have.
 pub const MOST_LOADS: usize = 4096;
 
-/// How often a fit's members come among its rows at most: of the body itself, and times powers of a number of the joint.
-pub const MOST_ORDERS: usize = 4;
-
 /// Numbers of a joint before those of its loads, and of a state, as `shaders/joints.wgsl` has them.
 pub const JOINT_NUMBERS: usize = 19;
 pub const STATE_NUMBERS: usize = 11;
 
-/// Joints of two fits in one space, each under as many loads.
-pub struct JointGroup<'a> {
-    /// Of pin, plate and space: what has the same ones has the same tables.
-    pub key: JointTablesKey,
-    /// Of pin and plate, with what the members add to compliances in the space.
-    pub fits: [(&'a BodyFit, &'a Rows); 2],
-    pub space: &'a CurveSpace,
-    pub load_count: usize,
-    pub joints: Vec<InterpolatedJoint>,
+/// Which joints a device solves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SolvedJoints {
+    None,
+    /// Those of interpolated bodies, which single precision is good enough for.
+    Interpolated,
+    All,
 }
 
-/// The number of the fit of the pin, that of the plate, and the space.
-pub type JointTablesKey = (usize, usize, SpaceKey);
-
-/// One of them.
-pub struct InterpolatedJoint {
+/// What is the same for many joints: the bodies' rows and the space.
+#[derive(Clone, Copy)]
+pub struct JointTables<'a> {
     /// Pin and plate.
-    pub bodies: [InterpolatedBody; 2],
-    pub outlines: Outlines,
-    pub loads: Vec<DimensionlessLoad>,
+    pub bodies: [BodyTables<'a>; 2],
+    pub space: (SpaceKey, &'a CurveSpace),
 }
 
-/// A body in its fit.
-pub struct InterpolatedBody {
-    /// Coordinates from -1 to 1 over the fit's box; those there are not are zero.
-    pub place: [f64; MOST_COORDINATES],
-    /// Of the infinite body.
-    pub numbers: [f64; 2],
+/// Rows of bodies of one kind.
+#[derive(Clone, Copy)]
+pub enum BodyTables<'a> {
+    /// By its number among fits; with what the members add to compliances in the space.
+    Fit(usize, &'a BodyFit, &'a Rows),
+    Modes(ModeMembers),
+}
+
+/// Equal for equal tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TablesKey {
+    Space(SpaceKey),
+    Fit(SpaceKey, usize),
+    Modes(SpaceKey, ModeMembers),
+}
+
+/// Joints on their way to a device, all in one.
+#[derive(Default)]
+pub struct JointBatch<'a> {
+    pub tables: Vec<JointTables<'a>>,
+    pub joints: Vec<BatchedJoint>,
+    pub numbers: Vec<f32>,
+}
+
+/// Where a joint's tables are in a batch, where its numbers begin, and how many loads it has.
+#[derive(Clone, Copy, Debug)]
+pub struct BatchedJoint {
+    pub tables: u32,
+    pub numbers_at: u32,
+    pub load_count: u32,
+}
+
+/// A joint to be solved.
+pub struct DeviceJoint<'a> {
+    /// Pin and plate.
+    pub bodies: [DeviceBody<'a>; 2],
+    pub outlines: Outlines,
+}
+
+pub struct DeviceBody<'a> {
+    /// `even` and `odd` of the infinite body.
+    pub infinite: [f64; 2],
     /// 1/E, 1/MPa.
     pub share: f64,
+    pub amplitudes: Amplitudes<'a>,
 }
 
-/// What a device has found of a joint.
-#[derive(Clone, Debug)]
-pub struct JointStates {
-    /// As `ContactCurve::error`.
-    pub of_curve: f64,
-    /// In the order of the loads.
-    pub states: Vec<FoundState>,
+/// Where what a body's rows are multiplied by comes from.
+pub enum Amplitudes<'a> {
+    /// A fit, by the coordinates from -1 to 1 over its box; those there are not are zero.
+    Fit([f64; MOST_COORDINATES]),
+    Modes(ModeMembers, &'a BodyCompliance),
 }
 
 /// The state under a load, and the share of the work that goes into the pin at the nodes around it.
@@ -77,80 +109,136 @@ pub struct FoundState {
     pub of_pin: [f64; 2],
 }
 
-/// Whether a device has room for joints of two fits in a space.
-pub fn has_room(key: SpaceKey, fits: [(&BodyFit, &Rows); 2]) -> bool {
-    let fits = fits.iter().all(|(fit, rows)| {
-        let (members, of_one) = (fit.member_count(), fit.member_count() + 2);
-        let count = rows.sizes().len();
-        fit.polynomials.count() <= MOST_PRODUCTS
-            && fit.polynomials.ranges.len() <= MOST_COORDINATES
-            && members <= MOST_MEMBERS
-            && count.is_multiple_of(of_one)
-            && count / of_one <= MOST_ORDERS
-    });
-    fits && TERMS.contains(&key.terms) && key.nodes <= MOST_NODES && key.variable == Variable::Root
-}
-
-impl JointGroup<'_> {
-    /// Numbers that a joint has here.
-    pub fn numbers_of_joint(&self) -> usize {
-        JOINT_NUMBERS + 2 * self.load_count
-    }
-
-    /// Numbers that are found of it.
-    pub fn found_of_joint(&self) -> usize {
-        1 + STATE_NUMBERS * self.load_count
-    }
-}
-
-impl InterpolatedJoint {
-    /// Of the infinite bodies: compliances are told over it, so that single precision bears their squares.
-    fn even(&self) -> f64 {
-        self.bodies.iter().map(|body| body.share * body.numbers[0]).sum()
-    }
-
-    /// As the kernel has them.
-    pub fn numbers(&self, to: &mut Vec<f32>) {
-        let even = self.even();
-        for InterpolatedBody { place, numbers, share } in &self.bodies {
-            to.extend(place.iter().chain(numbers).chain([&(share / even)]).map(|number| *number as f32));
+impl BodyTables<'_> {
+    pub fn key(&self, space: SpaceKey) -> TablesKey {
+        match self {
+            BodyTables::Fit(number, ..) => TablesKey::Fit(space, *number),
+            BodyTables::Modes(members) => TablesKey::Modes(space, *members),
         }
-        let (Tilt { first, second }, outlines) = (self.outlines.tilt(), &self.outlines);
-        let radial_clearance = outlines.radial_clearance;
-        let of_outlines = [first, second, radial_clearance, outlines.ratio(), outlines.bend()];
+    }
+
+    /// Rows of the body itself, and how often there are such rows.
+    pub fn rows(&self) -> [usize; 2] {
+        match self {
+            BodyTables::Fit(_, fit, rows) => {
+                let of_one = fit.member_count() + 2;
+                [of_one, rows.sizes().len() / of_one]
+            }
+            BodyTables::Modes(members) => [members.count() + 2, members.orders()],
+        }
+    }
+
+    fn has_room(&self) -> bool {
+        let of_fit = match self {
+            BodyTables::Fit(_, fit, _) => {
+                fit.polynomials.count() <= MOST_PRODUCTS && fit.polynomials.ranges.len() <= MOST_COORDINATES
+            }
+            BodyTables::Modes(_) => true,
+        };
+        of_fit && self.rows().into_iter().product::<usize>() <= MOST_ROWS
+    }
+}
+
+impl JointTables<'_> {
+    /// Whether a device has a kernel for joints with these tables and outlines, and room.
+    pub fn are_for_devices(&self, outlines: &Outlines) -> bool {
+        let (key, _) = self.space;
+        (0.0..=NARROW).contains(&outlines.radial_clearance)
+            && TERMS.contains(&key.terms)
+            && key.nodes <= MOST_NODES
+            && key.variable == Variable::Root
+            && self.bodies.iter().all(BodyTables::has_room)
+    }
+
+    /// Equal for joints with the same tables.
+    pub fn key(&self) -> [TablesKey; 2] {
+        self.bodies.each_ref().map(|body| body.key(self.space.0))
+    }
+}
+
+impl BatchedJoint {
+    /// Numbers that a device finds of it.
+    pub fn found(&self) -> usize {
+        1 + STATE_NUMBERS * self.load_count as usize
+    }
+}
+
+impl DeviceJoint<'_> {
+    /// Of the infinite bodies: compliances are told over it, so that single precision bears their squares.
+    pub fn even(&self) -> f64 {
+        self.bodies.iter().map(|body| body.share * body.infinite[0]).sum()
+    }
+
+    /// As the kernel has them, under some loads; tells how many these are.
+    pub fn numbers(&self, loads: impl Iterator<Item = DimensionlessLoad>, to: &mut Vec<f32>) -> u32 {
+        let even = self.even();
+        for DeviceBody { infinite, share, amplitudes } in &self.bodies {
+            let place = match amplitudes {
+                Amplitudes::Fit(place) => *place,
+                Amplitudes::Modes(..) => [0.0; MOST_COORDINATES],
+            };
+            to.extend(place.iter().chain(infinite).chain([&(share / even)]).map(|number| *number as f32));
+        }
+        let tilt = self.outlines.tilt();
+        let Outlines { radial_clearance, .. } = self.outlines;
+        let of_outlines =
+            [tilt.first, tilt.second, radial_clearance, self.outlines.ratio(), self.outlines.bend()];
         to.extend(of_outlines.map(|number| number as f32));
-        for load in &self.loads {
+        let mut load_count = 0;
+        for load in loads {
             let [of_indentation, of_force] = load.target(radial_clearance);
             to.extend([of_indentation, of_force / even].map(|number| number as f32));
+            load_count += 1;
         }
+        for (DeviceBody { amplitudes, .. }, tilt) in self.bodies.iter().zip([tilt, Tilt::NONE]) {
+            if let Amplitudes::Modes(members, body) = amplitudes {
+                members.amplitudes(body, tilt, to);
+            }
+        }
+        load_count
     }
+}
 
-    /// The reverse: from what the kernel has found; `None` where a load has no state.
-    pub fn states(&self, found: &[f32]) -> Option<JointStates> {
-        let (of_curve, found) = found.split_first()?;
-        let even = self.even();
-        let state = |numbers: &[f32]| {
-            let numbers: [f32; STATE_NUMBERS] = numbers.try_into().ok()?;
-            let [outcome, b, indentation, force, stiffness, energy, peak, truncation, positive, above, below] =
-                numbers.map(f64::from);
-            let state = ContactState {
-                half_angle: 2.0 * (b / self.outlines.ratio()).atan(),
-                indentation,
-                force: force / even,
-                tangent_stiffness: stiffness / even,
-                energy: energy / even,
-                peak_pressure: peak / even,
-                peak_angle: 0.0,
-                truncation,
-                pressure_is_positive: positive > 0.0,
-                on_whole_ring: false,
-            };
-            (outcome == ENDED).then_some(FoundState { state, of_pin: [above, below] })
+/// The reverse, from what the kernel has found of a joint with this `even`: a bound of what its curve leaves between nodes
+/// (`ContactCurve::error` of compliances that are not exact), and the states in the order of the loads. `None` where a load has none.
+pub fn states<'a>(
+    found: &'a [f32],
+    even: f64,
+    outlines: &Outlines,
+) -> Option<(f64, impl Iterator<Item = FoundState> + use<'a>)> {
+    let (of_curve, found) = found.split_first()?;
+    let found = found.as_chunks::<STATE_NUMBERS>().0;
+    if !found.iter().all(|numbers| numbers[0] == ENDED) {
+        return None;
+    }
+    let ratio = outlines.ratio();
+    let state = move |numbers: &[f32; STATE_NUMBERS]| {
+        let [_, b, indentation, force, stiffness, energy, peak, truncation, positive, above, below] =
+            numbers.map(f64::from);
+        let state = ContactState {
+            half_angle: 2.0 * (b / ratio).atan(),
+            indentation,
+            force: force / even,
+            tangent_stiffness: stiffness / even,
+            energy: energy / even,
+            peak_pressure: peak / even,
+            peak_angle: 0.0,
+            truncation,
+            pressure_is_positive: positive > 0.0,
+            on_whole_ring: false,
         };
-        let states = found.chunks_exact(STATE_NUMBERS).map(state).collect::<Option<Vec<_>>>()?;
-        Some(JointStates { of_curve: ROUGH * f64::from(*of_curve), states })
+        FoundState { state, of_pin: [above, below] }
+    };
+    Some((ROUGH * f64::from(*of_curve), found.iter().map(state)))
+}
+
+impl FoundState {
+    /// The greatest shares of pin and plate in the work, at the nodes around.
+    pub fn shares(&self) -> [f64; 2] {
+        let [above, below] = self.of_pin;
+        [above.max(below), 1.0 - above.min(below)]
     }
 }
 
 /// What the kernel says of a search that came to its end.
-const ENDED: f64 = 2.0;
+pub const ENDED: f32 = 2.0;

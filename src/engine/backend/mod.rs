@@ -18,7 +18,7 @@ use adapter::GpuError;
 pub use without_gpu as gpu;
 
 use crate::engine::body_request::Group;
-use joints::{JointGroup, JointStates};
+use joints::{JointBatch, SolvedJoints};
 
 /// The works of the ring modes on each body of each group, packed, without near fields; `None` for a body that is left to the processor.
 pub type Works = Vec<Vec<Option<Vec<f64>>>>;
@@ -34,14 +34,18 @@ pub trait Device: Send + Sync {
     /// Waits for what was begun before all else that is not finished.
     fn finish(&mut self) -> Result<Works, GpuError>;
 
-    /// Whether it has a kernel for interpolated joints.
-    fn solves_joints(&self) -> bool {
-        false
+    /// Which joints it has a kernel for.
+    fn solves_joints(&self) -> SolvedJoints {
+        SolvedJoints::None
     }
 
-    /// The states of interpolated joints of each group, in their order; `None` for a joint with a load that has none. Only of a
-    /// device that `solves_joints`.
-    fn joints(&mut self, _: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
+    /// Gives it joints that it solves, and does not wait for them if it can work alone.
+    fn begin_joints(&mut self, _: &JointBatch) -> Result<(), GpuError> {
+        Ok(())
+    }
+
+    /// Waits for the joints that were begun before all others: what the kernel has found (`DeviceJoint::states`), one joint after another.
+    fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
         Ok(Vec::new())
     }
 

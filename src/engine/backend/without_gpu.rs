@@ -71,6 +71,7 @@ pub mod solver {
     use super::context::{GpuDevice, GpuError};
     use super::kernels::Precision;
     use crate::engine::backend::device_solver::DeviceSolver;
+    use crate::engine::backend::joints::SolvedJoints;
     use crate::engine::backend::{Device, Works};
     use crate::engine::body_request::Group;
 
@@ -82,7 +83,7 @@ pub mod solver {
             match gpu.none {}
         }
 
-        pub fn solving_joints(self, _: bool) -> GpuCondenser<'a> {
+        pub fn solving_joints(self, _: SolvedJoints) -> GpuCondenser<'a> {
             match self.0 {}
         }
     }

@@ -3,7 +3,7 @@
 use foldhash::HashMap;
 
 use crate::engine::accuracy::fit_bound::{BodyBound, FitBound, NEAR_END};
-use crate::engine::backend::joints::{InterpolatedBody, MOST_COORDINATES};
+use crate::engine::backend::joints::{Amplitudes, DeviceBody, MOST_COORDINATES};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::interpolation::basis::Basis;
 use crate::engine::interpolation::family::{Family, Point, body_at, coordinate_count};
@@ -16,7 +16,7 @@ use crate::mechanics::compliance::body_fit::{BodyFit, FitScratch};
 use crate::mechanics::compliance::pressure_space::{JointCompliance, Tilt};
 use crate::mechanics::compliance::row_sums::Rows;
 use crate::mechanics::compliance::{BodyCompliance, Boundary, infinite};
-use crate::mechanics::contact::curve_space::CurveSpace;
+use crate::mechanics::contact::compliance_rows::{NARROW, rows_of_units};
 use crate::mechanics::contact::outlines::Outlines;
 
 /// A fit with its error.
@@ -145,23 +145,7 @@ impl FittedFamily {
             .collect();
         for key in keys {
             spaces.prepare(unit.iter().map(|unit| (key, unit)));
-            let space = spaces.get(key);
-            let compliances =
-                |tilt: Tilt| unit.iter().map(move |unit| space.pressures.joint(&[(unit, 1.0)], tilt));
-            let own: Vec<JointCompliance> = compliances(Tilt::NONE).collect();
-            let mut rows: Vec<Vec<f64>> = own.iter().map(|own| own.values.to_vec()).collect();
-            match self.side {
-                Side::Pin => {
-                    for tilt in [Tilt { first: 1.0, ..Tilt::NONE }, Tilt { second: 1.0, ..Tilt::NONE }] {
-                        let added = |(tilted, own): (JointCompliance, &JointCompliance)| {
-                            tilted.values.iter().zip(&*own.values).map(|(tilted, own)| tilted - own).collect()
-                        };
-                        rows.extend(compliances(tilt).zip(&own).map(added));
-                    }
-                }
-                Side::Plate => rows.extend(added_by_clearance(space, &own)),
-            }
-            self.in_spaces.insert(key, Rows::new(&rows));
+            self.in_spaces.insert(key, rows_of_units(spaces.get(key), self.side, &unit));
         }
     }
 
@@ -177,11 +161,11 @@ impl FittedFamily {
     }
 
     /// A body at its coordinates with 1/E for a device; `None` where it is outside of the box.
-    pub fn on_device(&self, (body, point, share): (&Body, &Point, f64)) -> Option<InterpolatedBody> {
+    pub fn on_device(&self, (body, point, share): (&Body, &Point, f64)) -> Option<DeviceBody<'static>> {
         let point = &point[..coordinate_count(body.shape)];
         let mut place = [0.0; MOST_COORDINATES];
         place.iter_mut().zip(self.fit.polynomials.place(point)).for_each(|(place, own)| *place = own);
-        let body = InterpolatedBody { place, numbers: infinite(body), share };
+        let body = DeviceBody { infinite: infinite(body), share, amplitudes: Amplitudes::Fit(place) };
         self.fit.polynomials.contains(point).then_some(body)
     }
 
@@ -216,37 +200,4 @@ impl FittedFamily {
         spaces.get(key).to_hole(&part, outlines, moved);
         Some(JointCompliance { values: (&moved[..]).into(), ..part })
     }
-}
-
-/// Up to this clearance ratio a polynomial of it tells what the hole's arcs being smaller changes.
-pub const NARROW: f64 = 0.05;
-
-/// Where it goes through, beside zero, over `NARROW`.
-const THROUGH: [f64; 3] = [0.25, 0.75, 1.0];
-
-/// What the compliances of plates have on the hole's arcs more than on those of a space, over the clearance ratio: a polynomial of it, the
-/// coefficients of each power one after the other.
-fn added_by_clearance(space: &CurveSpace, own: &[JointCompliance]) -> Vec<Vec<f64>> {
-    let places = THROUGH.map(|place| NARROW * place);
-    let mut powers = vec![Vec::new(); THROUGH.len()];
-    let mut moved = Vec::new();
-    for own in own {
-        let added = places.map(|place| {
-            space.to_hole(own, &Outlines::new(place), &mut moved);
-            moved.iter().zip(&*own.values).map(|(moved, own)| (moved - own) / place).collect::<Vec<f64>>()
-        });
-        let of_entry = |entry: usize| quadratic(&places, added.each_ref().map(|added| added[entry]));
-        let coefficients: Vec<[f64; 3]> = (0..own.values.len()).map(of_entry).collect();
-        for (power, of_power) in powers.iter_mut().enumerate() {
-            of_power.push(coefficients.iter().map(|own| own[power]).collect());
-        }
-    }
-    powers.concat()
-}
-
-/// Coefficients of the polynomial through three values at places.
-fn quadratic([a, b, c]: &[f64; 3], [at_a, at_b, at_c]: [f64; 3]) -> [f64; 3] {
-    let (first, next) = ((at_b - at_a) / (b - a), (at_c - at_b) / (c - b));
-    let second = (next - first) / (c - a);
-    [at_a - a * first + a * b * second, first - (a + b) * second, second]
 }

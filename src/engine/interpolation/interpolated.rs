@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
 use crate::engine::accuracy::body_errors::{JudgedBody, OwnError};
+use crate::engine::backend::joints::SolvedJoints;
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::expected_contact::ExpectedContact;
 use crate::engine::interpolation::family::{FamilyKey, Point, coordinates};
@@ -76,7 +77,7 @@ impl Interpolation {
     ) -> Vec<Option<Answer>> {
         self.prepare(library, spaces);
         let (this, spaces) = (&*self, &*spaces);
-        let mut answers = if library.solves_joints() {
+        let mut answers = if library.solves_joints() >= SolvedJoints::Interpolated {
             this.solve_on_device(library, spaces, cases)
         } else {
             vec![None; cases.len()]

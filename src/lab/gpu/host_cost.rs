@@ -11,12 +11,13 @@ use std::time::Duration;
 use foldhash::HashMap;
 
 use crate::engine::backend::adapter::GpuError;
+use crate::engine::backend::choice::joints_in;
 use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::backend::gpu::context::GpuDevice;
 use crate::engine::backend::gpu::elimination::Counts;
 use crate::engine::backend::gpu::kernels::{Kernels, Making};
 use crate::engine::backend::gpu::solver::{GpuCondenser, INVOCATIONS};
-use crate::engine::backend::joints::{FoundState, JointGroup, JointStates};
+use crate::engine::backend::joints::{BatchedJoint, ENDED, JointBatch, STATE_NUMBERS, SolvedJoints};
 use crate::engine::backend::precision::Precision;
 use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
@@ -25,7 +26,6 @@ use crate::engine::ladder::Ladder;
 use crate::engine::outcome::BackendKind;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::ring_modes::RingModes;
-use crate::mechanics::contact::state::ContactState;
 use crate::output::host::processor_seconds;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
@@ -60,10 +60,13 @@ impl HostCost {
     ) -> Result<HostCost, GpuError> {
         let (seen, plan) = (Mutex::default(), InterpolationPlan::of_study(study));
         let kernels = Kernels::with_tree(gpu, precision, INVOCATIONS, Making::Empty)?;
+        // As on a device that is no software.
+        let solves_joints = joints_in(precision);
         let condenser = EmptyCondenser {
-            condenser: GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(plan.is_some()),
+            condenser: GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(solves_joints),
             works: HashMap::default(),
             stand_ins: VecDeque::new(),
+            stand_in_states: VecDeque::new(),
             interpolates: plan.is_some(),
             seen: &seen,
         };
@@ -104,22 +107,8 @@ impl HostCost {
 /// Designs that fits are made for.
 const UNCOUNTED: usize = 64;
 
-/// In place of all that the kernel leaves out: it meets any accuracy.
-const STAND_IN: FoundState = FoundState {
-    state: ContactState {
-        half_angle: 0.5,
-        indentation: 0.5,
-        force: 1.0,
-        tangent_stiffness: 1.0,
-        energy: 1.0,
-        peak_pressure: 1.0,
-        peak_angle: 0.0,
-        truncation: 0.0,
-        pressure_is_positive: true,
-        on_whole_ring: false,
-    },
-    of_pin: [0.5; 2],
-};
+/// In place of all that the kernel leaves out of a state: it meets any accuracy.
+const STAND_IN: [f32; STATE_NUMBERS] = [ENDED, 0.25, 0.5, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.5, 0.5];
 
 /// What a condenser has to say of itself.
 #[derive(Default)]
@@ -137,7 +126,9 @@ struct EmptyCondenser<'a> {
     works: HashMap<TopologyKey, Arc<Vec<f64>>>,
     /// Those of each group that was begun and is not finished.
     stand_ins: VecDeque<Vec<Arc<Vec<f64>>>>,
-    /// Then it solves joints, and leaves the bodies of fits to the processor.
+    /// And what is found of the joints of a batch.
+    stand_in_states: VecDeque<Vec<f32>>,
+    /// Then it leaves the bodies of fits to the processor.
     interpolates: bool,
     seen: &'a Mutex<Seen>,
 }
@@ -179,23 +170,36 @@ impl Device for EmptyCondenser<'_> {
         Ok(condensed)
     }
 
-    fn solves_joints(&self) -> bool {
-        self.interpolates
+    fn solves_joints(&self) -> SolvedJoints {
+        self.condenser.solves_joints()
     }
 
-    fn joints(&mut self, groups: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
+    fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
         let before = processor_seconds().unwrap_or(f64::NAN);
-        let mut found = self.condenser.joints(groups)?;
+        self.condenser.begin_joints(batch)?;
         let between = processor_seconds().unwrap_or(f64::NAN);
-        for (found, group) in found.iter_mut().zip(groups) {
-            let states = JointStates { of_curve: 0.0, states: vec![STAND_IN; group.load_count] };
-            found.iter_mut().for_each(|own| *own = Some(states.clone()));
+        let mut states = Vec::with_capacity(batch.joints.iter().map(BatchedJoint::found).sum());
+        for joint in &batch.joints {
+            states.push(0.0);
+            (0..joint.load_count).for_each(|_| states.extend(STAND_IN));
         }
+        self.stand_in_states.push_back(states);
         let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         seen.condensing += between - before;
         seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
         seen.calls += 1;
-        Ok(found)
+        Ok(())
+    }
+
+    fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
+        let before = processor_seconds().unwrap_or(f64::NAN);
+        let found = self.condenser.finish_joints()?;
+        let stand_ins = self.stand_in_states.pop_front().unwrap_or_default();
+        assert_eq!(found.len(), stand_ins.len(), "a state for each load");
+        let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        seen.condensing += processor_seconds().unwrap_or(f64::NAN) - before;
+        seen.counts = self.condenser.counts();
+        Ok(stand_ins)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {

@@ -196,7 +196,7 @@ impl Tilt {
 }
 
 /// Those of a concentric pin under a tilt.
-fn all_bands(normal: &[f64], along: &[f64], second: &[Bands], tilt: Tilt) -> Vec<Bands> {
+pub fn all_bands(normal: &[f64], along: &[f64], second: &[Bands], tilt: Tilt) -> Vec<Bands> {
     let mut bands: Vec<Bands> = normal.iter().map(|normal| [*normal, 0.0, 0.0]).collect();
     for (bands, along) in bands[1..].iter_mut().zip(along.windows(2)) {
         bands[1] = tilt.first * (along[1] - along[0]);

@@ -14,11 +14,14 @@
 //! all of them sums of integrals at most two modes away.
 
 /// Of mode n: what is times P_n^2, P_n P_n-1 and P_n P_n-2 in the work.
-pub type Bands = [f64; 3];
+pub type Bands = [f64; WIDTH];
+
+/// How many numbers a mode has.
+pub const WIDTH: usize = 3;
 
 /// From lambda_n (half of it for n = 0), tau_n and sigma_n, n = 0, 1, ..., the first `count` modes, the rest being zero.
 pub fn bands([normal, along, shear]: [&[f64]; 3], count: usize) -> Vec<Bands> {
-    let mut bands = vec![[0.0; 3]; count];
+    let mut bands = vec![[0.0; WIDTH]; count];
     // Integrals of negative modes are those of positive ones.
     let mut add = |one: isize, other: isize, value: f64| {
         let (one, other) = (one.unsigned_abs(), other.unsigned_abs());

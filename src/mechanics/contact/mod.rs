@@ -8,6 +8,7 @@ pub mod reduced;
 pub mod edge;
 pub mod arc_pressure;
 pub mod curve_space;
+pub mod compliance_rows;
 pub mod curve;
 pub mod curve_error;
 pub mod curve_pressure;

@@ -137,6 +137,13 @@ impl GpuDevice {
         self.queue.submit([encoder.finish()]);
     }
 
+    /// The first bytes of a buffer to another one.
+    pub(crate) fn copy(&self, from: &wgpu::Buffer, to: &wgpu::Buffer, size: u64) {
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(from, 0, to, 0, size);
+        self.queue.submit([encoder.finish()]);
+    }
+
     /// Waits for all work submitted so far.
     pub(crate) fn wait(&self) -> Result<(), GpuError> {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LONGEST_WAIT) };

@@ -71,6 +71,21 @@ pub struct Counts {
     pub bytes_down: u64,
 }
 
+impl Counts {
+    /// With those of another stage.
+    pub fn and(self, other: Counts) -> Counts {
+        Counts {
+            dispatches: self.dispatches + other.dispatches,
+            submits: self.submits + other.submits,
+            waits: self.waits + other.waits,
+            waits_with_work: self.waits_with_work + other.waits_with_work,
+            new_buffers: self.new_buffers + other.new_buffers,
+            bytes_up: self.bytes_up + other.bytes_up,
+            bytes_down: self.bytes_down + other.bytes_down,
+        }
+    }
+}
+
 /// Jobs that were begun together.
 struct Batch {
     jobs: Vec<Job>,
@@ -337,7 +352,7 @@ const TRAVELLING: [(&str, BufferUsages); 4] = [
 const EMPTY_FRONT: u64 = 32;
 
 /// Buffers of at least these sizes: those that are there, or new ones.
-fn kept<'a, const N: usize>(
+pub(super) fn kept<'a, const N: usize>(
     gpu: &GpuDevice,
     buffers: &'a mut [Option<wgpu::Buffer>; N],
     kinds: [(&'static str, BufferUsages); N],

@@ -4,7 +4,7 @@ use super::batch::{OnChip, works_tile};
 use super::front::{Front, WORKS_HEADER};
 use super::system_layout::{SLICE, SystemOutcome};
 use crate::engine::backend::joints::{
-    JOINT_NUMBERS, MOST_MEMBERS, MOST_NODES, MOST_ORDERS, MOST_PRODUCTS, STATE_NUMBERS, TERMS,
+    JOINT_NUMBERS, MOST_NODES, MOST_PRODUCTS, MOST_ROWS, STATE_NUMBERS, TERMS,
 };
 use crate::engine::backend::precision::Precision;
 use crate::mechanics::compliance::ring_modes::MOST_MODES;
@@ -181,16 +181,22 @@ pub const ELIMINATE: KernelFile = KernelFile {
     summand: None,
 };
 
-/// From interpolated bodies and loads to states of contact.
+/// From bodies, as they lie in fits or are condensed, and loads to states of contact.
 pub const JOINTS: KernelFile = KernelFile {
     name: "joints",
     text: include_str!("../../../../shaders/joints.wgsl"),
     entry_points: &["solve_joints"],
-    bindings: &[("parameters", Uniform), ("tables", Read), ("joints", Read), ("found", Written)],
+    bindings: &[
+        ("parameters", Read),
+        ("tables", Read),
+        ("places", Read),
+        ("joints", Read),
+        ("found", Written),
+    ],
     constants: &[
         ("MOST_NODES", Constant::Count(MOST_NODES)),
         ("MOST_PRODUCTS", Constant::Count(MOST_PRODUCTS)),
-        ("MOST_ROWS", Constant::Count(MOST_ORDERS * (MOST_MEMBERS + 2))),
+        ("MOST_ROWS", Constant::Count(MOST_ROWS)),
         ("JOINT_NUMBERS", Constant::Count(JOINT_NUMBERS)),
         ("STATE_NUMBERS", Constant::Count(STATE_NUMBERS)),
         ("FUNCTIONS", Constant::Count(FUNCTIONS)),

@@ -15,6 +15,7 @@ pub mod works;
 pub mod front_topology;
 pub mod elimination_plan;
 pub mod elimination;
+pub mod joint_tables;
 pub mod joint_kernel;
 pub mod solver;
 pub mod speed;

@@ -17,7 +17,7 @@ use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::backend::device_solver::DeviceSolver;
-use crate::engine::backend::joints::{JointGroup, JointStates};
+use crate::engine::backend::joints::{JointBatch, SolvedJoints};
 use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
@@ -32,8 +32,9 @@ pub struct GpuCondenser<'a> {
     topologies: HashMap<TopologyKey, OnDevice>,
     elimination: Elimination,
     begun: VecDeque<Begun>,
-    /// Where it solves interpolated joints.
-    joints: Option<JointKernel>,
+    /// Which joints it solves, by this.
+    solves_joints: SolvedJoints,
+    joints: JointKernel,
     pub report: GpuReport,
 }
 
@@ -55,8 +56,8 @@ pub struct GpuReport {
     /// Wall times: layouts and what bodies share; from numbers to works, without what the device does alone.
     pub preparation: Duration,
     pub condensation: Duration,
-    /// Of interpolated joints, from their numbers to their states.
-    pub joints: Duration,
+    /// Of joints, from their numbers to their states.
+    pub contact: Duration,
 }
 
 /// What the bodies of a topology share on the device, as its solver takes them.
@@ -103,7 +104,8 @@ impl<'a> GpuCondenser<'a> {
     /// By kernels that are there.
     pub fn with(kernels: Kernels<'a>, solver: DeviceSolver) -> GpuCondenser<'a> {
         GpuCondenser {
-            joints: None,
+            solves_joints: SolvedJoints::None,
+            joints: JointKernel::new(kernels.making),
             kernels,
             solver,
             topologies: HashMap::default(),
@@ -113,14 +115,14 @@ impl<'a> GpuCondenser<'a> {
         }
     }
 
-    /// Which solves interpolated joints, too, or leaves them to the processor.
-    pub fn solving_joints(self, solves_joints: bool) -> GpuCondenser<'a> {
-        GpuCondenser { joints: solves_joints.then(|| JointKernel::new(self.kernels.making)), ..self }
+    /// Which solves these joints, too, and leaves others to the processor.
+    pub fn solving_joints(self, solves_joints: SolvedJoints) -> GpuCondenser<'a> {
+        GpuCondenser { solves_joints, ..self }
     }
 
-    /// What elimination has asked of the device.
+    /// What elimination and joints have asked of the device.
     pub fn counts(&self) -> Counts {
-        self.elimination.counts
+        self.elimination.counts.and(self.joints.counts)
     }
 }
 
@@ -160,24 +162,30 @@ impl Device for GpuCondenser<'_> {
         Ok(works)
     }
 
-    fn solves_joints(&self) -> bool {
-        self.joints.is_some()
+    fn solves_joints(&self) -> SolvedJoints {
+        self.solves_joints
     }
 
-    fn joints(&mut self, groups: &[JointGroup]) -> Result<Vec<Vec<Option<JointStates>>>, GpuError> {
-        let Some(kernel) = &mut self.joints else { return Ok(Vec::new()) };
+    fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
         let started = Instant::now();
-        let states = kernel.solve(self.kernels.gpu, groups);
-        self.report.joints += started.elapsed();
-        states
+        let begun = self.joints.begin(self.kernels.gpu, batch);
+        self.report.contact += started.elapsed();
+        begun
+    }
+
+    fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
+        let started = Instant::now();
+        let found = self.joints.finish(self.kernels.gpu);
+        self.report.contact += started.elapsed();
+        found
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {
-        let GpuReport { preparation, condensation, joints, .. } = self.report;
+        let GpuReport { preparation, condensation, contact, .. } = self.report;
         let mut stages =
             vec![("preparation on the GPU", preparation), ("condensation on the GPU", condensation)];
-        if self.solves_joints() {
-            stages.push(("interpolation on the GPU", joints));
+        if self.solves_joints > SolvedJoints::None {
+            stages.push(("contact on the GPU", contact));
         }
         stages
     }
