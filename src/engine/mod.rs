@@ -1,4 +1,6 @@
 pub mod stopwatch;
+#[cfg(feature = "files")]
+pub mod relay;
 mod csv_rows;
 mod distinct;
 pub mod hashed;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use crate::engine::relay::{Ended, relay};
 use crate::error::Error;
 use crate::output::claim::Claim;
 use crate::output::counts::Counts;
@@ -129,9 +130,12 @@ fn write(claim: &Claim, parts: &Parts) -> Result<String, Error> {
         let mut file = SinkFile::new(name, claim.partial(name));
         file.open()?;
         file.begin(&[])?;
-        for (number, (path, tables)) in parts.tables.iter().enumerate() {
-            tables[place].read(path, name, number == 0, &mut |bytes| file.append(bytes))?;
-        }
+        // Shards are read and checked beside what is written.
+        let read = |give: &mut dyn FnMut(Vec<u8>) -> Result<(), Ended<Error>>| {
+            let mut shards = parts.tables.iter().enumerate();
+            shards.try_for_each(|(number, (path, tables))| tables[place].read(path, name, number == 0, give))
+        };
+        relay(read, |bytes| file.append(&bytes))?;
         if name == TABLE_PARQUET {
             file.end(&ParquetTable::of(&parts.study()?))?;
         }

@@ -7,6 +7,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use crate::engine::relay::Ended;
 use crate::error::Error;
 use crate::output::folder::{RUN, ResultFolder};
 use crate::output::manifest_parts::Shard;
@@ -137,22 +138,20 @@ impl ShardTable {
         path: &Path,
         name: &str,
         with_header: bool,
-        take: &mut dyn FnMut(&[u8]) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let unreadable = |source| Error::Io { action: "read", path: path.into(), source };
+        give: &mut dyn FnMut(Vec<u8>) -> Result<(), Ended<Error>>,
+    ) -> Result<(), Ended<Error>> {
+        let unreadable = |source| Ended::Failed(Error::Io { action: "read", path: path.into(), source });
         let mut file = File::open(path).map_err(unreadable)?;
         file.seek(SeekFrom::Start(self.start)).map_err(unreadable)?;
         let mut skipped = if with_header { 0 } else { self.header };
         let printer = read_pieces(file, self.print.bytes, unreadable, |piece| {
             let skip = skipped.min(piece.len() as u64);
             skipped -= skip;
-            take(&piece[skip as usize..])
+            give(piece[skip as usize..].to_vec())
         })?;
         if printer.fingerprint() != self.print {
-            return Err(Error::DamagedShard {
-                path: path.into(),
-                problem: format!("its {name} is not what it was"),
-            });
+            let problem = format!("its {name} is not what it was");
+            return Err(Ended::Failed(Error::DamagedShard { path: path.into(), problem }));
         }
         Ok(())
     }
