@@ -8,7 +8,6 @@ use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
-use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
 use jointsweep::internals::engine::forecast::Demand;
 use jointsweep::internals::output::kept_rates;
 use jointsweep::internals::output::origin::Origin;
@@ -167,10 +166,7 @@ pub fn quiet_driver() {
 fn open(choice: AdapterChoice, args: &BackendArgs, accuracy: f64) -> Result<OpenGpu, GpuError> {
     quiet_driver();
     let device = Adapters::enumerate().open(choice)?;
-    let precision = match args.precision {
-        Some(asked) => asked.into(),
-        None => preferred_precision(&device, accuracy)?,
-    };
+    let precision = args.precision.map_or_else(|| Precision::preferred(&device.facts, accuracy), Into::into);
     precision.check(&device.facts)?;
     let solver = args.solver.map_or(DeviceSolver::Auto, Into::into);
     Ok(OpenGpu { device, precision, solver })

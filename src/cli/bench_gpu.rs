@@ -9,12 +9,11 @@ use jointsweep::Error;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, AdapterKind, Adapters, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
-use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
 use jointsweep::internals::engine::backend::joints::SolvedJoints;
 use jointsweep::internals::lab::gpu::benchmark::{Asked, GpuBenchmark};
 use jointsweep::internals::lab::gpu::budget::Budget;
-use jointsweep::internals::lab::gpu::figures::{GpuSweep, PrecisionRow, ScalingRow};
-use jointsweep::internals::lab::gpu::measure::{KernelTime, SWEEP_ACCURACY, body_kernels};
+use jointsweep::internals::lab::gpu::figures::{AnswersRow, GpuSweep, PrecisionRow, ScalingRow};
+use jointsweep::internals::lab::gpu::measure::{KernelTime, SWEEP_ACCURACY, body_kernels, joint_kernel};
 use jointsweep::internals::lab::gpu::measured_sweep::{MeasuredSweep, SWEEPS};
 use jointsweep::internals::lab::gpu::roofline::{Peaks, peaks};
 use jointsweep::internals::study::config::Study;
@@ -64,6 +63,9 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// Sweeps that are done several times, in each precision, should not take longer.
 const SHORT: Duration = Duration::from_secs(20);
 
+/// So many times the designs of the largest sweep are interpolated, with answers instead of a table.
+const MANY_ANSWERS: u64 = 100;
+
 /// The smallest of the sizes, each ten times the one before.
 const SMALLEST: u64 = 100;
 
@@ -80,6 +82,7 @@ struct Effort {
     most_on_cpu: u64,
     /// Of the largest sweep of each kind but the first.
     most_of_others: u64,
+    most_of_answers: u64,
     remark: Option<&'static str>,
 }
 
@@ -94,6 +97,7 @@ impl Effort {
                 levels: &[1],
                 most_on_cpu: 100_000,
                 most_of_others: most.min(10),
+                most_of_answers: most.min(100),
                 remark: Some(
                     "software: fewer designs are checked and measured, once each, small batches; no speed",
                 ),
@@ -106,6 +110,7 @@ impl Effort {
                 levels: &[1, 3],
                 most_on_cpu: 100_000,
                 most_of_others: most.min(100_000),
+                most_of_answers: most.saturating_mul(MANY_ANSWERS),
                 remark: None,
             },
         }
@@ -122,18 +127,15 @@ pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
     let (started, opened) = (SystemTime::now(), Instant::now());
     let choice = args.adapter.as_deref().map_or(AdapterChoice::Best, AdapterChoice::Named);
     backend::quiet_driver();
-    let gpu = Adapters::enumerate().open(choice).map_err(into_error)?;
+    let gpu = Adapters::enumerate().open(choice).map_err(into_error)?.timed();
     let precisions: Vec<Precision> = match args.precision {
         Some(asked) => vec![asked.into()],
         None if gpu.facts.features.f64 => vec![Precision::F32, Precision::Mixed, Precision::F64],
         None => vec![Precision::F32],
     };
     precisions.iter().try_for_each(|precision| precision.check(&gpu.facts)).map_err(into_error)?;
-    let best = if precisions.len() == 1 {
-        precisions[0]
-    } else {
-        preferred_precision(&gpu, SWEEP_ACCURACY).map_err(into_error)?
-    };
+    let best =
+        if precisions.len() == 1 { precisions[0] } else { Precision::preferred(&gpu.facts, SWEEP_ACCURACY) };
     let threads = threads(args.threads);
     let most = args.most;
     let budget = Budget::new(args.budget.map(|budget| budget.saturating_sub(opened.elapsed())));
@@ -214,6 +216,7 @@ impl Bench<'_> {
         let mut scaling = Vec::new();
         let [first, others @ ..] = &SWEEPS;
         self.sizes(files, &mut scaling, *first, best, most)?;
+        self.answers(files, GpuChoice::new(self.sweeps.gpu, best), self.effort.most_of_answers)?;
         let rows = self.precisions(files, &scaling, precisions, checks)?;
         let kernels = self.kernels(files, &peaks_of, precisions, best)?;
         for measured in others {
@@ -256,6 +259,30 @@ impl Bench<'_> {
             before = Some((designs, started.elapsed().as_secs_f64()));
             scaling.push(row);
             files.save_scaling(scaling)?;
+        }
+        Ok(())
+    }
+
+    /// Interpolated, with answers instead of a table: every size that there is time for.
+    fn answers(&self, files: &mut GpuBenchmark, gpu: GpuChoice, most: u64) -> Result<(), Error> {
+        let mut rows: Vec<AnswersRow> = Vec::new();
+        for designs in sizes(most) {
+            let before = rows.last().map_or(0.0, |row| row.gpu_seconds);
+            let forecast = before * designs as f64 / rows.last().map_or(1, |row| row.designs) as f64;
+            let study = FIRST.answers(designs)?;
+            let budget = &self.sweeps.budget;
+            let is_in_time = before < PATIENCE.as_secs_f64() && !budget.is_over() && budget.bears(forecast);
+            let answered = is_in_time.then(|| self.sweeps.with_answers(&study, Some(gpu))).transpose()?;
+            let Some(gpu_seconds) = answered.flatten() else {
+                self.left_out(files, &format!("answers to {designs} designs and more"));
+                break;
+            };
+            let is_for_cpu = designs <= self.effort.most_on_cpu;
+            let cpu_seconds =
+                is_for_cpu.then(|| self.sweeps.with_answers(&study, None)).transpose()?.flatten();
+            say(&format!("answers to {designs} designs: {}", duration(gpu_seconds)));
+            rows.push(AnswersRow { designs, gpu_seconds, cpu_seconds });
+            files.save_answers(&rows)?;
         }
         Ok(())
     }
@@ -336,6 +363,11 @@ impl Bench<'_> {
                 kernels.extend(body_kernels(choice, &cases, level).map_err(into_error)?);
                 say(&called);
             }
+        }
+        let is_in_time = self.sweeps.budget.left().is_none_or(|left| left >= FOR_KERNELS);
+        if is_in_time && precisions.contains(&Precision::F32) {
+            kernels.push(joint_kernel(self.sweeps.gpu).map_err(into_error)?);
+            say("kernel of joints");
         }
         files.save_kernels(&kernels, peaks_of)?;
         Ok(kernels)

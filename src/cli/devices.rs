@@ -8,7 +8,7 @@ use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::gpu::context::{
     AdapterChoice, AdapterFacts, Adapters, GpuDevice, GpuError, choose,
 };
-use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
+use jointsweep::internals::engine::backend::precision::Precision;
 use jointsweep::internals::output::kept_rates::measured_anew;
 
 use super::{Ending, backend, print, say};
@@ -37,14 +37,16 @@ pub fn devices(args: &DevicesArgs) -> Result<Ending, Error> {
 
 /// How fast a device is, in words; kept.
 fn measured(device: &GpuDevice) -> Result<String, GpuError> {
-    let choice = GpuChoice::new(device, preferred_precision(device, ACCURACY)?);
+    let choice = GpuChoice::new(device, Precision::preferred(&device.facts, ACCURACY));
     let (rates, not_kept) = measured_anew(backend::cache_folder().as_deref(), &choice)?;
     if let Some(error) = not_kept {
         say(&format!("warning: what was measured is not kept: {error}"));
     }
     let (name, threads) = (choice.precision.name(), rates.threads());
+    let contact = rates.threads_of_contact();
+    let contact = contact.map_or(String::new(), |threads| format!(", solves contact like {threads:.2}"));
     Ok(format!(
-        "condenses like {threads:.2} threads of the processor in {name}, ready after {:.1} s",
+        "condenses like {threads:.2} threads of the processor in {name}{contact}, ready after {:.1} s",
         rates.start
     ))
 }

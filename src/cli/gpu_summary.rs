@@ -53,6 +53,9 @@ pub fn summary(
         "GPU/CPU",
         "interpolated",
         "on the GPU",
+        "busy",
+        "waits",
+        "kernels",
     ];
     let mut lines = vec![header.map(String::from)];
     lines.extend(scaling.iter().map(|row| {
@@ -69,6 +72,9 @@ pub fn summary(
             cpu_seconds.map_or(String::new(), |seconds| format!("{:.3}", seconds / sweep.seconds)),
             row.cpu_interpolated_seconds.map_or(String::new(), duration),
             row.gpu_interpolated_seconds.map_or(String::new(), duration),
+            sweep.busy_share().map_or(String::new(), |share| format!("{:.1} %", 100.0 * share)),
+            sweep.asked.waits.to_string(),
+            duration(sweep.kernels_seconds),
         ]
     }));
     text += &aligned(&lines);

@@ -69,6 +69,7 @@ impl TimedSweeps<'_> {
 
     /// A sweep on the GPU whose outcomes nobody keeps; nothing where time runs out.
     pub fn dropped(&self, study: &Study, gpu: GpuChoice) -> Result<Option<GpuSweep>, Error> {
+        let kernels = self.gpu.making_kernels();
         let (seconds, statistics) = self.sweep(study, Some(gpu), &mut |_| self.goes_on())?;
         if statistics.interrupted {
             return Ok(None);
@@ -80,6 +81,9 @@ impl TimedSweeps<'_> {
             solves: statistics.solves,
             designs_on_cpu: statistics.designs_on_cpu,
             worst_residual: statistics.worst_residual.unwrap_or(0.0),
+            asked: statistics.asked,
+            kernels_seconds: (self.gpu.making_kernels() - kernels).as_secs_f64(),
+            is_timed: self.gpu.is_timed(),
             stages: statistics
                 .stages
                 .iter()
@@ -92,10 +96,29 @@ impl TimedSweeps<'_> {
     pub fn with_table(&self, study: &Study, gpu: GpuChoice) -> Result<Option<(f64, u64)>, Error> {
         let scratch = Scratch::new()?;
         let folder = ResultFolder::of_run(Some(&scratch.0), study);
+        let Some(seconds) = self.written(study, &folder, Some(gpu))? else { return Ok(None) };
+        let path: PathBuf = folder.table(study);
+        let bytes =
+            std::fs::metadata(&path).map_err(|source| Error::Io { action: "read", path, source })?.len();
+        Ok(Some((seconds, bytes)))
+    }
+
+    /// Wall time of a sweep on the GPU, or the processor, with its answers on disk, s; nothing where time runs out.
+    pub fn with_answers(&self, study: &Study, gpu: Option<GpuChoice>) -> Result<Option<f64>, Error> {
+        let scratch = Scratch::new()?;
+        self.written(study, &ResultFolder::of_run(Some(&scratch.0), study), gpu)
+    }
+
+    fn written(
+        &self,
+        study: &Study,
+        folder: &ResultFolder,
+        gpu: Option<GpuChoice>,
+    ) -> Result<Option<f64>, Error> {
         let started = Instant::now();
-        let conditions = Conditions { gpu: Some(gpu), threads: self.threads, started: SystemTime::now() };
+        let conditions = Conditions { gpu, threads: self.threads, started: SystemTime::now() };
         let mut recorder = Recorder::new(folder.claim("of bench-gpu")?, study, &conditions)?;
-        let options = SweepOptions { threads: self.threads, gpu: Some(gpu), ..SweepOptions::default() };
+        let options = SweepOptions { threads: self.threads, gpu, ..SweepOptions::default() };
         let sinks = recorder.sinks();
         let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
         let statistics = sweep::run_digested(study, &options, &digest, &mut |rows| {
@@ -107,11 +130,10 @@ impl TimedSweeps<'_> {
         }
         recorder.finish(&statistics)?;
         let seconds = started.elapsed().as_secs_f64();
-        self.is_measured(&statistics, gpu.precision)?;
-        let path: PathBuf = folder.table(study);
-        let bytes =
-            std::fs::metadata(&path).map_err(|source| Error::Io { action: "read", path, source })?.len();
-        Ok(Some((seconds, bytes)))
+        if let Some(gpu) = gpu {
+            self.is_measured(&statistics, gpu.precision)?;
+        }
+        Ok(Some(seconds))
     }
 
     /// Wall time of a sweep on the processor, s; nothing where time runs out.

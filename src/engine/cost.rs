@@ -1,7 +1,7 @@
 //! What a sweep will cost, told without solving any of it.
 
 use std::hash::BuildHasher;
-use std::ops::Range;
+use std::ops::{AddAssign, Mul, Range};
 
 use foldhash::fast::RandomState;
 use foldhash::{HashMap, HashSet};
@@ -103,6 +103,8 @@ struct Needs {
     joints: HashSet<u64>,
     unknowns: u64,
     seconds: f64,
+    /// Of these the contact of joints that a device may solve.
+    for_devices: Part,
 }
 
 impl Needs {
@@ -147,7 +149,11 @@ impl Needs {
         if !self.joints.insert(self.hasher.hash_one(joint_key(plan, case))) {
             return;
         }
-        self.seconds += times * joint_seconds(plan);
+        let contact = times * joint_seconds(plan);
+        self.seconds += contact;
+        if plan.estimate == HowKnown::Known {
+            self.for_devices += Part { count: times, seconds: contact };
+        }
         let highest = self.spaces.entry(plan.space).or_default();
         for BodyRequest { body, fidelity } in plan.requests() {
             match fidelity {
@@ -217,11 +223,35 @@ fn working_range_of(case: &DesignCase) -> (f64, f64) {
 /// What a design takes, s.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DesignParts {
-    /// Bodies that a device may condense.
-    pub bodies: f64,
-    /// Their condensation, on the processor.
-    pub condensation: f64,
+    /// Bodies that a device may condense, and their condensation on the processor.
+    pub bodies: Part,
+    /// Joints of bodies on meshes that a device may solve, and their contact on the processor.
+    pub on_meshes: Part,
+    /// The same of interpolated bodies.
+    pub interpolated: Part,
     pub others: f64,
+}
+
+/// Some things, and what they take on the processor, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Part {
+    pub count: f64,
+    pub seconds: f64,
+}
+
+impl AddAssign for Part {
+    fn add_assign(&mut self, more: Part) {
+        self.count += more.count;
+        self.seconds += more.seconds;
+    }
+}
+
+impl Mul<f64> for Part {
+    type Output = Part;
+
+    fn mul(self, times: f64) -> Part {
+        Part { count: times * self.count, seconds: times * self.seconds }
+    }
 }
 
 /// What designs of a study take.
@@ -242,17 +272,22 @@ impl DesignCost<'_> {
 
     /// A further design, s, whatever it shares with others.
     pub fn seconds(&self, case: &DesignCase) -> f64 {
-        let DesignParts { condensation, others, .. } = self.parts(case);
-        condensation + others
+        let DesignParts { bodies, on_meshes, interpolated, others } = self.parts(case);
+        bodies.seconds + on_meshes.seconds + interpolated.seconds + others
     }
 
     /// The same by what a device may do of it.
     pub fn parts(&self, case: &DesignCase) -> DesignParts {
         let rows = case.steps.len() as f64;
-        let without_meshes = |cost: Cost<2>| DesignParts { others: cost.seconds(), ..DesignParts::default() };
         if self.interpolation.as_ref().is_some_and(|plan| plan.covers(&case.joint)) {
-            return without_meshes(interpolated_design(rows));
+            let joint = interpolated_design(0.0).seconds();
+            return DesignParts {
+                interpolated: Part { count: 1.0, seconds: joint },
+                others: interpolated_design(rows).seconds() - joint,
+                ..DesignParts::default()
+            };
         }
+        let without_meshes = |cost: Cost<2>| DesignParts { others: cost.seconds(), ..DesignParts::default() };
         let of_rows = design(rows);
         let solve = self.study.solve;
         if solve.method == MethodChoice::ClosedForm {
@@ -263,14 +298,17 @@ impl DesignCost<'_> {
         };
         let mut needs = Needs::default();
         needs.climb(case, first, solve.accuracy);
-        let mut parts = DesignParts { others: of_rows.seconds() + needs.seconds, ..DesignParts::default() };
+        let mut parts = DesignParts {
+            on_meshes: needs.for_devices,
+            others: of_rows.seconds() + needs.seconds - needs.for_devices.seconds,
+            ..DesignParts::default()
+        };
         for group in needs.groups.values() {
             let in_lanes = group.bodies * batch(group.size).seconds() / LANES as f64;
             if group.is_lined {
                 parts.others += in_lanes;
             } else {
-                parts.bodies += group.bodies;
-                parts.condensation += in_lanes;
+                parts.bodies += Part { count: group.bodies, seconds: in_lanes };
             }
         }
         parts

@@ -1,23 +1,22 @@
 //! Whether a device would be through with a sweep sooner than the processor.
 //!
 //! Designs that are spread over the sweep tell what it needs, by `unit_costs`; how fast the processor and the device are is
-//! measured (`backend::rates`). While the device condenses, the processor does all else, so that the slower of both counts.
+//! measured (`backend::rates`). While the device condenses and solves joints, the processor does all else, so that the slower of both counts.
 
 use foldhash::HashSet;
 
 use crate::engine::backend::rates::Rates;
-use crate::engine::cost::{DesignCost, DesignParts};
+use crate::engine::cost::{DesignCost, DesignParts, Part};
 use crate::engine::distinct::distinct_among;
 use crate::engine::interpolation::fit_plan::picks;
 use crate::study::config::Study;
 
-/// What the designs of a sweep need, on one thread of the processor, s by `unit_costs`.
+/// What the designs of a sweep need, on one thread of the processor, s by `unit_costs`; as in `DesignParts`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Demand {
-    /// Bodies that a device may condense.
-    pub bodies: f64,
-    /// Their condensation.
-    pub condensation: f64,
+    pub bodies: Part,
+    pub on_meshes: Part,
+    pub interpolated: Part,
     pub others: f64,
 }
 
@@ -28,7 +27,7 @@ pub struct Forecast {
     pub device: f64,
 }
 
-/// Sweeps whose condensation takes the processor less than this, s, are not worth opening a device and measuring it.
+/// Sweeps whose condensation and contact take the processor less than this, s, are not worth opening a device and measuring it.
 const WORTH: f64 = 3.0;
 
 /// Fewer designs do not fill a device, however long each takes.
@@ -51,11 +50,16 @@ impl Demand {
         let numbers = picks(study.design_count());
         let few = numbers.iter().copied().step_by(numbers.len().div_ceil(FIRST).max(1));
         let first = Demand::of(study, &DesignCost::without_interpolation(study), few)?;
-        if first.condensation < least {
+        if first.for_devices() < least {
             return None;
         }
         let demand = Demand::of(study, &DesignCost::of_study(study), numbers.iter().copied())?;
-        (demand.condensation >= least).then_some(demand)
+        (demand.for_devices() >= least).then_some(demand)
+    }
+
+    /// What a device may do of it.
+    fn for_devices(&self) -> f64 {
+        self.bodies.seconds + self.on_meshes.seconds + self.interpolated.seconds
     }
 
     /// By designs that stand for all.
@@ -64,12 +68,13 @@ impl Demand {
         let (mut seen, mut on_meshes, mut sum) = (0.0, 0.0, DesignParts::default());
         for case in study.cases_at(numbers).ok()? {
             let case = case.ok()?;
-            let DesignParts { bodies, condensation, others } = cost.parts(&case);
-            sum.bodies += bodies;
-            sum.condensation += condensation;
-            sum.others += others;
+            let parts = cost.parts(&case);
+            sum.bodies += parts.bodies;
+            sum.on_meshes += parts.on_meshes;
+            sum.interpolated += parts.interpolated;
+            sum.others += parts.others;
             seen += 1.0;
-            if bodies > 0.0 {
+            if parts.bodies.count > 0.0 {
                 on_meshes += 1.0;
                 let joint = &case.joint;
                 pins.insert(joint.body(&joint.pin).key());
@@ -86,7 +91,8 @@ impl Demand {
         let once = distinct.iter().sum::<f64>() / (2.0 * on_meshes).max(1.0);
         Some(Demand {
             bodies: sum.bodies * once,
-            condensation: sum.condensation * once,
+            on_meshes: sum.on_meshes * of_all,
+            interpolated: sum.interpolated * of_all,
             others: sum.others * of_all,
         })
     }
@@ -94,10 +100,20 @@ impl Demand {
     /// With the rates of a machine and so many threads.
     pub fn forecast(&self, rates: &Rates, threads: usize) -> Forecast {
         let threads = threads as f64;
-        let of_threads = (rates.processor * self.others + rates.host * self.bodies) / threads;
+        let [mut on_threads, mut on_device] = [self.others, self.bodies.seconds * rates.device];
+        let mut host = rates.host * self.bodies.count;
+        for (joints, is_on_meshes) in [(self.on_meshes, true), (self.interpolated, false)] {
+            match rates.joints.filter(|joints| joints.on_meshes || !is_on_meshes) {
+                Some(rates) => {
+                    on_device += rates.device * joints.seconds;
+                    host += rates.host * joints.count;
+                }
+                None => on_threads += joints.seconds,
+            }
+        }
         Forecast {
-            processor: rates.processor * (self.condensation + self.others) / threads,
-            device: rates.start + of_threads.max(rates.device * self.condensation),
+            processor: rates.processor * (self.for_devices() + self.others) / threads,
+            device: rates.start + ((rates.processor * on_threads + host) / threads).max(on_device),
         }
     }
 }
@@ -114,6 +130,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::engine::backend::rates::JointRates;
 
     /// `configs/random.toml` with so many designs and another line for one of its own.
     fn study(count: u64, line: &str, other: &str) -> Study {
@@ -123,7 +140,13 @@ mod tests {
         Study::from_text(Path::new("random.toml"), text).unwrap()
     }
 
-    const RATES: Rates = Rates { processor: 1.0, device: 0.01, host: 1e-6, start: 1.0 };
+    const RATES: Rates = Rates {
+        processor: 1.0,
+        device: 0.01,
+        host: 1e-6,
+        start: 1.0,
+        joints: Some(JointRates { device: 0.02, host: 2e-6, on_meshes: true }),
+    };
 
     /// What is looked at stands for all: twice the designs need twice as much, and as `DesignCost` has it.
     #[test]
@@ -132,21 +155,31 @@ mod tests {
         let demand = Demand::worth_a_device(&all, 1).unwrap();
         let cost = DesignCost::of_study(&all);
         let sum: f64 = all.cases().unwrap().take(2000).map(|case| cost.seconds(&case.unwrap())).sum();
-        let told = demand.condensation + demand.others;
+        let told = demand.for_devices() + demand.others;
         assert!((told / (100.0 * sum) - 1.0).abs() < 0.05, "{told} {sum}");
         let twice = Demand::worth_a_device(&study(400_000, "", ""), 1).unwrap();
-        assert!((twice.condensation / demand.condensation - 2.0).abs() < 0.1, "{twice:?} {demand:?}");
+        for (twice, once) in [(twice.bodies, demand.bodies), (twice.on_meshes, demand.on_meshes)] {
+            assert!((twice.seconds / once.seconds - 2.0).abs() < 0.1, "{twice:?} {once:?}");
+            assert!((twice.count / once.count - 2.0).abs() < 0.1, "{twice:?} {once:?}");
+        }
+        // A joint has two bodies.
+        assert!((demand.bodies.count / demand.on_meshes.count - 2.0).abs() < 0.1, "{demand:?}");
+        assert_eq!(demand.interpolated, Part::default());
         // More threads are through with it in no time.
-        assert!(demand.condensation > WORTH);
-        assert_eq!(Demand::worth_a_device(&all, (demand.condensation / WORTH) as usize + 1), None);
+        assert!(demand.for_devices() > WORTH);
+        assert_eq!(Demand::worth_a_device(&all, (demand.for_devices() / WORTH) as usize + 1), None);
     }
 
-    /// Small ones, and those that are interpolated.
+    /// Small ones; fewer that are interpolated have little to solve.
     #[test]
-    fn sweeps_with_little_to_condense_ask_no_device() {
+    fn sweeps_with_little_to_solve_ask_no_device() {
         assert_eq!(Demand::worth_a_device(&study(1000, "", ""), 1), None);
-        let interpolated = study(1_000_000, "interpolation = \"off\"", "interpolation = \"auto\"");
-        assert_eq!(Demand::worth_a_device(&interpolated, 1), None);
+        let interpolated = |count| study(count, "interpolation = \"off\"", "interpolation = \"auto\"");
+        assert!(Demand::worth_a_device(&study(200_000, "", ""), 1).is_some());
+        assert_eq!(Demand::worth_a_device(&interpolated(200_000), 1), None);
+        let demand = Demand::worth_a_device(&interpolated(3_000_000), 1).unwrap();
+        assert!((demand.interpolated.count / 3e6 - 1.0).abs() < 0.05, "{demand:?}");
+        assert!(demand.interpolated.seconds > 10.0 * demand.bodies.seconds, "{demand:?}");
     }
 
     /// Bodies that come again are condensed once, on either side of the joint.
@@ -184,26 +217,33 @@ mod tests {
             Demand::worth_a_device(&study, 1)
         };
         let [core, outer] = ["{ from = 0.2, to = 0.3 }", "{ from = 2.0, to = 3.0 }"];
-        let both = of(core, outer).unwrap().condensation;
+        let both = of(core, outer).unwrap().bodies.seconds;
         for (core, outer) in [(core, "2.5"), ("0.25", outer)] {
-            let one = of(core, outer).unwrap().condensation;
+            let one = of(core, outer).unwrap().bodies.seconds;
             assert!((one / both - 0.5).abs() < 0.1, "{core} {outer}: {one} {both}");
         }
-        assert_eq!(of("0.25", "2.5"), None);
+        // Joints all the same.
+        assert!(of("0.25", "2.5").unwrap().bodies.seconds < 1e-3 * both);
     }
 
     /// The slower of both threads and device counts, and what it takes to begin.
     #[test]
     fn the_device_is_taken_where_it_is_clearly_faster() {
-        let demand = Demand { bodies: 2e6, condensation: 60.0, others: 20.0 };
+        let part = |count, seconds| Part { count, seconds };
+        let demand = Demand {
+            bodies: part(2e6, 60.0),
+            on_meshes: part(1e6, 0.0),
+            interpolated: part(0.0, 0.0),
+            others: 16.0,
+        };
         let Forecast { processor, device } = demand.forecast(&RATES, 2);
-        assert_eq!((processor, device), (40.0, 1.0 + 11.0));
+        assert_eq!((processor, device), (38.0, 1.0 + 10.0));
         let of = |rates: Rates, threads: usize| demand.forecast(&rates, threads).prefers_device();
         assert!(of(RATES, 2) && of(RATES, 16));
         for (is_taken, rates) in [
             // Where the device is the slower one.
-            (true, Rates { device: 0.5, ..RATES }),
-            (false, Rates { device: 0.55, ..RATES }),
+            (true, Rates { device: 0.48, ..RATES }),
+            (false, Rates { device: 0.5, ..RATES }),
             // What threads do for it.
             (false, Rates { host: 3e-5, ..RATES }),
             (false, Rates { start: 30.0, ..RATES }),
@@ -213,5 +253,28 @@ mod tests {
             assert_eq!(of(rates, 2), is_taken, "{rates:?}");
         }
         assert!(!of(Rates { device: 0.12, ..RATES }, 16));
+    }
+
+    /// Joints are the device's where it solves such joints, and else the threads'.
+    #[test]
+    fn joints_go_where_they_are_solved() {
+        let part = |count, seconds| Part { count, seconds };
+        let none = part(0.0, 0.0);
+        let on_meshes = Demand { bodies: none, on_meshes: part(1e6, 40.0), interpolated: none, others: 4.0 };
+        let interpolated = Demand { on_meshes: none, interpolated: part(1e6, 40.0), ..on_meshes };
+        let joints = |on_meshes| JointRates { device: 0.2, host: 2e-6, on_meshes };
+        // On the device 8 s of contact, on threads 4 of all else and 2 for its joints; or all of it.
+        for (joints, of_meshes, of_interpolated) in [
+            (Some(joints(true)), 8.0, 8.0),
+            (Some(joints(false)), 44.0, 8.0),
+            (Some(JointRates { device: 0.1, ..joints(true) }), 6.0, 6.0),
+            (None, 44.0, 44.0),
+        ] {
+            let rates = Rates { start: 0.0, joints, ..RATES };
+            for (demand, expected) in [(on_meshes, of_meshes), (interpolated, of_interpolated)] {
+                let Forecast { processor, device } = demand.forecast(&rates, 1);
+                assert_eq!((processor, device), (44.0, expected), "{joints:?}");
+            }
+        }
     }
 }

@@ -35,6 +35,9 @@ const FEWEST: usize = 1024;
 /// An attempt, with the place of its design among those tried together.
 type Placed = (usize, (Answer, Want));
 
+/// The answers to the designs of a joint, and what they have taken.
+type Timed = (Vec<(Answer, Want)>, Duration);
+
 /// Designs whose bodies are solved, on their way to an attempt.
 struct Attempt<'a> {
     open: &'a [(usize, JointPlan)],
@@ -199,11 +202,9 @@ impl<'a> Ladder<'a> {
         for (place, key) in keys.into_iter().enumerate() {
             joints.entry(key).or_default().push(place);
         }
-        let portions = joints.into_values().flat_map(|places| match places.len() {
-            ..=TOGETHER => vec![places],
-            _ => places.chunks(TOGETHER).map(<[usize]>::to_vec).collect(),
-        });
-        let joints: Vec<Vec<usize>> = portions.collect();
+        let (few, many): (Vec<_>, Vec<_>) = joints.into_values().partition(|places| places.len() <= TOGETHER);
+        let mut joints: Vec<Vec<usize>> = few;
+        joints.extend(many.iter().flat_map(|places| places.chunks(TOGETHER).map(<[usize]>::to_vec)));
         if self.library.solves_joints() < SolvedJoints::All {
             return Attempt { open, joints, on_device: None };
         }
@@ -225,19 +226,22 @@ impl<'a> Ladder<'a> {
         let found = on_device.and_then(|underway| Some((underway, self.library.finish_joints()?)));
         let (library, spaces, accuracy) = (&self.library, &self.spaces, self.options.accuracy);
         let judge = |places: &Vec<usize>, even: f64, found: &[f32]| {
-            let own = cases_of(cases, open, places);
-            judged_designs(library, spaces, &open[places[0]].1, own, accuracy, (even, found))
+            let (started, own) = (Stopwatch::start(), cases_of(cases, open, places));
+            let found = (even, found);
+            let judged = judged_designs(library, spaces, &open[places[0]].1, own, accuracy, found)?;
+            Some((judged, started.elapsed()))
         };
         let judged = found.map_or(vec![None; joints.len()], |(underway, found)| {
             underway.judged(&joints, JOINTS_TOGETHER, &found, judge)
         });
-        let solve = |(places, judged): (&Vec<usize>, Option<Vec<(Answer, Want)>>)| {
-            let started = Stopwatch::start();
-            let own = cases_of(cases, open, places);
-            let solve = || solve_designs(library, spaces, &open[places[0]].1, own, accuracy);
-            let solved = judged.unwrap_or_else(solve);
+        let solve = |(places, judged): (&Vec<usize>, Option<Timed>)| {
+            let (solved, time) = judged.unwrap_or_else(|| {
+                let (started, own) = (Stopwatch::start(), cases_of(cases, open, places));
+                let solved = solve_designs(library, spaces, &open[places[0]].1, own, accuracy);
+                (solved, started.elapsed())
+            });
             let placed: Vec<Placed> = places.iter().copied().zip(solved).collect();
-            (placed, started.elapsed())
+            (placed, time)
         };
         let solved: Vec<_> = joints.par_iter().with_min_len(4).zip(judged).map(solve).collect();
         self.times.contact += solved.iter().map(|(_, time)| *time).sum::<Duration>();

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use rayon::prelude::*;
 
+use crate::engine::backend::Counts;
 use crate::engine::backend::choice::GpuChoice;
 use crate::engine::cost::DesignCost;
 use crate::engine::distinct::Distinct;
@@ -31,6 +32,8 @@ pub struct Statistics {
     pub designs_on_cpu: u64,
     /// Columns of rings that the GPU solved for by conjugate gradients.
     pub solves: u64,
+    /// What elimination and joints have asked of the GPU.
+    pub asked: Counts,
     /// The greatest true residual that an outcome of the GPU rests on.
     pub worst_residual: Option<f64>,
     /// Why the GPU was given up, if it was.
@@ -171,7 +174,7 @@ pub fn run_digested<T: Send>(
         // Those who still send to nobody end.
         drop(digested);
         let digestion = joined(digester);
-        let Statistics { solves, worst_residual, fallback, mut stages, .. } = joined(solver);
+        let Statistics { solves, asked, worst_residual, fallback, mut stages, .. } = joined(solver);
         stages.extend([("table", digestion), ("writing", received)]);
         let distinct_bodies = joined(drawer).count();
         statistics.interrupted &= statistics.designs < count;
@@ -179,7 +182,7 @@ pub fn run_digested<T: Send>(
             statistics.designs_on_cpu = 0;
         }
         result?;
-        Ok(Statistics { distinct_bodies, solves, worst_residual, fallback, stages, ..statistics })
+        Ok(Statistics { distinct_bodies, solves, asked, worst_residual, fallback, stages, ..statistics })
     })
 }
 
@@ -294,6 +297,7 @@ fn solve_all(
         // Nothing where all was eliminated.
         worst_residual: device.map(|device| device.worst_residual()).filter(|residual| *residual > 0.0),
         solves: device.map_or(0, |device| device.solves()),
+        asked: device.map_or(Counts::default(), |device| device.counts()),
         fallback,
         ..Statistics::default()
     }

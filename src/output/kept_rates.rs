@@ -53,7 +53,7 @@ pub fn rates(folder: Option<&Path>, choice: &GpuChoice) -> Result<(Rates, Option
 
 /// The same, measured now whatever was kept.
 pub fn measured_anew(folder: Option<&Path>, choice: &GpuChoice) -> Result<(Rates, Option<Error>), GpuError> {
-    let rates = measure(choice.device, choice.precision, choice.solver)?;
+    let rates = measure(choice.device, choice.precision, choice.solver, choice.solves_joints())?;
     let Some(folder) = folder else { return Ok((rates, None)) };
     let of = Measured::of(choice);
     let mut all = entries(folder);

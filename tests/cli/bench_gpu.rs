@@ -7,7 +7,8 @@ use jointsweep::internals::engine::outcome::DesignOutcome;
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::design::DesignCase;
 
-const FILES: [&str; 5] = ["kernels.csv", "manifest.json", "peaks.csv", "precisions.csv", "scaling.csv"];
+const FILES: [&str; 6] =
+    ["answers.csv", "kernels.csv", "manifest.json", "peaks.csv", "precisions.csv", "scaling.csv"];
 
 /// The numbers of a column; all of them positive, and none empty.
 #[track_caller]
@@ -64,16 +65,40 @@ fn every_file_is_there_and_its_figures_are_sane() {
     assert!((of("designs_per_s") * of("wall_s") - 100.0).abs() < 0.1);
     assert!((of("gpu_over_cpu") * of("wall_s") / of("cpu_wall_s") - 1.0).abs() < 1e-3);
     assert!(of("with_table_s") > 0.0 && of("table_bytes") > 100.0 * 10.0 * 100.0);
+    // Elimination asks once for a batch; conjugate gradients are not counted.
+    for name in ["dispatches", "submits", "waits", "bytes_up", "bytes_down"] {
+        let counts: Vec<u64> = scaling.column(name).iter().map(|cell| cell.parse().unwrap()).collect();
+        assert!(counts[..4].iter().all(|count| *count > 0) && counts[4] == 0, "{name}: {counts:?}");
+    }
+    let first = |name: &str| scaling.column(name)[0].parse::<u64>().unwrap();
+    assert!(first("waits") <= first("submits") && first("submits") <= first("dispatches"));
+    assert!(positive(&scaling, "kernels_s").iter().zip(positive(&scaling, "wall_s")).all(|(a, b)| *a < b));
+    let has_clock = manifest["adapter"]["features"]["timestamps"].as_bool().unwrap();
+    let busy = &scaling.column("busy_share")[..4];
+    if has_clock {
+        let shares: Vec<f64> = busy.iter().map(|cell| cell.parse().unwrap()).collect();
+        assert!(shares.iter().all(|share| *share > 0.0 && *share < 1.0), "{shares:?}");
+    } else {
+        assert_eq!(busy, [""; 4]);
+    }
+
+    let answers = work.table("figures/answers.csv");
+    assert!(answers.column("designs").starts_with(&["100"]));
+    for name in ["gpu_wall_s", "gpu_designs_per_s", "cpu_wall_s", "cpu_designs_per_s"] {
+        positive(&answers, name);
+    }
 
     let kernels = work.table("figures/kernels.csv");
-    let expected = ["elimination", "assemble", "pcg", "refine", "condense", "works"];
+    let expected = ["elimination", "assemble", "pcg", "refine", "condense", "works", "joints"];
     assert_eq!(kernels.column("kernel"), expected);
     for name in ["seconds", "operations", "bytes", "gflop_per_s", "gb_per_s", "arithmetic_floor_s"] {
         positive(&kernels, name);
     }
     // Software has its peaks from a processor that others use meanwhile.
     let most = if is_software { 10.0 } else { 1.0 };
-    for name in ["arithmetic_share", "memory_share"] {
+    let bounds = kernels.column("bound");
+    assert!(bounds.iter().all(|bound| ["arithmetic", "memory"].contains(bound)), "{bounds:?}");
+    for name in ["arithmetic_share", "memory_share", "bound_share"] {
         let shares = positive(&kernels, name);
         assert!(shares.iter().all(|share| *share <= most), "{name}: {shares:?}");
     }
@@ -99,9 +124,9 @@ fn a_benchmark_ends_in_time() {
     assert!(manifest["asked"]["checked_designs"].as_u64().unwrap() >= 10);
     let remarks: Vec<&str> =
         manifest["remarks"].as_array().unwrap().iter().map(|remark| remark.as_str().unwrap()).collect();
-    // Five sweeps, the precisions, and each mesh of the kernels.
+    // Five sweeps, the answers, the precisions, and each mesh of the kernels.
     assert!(
-        remarks.len() >= 7 && remarks.iter().all(|remark| remark.starts_with("no time for ")),
+        remarks.len() >= 8 && remarks.iter().all(|remark| remark.starts_with("no time for ")),
         "{remarks:?}"
     );
     assert!(remarks.iter().all(|remark| told.stderr.contains(remark)), "{}", told.stderr);

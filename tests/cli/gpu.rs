@@ -4,7 +4,7 @@
 
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters};
-use jointsweep::internals::engine::backend::gpu::speed::preferred_precision;
+use jointsweep::internals::engine::backend::precision::Precision;
 use jointsweep::internals::output::kept_rates::{RATES, rates};
 
 use crate::common::greatest::greatest;
@@ -206,7 +206,7 @@ fn a_device_is_measured_once() {
     assert_eq!(entries.len(), told.stdout.matches("  measured   condenses like ").count());
 
     let device = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap();
-    let choice = GpuChoice::new(&device, preferred_precision(&device, 0.01).unwrap());
+    let choice = GpuChoice::new(&device, Precision::preferred(&device.facts, 0.01));
     let of_device = |entry: &&serde_json::Value| entry["of"]["adapter"] == device.facts.name;
     let own = entries.iter().find(of_device).unwrap();
     let read = rates(Some(&folder), &choice).unwrap();

@@ -11,12 +11,12 @@ use jointsweep::internals::engine::backend::gpu::kernel_texts::{
 };
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::gpu::layout::AssembleParameters;
-use jointsweep::internals::engine::backend::gpu::speed::RooflineParameters;
 use jointsweep::internals::engine::backend::gpu::system_layout::{
     SystemOutcome, SystemParameters, SystemState,
 };
 use jointsweep::internals::engine::backend::gpu::works::WorksParameters;
 use jointsweep::internals::engine::backend::joints::{MOST_NODES, TERMS};
+use jointsweep::internals::lab::gpu::speed::RooflineParameters;
 use jointsweep::internals::mechanics::body::{Body, SHAPES, Side};
 use jointsweep::internals::mechanics::compliance::arc::packed_count;
 use jointsweep::internals::mechanics::compliance::ring_modes::{MOST_MODES, RingModes};

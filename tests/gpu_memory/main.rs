@@ -11,12 +11,15 @@ mod common {
 use common::draws;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
+use jointsweep::internals::engine::backend::gpu::calibration::{INDENTATIONS, MeasuredJoint};
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::elimination::Elimination;
 use jointsweep::internals::engine::backend::gpu::front::FrontLayout;
 use jointsweep::internals::engine::backend::gpu::front_topology::{FrontTopology, Job};
-use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Precision};
+use jointsweep::internals::engine::backend::gpu::joint_kernel::JointKernel;
+use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Making, Precision};
 use jointsweep::internals::engine::backend::gpu::layout::MeshLayout;
+use jointsweep::internals::engine::backend::joints::{ENDED, STATE_NUMBERS};
 use jointsweep::internals::engine::body_request::mesh_class;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::BackendKind;
@@ -32,6 +35,7 @@ use rlimit::Resource;
 fn a_device_without_memory_loses_no_design() {
     let gpu = Adapters::enumerate().open(AdapterChoice::Named("llvmpipe")).unwrap();
     elimination_goes_on_with_smaller_buffers(&gpu);
+    joints_go_on_in_smaller_flights(&gpu);
     iteration_is_left_to_the_processor(&gpu);
 }
 
@@ -79,6 +83,41 @@ fn elimination_goes_on_with_smaller_buffers(gpu: &GpuDevice) {
     assert!(elimination.halved() > 0, "{:?}", elimination.counts);
     assert!(found == expected && found.iter().all(Option::is_some));
 }
+
+/// Joints that are refused all at once come in several flights, with the same states.
+fn joints_go_on_in_smaller_flights(gpu: &GpuDevice) {
+    let joint = MeasuredJoint::new();
+    let mut kernel = JointKernel::new(Making::Trusted);
+    // Many more loads that have no state, which takes room and no time.
+    let mut indentations = INDENTATIONS.to_vec();
+    indentations.resize(MANY_LOADS, f64::NAN);
+    kernel.begin(gpu, &joint.batch(1, &indentations)).unwrap();
+    let expected = kernel.finish(gpu).unwrap();
+    // A search that has come to its end says so.
+    let ended = expected[1..].chunks(STATE_NUMBERS).filter(|state| state[0] == ENDED).count();
+    assert_eq!((expected.len(), ended), (1 + MANY_LOADS * STATE_NUMBERS, 10));
+    assert_eq!(kernel.halved(), 0);
+    let (few, many) = (joint.batch(10, &indentations), joint.batch(MANY_JOINTS, &indentations));
+    // Up and twice down, each with a quarter of room to spare. A fifth of that is too little for a third of the joints, and enough for a
+    // sixth, and for what wgpu writes them by: where that is refused, it loses the device. What is found is here, too.
+    let found_bytes = MANY_JOINTS * size_of_val(&expected[..]);
+    let of_device = (size_of_val(&many.numbers[..]) + 2 * found_bytes) * 5 / 4;
+    let (soft, hard) = rlimit::getrlimit(Resource::AS).unwrap();
+    let allowed = virtual_memory() + (found_bytes + of_device * 22 / 100) as u64;
+    rlimit::setrlimit(Resource::AS, allowed, hard).unwrap();
+    // Behind others that the device has already.
+    kernel.begin(gpu, &few).unwrap();
+    kernel.begin(gpu, &many).unwrap();
+    let found = [kernel.finish(gpu).unwrap(), kernel.finish(gpu).unwrap()];
+    rlimit::setrlimit(Resource::AS, soft, hard).unwrap();
+    assert!(kernel.halved() > 0, "{:?}", kernel.counts);
+    assert_eq!(found.each_ref().map(Vec::len), [10, MANY_JOINTS].map(|count| count * expected.len()));
+    assert!(found.iter().flat_map(|found| found.chunks(expected.len())).all(|own| own == expected));
+}
+
+/// In two flights, if there is the memory.
+const MANY_LOADS: usize = 1000;
+const MANY_JOINTS: usize = 2000;
 
 /// Some that the device takes in one dispatch, if it has the memory.
 const MANY: usize = 8000;

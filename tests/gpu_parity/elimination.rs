@@ -1,7 +1,8 @@
 //! Elimination on the device against the processor's own, and how bodies are cut into pieces.
 
+use jointsweep::internals::engine::backend::Counts;
 use jointsweep::internals::engine::backend::IN_FLIGHT;
-use jointsweep::internals::engine::backend::gpu::elimination::{Counts, Elimination, ROUGHEST};
+use jointsweep::internals::engine::backend::gpu::elimination::{Elimination, ROUGHEST};
 use jointsweep::internals::engine::backend::gpu::front::{Front, FrontLayout};
 use jointsweep::internals::engine::backend::gpu::front_topology::{FrontTopology, Job};
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;

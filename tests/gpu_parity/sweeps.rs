@@ -1,6 +1,6 @@
 //! Whole designs on a device and on the processor.
 
-use jointsweep::internals::engine::backend::choice::GpuChoice;
+use jointsweep::internals::engine::backend::choice::{GpuChoice, joints_in};
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
@@ -28,6 +28,8 @@ fn by(
     cases: &[DesignCase],
 ) -> Vec<DesignOutcome> {
     let condenser = GpuChoice { solver, ..GpuChoice::new(gpu, precision) }.condenser().unwrap();
+    // Joints as on a device that is no software.
+    let condenser = condenser.solving_joints(joints_in(precision));
     let mut ladder = Ladder::new(options).on(Box::new(condenser));
     let outcomes = ladder.solve(cases);
     assert_eq!(ladder.library.lost(), None);

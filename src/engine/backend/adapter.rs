@@ -52,7 +52,7 @@ impl fmt::Display for AdapterKind {
 }
 
 /// The limits that decide how a sweep is split.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DeviceLimits {
     /// Most bytes of one binding.
     pub binding_bytes: u64,

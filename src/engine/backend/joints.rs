@@ -169,6 +169,11 @@ impl DeviceJoint<'_> {
         self.bodies.iter().map(|body| body.share * body.infinite[0]).sum()
     }
 
+    /// Of either body: the plate's pressure is along its own normal.
+    pub fn tilts(&self) -> [Tilt; 2] {
+        [self.outlines.tilt(), Tilt::NONE]
+    }
+
     /// As the kernel has them, under some loads; tells how many these are.
     pub fn numbers(&self, loads: impl Iterator<Item = DimensionlessLoad>, to: &mut Vec<f32>) -> u32 {
         let even = self.even();
@@ -179,10 +184,10 @@ impl DeviceJoint<'_> {
             };
             to.extend(place.iter().chain(infinite).chain([&(share / even)]).map(|number| *number as f32));
         }
-        let tilt = self.outlines.tilt();
+        let tilts = self.tilts();
         let Outlines { radial_clearance, .. } = self.outlines;
         let of_outlines =
-            [tilt.first, tilt.second, radial_clearance, self.outlines.ratio(), self.outlines.bend()];
+            [tilts[0].first, tilts[0].second, radial_clearance, self.outlines.ratio(), self.outlines.bend()];
         to.extend(of_outlines.map(|number| number as f32));
         let mut load_count = 0;
         for load in loads {
@@ -190,7 +195,7 @@ impl DeviceJoint<'_> {
             to.extend([of_indentation, of_force / even].map(|number| number as f32));
             load_count += 1;
         }
-        for (DeviceBody { amplitudes, .. }, tilt) in self.bodies.iter().zip([tilt, Tilt::NONE]) {
+        for (DeviceBody { amplitudes, .. }, tilt) in self.bodies.iter().zip(tilts) {
             if let Amplitudes::Modes(members, body) = amplitudes {
                 members.amplitudes(body, tilt, to);
             }

@@ -26,6 +26,37 @@ pub type Works = Vec<Vec<Option<Vec<f64>>>>;
 /// What a device is given at a time: it has work while the processor reads what it has done.
 pub const IN_FLIGHT: usize = 2;
 
+/// What was asked of a device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    pub dispatches: u64,
+    pub submits: u64,
+    pub waits: u64,
+    /// Waits that the next flight was on the device for.
+    pub waits_with_work: u64,
+    pub new_buffers: u64,
+    pub bytes_up: u64,
+    pub bytes_down: u64,
+    /// Time of all passes on the device, where it is timed.
+    pub busy: Duration,
+}
+
+impl Counts {
+    /// With those of another stage.
+    pub fn and(self, other: Counts) -> Counts {
+        Counts {
+            dispatches: self.dispatches + other.dispatches,
+            submits: self.submits + other.submits,
+            waits: self.waits + other.waits,
+            waits_with_work: self.waits_with_work + other.waits_with_work,
+            new_buffers: self.new_buffers + other.new_buffers,
+            bytes_up: self.bytes_up + other.bytes_up,
+            bytes_down: self.bytes_down + other.bytes_down,
+            busy: self.busy + other.busy,
+        }
+    }
+}
+
 /// Condenses bodies, and may be lost. After an error nothing may be asked of it again but what it has done.
 pub trait Device: Send + Sync {
     /// Gives it the bodies of some groups, and does not wait for them if it can work alone.
@@ -51,6 +82,11 @@ pub trait Device: Send + Sync {
 
     /// Where the time went, in the order the stages run.
     fn stages(&self) -> Vec<(&'static str, Duration)>;
+
+    /// What elimination and joints have asked of it.
+    fn counts(&self) -> Counts {
+        Counts::default()
+    }
 
     /// The greatest true residual of an iteration that works rest on.
     fn worst_residual(&self) -> f64;

@@ -13,6 +13,9 @@ pub enum Precision {
     Mixed,
 }
 
+/// From this accuracy on f32 alone does.
+const ROUGH: f64 = 1e-3;
+
 impl Precision {
     /// Of a number of the iteration.
     pub const fn real_bytes(self) -> u64 {
@@ -49,6 +52,12 @@ impl Precision {
         }
     }
 
+    /// The numbers that are best for an accuracy, relative, of the force: f32 where that is enough, since contact is then the
+    /// device's, too; else refined in f64, where the adapter has it.
+    pub fn preferred(facts: &AdapterFacts, accuracy: f64) -> Precision {
+        if facts.features.f64 && accuracy < ROUGH { Precision::Mixed } else { Precision::F32 }
+    }
+
     /// Whether an adapter has these numbers.
     pub fn check(self, facts: &AdapterFacts) -> Result<(), GpuError> {
         if self.wide_bytes() == 8 && !facts.features.f64 {
@@ -77,5 +86,31 @@ impl Precision {
             _ => ALLOWED_DRIFT * tolerance,
         };
         RefineSettings { tolerance, goal, round_limit, iteration_limit: 20_000 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::backend::adapter::{AdapterKind, DeviceFeatures, DeviceLimits};
+
+    /// Below 0.1 % only, and where there is any.
+    #[test]
+    fn f64_is_used_where_it_is_needed() {
+        let facts = |f64| AdapterFacts {
+            name: String::new(),
+            kind: AdapterKind::Discrete,
+            driver: String::new(),
+            limits: DeviceLimits::default(),
+            features: DeviceFeatures { f64, subgroups: true, timestamps: true },
+        };
+        for (has_f64, accuracy, expected) in [
+            (true, 1e-2, Precision::F32),
+            (true, 1e-3, Precision::F32),
+            (true, 9e-4, Precision::Mixed),
+            (false, 1e-5, Precision::F32),
+        ] {
+            assert_eq!(Precision::preferred(&facts(has_f64), accuracy), expected, "{has_f64} {accuracy}");
+        }
     }
 }

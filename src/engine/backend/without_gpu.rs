@@ -41,24 +41,20 @@ pub mod kernels {
     pub use crate::engine::backend::precision::Precision;
 }
 
-pub mod speed {
-    use super::context::{GpuDevice, GpuError};
-    use super::kernels::Precision;
-
-    /// Of no device.
-    pub fn preferred_precision(gpu: &GpuDevice, _: f64) -> Result<Precision, GpuError> {
-        match gpu.none {}
-    }
-}
-
 pub mod calibration {
     use super::context::{GpuDevice, GpuError};
     use super::kernels::Precision;
     use crate::engine::backend::device_solver::DeviceSolver;
+    use crate::engine::backend::joints::SolvedJoints;
     use crate::engine::backend::rates::Rates;
 
     /// Of no device.
-    pub fn measure(gpu: &GpuDevice, _: Precision, _: DeviceSolver) -> Result<Rates, GpuError> {
+    pub fn measure(
+        gpu: &GpuDevice,
+        _: Precision,
+        _: DeviceSolver,
+        _: SolvedJoints,
+    ) -> Result<Rates, GpuError> {
         match gpu.none {}
     }
 }

@@ -1,4 +1,4 @@
-//! What a GPU was measured to do: `precisions.csv`, `scaling.csv`, `kernels.csv` and `peaks.csv`, with `manifest.json`.
+//! What a GPU was measured to do: `precisions.csv`, `scaling.csv`, `answers.csv`, `kernels.csv` and `peaks.csv`, with `manifest.json`.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -8,7 +8,9 @@ use serde::Serialize;
 use crate::engine::backend::gpu::context::{AdapterFacts, DeviceFeatures, DeviceLimits};
 use crate::engine::backend::gpu::solver::INVOCATIONS;
 use crate::error::Error;
-use crate::lab::gpu::figures::{PrecisionRow, ScalingRow, kernels, peaks, precisions, scaling};
+use crate::lab::gpu::figures::{
+    AnswersRow, PrecisionRow, ScalingRow, answers, kernels, peaks, precisions, scaling,
+};
 use crate::lab::gpu::measure::KernelTime;
 use crate::lab::gpu::roofline::Peaks;
 use crate::output::host::{Host, Program, seconds_since, utc};
@@ -20,6 +22,7 @@ use crate::study::config::Study;
 pub const MANIFEST: &str = "manifest.json";
 pub const PRECISIONS: &str = "precisions.csv";
 pub const SCALING: &str = "scaling.csv";
+pub const ANSWERS: &str = "answers.csv";
 pub const KERNELS: &str = "kernels.csv";
 pub const PEAKS: &str = "peaks.csv";
 
@@ -167,6 +170,10 @@ impl GpuBenchmark {
 
     pub fn save_scaling(&mut self, rows: &[ScalingRow]) -> Result<(), Error> {
         self.save(SCALING, &scaling(rows))
+    }
+
+    pub fn save_answers(&mut self, rows: &[AnswersRow]) -> Result<(), Error> {
+        self.save(ANSWERS, &answers(rows))
     }
 
     pub fn save_kernels(&mut self, times: &[KernelTime], peaks: &[Peaks]) -> Result<(), Error> {

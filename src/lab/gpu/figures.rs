@@ -1,5 +1,6 @@
 //! The rows of a GPU's benchmark, and the tables they are written as.
 
+use crate::engine::backend::Counts;
 use crate::lab::gpu::measure::KernelTime;
 use crate::lab::gpu::measured_sweep::MeasuredSweep;
 use crate::lab::gpu::roofline::Peaks;
@@ -16,6 +17,12 @@ pub struct GpuSweep {
     pub designs_on_cpu: u64,
     /// The greatest |b - K x|/|b| that an outcome rests on.
     pub worst_residual: f64,
+    /// What elimination and joints have asked of the device.
+    pub asked: Counts,
+    /// Time spent on making kernels, s.
+    pub kernels_seconds: f64,
+    /// Whether passes were timed.
+    pub is_timed: bool,
     /// Wall time of each stage, s, in the order they run.
     pub stages: Vec<(String, f64)>,
 }
@@ -47,9 +54,22 @@ pub struct ScalingRow {
     pub gpu_interpolated_seconds: Option<f64>,
 }
 
+/// A sweep that is interpolated, with answers instead of a table: wall times of the whole, s.
+#[derive(Clone, Copy, Debug)]
+pub struct AnswersRow {
+    pub designs: u64,
+    pub gpu_seconds: f64,
+    pub cpu_seconds: Option<f64>,
+}
+
 impl GpuSweep {
     pub fn designs_per_second(&self) -> f64 {
         self.designs as f64 / self.seconds
+    }
+
+    /// Share of the wall time in which the device was at work on elimination and joints.
+    pub fn busy_share(&self) -> Option<f64> {
+        (self.is_timed && self.asked.dispatches > 0).then(|| self.asked.busy.as_secs_f64() / self.seconds)
     }
 }
 
@@ -78,6 +98,14 @@ impl Shares {
             arithmetic: (operations > 0).then(|| share(operations, own.operations)),
             memory: share(time.work.bytes, bytes),
         })
+    }
+
+    /// Which of both binds it, and the share of that.
+    pub fn bound(&self) -> (&'static str, f64) {
+        match self.arithmetic {
+            Some((_, share)) if share > self.memory.1 => ("arithmetic", share),
+            _ => ("memory", self.memory.1),
+        }
     }
 }
 
@@ -138,7 +166,8 @@ pub fn scaling(rows: &[ScalingRow]) -> String {
     let stages = stage_columns(rows.first().map(|row| &row.sweep));
     let mut text =
         "scene,accuracy,solver,designs,precision,wall_s,designs_per_s,solves,designs_on_cpu,with_table_s,\
-                    table_bytes,cpu_wall_s,cpu_designs_per_s,gpu_over_cpu,cpu_interpolated_wall_s,gpu_interpolated_wall_s"
+                    table_bytes,cpu_wall_s,cpu_designs_per_s,gpu_over_cpu,cpu_interpolated_wall_s,gpu_interpolated_wall_s,\
+                    dispatches,submits,waits,bytes_up,bytes_down,kernels_s,busy_share"
             .to_string()
             + &stage_header(&stages)
             + "\n";
@@ -161,8 +190,31 @@ pub fn scaling(rows: &[ScalingRow]) -> String {
             optional(cpu_seconds.map(|seconds| seconds / sweep.seconds)),
             optional(row.cpu_interpolated_seconds),
             optional(row.gpu_interpolated_seconds),
+            sweep.asked.dispatches.to_string(),
+            sweep.asked.submits.to_string(),
+            sweep.asked.waits.to_string(),
+            sweep.asked.bytes_up.to_string(),
+            sweep.asked.bytes_down.to_string(),
+            number(sweep.kernels_seconds),
+            optional(sweep.busy_share()),
         ];
         text += &line(&[&own[..], &stage_cells(&stages, sweep)].concat());
+    }
+    text
+}
+
+/// `answers.csv`.
+pub fn answers(rows: &[AnswersRow]) -> String {
+    let mut text = "designs,gpu_wall_s,gpu_designs_per_s,cpu_wall_s,cpu_designs_per_s\n".to_string();
+    for AnswersRow { designs, gpu_seconds, cpu_seconds } in rows {
+        let rate = |seconds: f64| *designs as f64 / seconds;
+        text += &line(&[
+            designs.to_string(),
+            number(*gpu_seconds),
+            number(rate(*gpu_seconds)),
+            optional(*cpu_seconds),
+            optional(cpu_seconds.map(rate)),
+        ]);
     }
     text
 }
@@ -170,7 +222,8 @@ pub fn scaling(rows: &[ScalingRow]) -> String {
 /// `kernels.csv`.
 pub fn kernels(times: &[KernelTime], peaks: &[Peaks]) -> String {
     let mut text = "kernel,precision,number_bytes,level,unknowns,items,seconds,iterations,operations,bytes,\
-                    gflop_per_s,gb_per_s,arithmetic_floor_s,arithmetic_share,memory_floor_s,memory_share\n"
+                    gflop_per_s,gb_per_s,arithmetic_floor_s,arithmetic_share,memory_floor_s,memory_share,\
+                    bound,bound_share\n"
         .to_string();
     for time in times {
         let shares = Shares::of(time, peaks);
@@ -194,6 +247,8 @@ pub fn kernels(times: &[KernelTime], peaks: &[Peaks]) -> String {
             optional(arithmetic.map(|(_, share)| share)),
             optional(memory.map(|(floor, _)| floor)),
             optional(memory.map(|(_, share)| share)),
+            shares.map_or(String::new(), |shares| shares.bound().0.to_string()),
+            optional(shares.map(|shares| shares.bound().1)),
         ]);
     }
     text
@@ -215,6 +270,8 @@ pub fn peaks(rows: &[Peaks]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
     use crate::engine::backend::gpu::kernels::Precision;
     use crate::lab::gpu::measured_sweep::SWEEPS;
@@ -244,6 +301,7 @@ mod tests {
     fn shares_are_of_the_peaks_of_the_own_numbers() {
         let shares = Shares::of(&time(1_000_000_000_000, 100_000_000_000), &PEAKS_OF_BOTH).unwrap();
         assert_eq!(shares, Shares { arithmetic: Some((1.0, 0.5)), memory: (0.5, 0.25) });
+        assert_eq!(shares.bound(), ("arithmetic", 0.5));
         let wide = KernelTime { number_bytes: 8, ..time(100_000_000_000, 0) };
         assert_eq!(Shares::of(&wide, &PEAKS_OF_BOTH).unwrap().arithmetic, Some((1.0, 0.5)));
         assert_eq!(Shares::of(&wide, &PEAKS_OF_BOTH[..1]), None);
@@ -254,7 +312,18 @@ mod tests {
     fn figures_that_are_not_there_are_empty_cells() {
         let text = kernels(&[time(0, 200_000_000_000)], &PEAKS_OF_BOTH);
         let row = text.lines().nth(1).unwrap();
-        assert_eq!(row, "pcg,mixed,4,1,100,7,2.00000e0,3,0,200000000000,,1.00000e2,,,1.00000e0,5.00000e-1");
+        assert_eq!(
+            row,
+            "pcg,mixed,4,1,100,7,2.00000e0,3,0,200000000000,,1.00000e2,,,1.00000e0,5.00000e-1,memory,5.00000e-1"
+        );
+    }
+
+    #[test]
+    fn answers_have_rates_of_both() {
+        let row = AnswersRow { designs: 100, gpu_seconds: 2.0, cpu_seconds: Some(4.0) };
+        let text = answers(&[row, AnswersRow { cpu_seconds: None, ..row }]);
+        let lines: Vec<&str> = text.lines().skip(1).collect();
+        assert_eq!(lines, ["100,2.00000e0,5.00000e1,4.00000e0,2.50000e1", "100,2.00000e0,5.00000e1,,"]);
     }
 
     #[test]
@@ -265,6 +334,17 @@ mod tests {
             solves: 800,
             designs_on_cpu: 1,
             worst_residual: 1e-4,
+            asked: Counts {
+                dispatches: 9,
+                submits: 8,
+                waits: 7,
+                bytes_up: 6,
+                bytes_down: 5,
+                busy: Duration::from_secs(1),
+                ..Counts::default()
+            },
+            kernels_seconds: 0.75,
+            is_timed: true,
             stages: vec![("condensation on the GPU".into(), 0.5)],
         };
         let row = ScalingRow {
@@ -280,13 +360,20 @@ mod tests {
             cpu_seconds: None,
             cpu_interpolated_seconds: None,
             gpu_interpolated_seconds: None,
+            sweep: GpuSweep { is_timed: false, ..row.sweep.clone() },
             ..row.clone()
         };
         let text = scaling(&[row, empty]);
         let lines: Vec<&str> = text.lines().collect();
-        assert!(lines[0].ends_with("gpu_interpolated_wall_s,condensation_on_the_gpu_s"), "{}", lines[0]);
+        assert!(
+            lines[0].ends_with("bytes_down,kernels_s,busy_share,condensation_on_the_gpu_s"),
+            "{}",
+            lines[0]
+        );
+        let asked = "9,8,7,6,5,7.50000e-1";
         let start = "concentric,0.1 %,auto,100,f32,4.00000e0,2.50000e1,800,1,5.00000e0,99,";
-        assert_eq!(lines[1], format!("{start}8.00000e0,1.25000e1,2.00000e0,2.50000e0,2.50000e-1,5.00000e-1"));
-        assert_eq!(lines[2], format!("{start},,,,,5.00000e-1"));
+        let times = "8.00000e0,1.25000e1,2.00000e0,2.50000e0,2.50000e-1";
+        assert_eq!(lines[1], format!("{start}{times},{asked},2.50000e-1,5.00000e-1"));
+        assert_eq!(lines[2], format!("{start},,,,,{asked},,5.00000e-1"));
     }
 }

@@ -5,21 +5,24 @@ use std::time::{Duration, Instant};
 
 use crate::engine::backend::choice::GpuChoice;
 use crate::engine::backend::gpu::batch::{Batch, KernelFacts, TARGET, adapted, batches};
-use crate::engine::backend::gpu::context::{AdapterKind, GpuError};
+use crate::engine::backend::gpu::calibration::{INDENTATIONS, LEVEL, MeasuredJoint};
+use crate::engine::backend::gpu::context::{AdapterKind, GpuDevice, GpuError};
 use crate::engine::backend::gpu::dispatch::{Dispatch, Pass};
 use crate::engine::backend::gpu::elimination::Elimination;
 use crate::engine::backend::gpu::front::FrontLayout;
 use crate::engine::backend::gpu::front_topology::{FrontTopology, Job};
-use crate::engine::backend::gpu::kernels::{Kernels, Precision, Stage};
+use crate::engine::backend::gpu::joint_kernel::JointKernel;
+use crate::engine::backend::gpu::kernels::{Kernels, Making, Precision, Stage};
 use crate::engine::backend::gpu::layout::MeshLayout;
 use crate::engine::backend::gpu::solver::{INVOCATIONS, Topology};
-use crate::engine::backend::gpu::speed::run;
 use crate::engine::backend::gpu::stages::{Rounds, SystemBatch};
 use crate::engine::backend::gpu::system_layout::SystemState;
 use crate::engine::body_request::{BodyRequest, TopologyKey, mesh_size};
 use crate::engine::plan::JointPlan;
+use crate::engine::spaces::SpaceKey;
 use crate::lab::gpu::roofline::seconds;
-use crate::lab::gpu::work::{Sizes, Work};
+use crate::lab::gpu::speed::run;
+use crate::lab::gpu::work::{JointSizes, Sizes, Work};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::solve::band::PRODUCT_OPERATIONS;
@@ -150,6 +153,47 @@ fn eliminated(
         iterations: None,
     }))
 }
+
+/// The kernel of joints, ten loads each: from their numbers to what is found, the way up and down, and the wait.
+pub fn joint_kernel(gpu: &GpuDevice) -> Result<KernelTime, GpuError> {
+    let (joint, effort) = (MeasuredJoint::new(), Effort::on(gpu.facts.kind));
+    let mut kernel = JointKernel::new(Making::Trusted);
+    let batch = joint.batch(effort.bodies, &INDENTATIONS);
+    let mut seconds = Vec::new();
+    for sample in 0..=effort.samples {
+        let started = Instant::now();
+        kernel.begin(gpu, &batch)?;
+        kernel.finish(gpu)?;
+        // The first one makes the kernel and its tables.
+        if sample > 0 {
+            seconds.push(started.elapsed().as_secs_f64());
+        }
+    }
+    seconds.sort_by(f64::total_cmp);
+    let (SpaceKey { terms, nodes, .. }, items) = (joint.space(), batch.joints.len() as u64);
+    let bytes = size_of_val(&batch.numbers[..]) as u64 / items + PLACE_BYTES;
+    let sizes = JointSizes {
+        terms: terms as u64,
+        nodes: nodes as u64,
+        rows: joint.summed_rows() as u64,
+        loads: batch.joints[0].load_count.into(),
+        bytes: bytes + 4 * batch.joints[0].found() as u64,
+    };
+    Ok(KernelTime {
+        kernel: "joints",
+        precision: Precision::F32,
+        number_bytes: Precision::F32.wide_bytes(),
+        level: LEVEL,
+        unknowns: (terms * nodes) as u64,
+        items,
+        seconds: seconds[seconds.len() / 2],
+        work: sizes.work(items),
+        iterations: None,
+    })
+}
+
+/// Where a joint's tables and numbers are.
+const PLACE_BYTES: u64 = 16;
 
 /// Bodies of the batch that tells the pace.
 const PACING: usize = 64;

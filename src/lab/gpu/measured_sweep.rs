@@ -42,15 +42,34 @@ pub const SWEEPS: [MeasuredSweep; 5] = [
     MeasuredSweep { solver: DeviceSolver::Pcg, ..CONCENTRIC },
 ];
 
+/// Of `MeasuredSweep::answers`.
+const ANSWERS: [&str; 5] = [
+    "select.keep=\"peak_pressure < 400 MPa and tangent_stiffness > 2e5 N/mm\"",
+    "reduce.statistics=[\"force\", \"peak_pressure\"]",
+    "reduce.quantiles=[0.05, 0.5, 0.95]",
+    "reduce.best={ count = 10, by = \"tangent_stiffness / peak_pressure\" }",
+    "output.laws=false",
+];
+
 impl MeasuredSweep {
     /// With so many designs, every body condensed or, where that is cheaper, interpolated.
     pub fn study(&self, designs: u64, is_interpolated: bool) -> Result<Study, Error> {
-        let settings = [
+        self.with(designs, is_interpolated, &[])
+    }
+
+    /// Interpolated, with answers instead of a table: which designs meet a requirement, statistics of them, and the best.
+    pub fn answers(&self, designs: u64) -> Result<Study, Error> {
+        self.with(designs, true, &ANSWERS)
+    }
+
+    fn with(&self, designs: u64, is_interpolated: bool, more: &[&str]) -> Result<Study, Error> {
+        let mut settings = vec![
             format!("sampling.count={designs}"),
             "solve.method=fe".into(),
             format!("solve.accuracy={}", self.accuracy),
             format!("solve.interpolation={}", if is_interpolated { "auto" } else { "off" }),
         ];
+        settings.extend(more.iter().map(|text| text.to_string()));
         let settings =
             settings.iter().map(|text| Setting::parse(text, "bench-gpu")).collect::<Result<Vec<_>, _>>()?;
         Study::from_text_with(Path::new(self.path), self.text.to_string(), &settings)
@@ -71,6 +90,8 @@ mod tests {
                 let case = study.cases().unwrap().next().unwrap().unwrap();
                 assert_eq!(case.joint.plate.shape.name == "block", sweep.scene == "blocks");
                 assert_eq!(study.solve.method.name(), "fe");
+                let answers = sweep.answers(designs).unwrap();
+                assert_eq!((answers.design_count(), answers.interpolation), (designs, true));
             }
         }
     }

@@ -3,6 +3,7 @@
 pub mod budget;
 pub mod measured_sweep;
 pub mod host_cost;
+pub mod speed;
 pub mod roofline;
 pub mod work;
 pub mod measure;

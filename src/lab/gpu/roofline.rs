@@ -5,9 +5,7 @@ use crate::engine::backend::gpu::context::{AdapterKind, GpuDevice, GpuError};
 use crate::engine::backend::gpu::dispatch::{Argument, Dispatch, Pass};
 use crate::engine::backend::gpu::kernel_texts::{ROOFLINE, Variant};
 use crate::engine::backend::gpu::kernels::{Making, Precision, Stage};
-use crate::engine::backend::gpu::speed::{
-    COPIED, INVOCATIONS, LINKS, RooflineParameters, arithmetic_peak, samples,
-};
+use crate::lab::gpu::speed::{COPIED, INVOCATIONS, LINKS, RooflineParameters, arithmetic_peak, samples};
 
 /// The peaks of a device in numbers of one width.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,6 +14,7 @@ use crate::engine::backend::gpu::kernels::Precision;
 use crate::engine::backend::gpu::layout::MeshLayout;
 use crate::engine::backend::gpu::system_layout::{SLICE, SystemState};
 use crate::mechanics::compliance::arc::packed_count;
+use crate::mechanics::contact::reduced::{FUNCTIONS, OF_LOAD};
 
 /// Operations and bytes of one dispatch, or of several.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,6 +41,41 @@ pub struct Sizes {
     pub sides: u64,
     /// Numbers that make a body.
     pub body_numbers: u64,
+}
+
+/// The sizes of joints that are alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct JointSizes {
+    pub terms: u64,
+    pub nodes: u64,
+    /// Of both bodies, without those that add too little to be added.
+    pub rows: u64,
+    pub loads: u64,
+    /// Bytes up and down.
+    pub bytes: u64,
+}
+
+/// Steps of a search that has come to its end, at least.
+const LEAST_STEPS: u64 = 2;
+
+impl JointSizes {
+    /// From their numbers to what is found of so many; what they have in common is left out.
+    pub fn work(&self, items: u64) -> Work {
+        let JointSizes { terms, nodes, rows, loads, bytes } = *self;
+        let (entries, functions, of_load) =
+            (packed_count(terms as usize) as u64, FUNCTIONS as u64, OF_LOAD as u64);
+        let equations = terms - 1;
+        let of_node = 2 * rows * entries
+            // The factor, three right sides there and back, what they come to, the share of the pin, and the least pressure.
+            + equations.pow(3) / 3
+            + 6 * equations.pow(2)
+            + 2 * functions * equations
+            + 4 * entries
+            + 2 * terms * 4 * terms;
+        let of_loads = loads * 3 * nodes * (LEAST_STEPS * of_load + functions - of_load);
+        let operations = nodes * of_node + 2 * functions * nodes * nodes + of_loads;
+        Work { operations: items * operations, bytes: items * bytes }
+    }
 }
 
 const POINTS: u64 = 4;

@@ -3,7 +3,9 @@
 //! The adapter is chosen here and not by wgpu, whose own choice may be a software adapter beside a real one, and
 //! which panics on an environment variable that matches nothing.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::time::Duration;
 
 pub use crate::engine::backend::adapter::{
     AdapterChoice, AdapterFacts, AdapterKind, DeviceFeatures, DeviceLimits, GpuError, choose,
@@ -25,6 +27,10 @@ pub struct GpuDevice {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub facts: AdapterFacts,
+    /// Whether passes are timed.
+    pub(super) is_timed: bool,
+    /// What making kernels has taken, ns.
+    pub(super) making: Arc<AtomicU64>,
     /// Why it was lost, once it was.
     loss: Arc<OnceLock<String>>,
 }
@@ -61,11 +67,25 @@ impl Adapters {
         device.set_device_lost_callback(move |reason, message| {
             let _ = told.set(one_line(&format!("{reason:?} {message}")));
         });
-        Ok(GpuDevice { device, queue, facts, loss })
+        Ok(GpuDevice { device, queue, facts, is_timed: false, making: Arc::default(), loss })
     }
 }
 
 impl GpuDevice {
+    /// With its passes timed, where it has a clock for them.
+    pub fn timed(self) -> GpuDevice {
+        GpuDevice { is_timed: self.facts.features.timestamps, ..self }
+    }
+
+    pub fn is_timed(&self) -> bool {
+        self.is_timed
+    }
+
+    /// Time spent on making kernels so far.
+    pub fn making_kernels(&self) -> Duration {
+        Duration::from_nanos(self.making.load(Ordering::Relaxed))
+    }
+
     /// Runs `work` and gives what the device has to say against it: misuse or want of memory. Without this, wgpu
     /// panics.
     pub fn checked<T>(&self, what: &'static str, work: impl FnOnce() -> T) -> Result<T, GpuError> {

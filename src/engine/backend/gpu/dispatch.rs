@@ -69,7 +69,76 @@ pub(crate) struct Reading {
     mapped: Arc<OnceLock<Result<(), wgpu::BufferAsyncError>>>,
 }
 
+/// When passes begin and end on a device that is timed; nothing on others.
+pub(crate) struct PassTimes {
+    timed: Option<Timed>,
+}
+
+struct Timed {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    passes: u32,
+    begun: u32,
+}
+
+/// Of one set of queries.
+const MOST_TIMED: usize = wgpu::QUERY_SET_MAX_QUERIES as usize / 2;
+
+impl PassTimes {
+    /// Of so many passes at most; further ones are not timed.
+    pub(crate) fn of(gpu: &GpuDevice, passes: usize) -> PassTimes {
+        let timed = (gpu.is_timed && passes > 0).then(|| {
+            let passes = passes.min(MOST_TIMED) as u32;
+            let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("passes"),
+                ty: wgpu::QueryType::Timestamp,
+                count: 2 * passes,
+            });
+            let size = u64::from(2 * passes * wgpu::QUERY_SIZE);
+            let usage = BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+            let resolved = gpu.with_usage("times", size, usage);
+            Timed { queries, resolved, passes, begun: 0 }
+        });
+        PassTimes { timed }
+    }
+
+    /// What they take where they are read.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.timed.as_ref().map_or(0, |timed| timed.resolved.size())
+    }
+
+    /// A pass that begins now.
+    pub(crate) fn next(&mut self) -> wgpu::ComputePassDescriptor<'_> {
+        let open = self.timed.as_mut().filter(|timed| timed.begun < timed.passes);
+        let timestamp_writes = open.map(|Timed { queries, begun, .. }| {
+            *begun += 1;
+            wgpu::ComputePassTimestampWrites {
+                query_set: queries,
+                beginning_of_pass_write_index: Some(2 * *begun - 2),
+                end_of_pass_write_index: Some(2 * *begun - 1),
+            }
+        });
+        wgpu::ComputePassDescriptor { label: None, timestamp_writes }
+    }
+
+    /// Copies them behind other bytes; those of passes that were not begun are zero.
+    pub(crate) fn resolve(&self, encoder: &mut wgpu::CommandEncoder, to: &wgpu::Buffer, at: u64) {
+        if let Some(Timed { queries, resolved, begun, .. }) = &self.timed {
+            encoder.clear_buffer(resolved, 0, None);
+            encoder.resolve_query_set(queries, 0..2 * begun, resolved, 0);
+            encoder.copy_buffer_to_buffer(resolved, 0, to, at, resolved.size());
+        }
+    }
+}
+
 impl GpuDevice {
+    /// How long passes took, from what `PassTimes` has left of them.
+    pub(crate) fn busy(&self, times: &[u8]) -> Duration {
+        let times: Vec<u64> = bytemuck::pod_collect_to_vec(times);
+        let ticks: u64 = times.chunks_exact(2).map(|pass| pass[1].saturating_sub(pass[0])).sum();
+        Duration::from_nanos((ticks as f64 * f64::from(self.queue.get_timestamp_period())) as u64)
+    }
+
     pub(crate) fn uniform<T: Pod>(&self, parameters: &T) -> wgpu::Buffer {
         self.uploaded("parameters", bytemuck::bytes_of(parameters), BufferUsages::UNIFORM)
     }
@@ -144,7 +213,8 @@ impl GpuDevice {
         self.queue.submit([encoder.finish()]);
     }
 
-    /// Waits for all work submitted so far.
+    /// Waits for all work submitted so far: what times dispatches does.
+    #[cfg(feature = "files")]
     pub(crate) fn wait(&self) -> Result<(), GpuError> {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LONGEST_WAIT) };
         self.device.poll(wait).map_err(|error| self.lost(&error.to_string()))?;

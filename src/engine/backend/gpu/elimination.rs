@@ -12,12 +12,12 @@ use wgpu::BufferUsages;
 
 use super::batch::{MOST_BYTES, TARGET};
 use super::context::{GpuDevice, GpuError};
-use super::dispatch::{Argument, Reading};
+use super::dispatch::{Argument, PassTimes, Reading};
 use super::elimination_plan::{Cursor, FlightPlan, Piece, Room, Step, order};
 use super::front::{EliminateParameters, WorksOfBody};
 use super::front_topology::Job;
 use super::kernels::{Kernels, Precision, Stage};
-use crate::engine::backend::{IN_FLIGHT, Works};
+use crate::engine::backend::{Counts, IN_FLIGHT, Works};
 use crate::mechanics::compliance::arc::packed;
 
 /// Batches of jobs on their way through a device, buffers that are kept for the next ones, and how long a batch took.
@@ -58,34 +58,6 @@ impl Default for Elimination {
     }
 }
 
-/// What was asked of the device.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    pub dispatches: u64,
-    pub submits: u64,
-    pub waits: u64,
-    /// Waits that the next flight was on the device for.
-    pub waits_with_work: u64,
-    pub new_buffers: u64,
-    pub bytes_up: u64,
-    pub bytes_down: u64,
-}
-
-impl Counts {
-    /// With those of another stage.
-    pub fn and(self, other: Counts) -> Counts {
-        Counts {
-            dispatches: self.dispatches + other.dispatches,
-            submits: self.submits + other.submits,
-            waits: self.waits + other.waits,
-            waits_with_work: self.waits_with_work + other.waits_with_work,
-            new_buffers: self.new_buffers + other.new_buffers,
-            bytes_up: self.bytes_up + other.bytes_up,
-            bytes_down: self.bytes_down + other.bytes_down,
-        }
-    }
-}
-
 /// Jobs that were begun together.
 struct Batch {
     jobs: Vec<Job>,
@@ -102,6 +74,8 @@ struct Flight {
     batch: usize,
     pieces: Vec<Piece>,
     products: u64,
+    /// Bytes before those that tell how long passes took.
+    works: u64,
     submitted: Instant,
     reading: Reading,
 }
@@ -227,7 +201,7 @@ impl Elimination {
         self.flown += 1;
         let pieces = plan.steps.into_iter().flat_map(|step| step.pieces).collect();
         let batch = self.first_batch + index;
-        self.flights.push_back(Flight { batch, pieces, products, submitted, reading });
+        self.flights.push_back(Flight { batch, pieces, products, works: plan.works, submitted, reading });
         Ok(())
     }
 
@@ -239,7 +213,9 @@ impl Elimination {
         let (slot, pace) = (self.flown % IN_FLIGHT, self.pace());
         let [geometry, values, states, fronts] =
             kept(gpu, &mut self.scratch, SCRATCH, sizes, &mut self.counts);
-        let sizes = [numbers.len() as u64, plan.topologies.len() as u64, plan.works, plan.works];
+        let mut times = PassTimes::of(gpu, plan.steps.len());
+        let staged = plan.works + times.bytes();
+        let sizes = [numbers.len() as u64, plan.topologies.len() as u64, plan.works, staged];
         let [of_numbers, of_topologies, of_works, staging] =
             kept(gpu, &mut self.travelling[slot], TRAVELLING, sizes, &mut self.counts);
         gpu.queue.write_buffer(of_numbers, 0, numbers);
@@ -247,7 +223,7 @@ impl Elimination {
         let (mut left, mut stages) = (plan.steps.iter().peekable(), stages.into_iter());
         loop {
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let mut pass = encoder.begin_compute_pass(&times.next());
             let mut dispatch = |stage: &Stage, arguments: &[Argument], bodies: u32| {
                 pass.set_pipeline(&stage.pipelines[0]);
                 pass.set_bind_group(0, &gpu.bind(stage, arguments), &[]);
@@ -287,11 +263,12 @@ impl Elimination {
             let is_last = left.peek().is_none();
             if is_last {
                 encoder.copy_buffer_to_buffer(of_works, 0, staging, 0, plan.works);
+                times.resolve(&mut encoder, staging, plan.works);
             }
             let submission = gpu.queue.submit([encoder.finish()]);
             self.counts.submits += 1;
             if is_last {
-                return gpu.reading(staging, plan.works, submission);
+                return gpu.reading(staging, staged, submission);
             }
         }
     }
@@ -299,20 +276,23 @@ impl Elimination {
     /// Waits for the first flight and takes its works.
     fn land(&mut self, kernels: &Kernels) -> Result<(), GpuError> {
         let Kernels { gpu, precision, .. } = kernels;
-        let Some(Flight { batch, pieces, products, submitted, reading }) = self.flights.pop_front() else {
+        let Some(Flight { batch, pieces, products, works: size, submitted, reading }) =
+            self.flights.pop_front()
+        else {
             return Ok(());
         };
         let was_there = gpu.is_there(&reading)?;
         let jobs = &self.batches[batch - self.first_batch].jobs;
-        let (ended, found) = gpu.look(reading, |all| {
+        let (ended, busy, found) = gpu.look(reading, |all| {
             let ended = Instant::now();
+            let (all, times) = all.split_at(size as usize);
             let of_piece = |piece: &Piece| -> Vec<Option<Vec<f64>>> {
                 let EliminateParameters { body_size, mode_count, .. } = jobs[piece.job].topology.elimination;
                 let numbers = precision.decode(&all[bytes(&piece.works)]);
                 let of_bodies = numbers.chunks_exact(body_size as usize);
                 of_bodies.map(|own| judged(own, mode_count as usize, *precision)).collect()
             };
-            (ended, pieces.par_iter().map(of_piece).collect::<Vec<_>>())
+            (ended, gpu.busy(times), pieces.par_iter().map(of_piece).collect::<Vec<_>>())
         })?;
         let Batch { works, left, .. } = &mut self.batches[batch - self.first_batch];
         for (piece, found) in pieces.into_iter().zip(found) {
@@ -326,6 +306,7 @@ impl Elimination {
         let most = self.pace.map_or(f64::INFINITY, |known| if was_there { known } else { 2.0 * known });
         self.pace = Some(measured.min(most));
         self.idle_since = (!was_there).then_some(ended);
+        self.counts.busy += busy;
         self.counts.waits += 1;
         self.counts.waits_with_work += u64::from(!self.flights.is_empty());
         Ok(())

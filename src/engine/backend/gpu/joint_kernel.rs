@@ -8,12 +8,13 @@ use foldhash::HashMap;
 use wgpu::BufferUsages;
 
 use super::context::{GpuDevice, GpuError};
-use super::dispatch::{ALIGNMENT, Argument, Reading};
-use super::elimination::{Counts, kept};
+use super::dispatch::{ALIGNMENT, Argument, PassTimes, Reading};
+use super::elimination::kept;
 use super::joint_tables::{JointParameters, TableArena};
 use super::kernel_texts::{JOINTS, Variant};
 use super::kernels::{Making, Precision, Stage};
 use crate::engine::backend::joints::{BatchedJoint, JointBatch, JointTables, MOST_NODES};
+use crate::engine::backend::{Counts, IN_FLIGHT};
 
 /// Of a dispatch at most: few enough for any device's limit, and for a watchdog.
 const MOST_JOINTS: usize = 8192;
@@ -40,7 +41,6 @@ pub struct JointKernel {
 type Buffers = [Option<wgpu::Buffer>; 5];
 
 /// Joints that were begun together.
-#[derive(Default)]
 struct Batch {
     /// What is submitted and not read back.
     flights: VecDeque<Flight>,
@@ -48,8 +48,10 @@ struct Batch {
 }
 
 struct Flight {
-    buffers: Buffers,
-    reading: Reading,
+    /// Bytes that are found, before those that tell how long passes took.
+    found_bytes: u64,
+    /// Nothing where tables are too large for the device: its joints have no states.
+    on_device: Option<(Buffers, Reading)>,
 }
 
 /// A joint as the kernel has it: where its parameters are, its numbers and what is found of it begin, and how many loads it has.
@@ -96,10 +98,12 @@ impl JointKernel {
                 self.stages.insert(key.terms, stage);
             }
         }
-        self.batches.push_back(Batch::default());
+        let found = Vec::with_capacity(batch.joints.iter().map(BatchedJoint::found).sum());
+        self.batches.push_back(Batch { flights: VecDeque::new(), found });
         let mut first = 0;
         while first < batch.joints.len() {
-            match gpu.checked("joints", || self.fly(gpu, batch, first)) {
+            self.land_all_but(gpu, IN_FLIGHT - 1)?;
+            match self.fly(gpu, batch, first) {
                 Ok((count, flight)) => {
                     first += count;
                     if let Some(own) = self.batches.back_mut() {
@@ -108,9 +112,7 @@ impl JointKernel {
                 }
                 Err(GpuError::OutOfMemory { .. }) if self.most_bytes > FEWEST_BYTES => {
                     // What is in flight keeps its buffers until it has landed.
-                    for index in 0..self.batches.len() {
-                        self.land(gpu, index)?;
-                    }
+                    self.land_all_but(gpu, 0)?;
                     self.most_bytes /= 2;
                     self.free.clear();
                     self.tables = TableArena::default();
@@ -121,84 +123,128 @@ impl JointKernel {
         Ok(())
     }
 
+    /// How often flights were halved for want of memory.
+    pub fn halved(&self) -> u32 {
+        (MOST_BYTES / self.most_bytes).ilog2()
+    }
+
     /// Waits for the batch that was begun before all others: what is found of its joints, one after another.
     pub fn finish(&mut self, gpu: &GpuDevice) -> Result<Vec<f32>, GpuError> {
-        if !self.batches.is_empty() {
+        while self.batches.front().is_some_and(|batch| !batch.flights.is_empty()) {
             self.land(gpu, 0)?;
         }
         Ok(self.batches.pop_front().map(|batch| batch.found).unwrap_or_default())
     }
 
-    /// Waits for all flights of a batch.
-    fn land(&mut self, gpu: &GpuDevice, index: usize) -> Result<(), GpuError> {
-        let Batch { flights, found } = &mut self.batches[index];
-        while let Some(Flight { buffers, reading }) = flights.pop_front() {
-            gpu.look(reading, |bytes| match found.is_empty() {
-                true => *found = bytemuck::pod_collect_to_vec(bytes),
-                false => found.extend(bytemuck::pod_collect_to_vec::<u8, f32>(bytes)),
-            })?;
-            self.free.push(buffers);
-            self.counts.waits += 1;
+    /// Waits for the oldest flights, until so many are left.
+    fn land_all_but(&mut self, gpu: &GpuDevice, left: usize) -> Result<(), GpuError> {
+        let mut in_flight: usize = self.batches.iter().map(|batch| batch.flights.len()).sum();
+        for index in 0..self.batches.len() {
+            while in_flight > left && !self.batches[index].flights.is_empty() {
+                self.land(gpu, index)?;
+                in_flight -= 1;
+            }
         }
         Ok(())
     }
 
-    /// As many joints from one on as there is room for; tells how many.
-    fn fly(&mut self, gpu: &GpuDevice, batch: &JointBatch, first: usize) -> (usize, Flight) {
-        let Load { count, parameters, places, found_bytes } = self.load(gpu, batch, first);
-        let numbers =
-            &batch.numbers[numbers_of(batch, first).start..numbers_of(batch, first + count - 1).end];
-        // Those of each count of trial pressures begin at a part of the buffer.
-        let whole_part =
-            |places: &(usize, Vec<Placed>)| size_of_val(&places.1[..]).next_multiple_of(ALIGNMENT as usize);
-        let sizes = [
-            size_of_val(&parameters[..]) as u64,
-            places.iter().map(whole_part).sum::<usize>() as u64,
-            size_of_val(numbers) as u64,
-            found_bytes,
-            found_bytes,
-        ];
-        let mut buffers = self.free.pop().unwrap_or_default();
-        let [of_parameters, of_places, of_joints, found, staging] =
-            kept(gpu, &mut buffers, TRAVELLING, sizes, &mut self.counts);
-        gpu.queue.write_buffer(of_parameters, 0, bytemuck::cast_slice(&parameters));
-        gpu.queue.write_buffer(of_joints, 0, bytemuck::cast_slice(numbers));
-        self.counts.bytes_up += sizes[..3].iter().sum::<u64>();
-        self.counts.bytes_down += found_bytes;
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let mut at = 0;
-        for of_terms in &places {
-            let (terms, own) = of_terms;
-            gpu.queue.write_buffer(of_places, at, bytemuck::cast_slice(own));
-            let tables = self.tables.buffer().unwrap_or_else(|| unreachable!("joints have tables"));
-            for (piece, joints) in own.chunks(MOST_JOINTS).enumerate() {
-                let stage = &self.stages[terms];
-                let from = at + (piece * MOST_JOINTS * size_of::<Placed>()) as u64;
-                let arguments = [
-                    Argument::whole("parameters", of_parameters),
-                    Argument::whole("tables", tables),
-                    Argument::part("places", of_places, from..from + size_of_val(joints) as u64),
-                    Argument::whole("joints", of_joints),
-                    Argument::whole("found", found),
-                ];
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                pass.set_pipeline(&stage.pipelines[0]);
-                pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
-                pass.dispatch_workgroups(joints.len() as u32, 1, 1);
-                drop(pass);
-                self.counts.dispatches += 1;
-            }
-            at += whole_part(of_terms) as u64;
-        }
-        encoder.copy_buffer_to_buffer(found, 0, staging, 0, found_bytes);
-        let submission = gpu.queue.submit([encoder.finish()]);
-        self.counts.submits += 1;
-        let reading = gpu.reading(staging, found_bytes, submission);
-        (count, Flight { buffers, reading })
+    /// Waits for the first flight of a batch.
+    fn land(&mut self, gpu: &GpuDevice, index: usize) -> Result<(), GpuError> {
+        let Batch { flights, found } = &mut self.batches[index];
+        let Some(Flight { found_bytes, on_device }) = flights.pop_front() else { return Ok(()) };
+        let Some((buffers, reading)) = on_device else {
+            found.extend(std::iter::repeat_n(0.0, found_bytes as usize / size_of::<f32>()));
+            return Ok(());
+        };
+        self.counts.busy += gpu.look(reading, |bytes| {
+            let (own, times) = bytes.split_at(found_bytes as usize);
+            let numbers = own.as_chunks().0.iter();
+            found.extend(numbers.map(|number| f32::from_ne_bytes(*number)));
+            gpu.busy(times)
+        })?;
+        self.free.push(buffers);
+        self.counts.waits += 1;
+        Ok(())
     }
 
-    /// What there is room for of the joints from one on, one at least, whose tables are there then.
-    fn load(&mut self, gpu: &GpuDevice, batch: &JointBatch, first: usize) -> Load {
+    /// As many joints from one on as there is room for, one at least; tells how many.
+    fn fly(
+        &mut self,
+        gpu: &GpuDevice,
+        batch: &JointBatch,
+        first: usize,
+    ) -> Result<(usize, Flight), GpuError> {
+        let load = self.load(gpu, batch, first)?;
+        let Load { count, found_bytes, .. } = load;
+        if count == 0 {
+            let found_bytes = (size_of::<f32>() * batch.joints[first].found()) as u64;
+            return Ok((1, Flight { found_bytes, on_device: None }));
+        }
+        let mut buffers = self.free.pop().unwrap_or_default();
+        let numbers = numbers_of(batch, first).start..numbers_of(batch, first + count - 1).end;
+        let reading = self.submit(gpu, &mut buffers, &load, &batch.numbers[numbers])?;
+        Ok((count, Flight { found_bytes, on_device: Some((buffers, reading)) }))
+    }
+
+    fn submit(
+        &mut self,
+        gpu: &GpuDevice,
+        buffers: &mut Buffers,
+        load: &Load,
+        numbers: &[f32],
+    ) -> Result<Reading, GpuError> {
+        let Load { parameters, places, found_bytes, .. } = load;
+        let pieces: usize = places.iter().map(|(_, places)| places.len().div_ceil(MOST_JOINTS)).sum();
+        let mut times = PassTimes::of(gpu, pieces);
+        let staged = found_bytes + times.bytes();
+        let sizes = [
+            size_of_val(&parameters[..]) as u64,
+            places.iter().map(|(_, places)| whole_parts(places)).sum(),
+            size_of_val(numbers) as u64,
+            *found_bytes,
+            staged,
+        ];
+        // Before anything is written: wgpu loses a device that has no memory for what is written.
+        let (counts, stages, tables) = (&mut self.counts, &self.stages, &self.tables);
+        let kept = gpu.checked("joints", || kept(gpu, buffers, TRAVELLING, sizes, counts))?;
+        let [of_parameters, of_places, of_joints, found, staging] = kept;
+        counts.bytes_up += sizes[..3].iter().sum::<u64>();
+        counts.bytes_down += found_bytes;
+        gpu.checked("joints", || {
+            gpu.queue.write_buffer(of_parameters, 0, bytemuck::cast_slice(parameters));
+            gpu.queue.write_buffer(of_joints, 0, bytemuck::cast_slice(numbers));
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut at = 0;
+            for (terms, own) in places {
+                gpu.queue.write_buffer(of_places, at, bytemuck::cast_slice(own));
+                let stage = &stages[terms];
+                for (piece, joints) in own.chunks(MOST_JOINTS).enumerate() {
+                    let from = at + (piece * MOST_JOINTS * size_of::<Placed>()) as u64;
+                    let arguments = [
+                        Argument::whole("parameters", of_parameters),
+                        Argument::whole("tables", tables.buffer()),
+                        Argument::part("places", of_places, from..from + size_of_val(joints) as u64),
+                        Argument::whole("joints", of_joints),
+                        Argument::whole("found", found),
+                    ];
+                    let mut pass = encoder.begin_compute_pass(&times.next());
+                    pass.set_pipeline(&stage.pipelines[0]);
+                    pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
+                    pass.dispatch_workgroups(joints.len() as u32, 1, 1);
+                    counts.dispatches += 1;
+                }
+                at += whole_parts(own);
+            }
+            encoder.copy_buffer_to_buffer(found, 0, staging, 0, *found_bytes);
+            times.resolve(&mut encoder, staging, *found_bytes);
+            let submission = gpu.queue.submit([encoder.finish()]);
+            counts.submits += 1;
+            gpu.reading(staging, staged, submission)
+        })
+    }
+
+    /// What there is room for of the joints from one on, whose tables are there then; none where those of the first are too large.
+    fn load(&mut self, gpu: &GpuDevice, batch: &JointBatch, first: usize) -> Result<Load, GpuError> {
         let most = (self.most_bytes.min(gpu.facts.limits.binding_bytes) / 4) as usize;
         let start = numbers_of(batch, first).start;
         // Tables in the order in which joints ask for them, and their places in it.
@@ -216,7 +262,7 @@ impl JointKernel {
                 tables.len() as u32 - 1
             });
         }
-        let (met, bytes) = self.tables.meet(gpu, &tables);
+        let (met, bytes) = self.tables.meet(gpu, &tables)?;
         self.counts.bytes_up += bytes;
         let tables = &tables[..met];
         let mut load = Load {
@@ -237,8 +283,13 @@ impl JointKernel {
             load.count += 1;
             load.found_bytes += 4 * joint.found() as u64;
         }
-        load
+        Ok(load)
     }
+}
+
+/// Bytes of places, as parts of a buffer that others follow in.
+fn whole_parts(places: &[Placed]) -> u64 {
+    (size_of_val(places) as u64).next_multiple_of(ALIGNMENT)
 }
 
 /// Of a joint, among those of its batch.

@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
-use super::context::GpuDevice;
+use super::context::{GpuDevice, GpuError};
 use crate::engine::backend::joints::{BodyTables, JointTables, TablesKey};
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::compliance::arc::packed_count;
@@ -71,9 +71,9 @@ struct Missing<'a> {
 }
 
 impl TableArena {
-    /// Uploads what is not there of some tables; where there is no room for all of them, without the last ones. Tells how many there are,
-    /// and the bytes that went up.
-    pub fn meet(&mut self, gpu: &GpuDevice, tables: &[&JointTables]) -> (usize, u64) {
+    /// Uploads what is not there of some tables; where there is no room for all of them, without the last ones. Tells how many there are, none
+    /// where the first ones alone are too large for the device, and the bytes that went up.
+    pub fn meet(&mut self, gpu: &GpuDevice, tables: &[&JointTables]) -> Result<(usize, u64), GpuError> {
         let most_words = (MOST_BYTES.min(gpu.facts.limits.binding_bytes) / 4) as usize;
         let mut missing = self.missing(tables, most_words);
         if missing.count < tables.len() && self.used_words > 0 {
@@ -104,8 +104,8 @@ impl TableArena {
         for (key, space) in missing.spaces {
             self.spaces.insert(key, space_words(space, first, &mut words));
         }
-        self.upload(gpu, &words);
-        (missing.count, 4 * words.len() as u64)
+        self.upload(gpu, &words)?;
+        Ok((missing.count, 4 * words.len() as u64))
     }
 
     fn missing<'a>(&self, tables: &[&JointTables<'a>], most_words: usize) -> Missing<'a> {
@@ -125,7 +125,7 @@ impl TableArena {
                     own.bodies.push((key, *body, *space));
                 }
             }
-            if words > most_words && missing.count > 0 {
+            if words > most_words {
                 break;
             }
             missing.bodies.extend(own.bodies);
@@ -136,13 +136,13 @@ impl TableArena {
     }
 
     /// Behind what is there.
-    fn upload(&mut self, gpu: &GpuDevice, words: &[u32]) {
+    fn upload(&mut self, gpu: &GpuDevice, words: &[u32]) -> Result<(), GpuError> {
         let used = 4 * self.used_words as u64;
         let needed = used + 4 * words.len() as u64;
         let limits = &gpu.facts.limits;
         if self.buffer.as_ref().is_none_or(|buffer| buffer.size() < needed) {
             let roomy = (2 * needed).max(FIRST_BYTES).min(limits.buffer_bytes.min(limits.binding_bytes));
-            let larger = gpu.empty("tables", roomy.max(needed));
+            let larger = gpu.checked("tables of joints", || gpu.empty("tables", roomy.max(needed)))?;
             if let Some(before) = self.buffer.take().filter(|_| used > 0) {
                 gpu.copy(&before, &larger, used);
             }
@@ -152,11 +152,12 @@ impl TableArena {
             gpu.queue.write_buffer(buffer, used, bytemuck::cast_slice(words));
         }
         self.used_words += words.len();
+        Ok(())
     }
 
-    /// Those that were met last; nothing before any were.
-    pub fn buffer(&self) -> Option<&wgpu::Buffer> {
-        self.buffer.as_ref()
+    /// Those that were met; some were.
+    pub fn buffer(&self) -> &wgpu::Buffer {
+        self.buffer.as_ref().unwrap_or_else(|| unreachable!("tables are met before they are bound"))
     }
 
     /// Of tables that are there.

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 use std::sync::Mutex;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 use wgpu::ShaderStages;
 
@@ -183,7 +185,10 @@ impl Stage {
             Making::Trusted | Making::Checked => file.variant(variant),
         };
         let is_checked = making == Making::Checked;
-        gpu.checked(file.name, || Stage::build(&gpu.device, file, &source, is_checked))
+        let started = Instant::now();
+        let made = gpu.checked(file.name, || Stage::build(&gpu.device, file, &source, is_checked));
+        gpu.making.fetch_add(started.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        made
     }
 
     fn build(device: &wgpu::Device, file: &KernelFile, source: &str, is_checked: bool) -> Stage {

@@ -18,5 +18,4 @@ pub mod elimination;
 pub mod joint_tables;
 pub mod joint_kernel;
 pub mod solver;
-pub mod speed;
 pub mod calibration;

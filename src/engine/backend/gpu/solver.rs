@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
 use super::context::{GpuDevice, GpuError};
-use super::elimination::{Counts, Elimination};
+use super::elimination::Elimination;
 use super::front::FrontLayout;
 use super::front_topology::{FrontTopology, Job};
 use super::joint_kernel::JointKernel;
@@ -18,7 +18,7 @@ use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::backend::joints::{JointBatch, SolvedJoints};
-use crate::engine::backend::{Device, Works};
+use crate::engine::backend::{Counts, Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
@@ -119,11 +119,6 @@ impl<'a> GpuCondenser<'a> {
     pub fn solving_joints(self, solves_joints: SolvedJoints) -> GpuCondenser<'a> {
         GpuCondenser { solves_joints, ..self }
     }
-
-    /// What elimination and joints have asked of the device.
-    pub fn counts(&self) -> Counts {
-        self.elimination.counts.and(self.joints.counts)
-    }
 }
 
 impl Device for GpuCondenser<'_> {
@@ -188,6 +183,10 @@ impl Device for GpuCondenser<'_> {
             stages.push(("contact on the GPU", contact));
         }
         stages
+    }
+
+    fn counts(&self) -> Counts {
+        self.elimination.counts.and(self.joints.counts)
     }
 
     fn worst_residual(&self) -> f64 {
