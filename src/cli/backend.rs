@@ -23,8 +23,7 @@ pub struct BackendArgs {
     /// The GPU whose name or driver holds this, software too; `jointsweep devices` lists them
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// The numbers a GPU computes in [default: mixed below 0.1 % of accuracy or where f64 is at least a quarter as fast as
-    /// f32, else f32]
+    /// The numbers a GPU computes in [default: f32 from an accuracy of 0.1 % on; below that mixed, where the GPU has f64]
     #[arg(long, value_enum)]
     precision: Option<PrecisionChoice>,
     /// How a GPU condenses bodies [default: auto]

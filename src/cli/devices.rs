@@ -15,7 +15,7 @@ use super::{Ending, backend, print, say};
 
 #[derive(Args)]
 pub struct DevicesArgs {
-    /// Measure how fast each condenses bodies, some seconds each; `--backend auto` then goes by it
+    /// Measure how fast each condenses bodies and solves joints, some seconds each; `--backend auto` then goes by it
     #[arg(long)]
     measure: bool,
 }

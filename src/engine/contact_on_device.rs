@@ -2,11 +2,9 @@
 //! kernel for, and what is not good enough, is left to the processor.
 
 use crate::engine::accuracy::{Estimate, Want};
-use crate::engine::backend::joints::{
-    Amplitudes, BodyTables, DeviceBody, DeviceJoint, JointTables, MOST_LOADS, states,
-};
+use crate::engine::backend::joints::{Amplitudes, BodyTables, DeviceBody, DeviceJoint, JointTables, states};
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::device_joints::Given;
+use crate::engine::device_joints::{Given, errors_of_bodies};
 use crate::engine::joint_contact::{judged, own_error};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind};
@@ -46,9 +44,8 @@ pub fn given<'a, 'b>(
     };
     let joint = DeviceJoint { bodies: [body(0), body(1)], outlines };
     let loads = cases.flat_map(|case| JointScale::of(&case.joint).loads_in_contact(&case.steps));
-    let load_count = joint.numbers(loads.take(MOST_LOADS + 1), numbers);
-    let has_loads = (1..=MOST_LOADS).contains(&(load_count as usize));
-    has_loads.then(|| Given { tables, load_count, kept: joint.even() })
+    let load_count = joint.numbers(loads, numbers)?;
+    Some(Given { tables, load_count, kept: joint.even() })
 }
 
 /// The answers to the designs of a joint that was given, from what a device has found, if all of them are good enough.
@@ -70,15 +67,8 @@ pub fn judged_designs<'a>(
     let solving = Solving { backend: BackendKind::Gpu, method: plan.method(), limit, accuracy };
     let answer = |case: &DesignCase| {
         let count = JointScale::of(&case.joint).loads_in_contact(&case.steps).count();
-        let own = states.by_ref().take(count).map(|found| {
-            let half_angle = found.state.half_angle;
-            let of_bodies = errors.iter().zip(found.shares());
-            let of_bodies = of_bodies.fold([0.0; 2], |[meshes, beds], (own, share)| {
-                let [of_mesh, of_bed] = own.at(half_angle);
-                [meshes + share * of_mesh, beds + share * of_bed]
-            });
-            Ok((found.state, of_bodies))
-        });
+        let own = states.by_ref().take(count);
+        let own = own.map(|found| Ok((found.state, errors_of_bodies(&errors, &found))));
         let (answer, want) = judged(case, &outlines, solving, of_curve, own);
         (want == Want::Nothing).then_some((answer, want))
     };

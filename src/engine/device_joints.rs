@@ -3,7 +3,8 @@
 use foldhash::HashMap;
 use rayon::prelude::*;
 
-use crate::engine::backend::joints::{BatchedJoint, JointBatch, JointTables, TablesKey};
+use crate::engine::accuracy::body_errors::OwnError;
+use crate::engine::backend::joints::{BatchedJoint, FoundState, JointBatch, JointTables, TablesKey};
 
 /// A joint whose numbers are made, with what is kept of it until it is judged.
 pub struct Given<'a, T> {
@@ -57,6 +58,15 @@ pub fn gathered<'a, I: Sync, T: Send>(
         }
     }
     (batch, Underway { kept })
+}
+
+/// The relative errors of the force that bodies leave, each by its share of the work: as `BodyErrors::at`.
+pub fn errors_of_bodies(errors: &[OwnError; 2], found: &FoundState) -> [f64; 2] {
+    let of_bodies = errors.iter().zip(found.shares());
+    of_bodies.fold([0.0; 2], |[of_bodies, of_beds], (own, share)| {
+        let [of_body, of_bed] = own.at(found.state.half_angle);
+        [of_bodies + share * of_body, of_beds + share * of_bed]
+    })
 }
 
 impl<T: Send> Underway<T> {

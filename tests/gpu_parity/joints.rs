@@ -6,7 +6,7 @@ use std::time::Duration;
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::backend::gpu::solver::GpuCondenser;
 use jointsweep::internals::engine::backend::joints::{JointBatch, SolvedJoints};
-use jointsweep::internals::engine::backend::{Device, Works};
+use jointsweep::internals::engine::backend::{Counts, Device, Works};
 use jointsweep::internals::engine::body_request::Group;
 use jointsweep::internals::engine::expected_contact::ExpectedContact;
 use jointsweep::internals::engine::interpolation::fit_plan::InterpolationPlan;
@@ -62,6 +62,10 @@ impl Device for JointsAlone<'_> {
         self.condenser.stages()
     }
 
+    fn counts(&self) -> Counts {
+        self.condenser.counts()
+    }
+
     fn worst_residual(&self) -> f64 {
         0.0
     }
@@ -73,13 +77,22 @@ impl Device for JointsAlone<'_> {
 
 /// The outcomes of designs by a ladder whose device solves joints, and of the first few of them by themselves.
 fn on_device(ladder: Ladder, cases: &[DesignCase], few: usize) -> [Vec<DesignOutcome>; 2] {
-    let kernels = Kernels::with_tree(device(), Precision::F32, INVOCATIONS, Making::Checked).unwrap();
+    on(device(), ladder, [cases, &cases[..few]]).0
+}
+
+/// The outcomes of some designs and then of others on a device, and what was asked of it.
+fn on<const N: usize>(
+    gpu: &GpuDevice,
+    ladder: Ladder,
+    cases: [&[DesignCase]; N],
+) -> ([Vec<DesignOutcome>; N], Counts) {
+    let kernels = Kernels::with_tree(gpu, Precision::F32, INVOCATIONS, Making::Checked).unwrap();
     let condenser = GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(SolvedJoints::All);
     let device = JointsAlone { condenser, begun: VecDeque::new() };
     let mut ladder = ladder.on(Box::new(device));
-    let outcomes = [cases, &cases[..few]].map(|cases| ladder.solve(cases));
+    let outcomes = cases.map(|cases| ladder.solve(cases));
     assert_eq!(ladder.library.lost(), None);
-    outcomes
+    (outcomes, ladder.library.device().unwrap().counts())
 }
 
 /// The greatest relative differences of forces and indentations, stiffnesses, peak pressures, energies, half angles, and errors told, and how many
@@ -205,6 +218,24 @@ fn joints_of_meshes_are_those_of_the_processor() {
         // However many there are at a time.
         assert_eq!(rows(&few), rows(&found[..40]), "{name}");
     }
+}
+
+/// Tables for which there is no room together come in turns, and the rows are the same.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn tables_without_room_come_in_turns() {
+    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
+    let cases = designs(97, 120, concentric);
+    let ([expected], counts) = on(device(), Ladder::new(options), [&cases]);
+    let mut small = device().clone();
+    // Enough for those of any joint.
+    small.facts.limits.binding_bytes = 2_000_000;
+    let ([found], of_small) = on(&small, Ladder::new(options), [&cases]);
+    println!("{counts:?} {of_small:?}");
+    assert!(found.iter().filter(|outcome| outcome.backend == BackendKind::Gpu).count() > 100);
+    assert_eq!(rows(&found), rows(&expected));
+    assert!(of_small.submits > counts.submits && of_small.bytes_up > counts.bytes_up + 1_000_000);
+    assert_eq!(of_small.bytes_down, counts.bytes_down);
 }
 
 /// All that a row says.

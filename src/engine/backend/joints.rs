@@ -174,8 +174,8 @@ impl DeviceJoint<'_> {
         [self.outlines.tilt(), Tilt::NONE]
     }
 
-    /// As the kernel has them, under some loads; tells how many these are.
-    pub fn numbers(&self, loads: impl Iterator<Item = DimensionlessLoad>, to: &mut Vec<f32>) -> u32 {
+    /// As the kernel has them, under some loads; tells how many these are. `None` where there are none, or too many.
+    pub fn numbers(&self, loads: impl Iterator<Item = DimensionlessLoad>, to: &mut Vec<f32>) -> Option<u32> {
         let even = self.even();
         for DeviceBody { infinite, share, amplitudes } in &self.bodies {
             let place = match amplitudes {
@@ -190,7 +190,7 @@ impl DeviceJoint<'_> {
             [tilts[0].first, tilts[0].second, radial_clearance, self.outlines.ratio(), self.outlines.bend()];
         to.extend(of_outlines.map(|number| number as f32));
         let mut load_count = 0;
-        for load in loads {
+        for load in loads.take(MOST_LOADS + 1) {
             let [of_indentation, of_force] = load.target(radial_clearance);
             to.extend([of_indentation, of_force / even].map(|number| number as f32));
             load_count += 1;
@@ -200,7 +200,7 @@ impl DeviceJoint<'_> {
                 members.amplitudes(body, tilt, to);
             }
         }
-        load_count
+        (1..=MOST_LOADS).contains(&load_count).then_some(load_count as u32)
     }
 }
 

@@ -75,7 +75,7 @@ pub trait Device: Send + Sync {
         Ok(())
     }
 
-    /// Waits for the joints that were begun before all others: what the kernel has found (`DeviceJoint::states`), one joint after another.
+    /// Waits for the joints that were begun before all others: what the kernel has found (`joints::states`), one joint after another.
     fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
         Ok(Vec::new())
     }

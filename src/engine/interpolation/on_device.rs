@@ -2,9 +2,10 @@
 //! states after. What the device has no kernel for, and what is not good enough, is left to the processor.
 
 use crate::engine::accuracy::Want;
-use crate::engine::backend::joints::{BodyTables, DeviceJoint, JointTables, MOST_LOADS, states};
+use crate::engine::accuracy::body_errors::OwnError;
+use crate::engine::backend::joints::{BodyTables, DeviceJoint, JointTables, states};
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::device_joints::{Given, gathered};
+use crate::engine::device_joints::{Given, errors_of_bodies, gathered};
 use crate::engine::interpolation::interpolated::{Interpolation, MetJoint, whole};
 use crate::engine::joint_contact::judged;
 use crate::engine::joint_scale::JointScale;
@@ -53,23 +54,18 @@ impl Interpolation {
             |side: usize| fits[side].on_device((&members[side].body, &points[side], members[side].share));
         let joint = DeviceJoint { bodies: [body(0)?, body(1)?], outlines: *outlines };
         let loads = JointScale::of(&case.joint).loads_in_contact(&case.steps);
-        let load_count = joint.numbers(loads.take(MOST_LOADS + 1), numbers);
-        let has_loads = (1..=MOST_LOADS).contains(&(load_count as usize));
+        let load_count = joint.numbers(loads, numbers)?;
         let even = joint.even();
-        has_loads.then_some(Given { tables, load_count, kept: (met, even) })
+        Some(Given { tables, load_count, kept: (met, even) })
     }
 
     /// The answer from what a device has found, if that is good enough.
     fn judge(&self, spaces: &Spaces, case: &DesignCase, (met, even): &Kept, found: &[f32]) -> Option<Answer> {
         let MetJoint { members, fits, points, outlines, key } = met;
-        let bound = |side: usize| fits[side].error(&members[side].body, &points[side]);
-        let bounds = [bound(0), bound(1)];
+        let error = |side: usize| OwnError::Fit(fits[side].error(&members[side].body, &points[side]));
+        let errors = [error(0), error(1)];
         let (of_curve, states) = states(found, *even, outlines)?;
-        let states = states.map(|found| {
-            let of_bodies = bounds.iter().zip(found.shares());
-            let of_bodies = of_bodies.map(|(bound, share)| share * bound.at(found.state.half_angle)).sum();
-            Ok((found.state, [of_bodies, 0.0]))
-        });
+        let states = states.map(|found| Ok((found.state, errors_of_bodies(&errors, &found))));
         let solving = self.solving(BackendKind::Gpu, outlines, spaces.get(*key));
         let (answer, want) = judged(case, outlines, solving, of_curve, states);
         (want == Want::Nothing).then(|| whole(answer)).flatten()

@@ -11,12 +11,13 @@ use crate::engine::backend::gpu::dispatch::{Dispatch, Pass};
 use crate::engine::backend::gpu::elimination::Elimination;
 use crate::engine::backend::gpu::front::FrontLayout;
 use crate::engine::backend::gpu::front_topology::{FrontTopology, Job};
-use crate::engine::backend::gpu::joint_kernel::JointKernel;
+use crate::engine::backend::gpu::joint_kernel::{JointKernel, Placed};
 use crate::engine::backend::gpu::kernels::{Kernels, Making, Precision, Stage};
 use crate::engine::backend::gpu::layout::MeshLayout;
 use crate::engine::backend::gpu::solver::{INVOCATIONS, Topology};
 use crate::engine::backend::gpu::stages::{Rounds, SystemBatch};
 use crate::engine::backend::gpu::system_layout::SystemState;
+use crate::engine::backend::joints::{Amplitudes, DeviceBody};
 use crate::engine::body_request::{BodyRequest, TopologyKey, mesh_size};
 use crate::engine::plan::JointPlan;
 use crate::engine::spaces::SpaceKey;
@@ -24,6 +25,8 @@ use crate::lab::gpu::roofline::seconds;
 use crate::lab::gpu::speed::run;
 use crate::lab::gpu::work::{JointSizes, Sizes, Work};
 use crate::mechanics::body::Body;
+use crate::mechanics::compliance::body_fit::NEGLIGIBLE;
+use crate::mechanics::compliance::pressure_space::Tilt;
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::solve::band::PRODUCT_OPERATIONS;
 use crate::study::config::MethodChoice;
@@ -170,12 +173,12 @@ pub fn joint_kernel(gpu: &GpuDevice) -> Result<KernelTime, GpuError> {
         }
     }
     seconds.sort_by(f64::total_cmp);
-    let (SpaceKey { terms, nodes, .. }, items) = (joint.space(), batch.joints.len() as u64);
-    let bytes = size_of_val(&batch.numbers[..]) as u64 / items + PLACE_BYTES;
+    let ((SpaceKey { terms, nodes, .. }, _), items) = (joint.space(), batch.joints.len() as u64);
+    let bytes = size_of_val(&batch.numbers[..]) as u64 / items + size_of::<Placed>() as u64;
     let sizes = JointSizes {
         terms: terms as u64,
         nodes: nodes as u64,
-        rows: joint.summed_rows() as u64,
+        rows: summed_rows(&joint) as u64,
         loads: batch.joints[0].load_count.into(),
         bytes: bytes + 4 * batch.joints[0].found() as u64,
     };
@@ -192,8 +195,23 @@ pub fn joint_kernel(gpu: &GpuDevice) -> Result<KernelTime, GpuError> {
     })
 }
 
-/// Where a joint's tables and numbers are.
-const PLACE_BYTES: u64 = 16;
+/// How many rows of both bodies the kernel adds: those that add more than a share of what the first one does.
+fn summed_rows(joint: &MeasuredJoint) -> usize {
+    let (_, space) = joint.space();
+    let joint = joint.joint();
+    let clearance = joint.outlines.radial_clearance as f32;
+    let of_body = |(body, tilt): (&DeviceBody, Tilt)| {
+        let Amplitudes::Modes(members, compliance) = body.amplitudes else { return 0 };
+        let mut amplitudes = body.infinite.map(|number| number as f32).to_vec();
+        members.amplitudes(compliance, tilt, &mut amplitudes);
+        let powers = (0..members.orders()).map(|power| clearance.powi(power as i32));
+        let weights = powers.flat_map(|power| amplitudes.iter().map(move |amplitude| power * amplitude));
+        let rows = members.rows(space);
+        let added: Vec<f32> = weights.zip(rows.sizes()).map(|(weight, size)| weight.abs() * size).collect();
+        added.iter().filter(|own| **own > NEGLIGIBLE * added[0]).count()
+    };
+    joint.bodies.iter().zip(joint.tilts()).map(of_body).sum()
+}
 
 /// Bodies of the batch that tells the pace.
 const PACING: usize = 64;

@@ -18,11 +18,11 @@ use crate::engine::body_request::{BodyRequest, Fidelity, Group, TopologyKey};
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::engine::unit_costs::{body_seconds, curve, spread_seconds};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, SHAPES};
-use crate::mechanics::compliance::body_fit::NEGLIGIBLE;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
 use crate::mechanics::contact::compliance_rows::ModeMembers;
+use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::load::DimensionlessLoad;
 use crate::mechanics::contact::outlines::Outlines;
 use crate::mechanics::material::Idealization;
@@ -165,7 +165,7 @@ impl MeasuredJoint {
         MeasuredJoint { bodies, key, spaces }
     }
 
-    fn joint(&self) -> DeviceJoint<'_> {
+    pub fn joint(&self) -> DeviceJoint<'_> {
         let body = |side: usize| {
             let compliance = &self.bodies[side].1;
             let amplitudes = Amplitudes::Modes(self.members(side), compliance);
@@ -181,37 +181,22 @@ impl MeasuredJoint {
     }
 
     /// The space of its curve.
-    pub fn space(&self) -> SpaceKey {
-        self.key
-    }
-
-    /// How many rows of both bodies the kernel adds: those that add more than a share of what the first one does.
-    pub fn summed_rows(&self) -> usize {
-        let (space, joint) = (self.spaces.get(self.key), self.joint());
-        let of_side = |side: usize| {
-            let (members, body) = (self.members(side), &joint.bodies[side]);
-            let mut amplitudes = body.infinite.map(|number| number as f32).to_vec();
-            members.amplitudes(&self.bodies[side].1, joint.tilts()[side], &mut amplitudes);
-            let rows = members.rows(space);
-            let powers = (0..members.orders()).map(|power| (CLEARANCE as f32).powi(power as i32));
-            let weights = powers.flat_map(|power| amplitudes.iter().map(move |amplitude| power * amplitude));
-            let added: Vec<f32> =
-                weights.zip(rows.sizes()).map(|(weight, size)| weight.abs() * size).collect();
-            added.iter().filter(|own| **own > NEGLIGIBLE * added[0]).count()
-        };
-        of_side(0) + of_side(1)
+    pub fn space(&self) -> (SpaceKey, &CurveSpace) {
+        (self.key, self.spaces.get(self.key))
     }
 
     /// It so many times, each under these indentations over its clearance.
     pub fn batch(&self, count: usize, indentations: &[f64]) -> JointBatch<'_> {
         let bodies = [0, 1].map(|side| BodyTables::Modes(self.members(side)));
-        let space = (self.key, self.spaces.get(self.key));
-        let mut batch = JointBatch { tables: vec![JointTables { bodies, space }], ..JointBatch::default() };
+        let tables = JointTables { bodies, space: self.space() };
+        let mut batch = JointBatch { tables: vec![tables], ..JointBatch::default() };
         let joint = self.joint();
         for _ in 0..count {
             let numbers_at = batch.numbers.len() as u32;
             let loads = indentations.iter().map(|over| DimensionlessLoad::Indentation(CLEARANCE * over));
             let load_count = joint.numbers(loads, &mut batch.numbers);
+            let load_count =
+                load_count.unwrap_or_else(|| unreachable!("there are some loads, and not too many"));
             batch.joints.push(BatchedJoint { tables: 0, numbers_at, load_count });
         }
         batch

@@ -9,6 +9,7 @@ use wgpu::{BufferBinding, BufferUsages};
 
 use super::context::{GpuDevice, GpuError};
 use super::kernels::Stage;
+use crate::engine::backend::Counts;
 
 /// A batch that takes longer hangs. After that even letting go of the device may block.
 const LONGEST_WAIT: Duration = Duration::from_secs(120);
@@ -129,6 +130,25 @@ impl PassTimes {
             encoder.copy_buffer_to_buffer(resolved, 0, to, at, resolved.size());
         }
     }
+}
+
+/// Buffers of at least these sizes: those that are there, or new ones.
+pub(crate) fn kept<'a, const N: usize>(
+    gpu: &GpuDevice,
+    buffers: &'a mut [Option<wgpu::Buffer>; N],
+    kinds: [(&'static str, BufferUsages); N],
+    sizes: [u64; N],
+    counts: &mut Counts,
+) -> [&'a wgpu::Buffer; N] {
+    for ((buffer, size), (label, usage)) in buffers.iter_mut().zip(sizes).zip(kinds) {
+        if buffer.as_ref().is_none_or(|buffer| buffer.size() < size) {
+            // With some room, as the next batch may be a little larger.
+            let roomy = (size + size / 4).next_multiple_of(8).min(gpu.facts.limits.buffer_bytes);
+            *buffer = Some(gpu.with_usage(label, roomy.max(size), usage));
+            counts.new_buffers += 1;
+        }
+    }
+    buffers.each_ref().map(|buffer| buffer.as_ref().unwrap_or_else(|| unreachable!("was made above")))
 }
 
 impl GpuDevice {

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use wgpu::BufferUsages;
 
 use super::batch::{MOST_BYTES, TARGET};
-use super::context::{GpuDevice, GpuError};
-use super::dispatch::{Argument, PassTimes, Reading};
+use super::context::GpuError;
+use super::dispatch::{Argument, PassTimes, Reading, kept};
 use super::elimination_plan::{Cursor, FlightPlan, Piece, Room, Step, order};
 use super::front::{EliminateParameters, WorksOfBody};
 use super::front_topology::Job;
@@ -331,25 +331,6 @@ const TRAVELLING: [(&str, BufferUsages); 4] = [
 
 /// What is bound in place of fronts where there are none, bytes: a row of a tile.
 const EMPTY_FRONT: u64 = 32;
-
-/// Buffers of at least these sizes: those that are there, or new ones.
-pub(super) fn kept<'a, const N: usize>(
-    gpu: &GpuDevice,
-    buffers: &'a mut [Option<wgpu::Buffer>; N],
-    kinds: [(&'static str, BufferUsages); N],
-    sizes: [u64; N],
-    counts: &mut Counts,
-) -> [&'a wgpu::Buffer; N] {
-    for ((buffer, size), (label, usage)) in buffers.iter_mut().zip(sizes).zip(kinds) {
-        if buffer.as_ref().is_none_or(|buffer| buffer.size() < size) {
-            // With some room, as the next batch may be a little larger.
-            let roomy = (size + size / 4).next_multiple_of(8).min(gpu.facts.limits.buffer_bytes);
-            *buffer = Some(gpu.with_usage(label, roomy.max(size), usage));
-            counts.new_buffers += 1;
-        }
-    }
-    buffers.each_ref().map(|buffer| buffer.as_ref().unwrap_or_else(|| unreachable!("was made above")))
-}
 
 /// The numbers of all bodies of a flight as the device takes them.
 fn encoded(jobs: &[Job], plan: &FlightPlan, precision: Precision) -> Vec<u8> {

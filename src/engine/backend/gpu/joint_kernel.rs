@@ -8,8 +8,7 @@ use foldhash::HashMap;
 use wgpu::BufferUsages;
 
 use super::context::{GpuDevice, GpuError};
-use super::dispatch::{ALIGNMENT, Argument, PassTimes, Reading};
-use super::elimination::kept;
+use super::dispatch::{ALIGNMENT, Argument, PassTimes, Reading, kept};
 use super::joint_tables::{JointParameters, TableArena};
 use super::kernel_texts::{JOINTS, Variant};
 use super::kernels::{Making, Precision, Stage};
@@ -55,7 +54,7 @@ struct Flight {
 }
 
 /// A joint as the kernel has it: where its parameters are, its numbers and what is found of it begin, and how many loads it has.
-type Placed = [u32; 4];
+pub type Placed = [u32; 4];
 
 /// Parameters, places, numbers and what is found, and that where the host can read it.
 const TRAVELLING: [(&str, BufferUsages); 5] = [
@@ -164,6 +163,8 @@ impl JointKernel {
         })?;
         self.free.push(buffers);
         self.counts.waits += 1;
+        let is_more = self.batches.iter().any(|batch| !batch.flights.is_empty());
+        self.counts.waits_with_work += u64::from(is_more);
         Ok(())
     }
 
