@@ -1,3 +1,4 @@
+pub mod registers;
 pub mod real;
 pub mod material;
 pub mod body;

@@ -6,6 +6,8 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
+use crate::mechanics::registers::{self, ANY};
+
 /// A field with square roots.
 pub trait Real:
     Copy
@@ -70,10 +72,10 @@ real_for_scalar!(f32);
 /// Bodies solved side by side: one 512-bit register of `f64`.
 pub const LANES: usize = 8;
 
-/// One number of each of some bodies, or loads; `FUSED` where the processor fuses multiply and add.
+/// One number of each of some bodies, or loads, in registers of a `WIDTH` of `registers`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
-pub struct Lanes<const FUSED: bool, const COUNT: usize = LANES>(pub [f64; COUNT]);
+pub struct Lanes<const WIDTH: usize, const COUNT: usize = LANES>(pub [f64; COUNT]);
 
 /// Bodies side by side, or one alone.
 pub trait Bodies: Real {
@@ -84,7 +86,7 @@ pub trait Bodies: Real {
     fn set_lane(&mut self, lane: usize, value: f64);
 }
 
-impl<const FUSED: bool> Bodies for Lanes<FUSED> {
+impl<const WIDTH: usize> Bodies for Lanes<WIDTH> {
     const COUNT: usize = LANES;
 
     #[inline(always)]
@@ -98,90 +100,80 @@ impl<const FUSED: bool> Bodies for Lanes<FUSED> {
 }
 
 macro_rules! lanewise {
-    ($trait:ident, $method:ident, $op:tt) => {
-        impl<const FUSED: bool, const COUNT: usize> $trait for Lanes<FUSED, COUNT> {
+    ($trait:ident, $method:ident) => {
+        impl<const WIDTH: usize, const COUNT: usize> $trait for Lanes<WIDTH, COUNT> {
             type Output = Self;
             #[inline(always)]
-            fn $method(mut self, other: Self) -> Self {
-                for lane in 0..COUNT {
-                    self.0[lane] $op other.0[lane];
-                }
-                self
+            fn $method(self, other: Self) -> Self {
+                Lanes(registers::$method::<WIDTH, COUNT>(self.0, other.0))
             }
         }
     };
 }
-lanewise!(Add, add, +=);
-lanewise!(Sub, sub, -=);
-lanewise!(Mul, mul, *=);
-lanewise!(Div, div, /=);
+lanewise!(Add, add);
+lanewise!(Sub, sub);
+lanewise!(Mul, mul);
+lanewise!(Div, div);
 
-impl<const FUSED: bool, const COUNT: usize> AddAssign for Lanes<FUSED, COUNT> {
+impl<const WIDTH: usize, const COUNT: usize> AddAssign for Lanes<WIDTH, COUNT> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl<const FUSED: bool, const COUNT: usize> SubAssign for Lanes<FUSED, COUNT> {
+impl<const WIDTH: usize, const COUNT: usize> SubAssign for Lanes<WIDTH, COUNT> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
 
-impl<const FUSED: bool, const COUNT: usize> Neg for Lanes<FUSED, COUNT> {
+impl<const WIDTH: usize, const COUNT: usize> Neg for Lanes<WIDTH, COUNT> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Lanes(self.0.map(|value| -value))
+        Lanes(registers::neg::<WIDTH, COUNT>(self.0))
     }
 }
 
-impl<const FUSED: bool, const COUNT: usize> Real for Lanes<FUSED, COUNT> {
+impl<const WIDTH: usize, const COUNT: usize> Real for Lanes<WIDTH, COUNT> {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
-        Lanes([value; COUNT])
+        Lanes(registers::splat::<WIDTH, COUNT>(value))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        Lanes(self.0.map(f64::sqrt))
+        Lanes(registers::sqrt::<WIDTH, COUNT>(self.0))
     }
     #[inline(always)]
-    fn exp(self) -> Self {
-        Lanes(self.0.map(f64::exp))
-    }
-    #[inline(always)]
-    fn least(mut self, other: Self) -> Self {
+    fn exp(mut self) -> Self {
         for lane in 0..COUNT {
-            self.0[lane] = self.0[lane].least(other.0[lane]);
+            self.0[lane] = self.0[lane].exp();
         }
         self
+    }
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        Lanes(registers::least::<WIDTH, COUNT>(self.0, other.0))
     }
     #[inline(always)]
     fn is_positive(self) -> bool {
         self.0.iter().all(|value| *value > 0.0)
     }
     #[inline(always)]
-    fn minus_product(mut self, a: Self, b: Self) -> Self {
-        for lane in 0..COUNT {
-            self.0[lane] = if FUSED {
-                (-a.0[lane]).mul_add(b.0[lane], self.0[lane])
-            } else {
-                self.0[lane] - a.0[lane] * b.0[lane]
-            };
-        }
-        self
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        Lanes(registers::minus_product::<WIDTH, COUNT>(self.0, a.0, b.0))
     }
 }
 
 /// One number of one body, which comes to the same bits as in a lane of `Lanes`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Alone<const FUSED: bool>(pub f64);
+pub struct Alone<const WIDTH: usize>(pub f64);
 
 macro_rules! alone {
     ($trait:ident, $method:ident) => {
-        impl<const FUSED: bool> $trait for Alone<FUSED> {
+        impl<const WIDTH: usize> $trait for Alone<WIDTH> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
@@ -195,21 +187,21 @@ alone!(Sub, sub);
 alone!(Mul, mul);
 alone!(Div, div);
 
-impl<const FUSED: bool> AddAssign for Alone<FUSED> {
+impl<const WIDTH: usize> AddAssign for Alone<WIDTH> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         self.0 += other.0;
     }
 }
 
-impl<const FUSED: bool> SubAssign for Alone<FUSED> {
+impl<const WIDTH: usize> SubAssign for Alone<WIDTH> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         self.0 -= other.0;
     }
 }
 
-impl<const FUSED: bool> Neg for Alone<FUSED> {
+impl<const WIDTH: usize> Neg for Alone<WIDTH> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -217,7 +209,7 @@ impl<const FUSED: bool> Neg for Alone<FUSED> {
     }
 }
 
-impl<const FUSED: bool> Real for Alone<FUSED> {
+impl<const WIDTH: usize> Real for Alone<WIDTH> {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
         Alone(value)
@@ -240,11 +232,11 @@ impl<const FUSED: bool> Real for Alone<FUSED> {
     }
     #[inline(always)]
     fn minus_product(self, a: Self, b: Self) -> Self {
-        Alone(if FUSED { (-a.0).mul_add(b.0, self.0) } else { self.0 - a.0 * b.0 })
+        Alone(if WIDTH == ANY { self.0 - a.0 * b.0 } else { (-a.0).mul_add(b.0, self.0) })
     }
 }
 
-impl<const FUSED: bool> Bodies for Alone<FUSED> {
+impl<const WIDTH: usize> Bodies for Alone<WIDTH> {
     const COUNT: usize = 1;
 
     #[inline(always)]
@@ -268,7 +260,13 @@ const OF_ATANH: [f64; 11] = {
     shares
 };
 
-impl<const FUSED: bool, const COUNT: usize> Lanes<FUSED, COUNT> {
+impl<const WIDTH: usize, const COUNT: usize> Lanes<WIDTH, COUNT> {
+    /// Without signs.
+    #[inline(always)]
+    pub fn size(self) -> Self {
+        Lanes(registers::size::<WIDTH, COUNT>(self.0))
+    }
+
     /// Natural logarithm of positive numbers that are not subnormal, to a few units in the last place: of x = 2^k m with m around 1
     /// it is k ln 2 + 2 atanh((m - 1)/(m + 1)).
     #[inline(always)]
@@ -303,7 +301,7 @@ mod tests {
             }
             let near_one = 1.0 + 1e-5 * f64::from(step);
             let values = [value, 1.0 / value, near_one, 1.0, 0.75, 1.5, f64::MIN_POSITIVE, f64::MAX];
-            for (found, value) in [Lanes::<false>(values).ln().0, Lanes::<true>(values).ln().0]
+            for (found, value) in [Lanes::<1>(values).ln().0, Lanes::<2>(values).ln().0]
                 .as_flattened()
                 .iter()
                 .zip(values.into_iter().cycle())

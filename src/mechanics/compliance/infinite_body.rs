@@ -173,25 +173,25 @@ struct Regular<'a> {
 
 /// A point of the rule on the arcs.
 #[derive(Clone, Copy)]
-struct Point<const FUSED: bool> {
+struct Point<const WIDTH: usize> {
     /// x.
-    x: Lanes<FUSED>,
-    g: Lanes<FUSED>,
+    x: Lanes<WIDTH>,
+    g: Lanes<WIDTH>,
     /// ln(g)/2.
-    ln_g: Lanes<FUSED>,
-    angle: Lanes<FUSED>,
+    ln_g: Lanes<WIDTH>,
+    angle: Lanes<WIDTH>,
 }
 
-impl<const FUSED: bool> Point<FUSED> {
+impl<const WIDTH: usize> Point<WIDTH> {
     #[inline(always)]
-    fn new(x: Lanes<FUSED>) -> Point<FUSED> {
+    fn new(x: Lanes<WIDTH>) -> Point<WIDTH> {
         let one = Lanes::from_f64(1.0);
         let g = one / (one + x * x);
         Point { x, g, ln_g: Lanes(g.0.map(|g| 0.5 * g.ln())), angle: Lanes(x.0.map(|x| 2.0 * x.atan())) }
     }
 
     #[inline(always)]
-    fn mirrored(self) -> Point<FUSED> {
+    fn mirrored(self) -> Point<WIDTH> {
         Point { x: -self.x, angle: -self.angle, ..self }
     }
 
@@ -199,11 +199,11 @@ impl<const FUSED: bool> Point<FUSED> {
     #[inline(always)]
     fn kernels(
         self,
-        other: Point<FUSED>,
-        (step, double): (f64, Lanes<FUSED>),
+        other: Point<WIDTH>,
+        (step, double): (f64, Lanes<WIDTH>),
         weights: [f64; 2],
-    ) -> [Lanes<FUSED>; KERNELS] {
-        let number = Lanes::<FUSED>::from_f64;
+    ) -> [Lanes<WIDTH>; KERNELS] {
+        let number = Lanes::<WIDTH>::from_f64;
         let difference = self.x - other.x;
         let products = self.g * other.g;
         let versine = number(2.0) * difference * difference * products;
@@ -239,15 +239,15 @@ impl LaneWork for Regular<'_> {
     type Output = [Vec<[f64; LANES]>; KERNELS];
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> [Vec<[f64; LANES]>; KERNELS] {
+    fn run<const WIDTH: usize>(self) -> [Vec<[f64; LANES]>; KERNELS] {
         let Regular { arcs, terms, rule: ProductRule { half, nodes, trials, weights } } = self;
-        let number = Lanes::<FUSED>::from_f64;
+        let number = Lanes::<WIDTH>::from_f64;
         let step = FRAC_PI_2 / *half as f64;
-        let b = Lanes::<FUSED>(arcs.map(|arc| arc.b));
-        let double = Lanes::<FUSED>(arcs.map(|arc| (2.0 * arc.b).ln()));
-        let points: Vec<Point<FUSED>> = nodes.iter().map(|s| Point::new(b * number(*s))).collect();
+        let b = Lanes::<WIDTH>(arcs.map(|arc| arc.b));
+        let double = Lanes::<WIDTH>(arcs.map(|arc| (2.0 * arc.b).ln()));
+        let points: Vec<Point<WIDTH>> = nodes.iter().map(|s| Point::new(b * number(*s))).collect();
         let mut matrices = [(); KERNELS].map(|()| vec![[0.0; LANES]; packed_count(terms)]);
-        let mut of_point = vec![[Lanes::<FUSED>::zero(); KERNELS]; *half];
+        let mut of_point = vec![[Lanes::<WIDTH>::zero(); KERNELS]; *half];
         for (i, point) in points.iter().enumerate() {
             for (j, other) in points.iter().enumerate() {
                 // The trial pressures are the same at both.
@@ -259,7 +259,7 @@ impl LaneWork for Regular<'_> {
                 }
             }
             for (kernel, matrix) in matrices.iter_mut().enumerate() {
-                let mut potential = [Lanes::<FUSED>::zero(); MAX_TERMS];
+                let mut potential = [Lanes::<WIDTH>::zero(); MAX_TERMS];
                 for (block, sums) in potential.as_chunks_mut::<ABREAST>().0.iter_mut().enumerate() {
                     if block * ABREAST < terms {
                         for (weights, trials) in of_point.iter().zip(trials) {

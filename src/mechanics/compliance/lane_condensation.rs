@@ -6,7 +6,7 @@
 use super::arc::{packed, packed_count};
 use super::ring_modes::{Push, RingModes};
 use crate::mechanics::body::Body;
-use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes, lanes_fit_a_register};
+use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::element::MAX_NODES;
 use crate::mechanics::element::stiffness::{
     Elasticity, ElementRule, element_stiffness, stiffness_operations,
@@ -134,14 +134,14 @@ impl LaneWork for Condense<'_> {
     type Output = Vec<Vec<f64>>;
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> Vec<Vec<f64>> {
+    fn run<const WIDTH: usize>(self) -> Vec<Vec<f64>> {
         // As many sums at a time as stay in registers: 16 of 32 registers that hold all lanes, 4 of 16 that hold half of them.
         if self.bodies.len() == 1 {
-            self.works::<Alone<FUSED>, 2>()
-        } else if lanes_fit_a_register() {
-            self.works::<Lanes<FUSED>, 4>()
+            self.works::<Alone<WIDTH>, 2>()
+        } else if WIDTH >= LANES {
+            self.works::<Lanes<WIDTH>, 4>()
         } else {
-            self.works::<Lanes<FUSED>, 1>()
+            self.works::<Lanes<WIDTH>, 1>()
         }
     }
 }

@@ -3,14 +3,14 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::arc::{MAX_TERMS, TERM_CHOICES};
-use crate::mechanics::real::LANES;
+use crate::mechanics::registers::{ANY, AVX2, AVX512, FUSED};
 
 /// Work that is written once for any vectors.
 pub trait LaneWork {
     type Output;
 
-    /// `FUSED` where the processor fuses multiply and add. To be inlined always: only so it is compiled for the vectors.
-    fn run<const FUSED: bool>(self) -> Self::Output;
+    /// For registers of a `WIDTH` of `registers`. To be inlined always: only so it is compiled for the vectors.
+    fn run<const WIDTH: usize>(self) -> Self::Output;
 }
 
 /// Work with so many trial pressures.
@@ -18,7 +18,7 @@ pub trait TermWork {
     type Output;
 
     /// To be inlined always.
-    fn run<const FUSED: bool, const TERMS: usize>(self) -> Self::Output;
+    fn run<const WIDTH: usize, const TERMS: usize>(self) -> Self::Output;
 }
 
 pub fn in_lanes<W: LaneWork>(work: W) -> W::Output {
@@ -30,22 +30,6 @@ pub fn in_lanes_with_terms<W: TermWork>(terms: usize, work: W) -> W::Output {
     in_lanes(WithTerms { terms, work })
 }
 
-/// Whether a register of the processor holds all lanes, not half of them or fewer.
-pub fn lanes_fit_a_register() -> bool {
-    Arch::new().dispatch(RegisterWidth) >= LANES
-}
-
-struct RegisterWidth;
-
-impl WithSimd for RegisterWidth {
-    type Output = usize;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> usize {
-        S::F64_LANES
-    }
-}
-
 struct Vectorised<W>(W);
 
 impl<W: LaneWork> WithSimd for Vectorised<W> {
@@ -53,7 +37,16 @@ impl<W: LaneWork> WithSimd for Vectorised<W> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> W::Output {
-        if S::IS_SCALAR { self.0.run::<false>() } else { self.0.run::<true>() }
+        // By what code is compiled for here.
+        if S::IS_SCALAR {
+            self.0.run::<ANY>()
+        } else if cfg!(target_arch = "x86_64") && S::F64_LANES == AVX512 {
+            self.0.run::<AVX512>()
+        } else if cfg!(target_arch = "x86_64") && S::F64_LANES == AVX2 {
+            self.0.run::<AVX2>()
+        } else {
+            self.0.run::<FUSED>()
+        }
     }
 }
 
@@ -66,13 +59,13 @@ impl<W: TermWork> LaneWork for WithTerms<W> {
     type Output = W::Output;
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> W::Output {
+    fn run<const WIDTH: usize>(self) -> W::Output {
         match self.terms {
-            3 => self.work.run::<FUSED, 3>(),
-            6 => self.work.run::<FUSED, 6>(),
-            10 => self.work.run::<FUSED, 10>(),
-            16 => self.work.run::<FUSED, 16>(),
-            MAX_TERMS => self.work.run::<FUSED, MAX_TERMS>(),
+            3 => self.work.run::<WIDTH, 3>(),
+            6 => self.work.run::<WIDTH, 6>(),
+            10 => self.work.run::<WIDTH, 10>(),
+            16 => self.work.run::<WIDTH, 16>(),
+            MAX_TERMS => self.work.run::<WIDTH, MAX_TERMS>(),
             other => unreachable!("no code for {other} trial pressures, only for {TERM_CHOICES:?}"),
         }
     }

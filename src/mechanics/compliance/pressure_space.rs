@@ -293,12 +293,12 @@ impl TermWork for Add<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FUSED: bool, const TERMS: usize>(self) {
+    fn run<const WIDTH: usize, const TERMS: usize>(self) {
         let Add { moments, works, share, values } = self;
         let arcs = values.len() / packed_count(TERMS);
         for (chunk, moments) in moments.values.chunks_exact(moments.count * TERMS).enumerate() {
             let moments = moments.as_chunks::<TERMS>().0;
-            let mut matrix = [[Lanes::<FUSED>::zero(); TERMS]; TERMS];
+            let mut matrix = [[Lanes::<WIDTH>::zero(); TERMS]; TERMS];
             match works {
                 Works::Alone(works) => {
                     for (own, work) in moments.iter().zip(works) {
@@ -314,7 +314,7 @@ impl TermWork for Add<'_> {
                 }
                 Works::Bands(bands, scale) => {
                     for (n, (own, bands)) in moments.iter().zip(bands).enumerate() {
-                        let mut half = [Lanes::<FUSED>::zero(); TERMS];
+                        let mut half = [Lanes::<WIDTH>::zero(); TERMS];
                         for (back, band) in bands.iter().enumerate().take(n + 1) {
                             let factor = Lanes::from_f64(-share * FRAC_1_PI * scale * band);
                             for k in 0..TERMS {
@@ -327,7 +327,7 @@ impl TermWork for Add<'_> {
                 Works::Packed(works) => {
                     for (m, own) in moments.iter().enumerate() {
                         // Half of the diagonal and all before it: the sum with its transpose is whole.
-                        let mut half = [Lanes::<FUSED>::zero(); TERMS];
+                        let mut half = [Lanes::<WIDTH>::zero(); TERMS];
                         let row = &works[packed(m, 0)..=packed(m, m)];
                         for (n, (work, other)) in row.iter().zip(moments).enumerate() {
                             let factor = Lanes::from_f64(if n == m { -0.5 * share } else { -share } * work);
@@ -351,13 +351,13 @@ impl TermWork for Add<'_> {
 
 /// Adds the product of one with the other and of the other with one.
 #[inline(always)]
-fn add_symmetric<const FUSED: bool, const TERMS: usize>(
-    matrix: &mut [[Lanes<FUSED>; TERMS]; TERMS],
+fn add_symmetric<const WIDTH: usize, const TERMS: usize>(
+    matrix: &mut [[Lanes<WIDTH>; TERMS]; TERMS],
     one: &[[f64; LANES]; TERMS],
-    other: &[Lanes<FUSED>; TERMS],
+    other: &[Lanes<WIDTH>; TERMS],
 ) {
     for j in 0..TERMS {
-        let (one_j, other_j) = (Lanes::<FUSED>(one[j].map(|value| -value)), -other[j]);
+        let (one_j, other_j) = (Lanes::<WIDTH>(one[j].map(|value| -value)), -other[j]);
         for (sum, (one, other)) in matrix[j][..=j].iter_mut().zip(one.iter().zip(other)) {
             *sum = sum.minus_product(one_j, *other).minus_product(other_j, Lanes(*one));
         }

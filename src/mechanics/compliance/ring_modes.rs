@@ -315,7 +315,7 @@ impl LaneWork for WorksOfModes<'_> {
     type Output = Vec<Vec<f64>>;
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> Vec<Vec<f64>> {
+    fn run<const WIDTH: usize>(self) -> Vec<Vec<f64>> {
         let WorksOfModes { modes, side, bodies } = self;
         let RingModes { count, ring } = *modes;
         let highest = bodies.iter().map(|[normal, _]| normal.len()).max().unwrap_or(0);

@@ -464,12 +464,12 @@ impl LaneWork for FiniteParts<'_> {
     type Output = [Vec<f64>; 2];
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> [Vec<f64>; 2] {
+    fn run<const WIDTH: usize>(self) -> [Vec<f64>; 2] {
         let FiniteParts { body, layers, count, stress } = self;
         let mut parts = [0, 1].map(|_| Vec::with_capacity(count + LANES));
         parts.iter_mut().for_each(|part| part.extend([0.0; 2]));
         for first in (2..count).step_by(LANES) {
-            let n = Lanes::<FUSED>(std::array::from_fn(|lane| (first + lane) as f64));
+            let n = Lanes::<WIDTH>(std::array::from_fn(|lane| (first + lane) as f64));
             let own = body.finite_part(layers, n, stress);
             parts.iter_mut().zip(&own).for_each(|(part, own)| part.extend_from_slice(&own.0));
         }

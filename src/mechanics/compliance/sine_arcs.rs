@@ -52,14 +52,14 @@ impl LaneWork for Sums {
     type Output = [Vec<[f64; LANES]>; 2];
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> Self::Output {
+    fn run<const WIDTH: usize>(self) -> Self::Output {
         let Sums { squares, terms } = self;
-        let square = Lanes::<FUSED>(squares);
+        let square = Lanes::<WIDTH>(squares);
         let twice = Lanes::from_f64(2.0) * (Lanes::from_f64(1.0) - square);
-        let mut sums: [Vec<Lanes<FUSED>>; 2] =
+        let mut sums: [Vec<Lanes<WIDTH>>; 2] =
             std::array::from_fn(|_| vec![Lanes::zero(); packed_count(terms)]);
         // M of the mode before, which the next one takes the place of, and of this mode: [k], with zeros behind k = n.
-        let mut before = vec![Lanes::<FUSED>::zero(); HIGHEST + 3];
+        let mut before = vec![Lanes::<WIDTH>::zero(); HIGHEST + 3];
         let mut current = before.clone();
         before[0] = Lanes::from_f64(FRAC_PI_2);
         current[0] = Lanes::from_f64(0.5 * FRAC_PI_2) * twice;

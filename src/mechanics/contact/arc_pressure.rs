@@ -160,7 +160,7 @@ impl LaneWork for AtPlaces<'_> {
     type Output = Vec<f64>;
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> Vec<f64> {
+    fn run<const WIDTH: usize>(self) -> Vec<f64> {
         let AtPlaces { pressure, places, step } = self;
         let (turn, ahead) = step.sin_cos();
         let (mut sines, mut cosines) = ([1.0; LANES], [0.0; LANES]);
@@ -169,7 +169,7 @@ impl LaneWork for AtPlaces<'_> {
             sines[lane] = sine * ahead - cosine * turn;
             cosines[lane] = cosine * ahead + sine * turn;
         }
-        let (mut sines, mut cosines) = (Lanes::<FUSED>(sines), Lanes(cosines));
+        let (mut sines, mut cosines) = (Lanes::<WIDTH>(sines), Lanes(cosines));
         let (turn, ahead) = (LANES as f64 * step).sin_cos();
         let (turn, ahead) = (Lanes::from_f64(turn), Lanes::from_f64(ahead));
         let mut pressures = Vec::with_capacity(places + LANES);

@@ -94,7 +94,7 @@ impl<'a> ContactCurve<'a> {
                 *singular += share * logarithm;
             }
             if bed != 0.0 {
-                let scale = Lanes::<false>(std::array::from_fn(|lane| scale(even, bed, arcs[lane].b)));
+                let scale = Lanes::<1>(std::array::from_fn(|lane| scale(even, bed, arcs[lane].b)));
                 let scaled = Reduced::of_functions(functions.map(Lanes)).scaled(scale);
                 *functions = scaled.functions().map(|values| values.0);
             }
@@ -115,11 +115,11 @@ impl<'a> ContactCurve<'a> {
 
     /// What the equations come to at places, as far as a load follows from it.
     #[inline(always)]
-    pub(super) fn at<const FUSED: bool, const COUNT: usize>(
+    pub(super) fn at<const WIDTH: usize, const COUNT: usize>(
         &self,
-        places: Lanes<FUSED, COUNT>,
-    ) -> AtPlaces<FUSED, COUNT> {
-        let number = Lanes::<FUSED, COUNT>::from_f64;
+        places: Lanes<WIDTH, COUNT>,
+    ) -> AtPlaces<WIDTH, COUNT> {
+        let number = Lanes::<WIDTH, COUNT>::from_f64;
         let [unit, b, logarithms] = self.space.at_places(places);
         let turn = number(2.0) - number(4.0) * unit;
         let mut functions = [number(0.0); FUNCTIONS];
@@ -129,10 +129,10 @@ impl<'a> ContactCurve<'a> {
 
     /// And all of it.
     #[inline(always)]
-    pub(super) fn whole<const FUSED: bool, const COUNT: usize>(
+    pub(super) fn whole<const WIDTH: usize, const COUNT: usize>(
         &self,
-        at: &AtPlaces<FUSED, COUNT>,
-    ) -> Reduced<Lanes<FUSED, COUNT>> {
+        at: &AtPlaces<WIDTH, COUNT>,
+    ) -> Reduced<Lanes<WIDTH, COUNT>> {
         let mut functions = at.functions;
         functions[OF_LOAD..].copy_from_slice(&self.sums::<_, _, OF_LOAD, { FUNCTIONS - OF_LOAD }>(at.turn));
         self.reduced_of(functions, at.logarithms, at.b)
@@ -140,11 +140,11 @@ impl<'a> ContactCurve<'a> {
 
     /// Clenshaw's sums of functions from one on, side by side: no addition waits for the one before.
     #[inline(always)]
-    fn sums<const FUSED: bool, const COUNT: usize, const FROM: usize, const OF: usize>(
+    fn sums<const WIDTH: usize, const COUNT: usize, const FROM: usize, const OF: usize>(
         &self,
-        turn: Lanes<FUSED, COUNT>,
-    ) -> [Lanes<FUSED, COUNT>; OF] {
-        let number = Lanes::<FUSED, COUNT>::from_f64;
+        turn: Lanes<WIDTH, COUNT>,
+    ) -> [Lanes<WIDTH, COUNT>; OF] {
+        let number = Lanes::<WIDTH, COUNT>::from_f64;
         let (mut even, mut odd) = ([number(0.0); OF], [number(0.0); OF]);
         // Two degrees at a time, so that sums need not be moved.
         let (of_even, of_odd) = self.coefficients.split_at(self.coefficients.len() / 2);
@@ -184,15 +184,15 @@ impl<'a> ContactCurve<'a> {
 }
 
 /// What is known of the states at places on a curve.
-pub(super) struct AtPlaces<const FUSED: bool, const COUNT: usize> {
+pub(super) struct AtPlaces<const WIDTH: usize, const COUNT: usize> {
     /// Of the pin.
-    pub(super) b: Lanes<FUSED, COUNT>,
+    pub(super) b: Lanes<WIDTH, COUNT>,
     /// Those `OF_LOAD`, the others being zero.
-    pub(super) reduced: Reduced<Lanes<FUSED, COUNT>>,
-    functions: [Lanes<FUSED, COUNT>; FUNCTIONS],
+    pub(super) reduced: Reduced<Lanes<WIDTH, COUNT>>,
+    functions: [Lanes<WIDTH, COUNT>; FUNCTIONS],
     /// -2 of the variable of the polynomials, from -1 to 1.
-    turn: Lanes<FUSED, COUNT>,
-    logarithms: Lanes<FUSED, COUNT>,
+    turn: Lanes<WIDTH, COUNT>,
+    logarithms: Lanes<WIDTH, COUNT>,
 }
 
 /// s, beside a bed.
@@ -214,15 +214,15 @@ impl LaneWork for Transform<'_> {
     type Output = Vec<Functions>;
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> Vec<Functions> {
+    fn run<const WIDTH: usize>(self) -> Vec<Functions> {
         let Transform { rows, states, mut coefficients } = self;
         let count = states.count();
         let (even, odd) = rows.split_at(rows.len() / 2);
         coefficients.resize(rows.len(), [[0.0; LANES]; FUNCTIONS]);
         // Of degree 0 half as much.
-        let share = Lanes::<FUSED>::from_f64(2.0 / count as f64);
+        let share = Lanes::<WIDTH>::from_f64(2.0 / count as f64);
         for chunk in 0..even.len() {
-            let mut sums = [[Lanes::<FUSED>::zero(); FUNCTIONS]; 2];
+            let mut sums = [[Lanes::<WIDTH>::zero(); FUNCTIONS]; 2];
             for (node, (even, odd)) in even[chunk].iter().zip(&odd[chunk]).enumerate() {
                 let far = count - 1 - node;
                 let (of_near, of_far) = (states.functions(node / LANES), states.functions(far / LANES));

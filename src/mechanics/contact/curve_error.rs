@@ -52,13 +52,13 @@ impl LaneWork for Without<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> f64 {
+    fn run<const WIDTH: usize>(self) -> f64 {
         let ContactCurve { space, states, first, .. } = self.curve;
         let count = states.count();
         let mut worst = 0.0_f64;
         for at in (first / LANES * LANES..count).step_by(LANES) {
-            let lanes = |of: &dyn Fn(usize) -> f64| Lanes::<FUSED>(std::array::from_fn(|lane| of(at + lane)));
-            let mut left = states.functions(at / LANES).map(Lanes::<FUSED>);
+            let lanes = |of: &dyn Fn(usize) -> f64| Lanes::<WIDTH>(std::array::from_fn(|lane| of(at + lane)));
+            let mut left = states.functions(at / LANES).map(Lanes::<WIDTH>);
             for degree in count - FOUR..count {
                 let share = lanes(&|node| space.chebyshev_at(degree, node));
                 for (function, value) in left[..DECISIVE].iter_mut().enumerate() {

@@ -200,11 +200,11 @@ impl CurveSpace {
 
     /// From places to what polynomials are of, from 0 to 1, b, and logarithms.
     #[inline(always)]
-    pub(super) fn at_places<const FUSED: bool, const COUNT: usize>(
+    pub(super) fn at_places<const WIDTH: usize, const COUNT: usize>(
         &self,
-        places: Lanes<FUSED, COUNT>,
-    ) -> [Lanes<FUSED, COUNT>; 3] {
-        let number = Lanes::<FUSED, COUNT>::from_f64;
+        places: Lanes<WIDTH, COUNT>,
+    ) -> [Lanes<WIDTH, COUNT>; 3] {
+        let number = Lanes::<WIDTH, COUNT>::from_f64;
         match self.variable {
             Variable::Root => {
                 let quarter = number(self.widest) * places;
@@ -227,8 +227,8 @@ impl CurveSpace {
 
     /// The first of these from b, as far as the polynomials reach down.
     #[inline(always)]
-    pub(super) fn place<const FUSED: bool>(&self, b: Lanes<FUSED>) -> Lanes<FUSED> {
-        let number = Lanes::<FUSED>::from_f64;
+    pub(super) fn place<const WIDTH: usize>(&self, b: Lanes<WIDTH>) -> Lanes<WIDTH> {
+        let number = Lanes::<WIDTH>::from_f64;
         match self.variable {
             // tan(eps/4) from tan(eps/2).
             Variable::Root => {
@@ -277,25 +277,25 @@ impl LaneWork for OnHole<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) {
+    fn run<const WIDTH: usize>(self) {
         // Most spaces have few nodes, and room for many takes longer to clear than they take.
         match self.space.weighted.len() {
-            ..=FEW_NODES => self.run_with::<FUSED, FEW_NODES>(),
-            _ => self.run_with::<FUSED, MOST_NODES>(),
+            ..=FEW_NODES => self.run_with::<WIDTH, FEW_NODES>(),
+            _ => self.run_with::<WIDTH, MOST_NODES>(),
         }
     }
 }
 
 impl OnHole<'_> {
     #[inline(always)]
-    fn run_with<const FUSED: bool, const ROOM: usize>(self) {
+    fn run_with<const WIDTH: usize, const ROOM: usize>(self) {
         let OnHole { space, ratio, values, moved } = self;
-        let number = Lanes::<FUSED>::from_f64;
+        let number = Lanes::<WIDTH>::from_f64;
         let count = space.weighted.len();
-        let mut weights = [Lanes::<FUSED>::zero(); ROOM];
+        let mut weights = [Lanes::<WIDTH>::zero(); ROOM];
         let weights = &mut weights[..count];
         for chunk in 0..count / LANES {
-            let mut b = Lanes::<FUSED>::zero();
+            let mut b = Lanes::<WIDTH>::zero();
             for (b, arc) in b.0.iter_mut().zip(&space.arcs()[chunk * LANES..]) {
                 *b = arc.b;
             }
@@ -319,7 +319,7 @@ impl OnHole<'_> {
                 // Of few trial pressures there are fewer entries than go abreast.
                 let own: [&[f64]; ABREAST] =
                     std::array::from_fn(|place| &values[(entry + place).min(entries - 1) * count..][..count]);
-                let mut sums = [Lanes::<FUSED>::zero(); ABREAST];
+                let mut sums = [Lanes::<WIDTH>::zero(); ABREAST];
                 for node in 0..count {
                     for (sum, own) in sums.iter_mut().zip(own) {
                         *sum = sum.minus_product(-weights[node], Lanes::from_f64(own[node]));

@@ -180,13 +180,13 @@ impl<const PARTS: usize> TermWork for Solve<'_, PARTS> {
     type Output = EdgeStates;
 
     #[inline(always)]
-    fn run<const FUSED: bool, const TERMS: usize>(mut self) -> EdgeStates {
+    fn run<const WIDTH: usize, const TERMS: usize>(mut self) -> EdgeStates {
         let chunks = self.space.arcs.len() / LANES;
         let mut found = std::mem::take(&mut self.found);
         found.edges.resize(chunks, Edges::ZERO);
         found.pressure.resize(TERMS * chunks, [0.0; LANES]);
         for chunk in 0..chunks {
-            self.run_chunk::<FUSED, TERMS>(chunk, &mut found);
+            self.run_chunk::<WIDTH, TERMS>(chunk, &mut found);
         }
         found
     }
@@ -206,7 +206,7 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
     /// Of the joint's compliance, as many arcs as there are lanes. A function, because closures are not always inlined, and what is not
     /// is not compiled for the vectors.
     #[inline(always)]
-    fn entry<const FUSED: bool>(&self, chunk: usize, row: usize, column: usize) -> Lanes<FUSED> {
+    fn entry<const WIDTH: usize>(&self, chunk: usize, row: usize, column: usize) -> Lanes<WIDTH> {
         let at = packed(row, column) * self.space.arcs.len() + chunk * LANES;
         let mut sum = Lanes::zero();
         for part in self.parts {
@@ -218,10 +218,10 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
     }
 
     #[inline(always)]
-    fn run_chunk<const FUSED: bool, const TERMS: usize>(&self, chunk: usize, found: &mut EdgeStates) {
+    fn run_chunk<const WIDTH: usize, const TERMS: usize>(&self, chunk: usize, found: &mut EdgeStates) {
         let Solve { space: PressureSpace { arcs, turns, .. }, parts, outlines, .. } = *self;
         let even: f64 = parts.iter().map(|part| part.even).sum();
-        let (zero, one) = (Lanes::<FUSED>::zero(), Lanes::<FUSED>::from_f64(1.0));
+        let (zero, one) = (Lanes::<WIDTH>::zero(), Lanes::<WIDTH>::from_f64(1.0));
         let at = chunk * LANES;
         let mut matrix = [[zero; TERMS]; TERMS];
         for row in 1..TERMS {
@@ -245,7 +245,7 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
         };
         let bend = outlines.bend();
         if bend != 0.0 {
-            let own: [Lanes<FUSED>; TERMS] = ContactArc::bent_versines(b);
+            let own: [Lanes<WIDTH>; TERMS] = ContactArc::bent_versines(b);
             for k in 0..TERMS {
                 gap[k] = gap[k].minus_product(Lanes::from_f64(-bend), own[k]);
             }
@@ -255,7 +255,7 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
             if arcs[0].map == ArcMap::Sine {
                 for row in 0..TERMS {
                     for column in 0..=row {
-                        found.whole_ring.push(self.entry::<FUSED>(0, row, column).0[0]);
+                        found.whole_ring.push(self.entry::<WIDTH>(0, row, column).0[0]);
                     }
                 }
             }
@@ -304,21 +304,20 @@ impl<const PARTS: usize> Solve<'_, PARTS> {
         for k in 1..TERMS {
             pressure[k] = -(first * y[k] + reduced.between(indentation, w_v[k], w_g[k]));
         }
-        let size = |lanes: Lanes<FUSED>| Lanes::<FUSED>(lanes.0.map(f64::abs));
-        let mut most = Lanes::<FUSED>::from_f64(f64::MIN_POSITIVE);
+        let mut most = Lanes::<WIDTH>::from_f64(f64::MIN_POSITIVE);
         for value in &pressure {
-            most = -(-most).least(-size(*value));
+            most = -(-most).least(-value.size());
         }
-        let last = size(pressure[TERMS - 2]) + size(pressure[TERMS - 1]);
+        let last = pressure[TERMS - 2].size() + pressure[TERMS - 1].size();
         let before = match TERMS.checked_sub(4) {
-            Some(from) => size(pressure[from]) + size(pressure[from + 1]),
+            Some(from) => pressure[from].size() + pressure[from + 1].size(),
             None => most,
         };
         // What was left out goes on falling as these do.
         let ratio = (last / before).least(Lanes::from_f64(SLOWEST));
         let falling = one - ratio;
         let tail = last / (most * falling);
-        let least = least_pressure::<FUSED, TERMS>(&pressure, turns);
+        let least = least_pressure::<WIDTH, TERMS>(&pressure, turns);
         let work = reduced.energy(indentation);
         // Films that are squeezed along a wall yield most to what was left out.
         let mut of_last = zero;
@@ -387,18 +386,18 @@ const ABREAST: usize = 4;
 
 /// The least pressure between the zeros of the highest trial pressure, above the tension allowed.
 #[inline(always)]
-fn least_pressure<const FUSED: bool, const TERMS: usize>(
-    pressure: &[Lanes<FUSED>; TERMS],
+fn least_pressure<const WIDTH: usize, const TERMS: usize>(
+    pressure: &[Lanes<WIDTH>; TERMS],
     turns: &[f64],
-) -> Lanes<FUSED> {
-    let mut peak = Lanes::<FUSED>::zero();
+) -> Lanes<WIDTH> {
+    let mut peak = Lanes::<WIDTH>::zero();
     for (k, value) in pressure.iter().enumerate() {
         if k % 2 == 0 { peak += *value } else { peak -= *value }
     }
     let mut least = peak;
     for turns in turns.chunks(ABREAST) {
         let turns: [f64; ABREAST] = std::array::from_fn(|place| turns[place.min(turns.len() - 1)]);
-        let mut current = [Lanes::<FUSED>::zero(); ABREAST];
+        let mut current = [Lanes::<WIDTH>::zero(); ABREAST];
         let mut previous = current;
         for coefficient in pressure[1..].iter().rev() {
             for place in 0..ABREAST {
@@ -426,24 +425,24 @@ impl LaneWork for WorkShares<'_> {
     type Output = Vec<f64>;
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> Vec<f64> {
+    fn run<const WIDTH: usize>(self) -> Vec<f64> {
         let WorkShares { space: PressureSpace { arcs, terms, .. }, change, states } = self;
         let mut shares = Vec::with_capacity(arcs.len());
         for (chunk, (pressure, edges)) in states.pressure.chunks_exact(*terms).zip(&states.edges).enumerate()
         {
             let at = chunk * LANES;
-            let mut work = Lanes::<FUSED>::zero();
+            let mut work = Lanes::<WIDTH>::zero();
             for row in 0..*terms {
-                let mut sum = Lanes::<FUSED>::zero();
+                let mut sum = Lanes::<WIDTH>::zero();
                 for column in 0..=row {
-                    let mut entry = Lanes::<FUSED>::zero();
+                    let mut entry = Lanes::<WIDTH>::zero();
                     entry.0.copy_from_slice(&change.values[packed(row, column) * arcs.len() + at..][..LANES]);
-                    let own = Lanes::<FUSED>(pressure[column]);
+                    let own = Lanes::<WIDTH>(pressure[column]);
                     sum = sum.minus_product(if column < row { -(own + own) } else { -own }, entry);
                 }
                 work = work.minus_product(-sum, Lanes(pressure[row]));
             }
-            let first = Lanes::<FUSED>(pressure[0]);
+            let first = Lanes::<WIDTH>(pressure[0]);
             let logarithm = |lane: usize| FRAC_PI_2 * change.even * arcs[at + lane].ln_b;
             let work = work.minus_product(Lanes(std::array::from_fn(logarithm)), first * first);
             shares.extend((work / Lanes(edges.work)).0);

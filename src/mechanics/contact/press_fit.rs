@@ -175,7 +175,7 @@ impl ContactCurve<'_> {
         if gap < LEAST_GAP {
             return state.tangent_stiffness;
         }
-        let mut places = Lanes::<false>::from_f64(self.space.place_of_gap(gap));
+        let mut places = Lanes::<1>::from_f64(self.space.place_of_gap(gap));
         for (place, step) in places.0.iter_mut().zip(DIFFERENCES) {
             *place = self.space.place_of_gap(gap * (1.0 + STEP * step.0));
         }

@@ -36,10 +36,10 @@ impl<I: Iterator<Item = DimensionlessLoad>> LaneWork for Loads<'_, I> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) {
+    fn run<const WIDTH: usize>(self) {
         let Loads { curve, mut loads, states } = self;
         loop {
-            let mut targets = Targets { of_indentation: Lanes::<FUSED>::zero(), of_force: Lanes::zero() };
+            let mut targets = Targets { of_indentation: Lanes::<WIDTH>::zero(), of_force: Lanes::zero() };
             let mut count = 0;
             for load in loads.by_ref().take(LANES) {
                 let target = Target::new(curve.outlines.radial_clearance, load);
@@ -62,36 +62,36 @@ impl<I: Iterator<Item = DimensionlessLoad>> LaneWork for Loads<'_, I> {
 }
 
 /// As many as there are lanes; zero where there is none, which no state comes to.
-struct Targets<const FUSED: bool, const COUNT: usize> {
-    of_indentation: Lanes<FUSED, COUNT>,
-    of_force: Lanes<FUSED, COUNT>,
+struct Targets<const WIDTH: usize, const COUNT: usize> {
+    of_indentation: Lanes<WIDTH, COUNT>,
+    of_force: Lanes<WIDTH, COUNT>,
 }
 
-impl<const FUSED: bool, const COUNT: usize> Targets<FUSED, COUNT> {
+impl<const WIDTH: usize, const COUNT: usize> Targets<WIDTH, COUNT> {
     #[inline(always)]
-    fn first<const FIRST: usize>(&self) -> Targets<FUSED, FIRST> {
-        let first = |lanes: &Lanes<FUSED, COUNT>| Lanes(std::array::from_fn(|lane| lanes.0[lane]));
+    fn first<const FIRST: usize>(&self) -> Targets<WIDTH, FIRST> {
+        let first = |lanes: &Lanes<WIDTH, COUNT>| Lanes(std::array::from_fn(|lane| lanes.0[lane]));
         Targets { of_indentation: first(&self.of_indentation), of_force: first(&self.of_force) }
     }
 
     /// h.
     #[inline(always)]
-    fn sum(&self, indentation: Lanes<FUSED, COUNT>, force: Lanes<FUSED, COUNT>) -> Lanes<FUSED, COUNT> {
+    fn sum(&self, indentation: Lanes<WIDTH, COUNT>, force: Lanes<WIDTH, COUNT>) -> Lanes<WIDTH, COUNT> {
         (self.of_indentation * indentation).minus_product(-self.of_force, force)
     }
 }
 
 /// What searches have come to.
-struct Found<const FUSED: bool, const COUNT: usize> {
+struct Found<const WIDTH: usize, const COUNT: usize> {
     /// Of the pin.
-    b: Lanes<FUSED, COUNT>,
-    edge: FreeEdge<Lanes<FUSED, COUNT>>,
+    b: Lanes<WIDTH, COUNT>,
+    edge: FreeEdge<Lanes<WIDTH, COUNT>>,
     /// The node at or above each; `usize::MAX` where the load is beyond the curve.
     above: [usize; COUNT],
     has_ended: [bool; COUNT],
 }
 
-impl<const FUSED: bool, const COUNT: usize> Found<FUSED, COUNT> {
+impl<const WIDTH: usize, const COUNT: usize> Found<WIDTH, COUNT> {
     /// One lane, with what is known node by node.
     #[inline(always)]
     fn state(&self, curve: &ContactCurve, lane: usize) -> Result<(ContactState, usize), NoState> {
@@ -121,18 +121,18 @@ impl<const FUSED: bool, const COUNT: usize> Found<FUSED, COUNT> {
 }
 
 /// P, a polynomial of y through places.
-struct Inverse<const FUSED: bool, const COUNT: usize> {
-    y: [Lanes<FUSED, COUNT>; AROUND],
+struct Inverse<const WIDTH: usize, const COUNT: usize> {
+    y: [Lanes<WIDTH, COUNT>; AROUND],
     /// Places over the products of y's distances to all others.
-    weights: [Lanes<FUSED, COUNT>; AROUND],
+    weights: [Lanes<WIDTH, COUNT>; AROUND],
 }
 
-impl<const FUSED: bool, const COUNT: usize> Inverse<FUSED, COUNT> {
+impl<const WIDTH: usize, const COUNT: usize> Inverse<WIDTH, COUNT> {
     #[inline(always)]
     fn new(
-        places: &[Lanes<FUSED, COUNT>; AROUND],
-        y: [Lanes<FUSED, COUNT>; AROUND],
-    ) -> Inverse<FUSED, COUNT> {
+        places: &[Lanes<WIDTH, COUNT>; AROUND],
+        y: [Lanes<WIDTH, COUNT>; AROUND],
+    ) -> Inverse<WIDTH, COUNT> {
         let mut weights = *places;
         for (i, weight) in weights.iter_mut().enumerate() {
             // One at a time, which stays in a register.
@@ -147,7 +147,7 @@ impl<const FUSED: bool, const COUNT: usize> Inverse<FUSED, COUNT> {
 
     /// P and W.
     #[inline(always)]
-    fn at(&self, y: Lanes<FUSED, COUNT>) -> [Lanes<FUSED, COUNT>; 2] {
+    fn at(&self, y: Lanes<WIDTH, COUNT>) -> [Lanes<WIDTH, COUNT>; 2] {
         let (mut sum, mut before) = (Lanes::zero(), Lanes::from_f64(1.0));
         // The sum so far has all distances so far as factors.
         for (own, weight) in self.y.iter().zip(&self.weights) {
@@ -181,10 +181,10 @@ impl ContactCurve<'_> {
     }
 
     #[inline(always)]
-    fn search<const FUSED: bool, const COUNT: usize>(
+    fn search<const WIDTH: usize, const COUNT: usize>(
         &self,
-        targets: &Targets<FUSED, COUNT>,
-    ) -> Found<FUSED, COUNT> {
+        targets: &Targets<WIDTH, COUNT>,
+    ) -> Found<WIDTH, COUNT> {
         // Nodes go down with the angle: the last one that is not below the load.
         let mut above = [usize::MAX; COUNT];
         for node in self.first..self.states.count() {
@@ -198,8 +198,8 @@ impl ContactCurve<'_> {
         // Nodes on either side, as many as there are, and the bracket among them. Loops, because closures in arrays are not inlined, and
         // what is not inlined is not compiled for the vectors.
         let (mut places, mut y) =
-            ([Lanes::<FUSED, COUNT>::zero(); AROUND], [Lanes::<FUSED, COUNT>::zero(); AROUND]);
-        let mut forces = [Lanes::<FUSED, COUNT>::zero(); AROUND];
+            ([Lanes::<WIDTH, COUNT>::zero(); AROUND], [Lanes::<WIDTH, COUNT>::zero(); AROUND]);
+        let mut forces = [Lanes::<WIDTH, COUNT>::zero(); AROUND];
         let (mut low, mut high) = ([0.0; COUNT], [0.0; COUNT]);
         for lane in 0..COUNT {
             if above[lane] >= end - 1 {
@@ -220,11 +220,11 @@ impl ContactCurve<'_> {
         let [first, product] = inverse.at(Lanes::from_f64(1.0));
         let mut next = first;
         // y and (q - P(y))/W(y) of the step before.
-        let mut before: Option<[Lanes<FUSED, COUNT>; 2]> = None;
+        let mut before: Option<[Lanes<WIDTH, COUNT>; 2]> = None;
         let mut steps = 0;
         loop {
             let is_bisected = steps >= MOST_OF_POLYNOMIALS;
-            let mut place = Lanes::<FUSED, COUNT>::zero();
+            let mut place = Lanes::<WIDTH, COUNT>::zero();
             for lane in 0..COUNT {
                 let (low, high, next) = (low[lane], high[lane], next.0[lane]);
                 let is_within = !is_bisected && next >= low && next <= high;
