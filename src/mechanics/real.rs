@@ -267,6 +267,24 @@ impl<const WIDTH: usize, const COUNT: usize> Lanes<WIDTH, COUNT> {
         Lanes(registers::size::<WIDTH, COUNT>(self.0))
     }
 
+    /// Whether all of it is.
+    #[inline(always)]
+    pub fn is_zero(self) -> bool {
+        self.0.iter().all(|value| *value == 0.0)
+    }
+
+    /// Lane by lane x where it is less than `other`, else y.
+    #[inline(always)]
+    pub fn if_less(self, other: Self, x: Self, y: Self) -> Self {
+        Lanes(registers::if_less::<WIDTH, COUNT>(self.0, other.0, x.0, y.0))
+    }
+
+    /// Lane by lane x where it is at most `other`, else y.
+    #[inline(always)]
+    pub fn if_at_most(self, other: Self, x: Self, y: Self) -> Self {
+        Lanes(registers::if_at_most::<WIDTH, COUNT>(self.0, other.0, x.0, y.0))
+    }
+
     /// Natural logarithm of positive numbers that are not subnormal, to a few units in the last place: of x = 2^k m with m around 1
     /// it is k ln 2 + 2 atanh((m - 1)/(m + 1)).
     #[inline(always)]

@@ -80,6 +80,20 @@ operation!(
     _mm256_fnmadd_pd(b, c, a),
     if WIDTH == ANY { a - b * c } else { (-b).mul_add(c, a) }
 );
+operation!(
+    /// x where a < b, else y: where either is NaN, too.
+    if_less(a, b, x, y),
+    _mm512_mask_mov_pd(y, _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b), x),
+    _mm256_blendv_pd(y, x, _mm256_cmp_pd::<_CMP_LT_OQ>(a, b)),
+    if a < b { x } else { y }
+);
+operation!(
+    /// x where a <= b, else y: where either is NaN, too.
+    if_at_most(a, b, x, y),
+    _mm512_mask_mov_pd(y, _mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b), x),
+    _mm256_blendv_pd(y, x, _mm256_cmp_pd::<_CMP_LE_OQ>(a, b)),
+    if a <= b { x } else { y }
+);
 
 /// One number in every place.
 #[inline(always)]
@@ -127,6 +141,8 @@ mod tests {
             ("size", size::<WIDTH, COUNT>(a)),
             ("least", least::<WIDTH, COUNT>(a, b)),
             ("minus_product", minus_product::<WIDTH, COUNT>(a, b, c)),
+            ("if_less", if_less::<WIDTH, COUNT>(a, b, c, a)),
+            ("if_at_most", if_at_most::<WIDTH, COUNT>(a, b, c, a)),
             ("splat", splat::<WIDTH, COUNT>(a[0])),
         ]
     }
@@ -183,7 +199,7 @@ mod tests {
                 compared += 1;
             }
         }
-        assert_eq!(compared, 10 * NUMBERS.len() * NUMBERS.len());
+        assert_eq!(compared, 12 * NUMBERS.len() * NUMBERS.len());
         #[cfg(target_arch = "x86_64")]
         assert_eq!(in_lanes(All([[1.0; 8]; 3])).0 == AVX512, is_x86_feature_detected!("avx512f"));
     }

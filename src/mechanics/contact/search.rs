@@ -88,7 +88,8 @@ struct Found<const WIDTH: usize, const COUNT: usize> {
     edge: FreeEdge<Lanes<WIDTH, COUNT>>,
     /// The node at or above each; `usize::MAX` where the load is beyond the curve.
     above: [usize; COUNT],
-    has_ended: [bool; COUNT],
+    /// 1 where it has, else 0.
+    has_ended: Lanes<WIDTH, COUNT>,
 }
 
 impl<const WIDTH: usize, const COUNT: usize> Found<WIDTH, COUNT> {
@@ -99,7 +100,7 @@ impl<const WIDTH: usize, const COUNT: usize> Found<WIDTH, COUNT> {
         if above == usize::MAX {
             return Err(NoState::ContactTooWide);
         }
-        if !self.has_ended[lane] {
+        if self.has_ended.0[lane] == 0.0 {
             return Err(NoState::BrokenCompliance);
         }
         let states = &curve.states;
@@ -217,19 +218,26 @@ impl ContactCurve<'_> {
             *y = targets.sum(*y, *force).sqrt();
         }
         let inverse = Inverse::new(&places, y);
-        let [first, product] = inverse.at(Lanes::from_f64(1.0));
+        let number = Lanes::<WIDTH, COUNT>::from_f64;
+        let (zero, one) = (number(0.0), number(1.0));
+        let [first, product] = inverse.at(one);
         let mut next = first;
+        let (mut low, mut high) = (Lanes::<WIDTH, COUNT>(low), Lanes::<WIDTH, COUNT>(high));
+        // 1 where a load is searched for.
+        let mut searched = zero;
+        for lane in 0..COUNT {
+            searched.0[lane] = f64::from(u8::from(above[lane] != usize::MAX));
+        }
         // y and (q - P(y))/W(y) of the step before.
         let mut before: Option<[Lanes<WIDTH, COUNT>; 2]> = None;
         let mut steps = 0;
         loop {
-            let is_bisected = steps >= MOST_OF_POLYNOMIALS;
-            let mut place = Lanes::<WIDTH, COUNT>::zero();
-            for lane in 0..COUNT {
-                let (low, high, next) = (low[lane], high[lane], next.0[lane]);
-                let is_within = !is_bisected && next >= low && next <= high;
-                place.0[lane] = if is_within { next } else { 0.5 * (low + high) };
-            }
+            let middle = number(0.5) * (low + high);
+            let place = if steps >= MOST_OF_POLYNOMIALS {
+                middle
+            } else {
+                low.if_at_most(next, next.if_at_most(high, next, middle), middle)
+            };
             let at = self.at(place);
             let (indentation, force) = at.reduced.load(at.b);
             let sum = targets.sum(indentation, force);
@@ -238,25 +246,23 @@ impl ContactCurve<'_> {
             let left = (place - of_polynomial) / product_here;
             let mut left_at_one = left;
             if let Some([y_before, left_before]) = before {
-                left_at_one += (left - left_before) * (Lanes::from_f64(1.0) - y) / (y - y_before);
+                left_at_one += (left - left_before) * (one - y) / (y - y_before);
             }
             next = first + product * left_at_one;
             before = Some([y, left]);
-            let (mut has_ended, mut goes_on) = ([false; COUNT], false);
-            for lane in 0..COUNT {
-                let (place, sum) = (place.0[lane], sum.0[lane]);
-                let is_near = (sum - 1.0).abs() < self.tolerance;
-                // One that has come to its end stays there.
-                low[lane] = if sum < 1.0 || is_near { place } else { low[lane] };
-                high[lane] = if sum >= 1.0 || is_near { place } else { high[lane] };
-                has_ended[lane] = high[lane] - low[lane] <= NARROWEST * high[lane];
-                let is_sound =
-                    at.reduced.singular.0[lane] > 0.0 && indentation.0[lane] > 0.0 && sum.is_finite();
-                goes_on |= is_sound && !has_ended[lane] && above[lane] != usize::MAX;
-                has_ended[lane] &= is_sound;
-            }
+            // One that has come to its end stays there.
+            let (off, near) = ((sum - one).size(), number(self.tolerance));
+            low = sum.if_less(one, place, off.if_less(near, place, low));
+            high = one.if_at_most(sum, place, off.if_less(near, place, high));
+            // 1 where all is positive and finite.
+            let is_sound = sum.size().if_less(number(f64::INFINITY), one, zero);
+            let is_sound = zero.if_less(indentation, is_sound, zero);
+            let is_sound = zero.if_less(at.reduced.singular, is_sound, zero);
+            let (width, narrowest) = (high - low, number(NARROWEST) * high);
+            let has_ended = width.if_at_most(narrowest, is_sound, zero);
+            let goes_on = width.if_at_most(narrowest, zero, is_sound) * searched;
             steps += 1;
-            if !goes_on || steps > MOST_STEPS {
+            if goes_on.is_zero() || steps > MOST_STEPS {
                 let edge = self.whole(&at).free_edge(at.b, &self.outlines);
                 return Found { b: at.b, edge, above, has_ended };
             }
