@@ -77,15 +77,15 @@ fn curve_through_nodes(bencher: Bencher, space: (usize, usize)) {
     let joint = Joint::new(space);
     let parts = joint.parts();
     bencher
-        .bench_local(|| ContactCurve::new(&joint.space, black_box(&parts).each_ref(), outlines()).is_some());
+        .bench_local(|| ContactCurve::new(&joint.space, &black_box(&parts).each_ref(), outlines()).is_some());
 }
 
 #[divan::bench(args = SPACES)]
 fn ten_loads_found(bencher: Bencher, space: (usize, usize)) {
     let joint = Joint::new(space);
     let parts = joint.parts();
-    let curve = ContactCurve::new(&joint.space, parts.each_ref(), outlines()).expect("positive definite");
-    bencher.bench_local(|| curve.states(black_box(loads())));
+    let curve = ContactCurve::new(&joint.space, &parts.each_ref(), outlines()).expect("positive definite");
+    bencher.bench_local(|| curve.states(&mut black_box(loads())));
 }
 
 /// The share of the work that goes into one body.
@@ -93,7 +93,7 @@ fn ten_loads_found(bencher: Bencher, space: (usize, usize)) {
 fn work_share(bencher: Bencher, space: (usize, usize)) {
     let joint = Joint::new(space);
     let curve =
-        ContactCurve::new(&joint.space, joint.parts().each_ref(), outlines()).expect("positive definite");
+        ContactCurve::new(&joint.space, &joint.parts().each_ref(), outlines()).expect("positive definite");
     let pressures = &joint.space.pressures;
     let body = pressures.joint(&[(&joint.bodies[0], 1.0)], outlines().tilt());
     bencher.bench_local(|| curve.states.work_shares(pressures, black_box(&body)));

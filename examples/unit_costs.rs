@@ -254,7 +254,7 @@ fn curves() -> Vec<Measured> {
             let mut moved = Vec::new();
             space.to_hole(&plate, &outlines, &mut moved);
             let plate = JointCompliance { values: moved.into(), ..plate };
-            let curve = ContactCurve::new(&space, [&pin, &plate], outlines)?;
+            let curve = ContactCurve::new(&space, &[&pin, &plate], outlines)?;
             Some(curve.states.work_shares(&space.pressures, &pin))
         });
         Measured::new(&[&curve(key).0], seconds)

@@ -37,7 +37,7 @@ impl Measured {
         spaces.prepare(solved.iter().map(|body| (key, *body)));
         let space = &spaces.get(key).pressures;
         let Some((exact, meshes)) = solved.split_last() else { return Vec::new() };
-        let states = EdgeStates::new(space, [&space.joint(&[(*exact, 1.0)], Tilt::NONE)], &Outlines::ALIKE);
+        let states = EdgeStates::new(space, &[&space.joint(&[(*exact, 1.0)], Tilt::NONE)], &Outlines::ALIKE);
         let between =
             |one, other| states.work_shares(space, &space.joint(&[(one, 1.0), (other, -1.0)], Tilt::NONE));
         let errors: Vec<Vec<f64>> = meshes.iter().map(|mesh| between(*mesh, *exact)).collect();

@@ -43,7 +43,7 @@ pub fn with_curve<T>(
     let space = spaces.get(plan.space);
     let outlines = JointScale::of(joint).outlines;
     let (bodies, _) = judged_bodies(library, space, plan, joint, &outlines);
-    ContactCurve::new(space, bodies.each_ref().map(|body| &body.part), outlines).map(|curve| ask(&curve))
+    ContactCurve::new(space, &bodies.each_ref().map(|body| &body.part), outlines).map(|curve| ask(&curve))
 }
 
 /// The bodies of a joint, and what has solved them.
@@ -117,7 +117,7 @@ pub fn solve_joint<'a>(
     room: &mut CurveRoom,
 ) -> Vec<(Answer, Want)> {
     let parts = bodies.each_ref().map(|body| &body.part);
-    let Some(mut curve) = ContactCurve::in_room(space, parts, outlines, room) else {
+    let Some(mut curve) = ContactCurve::in_room(space, &parts, outlines, room) else {
         let is_too_wide = outlines.radial_clearance >= WIDEST_CLEARANCE;
         let (reason, want) = if is_too_wide {
             (NoState::ClearanceTooWide, Want::Nothing)
@@ -134,7 +134,7 @@ pub fn solve_joint<'a>(
     let answer = |case: &DesignCase| {
         let may_peak_aside = case.joint.is_lopsided_fit()
             || [&case.joint.pin, &case.joint.plate].into_iter().any(Part::is_stiff_on_soft);
-        let states = curve.states_of_fit(JointScale::of(&case.joint).loads_in_contact(&case.steps));
+        let states = curve.states_of_fit(&mut JointScale::of(&case.joint).loads_in_contact(&case.steps));
         let states = states.into_iter().map(|state| {
             let (mut state, node) = state?;
             if may_peak_aside {

@@ -115,7 +115,7 @@ impl JointCurve {
         let scale = JointScale::of(&self.joint);
         let dimensionless = scale.load(load)?;
         self.with_curve(|curve| {
-            let (state, above) = curve.states_of_fit(std::iter::once(dimensionless)).pop()?.ok()?;
+            let (state, above) = curve.states_of_fit(&mut std::iter::once(dimensionless)).pop()?.ok()?;
             Some(ask(state.half_angle, &curve.pressure(&state, above), scale.unit(load, &state)))
         })?
     }

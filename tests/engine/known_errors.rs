@@ -31,7 +31,7 @@ fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
     spaces.prepare(meshes.iter().chain([&judge]).map(|request| (key, compliance(request))));
     let space = &spaces.get(key).pressures;
     let exact = compliance(&judge);
-    let states = EdgeStates::new(space, [&space.joint(&[(exact, 1.0)], Tilt::NONE)], &Outlines::ALIKE);
+    let states = EdgeStates::new(space, &[&space.joint(&[(exact, 1.0)], Tilt::NONE)], &Outlines::ALIKE);
     // Arcs that loads come to: those before the neat fit, no narrower than a hundredth of a degree.
     let reached =
         |place: &usize| states.indentation(*place) < 1.0 && space.arcs[*place].half_angle.to_degrees() > 0.01;

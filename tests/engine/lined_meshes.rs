@@ -37,7 +37,7 @@ fn differences(library: &mut BodyLibrary, requests: &[BodyRequest]) -> Vec<Vec<f
     spaces.prepare(solved.iter().map(|body| (key, *body)));
     let space = &spaces.get(key).pressures;
     let (judge, others) = solved.split_last().unwrap();
-    let states = EdgeStates::new(space, [&space.joint(&[(judge, 1.0)], Tilt::NONE)], &Outlines::ALIKE);
+    let states = EdgeStates::new(space, &[&space.joint(&[(judge, 1.0)], Tilt::NONE)], &Outlines::ALIKE);
     let is_reached = |place: usize| states.indentation(place) < 1.0 && space.arcs[place].half_angle > 2e-4;
     let of_one = |other: &&BodyCompliance| {
         let change = space.joint(&[(other, 1.0), (judge, -1.0)], Tilt::NONE);

@@ -32,7 +32,7 @@ fn persson() {
     space.prepare(&pin);
     space.prepare(&plate);
     let joint = space.joint(&[(&pin, 1.0), (&plate, 1.0)], Tilt::NONE);
-    let states = EdgeStates::new(&space, [&joint], &Outlines::ALIKE);
+    let states = EdgeStates::new(&space, &[&joint], &Outlines::ALIKE);
     for (place, (degrees, clearance, peak)) in PERSSON_TABLE.into_iter().enumerate() {
         let state = states.reduced(place).free_edge(arcs[place].b, &Outlines::ALIKE);
         let inverse_force = 0.5 * (1.0 - state.indentation) / state.force;
@@ -90,12 +90,12 @@ fn curves_leave_what_is_said() {
             }
             let parts = [(Side::Pin, [(&pin, 1.0)]), (Side::Plate, [(&plate, 1.0 / modulus)])];
             let of_space = parts.each_ref().map(|(side, bodies)| space.part(*side, bodies, &outlines));
-            let curve = ContactCurve::new(&space, of_space.each_ref(), outlines).unwrap();
+            let curve = ContactCurve::new(&space, &of_space.each_ref(), outlines).unwrap();
             let of_pin = exact[0].joint(&parts[0].1, outlines.tilt());
             let mut of_plate = exact[1].joint(&parts[1].1, Tilt::NONE);
             let logarithm = FRAC_PI_2 * of_plate.even * outlines.ratio().ln();
             of_plate.values.to_mut()[..arcs.len()].iter_mut().for_each(|value| *value += logarithm);
-            let states = EdgeStates::new(&exact[0], [&of_pin, &of_plate], &outlines);
+            let states = EdgeStates::new(&exact[0], &[&of_pin, &of_plate], &outlines);
             let mut worst = (0.0_f64, 0.0);
             for (place, arc) in arcs.iter().enumerate() {
                 let expected = states.reduced(place).free_edge(arc.b, &outlines);
@@ -104,7 +104,7 @@ fn curves_leave_what_is_said() {
                 }
                 let offset = outlines.radial_clearance / (1.0 - expected.indentation);
                 let load = DimensionlessLoad::Indentation(offset * expected.indentation);
-                let (found, _) = curve.states(std::iter::once(load))[0].unwrap();
+                let (found, _) = curve.states(&mut std::iter::once(load))[0].unwrap();
                 let error = (found.force / expected.force - 1.0).abs();
                 assert!(error.is_finite());
                 worst = (worst.0.max(error), curve.error(true));

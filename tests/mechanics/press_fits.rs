@@ -234,7 +234,7 @@ fn both_maps_of_an_arc_give_the_same_state() {
         let mut space = PressureSpace::new(24, angles.map(arc).to_vec());
         bodies.iter().for_each(|body| space.prepare(body));
         let joint = space.joint(&[(&bodies[0], 1.0), (&bodies[1], 0.4)], Tilt::NONE);
-        let states = EdgeStates::new(&space, [&joint], &Outlines::ALIKE);
+        let states = EdgeStates::new(&space, &[&joint], &Outlines::ALIKE);
         let state = |place: usize| states.reduced(place).free_edge(space.arcs[place].b, &Outlines::ALIKE);
         (0..angles.len()).map(state).collect::<Vec<_>>()
     });

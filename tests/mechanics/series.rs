@@ -55,9 +55,9 @@ fn state(space: &mut CurveSpace, joint: &Joint) -> ContactState {
     let outlines = Outlines::new(RADIAL_CLEARANCE);
     let pin = space.part(Side::Pin, &[(&pin, 1.0)], &outlines);
     let plate = space.part(Side::Plate, &[(&plate, 1.0 / joint.modulus)], &outlines);
-    let curve = ContactCurve::new(space, [&pin, &plate], outlines).unwrap();
+    let curve = ContactCurve::new(space, &[&pin, &plate], outlines).unwrap();
     let load = DimensionlessLoad::Indentation(RADIAL_CLEARANCE * joint.indentation);
-    curve.states(std::iter::once(load))[0].unwrap().0
+    curve.states(&mut std::iter::once(load))[0].unwrap().0
 }
 
 /// With so many trial pressures at so many nodes that more of them leave nothing.
@@ -210,7 +210,7 @@ fn a_broken_compliance_has_no_curve() {
     space.pressures.prepare(&pin);
     space.pressures.prepare(&plate);
     let sound = space.pressures.joint(&[(&pin, 1.0), (&plate, 1.0)], Tilt::NONE);
-    assert!(ContactCurve::new(&space, [&sound], Outlines::ALIKE).is_some());
+    assert!(ContactCurve::new(&space, &[&sound], Outlines::ALIKE).is_some());
     let entries = packed_count(10);
     for node in [0, 15] {
         for entry in [2, entries - 1] {
@@ -218,7 +218,7 @@ fn a_broken_compliance_has_no_curve() {
                 let mut broken = sound.clone();
                 broken.values.to_mut()[entry * 16 + node] = value;
                 assert!(
-                    ContactCurve::new(&space, [&broken], Outlines::ALIKE).is_none(),
+                    ContactCurve::new(&space, &[&broken], Outlines::ALIKE).is_none(),
                     "{value}, entry {entry} at node {node}"
                 );
             }

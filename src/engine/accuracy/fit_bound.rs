@@ -157,6 +157,6 @@ pub fn changes(space: &CurveSpace, expected: &BodyCompliance, found: &BodyCompli
     let alone = space.pressures.joint(&[(expected, 1.0)], Tilt::NONE);
     let change = space.pressures.joint(&[(found, 1.0), (expected, -1.0)], Tilt::NONE);
     let changes =
-        EdgeStates::new(&space.pressures, [&alone], &Outlines::ALIKE).work_shares(&space.pressures, &change);
+        EdgeStates::new(&space.pressures, &[&alone], &Outlines::ALIKE).work_shares(&space.pressures, &change);
     changes.into_iter().map(|change| if change.is_finite() { change.abs() } else { f64::INFINITY }).collect()
 }

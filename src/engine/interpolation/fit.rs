@@ -17,6 +17,7 @@ use crate::mechanics::compliance::pressure_space::{JointCompliance, Tilt};
 use crate::mechanics::compliance::row_sums::Rows;
 use crate::mechanics::compliance::{BodyCompliance, Boundary, infinite};
 use crate::mechanics::contact::compliance_rows::{NARROW, rows_of_units};
+use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::outlines::Outlines;
 
 /// A fit with its error.
@@ -162,42 +163,51 @@ impl FittedFamily {
 
     /// A body at its coordinates with 1/E for a device; `None` where it is outside of the box.
     pub fn on_device(&self, (body, point, share): (&Body, &Point, f64)) -> Option<DeviceBody<'static>> {
-        let point = &point[..coordinate_count(body.shape)];
-        let mut place = [0.0; MOST_COORDINATES];
-        place.iter_mut().zip(self.fit.polynomials.place(point)).for_each(|(place, own)| *place = own);
-        let body = DeviceBody { infinite: infinite(body), share, amplitudes: Amplitudes::Fit(place) };
-        self.fit.polynomials.contains(point).then_some(body)
-    }
-
-    /// The part of a joint's compliance of a body at its coordinates with 1/E, kept in `scratch`; `None` where it is outside of the box, and of spaces that
-    /// were not prepared.
-    pub fn part<'a>(
-        &self,
-        (body, point, share): (&Body, &Point, f64),
-        outlines: &Outlines,
-        (key, spaces): (SpaceKey, &Spaces),
-        scratch: &'a mut FitScratch,
-    ) -> Option<JointCompliance<'a>> {
-        let rows = self.in_spaces.get(&key)?;
-        let point = &point[..coordinate_count(body.shape)];
-        if !self.fit.polynomials.contains(point) {
+        if !self.contains(body, point) {
             return None;
         }
-        let numbers = infinite(body);
+        let mut place = [0.0; MOST_COORDINATES];
+        let own = self.fit.polynomials.place(&point[..coordinate_count(body.shape)]);
+        place.iter_mut().zip(own).for_each(|(place, own)| *place = own);
+        Some(DeviceBody { infinite: infinite(body), share, amplitudes: Amplitudes::Fit(place) })
+    }
+
+    /// Whether a body at its coordinates is in the box.
+    pub fn contains(&self, body: &Body, point: &Point) -> bool {
+        self.fit.polynomials.contains(&point[..coordinate_count(body.shape)])
+    }
+
+    /// Leaves in `scratch` what a body at its coordinates in the box weighs the rows of a space by, under the joint's outlines.
+    pub fn weigh(&self, (body, point): (&Body, &Point), outlines: &Outlines, scratch: &mut FitScratch) {
+        let point = &point[..coordinate_count(body.shape)];
         let (Tilt { first, second }, clearance) = (outlines.tilt(), outlines.radial_clearance.max(0.0));
-        let is_moved = self.side == Side::Plate && clearance > NARROW;
         let shares = match self.side {
             Side::Pin => &[1.0, first, second][..],
-            Side::Plate if is_moved => &[1.0],
+            Side::Plate if self.is_moved(outlines) => &[1.0],
             Side::Plate => &[1.0, clearance, clearance * clearance, clearance.powi(3)],
         };
-        self.fit.sum(rows, (share, shares), (&numbers, point), scratch);
-        let FitScratch { values, moved, .. } = scratch;
-        let part = JointCompliance { even: share * numbers[0], bed: 0.0, values: (&values[..]).into() };
-        if !is_moved {
-            return Some(part);
+        self.fit.weigh(shares, (&infinite(body), point), scratch);
+    }
+
+    /// Whether a plate comes to the hole's arcs by polynomials, not by powers of the clearance.
+    fn is_moved(&self, outlines: &Outlines) -> bool {
+        self.side == Side::Plate && outlines.radial_clearance > NARROW
+    }
+
+    /// The part of a joint's compliance of a body with 1/E, the sum of whose weighed rows, times that, is in `scratch`.
+    pub fn part<'a>(
+        &self,
+        (body, share): (&Body, f64),
+        outlines: &Outlines,
+        space: &CurveSpace,
+        FitScratch { values, moved, .. }: &'a mut FitScratch,
+    ) -> JointCompliance<'a> {
+        let part =
+            JointCompliance { even: share * infinite(body)[0], bed: 0.0, values: (&values[..]).into() };
+        if !self.is_moved(outlines) {
+            return part;
         }
-        spaces.get(key).to_hole(&part, outlines, moved);
-        Some(JointCompliance { values: (&moved[..]).into(), ..part })
+        space.to_hole(&part, outlines, moved);
+        JointCompliance { values: (&moved[..]).into(), ..part }
     }
 }

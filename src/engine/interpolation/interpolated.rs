@@ -19,7 +19,7 @@ use crate::engine::outcome::{Answer, BackendKind, Method};
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::engine::stopwatch::Stopwatch;
-use crate::mechanics::compliance::body_fit::FitScratch;
+use crate::mechanics::compliance::body_fit::{FitScratch, NEGLIGIBLE};
 use crate::mechanics::contact::curve::CurveRoom;
 use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::outlines::Outlines;
@@ -82,11 +82,9 @@ impl Interpolation {
         } else {
             vec![None; cases.len()]
         };
-        let solve = |scratch: &mut _, (cases, answers): (&[DesignCase], &mut [Option<Answer>])| {
+        let solve = |room: &mut Room, (cases, answers): (&[DesignCase], &mut [Option<Answer>])| {
             let started = Stopwatch::start();
-            for (case, answer) in cases.iter().zip(answers).filter(|(_, answer)| answer.is_none()) {
-                *answer = this.solve_design(spaces, case, scratch);
-            }
+            this.solve_some(spaces, cases, answers, room);
             started.elapsed()
         };
         let together = cases.par_chunks(TOGETHER).zip(answers.par_chunks_mut(TOGETHER));
@@ -113,35 +111,76 @@ impl Interpolation {
         Solving { backend, method, limit: outlines.of_hole(space.limit), accuracy }
     }
 
-    fn solve_design(
+    /// The answers to those of some designs that have none yet and are known well enough.
+    fn solve_some(
         &self,
         spaces: &Spaces,
-        case: &DesignCase,
-        (scratch, room): &mut ([FitScratch; 2], CurveRoom),
-    ) -> Option<Answer> {
-        let MetJoint { members, fits, points, outlines, mut key } = self.meet(case)?;
-        loop {
-            let judged = |side: usize, scratch| -> Option<JudgedBody> {
-                let Member { body, share, .. } = &members[side];
-                let (fit, point) = (fits[side], &points[side]);
-                let part = fit.part((body, point, *share), &outlines, (key, spaces), scratch)?;
-                Some(JudgedBody { body, own: OwnError::Fit(fit.error(body, point)), change: None, part })
-            };
-            let [of_pin, of_plate] = scratch.each_mut();
-            let judged = [judged(0, of_pin)?, judged(1, of_plate)?];
+        cases: &[DesignCase],
+        answers: &mut [Option<Answer>],
+        Room { bodies, curve }: &mut Room,
+    ) {
+        let without = cases.iter().zip(&*answers).enumerate().filter(|(_, (_, answer))| answer.is_none());
+        let met = without.filter_map(|(place, (case, _))| Some((place, self.meet(case)?)));
+        let mut open: Vec<(usize, MetJoint)> = met.filter(|(_, met)| met.is_in_boxes()).collect();
+        while let Some(first) = open.pop() {
+            let mut alike = vec![first];
+            for place in (0..open.len()).rev() {
+                if alike.len() < ABREAST && open[place].1.has_rows_of(&alike[0].1) {
+                    alike.push(open.swap_remove(place));
+                }
+            }
+            let MetJoint { fits, key, .. } = alike[0].1;
+            let [Some(of_pin), Some(of_plate)] = fits.map(|fit| fit.rows(key)) else { continue };
+            for (side, rows) in [of_pin, of_plate].into_iter().enumerate() {
+                let weighed = alike.iter().zip(&mut *bodies).map(|((_, met), scratch)| {
+                    let (Member { body, share, .. }, scratch) = (&met.members[side], &mut scratch[side]);
+                    fits[side].weigh((body, &met.points[side]), &met.outlines, scratch);
+                    scratch.to_sum(*share)
+                });
+                rows.sums(NEGLIGIBLE, &mut weighed.collect::<Vec<_>>());
+            }
             let space = spaces.get(key);
-            let solving = self.solving(BackendKind::Cpu, &outlines, space);
-            let (outcome, want) =
-                solve_joint(space, &judged, outlines, None, solving, [case].into_iter(), room).pop()?;
-            match want {
-                Want::Nothing => return whole(outcome),
-                Want::MoreTerms => key = key.with_more_terms()?,
-                Want::MoreNodes => key = key.with_more_nodes()?,
-                Want::FinerMesh => return None,
+            for ((place, mut met), scratch) in alike.into_iter().zip(&mut *bodies) {
+                let MetJoint { members, points, outlines, .. } = &met;
+                let [of_pin, of_plate] = scratch;
+                let judged = |side: usize, scratch| {
+                    let Member { body, share, .. } = &members[side];
+                    let own = OwnError::Fit(fits[side].error(body, &points[side]));
+                    let part = fits[side].part((body, *share), outlines, space, scratch);
+                    JudgedBody { body, own, change: None, part }
+                };
+                let judged = [judged(0, of_pin), judged(1, of_plate)];
+                let (solving, case) = (self.solving(BackendKind::Cpu, outlines, space), &cases[place]);
+                let found = solve_joint(space, &judged, *outlines, None, solving, [case].into_iter(), curve);
+                let Some((outcome, want)) = found.into_iter().next() else { continue };
+                let next = match want {
+                    Want::Nothing => {
+                        answers[place] = whole(outcome);
+                        None
+                    }
+                    Want::MoreTerms => key.with_more_terms(),
+                    Want::MoreNodes => key.with_more_nodes(),
+                    Want::FinerMesh => None,
+                };
+                if let Some(next) = next {
+                    met.key = next;
+                    open.push((place, met));
+                }
             }
         }
     }
 }
+
+/// What a thread works with.
+#[derive(Default)]
+struct Room {
+    /// Of the bodies of joints whose rows are summed abreast.
+    bodies: [[FitScratch; 2]; ABREAST],
+    curve: CurveRoom,
+}
+
+/// Designs whose rows are summed abreast: as many as there are registers for, at most.
+const ABREAST: usize = 4;
 
 /// A design as its fits have it.
 pub(super) struct MetJoint<'a> {
@@ -150,6 +189,20 @@ pub(super) struct MetJoint<'a> {
     pub points: [Point; 2],
     pub outlines: Outlines,
     pub key: SpaceKey,
+}
+
+impl MetJoint<'_> {
+    /// Whether both bodies are in the boxes of their fits.
+    fn is_in_boxes(&self) -> bool {
+        let is_in = |side: usize| self.fits[side].contains(&self.members[side].body, &self.points[side]);
+        is_in(0) && is_in(1)
+    }
+
+    /// Whether both bodies are sums of the same rows as those of another joint.
+    fn has_rows_of(&self, other: &MetJoint) -> bool {
+        let numbers = |met: &MetJoint| met.fits.map(|fit| fit.number);
+        self.key == other.key && numbers(self) == numbers(other)
+    }
 }
 
 /// An answer with a state for every load.

@@ -22,10 +22,10 @@ pub fn states(
     let scale = JointScale::of(joint);
     let pin = space.part(Side::Pin, &[(pin, shares[0])], &scale.outlines);
     let plate = space.part(Side::Plate, &[(plate, shares[1])], &scale.outlines);
-    let Some(curve) = ContactCurve::new(space, [&pin, &plate], scale.outlines) else {
+    let Some(curve) = ContactCurve::new(space, &[&pin, &plate], scale.outlines) else {
         return vec![None; case.steps.len()];
     };
-    let mut found = curve.states(scale.loads_in_contact(&case.steps)).into_iter();
+    let mut found = curve.states(&mut scale.loads_in_contact(&case.steps)).into_iter();
     let state = |load: &Load| {
         scale.load(*load)?;
         let (state, _) = found.next()?.ok()?;

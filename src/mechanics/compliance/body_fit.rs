@@ -12,7 +12,7 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-use super::row_sums::Rows;
+use super::row_sums::{Rows, WeightedSum};
 
 /// Products of Chebyshev polynomials over a box.
 #[derive(Clone, Debug)]
@@ -100,6 +100,13 @@ impl Polynomials {
         for (parent, axis, degree) in &self.products[1..] {
             values.push(values[*parent] * work[axis * row + degree]);
         }
+    }
+}
+
+impl FitScratch {
+    /// The sum of rows by the weights that were left here, times a scale, is to be left in `values`.
+    pub fn to_sum(&mut self, scale: f64) -> WeightedSum<'_> {
+        WeightedSum { weights: &self.weights, scale, sum: &mut self.values }
     }
 }
 
@@ -193,23 +200,16 @@ impl BodyFit {
         self.coefficients.sum(weights, 0.0, 1.0, amplitudes);
     }
 
-    /// The sum of rows, times each of these shares in turn the numbers given and then the amplitudes of the members at a point of the
-    /// box. It is left in `scratch.values`, times a scale.
-    pub fn sum(
-        &self,
-        rows: &Rows,
-        (scale, shares): (f64, &[f64]),
-        (numbers, point): (&[f64], &[f64]),
-        scratch: &mut FitScratch,
-    ) {
+    /// Leaves in `scratch` the weights of rows: each of these shares in turn times the numbers given and then the amplitudes of the
+    /// members at a point of the box.
+    pub fn weigh(&self, shares: &[f64], (numbers, point): (&[f64], &[f64]), scratch: &mut FitScratch) {
         self.find(point, scratch);
-        let FitScratch { weights, amplitudes, values, .. } = scratch;
+        let FitScratch { weights, amplitudes, .. } = scratch;
         weights.clear();
         for share in shares {
             weights.extend(numbers.iter().map(|number| (share * number) as f32));
             weights.extend(amplitudes.iter().map(|amplitude| (share * amplitude) as f32));
         }
-        rows.sum(weights, NEGLIGIBLE, scale, values);
     }
 
     /// Of the amplitudes of its members, a row for each product.

@@ -45,20 +45,36 @@ impl Rows {
     /// The sum of the first rows, as many as there are weights, times these and a scale, but for those that add less than a share of what
     /// the first one adds.
     pub fn sum(&self, weights: &[f32], negligible: f32, scale: f64, sum: &mut Vec<f64>) {
-        debug_assert!(weights.len() <= self.sizes.len());
-        // All of it is overwritten.
-        sum.resize(self.stride, 0.0);
-        Arch::new().dispatch(Weighted { rows: self, weights, negligible, scale, sum });
-        sum.truncate(self.length);
+        self.sums(negligible, &mut [WeightedSum { weights, scale, sum }]);
+    }
+
+    /// Several such sums abreast, each to the bits it has alone: rows are read once for as many as there are registers for.
+    pub fn sums(&self, negligible: f32, sums: &mut [WeightedSum]) {
+        for own in &mut *sums {
+            debug_assert!(own.weights.len() <= self.sizes.len());
+            // All of it is overwritten.
+            own.sum.resize(self.stride, 0.0);
+        }
+        Arch::new().dispatch(Weighted { rows: self, negligible, sums });
+        for own in sums {
+            own.sum.truncate(self.length);
+        }
     }
 }
 
-struct Weighted<'a> {
+/// One sum of rows.
+pub struct WeightedSum<'a> {
+    /// Of the first rows.
+    pub weights: &'a [f32],
+    pub scale: f64,
+    /// What was there is overwritten.
+    pub sum: &'a mut Vec<f64>,
+}
+
+struct Weighted<'a, 'b> {
     rows: &'a Rows,
-    weights: &'a [f32],
     negligible: f32,
-    scale: f64,
-    sum: &'a mut [f64],
+    sums: &'a mut [WeightedSum<'b>],
 }
 
 /// Registers that are summed side by side, so that additions do not wait for each other. A compliance to 6 trial pressures at 16
@@ -71,63 +87,105 @@ const FEWER: usize = 2;
 /// The most rows that are summed at a time.
 const TOGETHER: usize = 256;
 
-impl WithSimd for Weighted<'_> {
+/// Sums that are made abreast where there are 32 registers, and where there are 16.
+const MANY: usize = 4;
+const SOME: usize = 2;
+
+impl WithSimd for Weighted<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        let (Rows { stride, sizes, .. }, weights) = (self.rows, self.weights);
-        let size = |row: usize| weights[row].abs() * sizes[row];
-        let least = if weights.is_empty() { 0.0 } else { self.negligible * size(0) };
-        let mut kept = [(0_u32, 0.0_f32); TOGETHER];
-        for first in (0..weights.len()).step_by(TOGETHER) {
-            // Written whether it is kept or not: nothing is to be foretold.
-            let mut count = 0;
-            for row in first..weights.len().min(first + TOGETHER) {
-                kept[count] = ((row * stride) as u32, weights[row]);
-                count += usize::from(size(row) > least);
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Weighted { rows, negligible, mut sums } = self;
+        while !sums.is_empty() {
+            let abreast = match sums.len() {
+                MANY.. if S::F32_LANES == REGISTER => MANY,
+                SOME.. => SOME,
+                _ => 1,
+            };
+            let (own, others) = sums.split_at_mut(abreast);
+            match abreast {
+                MANY => rows.run::<S, MANY>(simd, negligible, own),
+                SOME => rows.run::<S, SOME>(simd, negligible, own),
+                _ => rows.run::<S, 1>(simd, negligible, own),
             }
-            let (kept, is_first) = (&kept[..count], first == 0);
-            let mut from = 0;
-            while from + ABREAST * S::F32_LANES <= *stride {
-                self.block::<S, ABREAST>(simd, from, kept, is_first);
-                from += ABREAST * S::F32_LANES;
-            }
-            while from + FEWER * S::F32_LANES <= *stride {
-                self.block::<S, FEWER>(simd, from, kept, is_first);
-                from += FEWER * S::F32_LANES;
-            }
-            while from < *stride {
-                self.block::<S, 1>(simd, from, kept, is_first);
-                from += S::F32_LANES;
-            }
+            sums = others;
         }
     }
 }
 
-impl Weighted<'_> {
+impl Rows {
+    /// Of so many sums.
     #[inline(always)]
-    fn block<S: Simd, const COUNT: usize>(
-        &mut self,
-        simd: S,
-        from: usize,
-        kept: &[(u32, f32)],
-        is_first: bool,
-    ) {
-        let length = COUNT * S::F32_LANES;
-        let mut registers = [simd.splat_f32s(0.0); COUNT];
-        for (row, weight) in kept {
-            let (values, _) = S::as_simd_f32s(&self.rows.values[*row as usize + from..][..length]);
-            let weight = simd.splat_f32s(*weight);
-            for place in 0..COUNT {
-                registers[place] = simd.mul_add_e_f32s(weight, values[place], registers[place]);
+    fn run<S: Simd, const SUMS: usize>(&self, simd: S, negligible: f32, sums: &mut [WeightedSum]) {
+        let Rows { stride, sizes, .. } = self;
+        let mut least = [0.0_f32; SUMS];
+        let mut count = 0;
+        for (least, own) in least.iter_mut().zip(&*sums) {
+            if let Some(weight) = own.weights.first() {
+                *least = negligible * weight.abs() * sizes[0];
+            }
+            count = own.weights.len().max(count);
+        }
+        let mut kept = [(0_u32, [0.0_f32; SUMS]); TOGETHER];
+        for first in (0..count).step_by(TOGETHER) {
+            // Written whether it is kept or not: nothing is to be foretold. A row that is kept for another sum weighs nothing.
+            let mut kept_count = 0;
+            for row in first..count.min(first + TOGETHER) {
+                let (mut weights, mut is_kept) = ([0.0_f32; SUMS], false);
+                for sum in 0..SUMS {
+                    let weight = sums[sum].weights.get(row).copied().unwrap_or(0.0);
+                    let is_own = weight.abs() * sizes[row] > least[sum];
+                    weights[sum] = if is_own { weight } else { 0.0 };
+                    is_kept |= is_own;
+                }
+                kept[kept_count] = ((row * stride) as u32, weights);
+                kept_count += usize::from(is_kept);
+            }
+            let (kept, is_first) = (&kept[..kept_count], first == 0);
+            let mut from = 0;
+            while from + ABREAST * S::F32_LANES <= *stride {
+                self.block::<S, SUMS, ABREAST>(simd, from, kept, is_first, sums);
+                from += ABREAST * S::F32_LANES;
+            }
+            while from + FEWER * S::F32_LANES <= *stride {
+                self.block::<S, SUMS, FEWER>(simd, from, kept, is_first, sums);
+                from += FEWER * S::F32_LANES;
+            }
+            while from < *stride {
+                self.block::<S, SUMS, 1>(simd, from, kept, is_first, sums);
+                from += S::F32_LANES;
             }
         }
-        let mut own = [0.0_f32; ABREAST * REGISTER];
-        S::as_mut_simd_f32s(&mut own[..length]).0.copy_from_slice(&registers);
-        for (sum, own) in self.sum[from..from + length].iter_mut().zip(&own) {
-            let before = if is_first { 0.0 } else { *sum };
-            *sum = before + self.scale * f64::from(*own);
+    }
+
+    #[inline(always)]
+    fn block<S: Simd, const SUMS: usize, const COUNT: usize>(
+        &self,
+        simd: S,
+        from: usize,
+        kept: &[(u32, [f32; SUMS])],
+        is_first: bool,
+        sums: &mut [WeightedSum],
+    ) {
+        let length = COUNT * S::F32_LANES;
+        let mut registers = [[simd.splat_f32s(0.0); COUNT]; SUMS];
+        for (row, weights) in kept {
+            let (values, _) = S::as_simd_f32s(&self.values[*row as usize + from..][..length]);
+            for place in 0..COUNT {
+                for sum in 0..SUMS {
+                    let weight = simd.splat_f32s(weights[sum]);
+                    registers[sum][place] = simd.mul_add_e_f32s(weight, values[place], registers[sum][place]);
+                }
+            }
+        }
+        for (registers, WeightedSum { scale, sum, .. }) in registers.iter().zip(sums) {
+            let mut own = [0.0_f32; ABREAST * REGISTER];
+            S::as_mut_simd_f32s(&mut own[..length]).0.copy_from_slice(registers);
+            for (sum, own) in sum[from..from + length].iter_mut().zip(&own) {
+                let before = if is_first { 0.0 } else { *sum };
+                *sum = before + *scale * f64::from(*own);
+            }
         }
     }
 }
@@ -150,6 +208,23 @@ mod tests {
                 Rows::new(&more).sum(&weights, negligible, 0.5, &mut sum);
                 assert_eq!(sum.len(), length);
                 let left_out = weights.iter().filter(|weight| **weight < negligible).sum::<f32>();
+                // Abreast with others that keep other rows, to the bit.
+                let others: Vec<Vec<f32>> = (1..7)
+                    .map(|k| weights[..count - count / (k + 1)].iter().map(|w| w.powi(k as i32)).collect())
+                    .collect();
+                let all: Vec<&[f32]> = others.iter().map(Vec::as_slice).chain([&weights[..]]).collect();
+                let mut together = vec![vec![5.0; 3]; all.len()];
+                let mut sums: Vec<WeightedSum> = (all.iter().zip(&mut together))
+                    .map(|(weights, sum)| WeightedSum { weights, scale: 0.5, sum })
+                    .collect();
+                let rows_and_more = Rows::new(&more);
+                rows_and_more.sums(negligible, &mut sums);
+                let mut alone = Vec::new();
+                for (weights, together) in all.iter().zip(&together) {
+                    rows_and_more.sum(weights, negligible, 0.5, &mut alone);
+                    assert_eq!(*together, alone, "{count} rows of {length}");
+                }
+                assert_eq!(together[6], sum);
                 for (place, sum) in sum.iter().enumerate() {
                     let plain: f64 =
                         rows.iter().zip(&weights).map(|(row, w)| row[place] * f64::from(*w)).sum();

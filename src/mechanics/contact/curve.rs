@@ -50,18 +50,18 @@ impl<'a> ContactCurve<'a> {
     }
 
     /// Of a joint's compliance in the space, which is the sum of its parts. `None` where it is not positive definite.
-    pub fn new<const PARTS: usize>(
+    pub fn new(
         space: &'a CurveSpace,
-        parts: [&JointCompliance; PARTS],
+        parts: &[&JointCompliance],
         outlines: Outlines,
     ) -> Option<ContactCurve<'a>> {
         ContactCurve::in_room(space, parts, outlines, &mut CurveRoom::default())
     }
 
     /// The same in the room of another one, which is taken where there is a curve.
-    pub fn in_room<const PARTS: usize>(
+    pub fn in_room(
         space: &'a CurveSpace,
-        parts: [&JointCompliance; PARTS],
+        parts: &[&JointCompliance],
         outlines: Outlines,
         room: &mut CurveRoom,
     ) -> Option<ContactCurve<'a>> {

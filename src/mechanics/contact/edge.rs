@@ -83,19 +83,15 @@ pub struct EdgeStates {
 
 impl EdgeStates {
     /// The joint's compliance is the sum of its `parts`, of `space`, whose arcs are the pin's.
-    pub fn new<const PARTS: usize>(
-        space: &PressureSpace,
-        parts: [&JointCompliance; PARTS],
-        outlines: &Outlines,
-    ) -> EdgeStates {
+    pub fn new(space: &PressureSpace, parts: &[&JointCompliance], outlines: &Outlines) -> EdgeStates {
         EdgeStates::default().again(space, parts, outlines)
     }
 
     /// The same where others were before.
-    pub(super) fn again<const PARTS: usize>(
+    pub(super) fn again(
         self,
         space: &PressureSpace,
-        parts: [&JointCompliance; PARTS],
+        parts: &[&JointCompliance],
         outlines: &Outlines,
     ) -> EdgeStates {
         in_lanes_with_terms(space.terms, Solve { space, parts, outlines, found: self })
@@ -168,15 +164,15 @@ impl EdgeStates {
     }
 }
 
-struct Solve<'a, const PARTS: usize> {
+struct Solve<'a> {
     space: &'a PressureSpace,
-    parts: [&'a JointCompliance<'a>; PARTS],
+    parts: &'a [&'a JointCompliance<'a>],
     outlines: &'a Outlines,
     /// All of it is overwritten.
     found: EdgeStates,
 }
 
-impl<const PARTS: usize> TermWork for Solve<'_, PARTS> {
+impl TermWork for Solve<'_> {
     type Output = EdgeStates;
 
     #[inline(always)]
@@ -202,7 +198,7 @@ fn versines_over<T: Real, const TERMS: usize>(b: T, ratio: f64) -> [T; TERMS] {
     versines
 }
 
-impl<const PARTS: usize> Solve<'_, PARTS> {
+impl Solve<'_> {
     /// Of the joint's compliance, as many arcs as there are lanes. A function, because closures are not always inlined, and what is not
     /// is not compiled for the vectors.
     #[inline(always)]

@@ -36,14 +36,14 @@ impl ContactCurve<'_> {
     /// and the next. Press fits have a space of their own.
     pub fn states_of_fit(
         &self,
-        loads: impl Iterator<Item = DimensionlessLoad>,
+        loads: &mut dyn Iterator<Item = DimensionlessLoad>,
     ) -> Vec<Result<(ContactState, usize), NoState>> {
         if self.outlines.radial_clearance < 0.0 { self.press_fit_states(loads) } else { self.states(loads) }
     }
 
     fn press_fit_states(
         &self,
-        loads: impl Iterator<Item = DimensionlessLoad>,
+        loads: &mut dyn Iterator<Item = DimensionlessLoad>,
     ) -> Vec<Result<(ContactState, usize), NoState>> {
         let loads: Vec<DimensionlessLoad> = loads.collect();
         let Some(ring) = WholeRing::of(self) else {
@@ -66,7 +66,7 @@ impl ContactCurve<'_> {
         };
         let open: Vec<_> = loads.iter().filter(|load| closed(load).is_none()).map(from_concentric).collect();
         let seam = if open.is_empty() { None } else { self.seam(&ring) };
-        let mut opened = self.states(open.into_iter()).into_iter();
+        let mut opened = self.states(&mut open.into_iter()).into_iter();
         let state = |load: &DimensionlessLoad| {
             if let Some(offset) = closed(load) {
                 return Ok((

@@ -26,22 +26,22 @@ const AROUND: usize = 6;
 /// So many loads take half as many lanes.
 const FEW: usize = LANES / 2;
 
-struct Loads<'a, I> {
+struct Loads<'a> {
     curve: &'a ContactCurve<'a>,
-    loads: I,
+    loads: &'a mut dyn Iterator<Item = DimensionlessLoad>,
     states: &'a mut Vec<Result<(ContactState, usize), NoState>>,
 }
 
-impl<I: Iterator<Item = DimensionlessLoad>> LaneWork for Loads<'_, I> {
+impl LaneWork for Loads<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<const WIDTH: usize>(self) {
-        let Loads { curve, mut loads, states } = self;
+        let Loads { curve, loads, states } = self;
         loop {
             let mut targets = Targets { of_indentation: Lanes::<WIDTH>::zero(), of_force: Lanes::zero() };
             let mut count = 0;
-            for load in loads.by_ref().take(LANES) {
+            for load in (&mut *loads).take(LANES) {
                 let target = Target::new(curve.outlines.radial_clearance, load);
                 targets.of_indentation.0[count] = target.of_indentation;
                 targets.of_force.0[count] = target.of_force;
@@ -165,7 +165,7 @@ impl ContactCurve<'_> {
     /// next.
     pub fn states(
         &self,
-        loads: impl Iterator<Item = DimensionlessLoad>,
+        loads: &mut dyn Iterator<Item = DimensionlessLoad>,
     ) -> Vec<Result<(ContactState, usize), NoState>> {
         let mut states = Vec::with_capacity(loads.size_hint().1.unwrap_or(0));
         in_lanes(Loads { curve: self, loads, states: &mut states });
