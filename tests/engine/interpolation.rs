@@ -421,8 +421,8 @@ fn plates_are_moved_to_the_holes_arcs() {
         for key in keys.iter().copied().filter(|_| fit.contains(&body, &point)) {
             let (rows, space) = (fit.rows(key).unwrap(), spaces.get(key));
             let mut part = |outlines: &Outlines| {
-                fit.weigh((&body, &point), outlines, &mut scratch);
-                rows.sums(NEGLIGIBLE, &mut [scratch.to_sum(1.0)]);
+                fit.fit.coefficients().sums(0.0, &mut [fit.begin((&body, &point), &mut scratch)]);
+                rows.sums(NEGLIGIBLE, &mut [fit.weigh((&body, 1.0), outlines, &mut scratch)]);
                 let part = fit.part((&body, 1.0), outlines, space, &mut scratch);
                 JointCompliance { values: part.values.into_owned().into(), ..part }
             };

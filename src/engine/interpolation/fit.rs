@@ -14,7 +14,7 @@ use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::body::{Body, Side};
 use crate::mechanics::compliance::body_fit::{BodyFit, FitScratch};
 use crate::mechanics::compliance::pressure_space::{JointCompliance, Tilt};
-use crate::mechanics::compliance::row_sums::Rows;
+use crate::mechanics::compliance::row_sums::{Rows, WeightedSum};
 use crate::mechanics::compliance::{BodyCompliance, Boundary, infinite};
 use crate::mechanics::contact::compliance_rows::{NARROW, rows_of_units};
 use crate::mechanics::contact::curve_space::CurveSpace;
@@ -177,16 +177,25 @@ impl FittedFamily {
         self.fit.polynomials.contains(&point[..coordinate_count(body.shape)])
     }
 
-    /// Leaves in `scratch` what a body at its coordinates in the box weighs the rows of a space by, under the joint's outlines.
-    pub fn weigh(&self, (body, point): (&Body, &Point), outlines: &Outlines, scratch: &mut FitScratch) {
-        let point = &point[..coordinate_count(body.shape)];
+    /// The amplitudes of a body at its coordinates in the box, yet to be summed from the rows of `fit.coefficients`.
+    pub fn begin<'a>(&self, (body, point): (&Body, &Point), scratch: &'a mut FitScratch) -> WeightedSum<'a> {
+        self.fit.begin(&point[..coordinate_count(body.shape)], scratch)
+    }
+
+    /// What such a body with 1/E adds to the compliance of a joint under its outlines, yet to be summed from the `rows` of a space.
+    pub fn weigh<'a>(
+        &self,
+        (body, share): (&Body, f64),
+        outlines: &Outlines,
+        scratch: &'a mut FitScratch,
+    ) -> WeightedSum<'a> {
         let (Tilt { first, second }, clearance) = (outlines.tilt(), outlines.radial_clearance.max(0.0));
         let shares = match self.side {
             Side::Pin => &[1.0, first, second][..],
             Side::Plate if self.is_moved(outlines) => &[1.0],
             Side::Plate => &[1.0, clearance, clearance * clearance, clearance.powi(3)],
         };
-        self.fit.weigh(shares, (&infinite(body), point), scratch);
+        scratch.weigh(shares, &infinite(body), share)
     }
 
     /// Whether a plate comes to the hole's arcs by polynomials, not by powers of the clearance.
@@ -194,7 +203,7 @@ impl FittedFamily {
         self.side == Side::Plate && outlines.radial_clearance > NARROW
     }
 
-    /// The part of a joint's compliance of a body with 1/E, the sum of whose weighed rows, times that, is in `scratch`.
+    /// The part of a joint's compliance of a body with 1/E, that sum having been made.
     pub fn part<'a>(
         &self,
         (body, share): (&Body, f64),

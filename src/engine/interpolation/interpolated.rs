@@ -132,10 +132,13 @@ impl Interpolation {
             let MetJoint { fits, key, .. } = alike[0].1;
             let [Some(of_pin), Some(of_plate)] = fits.map(|fit| fit.rows(key)) else { continue };
             for (side, rows) in [of_pin, of_plate].into_iter().enumerate() {
+                let begun = alike.iter().zip(&mut *bodies).map(|((_, met), scratch)| {
+                    fits[side].begin((&met.members[side].body, &met.points[side]), &mut scratch[side])
+                });
+                fits[side].fit.coefficients().sums(0.0, &mut begun.collect::<Vec<_>>());
                 let weighed = alike.iter().zip(&mut *bodies).map(|((_, met), scratch)| {
-                    let (Member { body, share, .. }, scratch) = (&met.members[side], &mut scratch[side]);
-                    fits[side].weigh((body, &met.points[side]), &met.outlines, scratch);
-                    scratch.to_sum(*share)
+                    let Member { body, share, .. } = &met.members[side];
+                    fits[side].weigh((body, *share), &met.outlines, &mut scratch[side])
                 });
                 rows.sums(NEGLIGIBLE, &mut weighed.collect::<Vec<_>>());
             }

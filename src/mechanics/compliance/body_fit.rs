@@ -104,9 +104,16 @@ impl Polynomials {
 }
 
 impl FitScratch {
-    /// The sum of rows by the weights that were left here, times a scale, is to be left in `values`.
-    pub fn to_sum(&mut self, scale: f64) -> WeightedSum<'_> {
-        WeightedSum { weights: &self.weights, scale, sum: &mut self.values }
+    /// A sum of rows that is yet to be made and left in `values`: each of these shares in turn times the numbers given and then the
+    /// amplitudes of the members, which were found before; times a scale.
+    pub fn weigh(&mut self, shares: &[f64], numbers: &[f64], scale: f64) -> WeightedSum<'_> {
+        let FitScratch { weights, amplitudes, values, .. } = self;
+        weights.clear();
+        for share in shares {
+            weights.extend(numbers.iter().map(|number| (share * number) as f32));
+            weights.extend(amplitudes.iter().map(|amplitude| (share * amplitude) as f32));
+        }
+        WeightedSum { weights, scale, sum: values }
     }
 }
 
@@ -193,23 +200,16 @@ impl BodyFit {
 
     /// The amplitudes of the members at a point of the box, left in `scratch`.
     fn find(&self, point: &[f64], scratch: &mut FitScratch) {
+        self.coefficients.sums(0.0, &mut [self.begin(point, scratch)]);
+    }
+
+    /// The amplitudes of the members at a point of the box, yet to be summed from the rows of `coefficients`.
+    pub fn begin<'a>(&self, point: &[f64], scratch: &'a mut FitScratch) -> WeightedSum<'a> {
         let FitScratch { work, products, weights, amplitudes, .. } = scratch;
         self.polynomials.values(point, work, products);
         weights.clear();
         weights.extend(products.iter().map(|product| *product as f32));
-        self.coefficients.sum(weights, 0.0, 1.0, amplitudes);
-    }
-
-    /// Leaves in `scratch` the weights of rows: each of these shares in turn times the numbers given and then the amplitudes of the
-    /// members at a point of the box.
-    pub fn weigh(&self, shares: &[f64], (numbers, point): (&[f64], &[f64]), scratch: &mut FitScratch) {
-        self.find(point, scratch);
-        let FitScratch { weights, amplitudes, .. } = scratch;
-        weights.clear();
-        for share in shares {
-            weights.extend(numbers.iter().map(|number| (share * number) as f32));
-            weights.extend(amplitudes.iter().map(|amplitude| (share * amplitude) as f32));
-        }
+        WeightedSum { weights, scale: 1.0, sum: amplitudes }
     }
 
     /// Of the amplitudes of its members, a row for each product.
