@@ -261,6 +261,14 @@ const OF_ATANH: [f64; 11] = {
 };
 
 impl<const WIDTH: usize, const COUNT: usize> Lanes<WIDTH, COUNT> {
+    /// The first numbers of a slice.
+    #[inline(always)]
+    pub fn from_slice(values: &[f64]) -> Self {
+        let mut lanes = [0.0; COUNT];
+        lanes.copy_from_slice(&values[..COUNT]);
+        Lanes(lanes)
+    }
+
     /// Without signs.
     #[inline(always)]
     pub fn size(self) -> Self {

@@ -9,7 +9,7 @@ use crate::mechanics::body::Body;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::element::MAX_NODES;
 use crate::mechanics::element::stiffness::{
-    Elasticity, ElementRule, element_stiffness, stiffness_operations,
+    Elasticity, ElementRule, ElementStiffness, element_stiffness_in_room, stiffness_operations,
 };
 use crate::mechanics::material::Idealization;
 use crate::mechanics::mesh::{Grading, RingTopology, coordinates};
@@ -194,13 +194,14 @@ impl Condense<'_> {
             (0..=self.bodies[0].lining.list().len()).map(|material| self.elasticity(material)).collect();
         let count = topology.element.node_count();
         let mut smallest_jacobian = T::from_f64(f64::INFINITY);
+        let mut stiffness = ElementStiffness::room();
         for (element, connectivity) in topology.connectivity.chunks_exact(count).enumerate() {
             let mut corners = [[zero; 2]; MAX_NODES];
             for (corner, node) in corners.iter_mut().zip(connectivity) {
                 *corner = nodes[*node as usize];
             }
             let elasticity = &materials[topology.material(element)];
-            let stiffness = element_stiffness(rule, elasticity, &corners);
+            element_stiffness_in_room(rule, elasticity, &corners, &mut stiffness);
             smallest_jacobian = smallest_jacobian.least(stiffness.smallest_jacobian);
             structure.add(tiles, element, &stiffness);
         }

@@ -17,6 +17,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::lane_condensation::CondensationPlan;
+use super::lane_work::{LaneWork, in_lanes};
 use super::ring_modes::{Push, RingModes};
 use super::series::ConcentricBody;
 use crate::mechanics::body::lining::Lining;
@@ -25,6 +26,7 @@ use crate::mechanics::grading::GradingClass;
 use crate::mechanics::lining_rows::LiningRows;
 use crate::mechanics::material::{Compressibility, Idealization};
 use crate::mechanics::mesh::Grading;
+use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// |ln r| of a reference's fixed circle, at most: deeper bodies bring a far field of their own.
 pub const DEEPEST_REFERENCE: f64 = 1.2;
@@ -267,17 +269,45 @@ impl NearField {
     pub fn correct(around: [&NearField; 2], between: f64, body: &Body, works: &mut [f64]) {
         let shares = around[0].shares(body);
         let scale = 1.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio);
-        for (near_field, part) in around.into_iter().zip([1.0 - between, between]) {
-            for (share, of_node) in shares.iter().zip(&near_field.works) {
-                let share = scale * part * share;
-                works.iter_mut().zip(of_node).for_each(|(work, near)| *work += share * near);
-            }
-        }
+        let parts = around.into_iter().zip([1.0 - between, between]);
+        let rows = parts.flat_map(|(near_field, part)| {
+            shares.iter().zip(&near_field.works).map(move |(share, works)| (scale * part * share, &works[..]))
+        });
+        in_lanes(AddRows { rows: &rows.collect::<Vec<_>>(), sums: works });
     }
 
     /// What it takes.
     pub fn bytes(&self) -> usize {
         self.works.iter().map(|works| size_of_val(&works[..])).sum()
+    }
+}
+
+/// Adds rows, each times its weight, to sums.
+struct AddRows<'a> {
+    rows: &'a [(f64, &'a [f64])],
+    sums: &'a mut [f64],
+}
+
+impl LaneWork for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const WIDTH: usize>(self) {
+        let AddRows { rows, sums } = self;
+        let (chunks, rest) = sums.as_chunks_mut::<LANES>();
+        let first_of_rest = LANES * chunks.len();
+        for (chunk, sums) in chunks.iter_mut().enumerate() {
+            let mut sum = Lanes::<WIDTH>(*sums);
+            for (weight, row) in rows {
+                sum += Lanes::from_f64(*weight) * Lanes::from_slice(&row[chunk * LANES..]);
+            }
+            *sums = sum.0;
+        }
+        for (place, sum) in rest.iter_mut().enumerate() {
+            for (weight, row) in rows {
+                *sum += weight * row[first_of_rest + place];
+            }
+        }
     }
 }
 

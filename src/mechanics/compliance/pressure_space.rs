@@ -13,7 +13,7 @@ use super::ring_modes::RingModes;
 use super::second_order::Bands;
 use super::sine_arcs;
 use super::thin_wall::bed_matrix;
-use crate::mechanics::compliance::lane_work::{TermWork, in_lanes_with_terms};
+use crate::mechanics::compliance::lane_work::{LaneWork, TermWork, in_lanes, in_lanes_with_terms};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Trial pressures on arcs.
@@ -131,23 +131,7 @@ impl PressureSpace {
         let sum = |of: fn(&BodyCompliance) -> f64| bodies.iter().map(|(body, share)| share * of(body)).sum();
         let (even, odd, bed): (f64, f64, f64) =
             (sum(|body| body.even), sum(|body| body.odd), sum(|body| body.bed));
-        let kernels = &self.kernels;
-        let mut values: Vec<f64> =
-            kernels.even.iter().zip(&kernels.odd).map(|(own, other)| even * own + odd * other).collect();
-        let added = [
-            (tilt.first, &kernels.tilted_even, &kernels.tilted_odd),
-            (tilt.second, &kernels.second_even, &kernels.second_odd),
-        ];
-        for (order, of_even, of_odd) in added.into_iter().filter(|(order, ..)| *order != 0.0) {
-            let (even, odd) = (order * even, order * odd);
-            values
-                .iter_mut()
-                .zip(of_even.iter().zip(of_odd))
-                .for_each(|(value, (own, other))| *value += even * own + odd * other);
-        }
-        if bed != 0.0 {
-            values.iter_mut().zip(&self.bed).for_each(|(value, own)| *value += bed * own);
-        }
+        let mut values = in_lanes(OfInfinite { space: self, even, odd, bed, tilt });
         for (body, share) in bodies {
             let (tilted, bands);
             let mut second = if tilt.second == 0.0 { &[][..] } else { &body.second };
@@ -181,6 +165,48 @@ impl PressureSpace {
         }
         JointCompliance { even, bed, values: values.into() }
     }
+}
+
+/// What infinite bodies and beds add to the compliance of a joint, at all entries and arcs.
+struct OfInfinite<'a> {
+    space: &'a PressureSpace,
+    even: f64,
+    odd: f64,
+    bed: f64,
+    tilt: Tilt,
+}
+
+impl LaneWork for OfInfinite<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn run<const WIDTH: usize>(self) -> Vec<f64> {
+        let OfInfinite { space: PressureSpace { kernels, bed: of_bed, .. }, even, odd, bed, tilt } = self;
+        let mut values = vec![0.0; kernels.even.len()];
+        for (chunk, to) in values.chunks_exact_mut(LANES).enumerate() {
+            let at = chunk * LANES;
+            let mut value = pair::<WIDTH>((even, &kernels.even), (odd, &kernels.odd), at);
+            if tilt.first != 0.0 {
+                let (even, odd) = (tilt.first * even, tilt.first * odd);
+                value += pair::<WIDTH>((even, &kernels.tilted_even), (odd, &kernels.tilted_odd), at);
+            }
+            if tilt.second != 0.0 {
+                let (even, odd) = (tilt.second * even, tilt.second * odd);
+                value += pair::<WIDTH>((even, &kernels.second_even), (odd, &kernels.second_odd), at);
+            }
+            if bed != 0.0 {
+                value += Lanes::from_f64(bed) * Lanes::from_slice(&of_bed[at..]);
+            }
+            to.copy_from_slice(&value.0);
+        }
+        values
+    }
+}
+
+/// a x + b y, of the numbers from a place on.
+#[inline(always)]
+fn pair<const WIDTH: usize>((a, x): (f64, &[f64]), (b, y): (f64, &[f64]), at: usize) -> Lanes<WIDTH> {
+    Lanes::from_f64(a) * Lanes::from_slice(&x[at..]) + Lanes::from_f64(b) * Lanes::from_slice(&y[at..])
 }
 
 /// How the pressure on a pin is tilted against its normal (`contact::outlines`): what is to first order in the clearance, per

@@ -106,8 +106,8 @@ impl<T: Real> Reduced<T> {
     #[inline(always)]
     pub(super) fn energy(&self, indentation: T) -> T {
         let first = self.first(indentation);
-        let [of_versine, of_gap] = [[self.work, self.mixed_work], [self.mixed_work, self.work_of_gap]]
-            .map(|[of_versine, of_gap]| self.between(indentation, of_versine, of_gap));
+        let of_versine = self.between(indentation, self.work, self.mixed_work);
+        let of_gap = self.between(indentation, self.mixed_work, self.work_of_gap);
         self.singular * first * first + self.between(indentation, of_versine, of_gap)
     }
 

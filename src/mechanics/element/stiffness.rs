@@ -71,6 +71,17 @@ pub struct ElementStiffness<T> {
     pub smallest_jacobian: T,
 }
 
+impl<T: Real> ElementStiffness<T> {
+    /// Room for one.
+    #[inline(always)]
+    pub fn room() -> ElementStiffness<T> {
+        ElementStiffness {
+            values: [[T::zero(); 2 * MAX_NODES]; 2 * MAX_NODES],
+            smallest_jacobian: T::from_f64(f64::INFINITY),
+        }
+    }
+}
+
 /// Gradients of the shape functions by x and y, and |J|, at one point of one element.
 #[inline(always)]
 fn gradients<T: Real>(
@@ -109,7 +120,7 @@ pub fn strain(
     })
 }
 
-/// Adds w |J| B^T D B of every point; Q4 replaces its dilatation by the one at the centre (B-bar, Hughes 1980).
+/// The sum of w |J| B^T D B over all points; Q4 replaces its dilatation by the one at the centre (B-bar, Hughes 1980).
 ///
 /// `nodes` are the coordinates in the order of `ElementKind`, oriented so that |J| > 0.
 #[inline(always)]
@@ -118,14 +129,31 @@ pub fn element_stiffness<T: Real>(
     elasticity: &Elasticity<T>,
     nodes: &[[T; 2]; MAX_NODES],
 ) -> ElementStiffness<T> {
+    let mut stiffness = ElementStiffness::room();
+    element_stiffness_in_room(rule, elasticity, nodes, &mut stiffness);
+    stiffness
+}
+
+/// The same in the room of another one: what lies there of many bodies takes longer to copy than to compute.
+#[inline(always)]
+pub fn element_stiffness_in_room<T: Real>(
+    rule: &ElementRule,
+    elasticity: &Elasticity<T>,
+    nodes: &[[T; 2]; MAX_NODES],
+    ElementStiffness { values, smallest_jacobian }: &mut ElementStiffness<T>,
+) {
     let count = rule.kind.node_count();
-    let mut values = [[T::zero(); 2 * MAX_NODES]; 2 * MAX_NODES];
+    for (i, row) in values[..2 * count].iter_mut().enumerate() {
+        row[i..2 * count].fill(T::zero());
+        // The diagonal's blocks of Q8 have one entry below it.
+        row[i & !1] = T::zero();
+    }
     let mean = gradients(&rule.centre, nodes, count).0;
     let half = T::from_f64(0.5);
-    let mut smallest_jacobian = T::from_f64(f64::INFINITY);
+    *smallest_jacobian = T::from_f64(f64::INFINITY);
     for shape in &rule.points {
         let (gradient, determinant) = gradients(shape, nodes, count);
-        smallest_jacobian = smallest_jacobian.least(determinant);
+        *smallest_jacobian = smallest_jacobian.least(determinant);
         let minus = -determinant;
         let (direct, cross, shear) =
             (elasticity.direct * minus, elasticity.cross * minus, elasticity.shear * minus);
@@ -164,7 +192,6 @@ pub fn element_stiffness<T: Real>(
             }
         }
     }
-    ElementStiffness { values, smallest_jacobian }
 }
 
 /// Floating-point operations of `element_stiffness`.
