@@ -189,6 +189,17 @@ mod tests {
             assert_eq!(found.len(), expected.len());
             let halves = numbers.map(|numbers| std::array::from_fn(|lane| numbers[lane]));
             let of_halves = in_lanes(Half(halves));
+            // Registers of half the width are in every processor that has the whole.
+            #[cfg(target_arch = "x86_64")]
+            if width == AVX512 {
+                for ((name, found), (_, expected)) in all::<AVX2, 8>(numbers).iter().zip(&expected) {
+                    assert_eq!(
+                        found.map(bits),
+                        expected.map(bits),
+                        "{name} of {numbers:?} in registers of four"
+                    );
+                }
+            }
             for (((name, found), (_, expected)), (_, half)) in found.iter().zip(&expected).zip(&of_halves) {
                 assert_eq!(
                     found.map(bits),
