@@ -129,49 +129,73 @@ impl Interpolation {
                     alike.push(open.swap_remove(place));
                 }
             }
-            let MetJoint { fits, key, .. } = alike[0].1;
-            let [Some(of_pin), Some(of_plate)] = fits.map(|fit| fit.rows(key)) else { continue };
-            for (side, rows) in [of_pin, of_plate].into_iter().enumerate() {
-                let begun = alike.iter().zip(&mut *bodies).map(|((_, met), scratch)| {
-                    fits[side].begin((&met.members[side].body, &met.points[side]), &mut scratch[side])
-                });
-                fits[side].fit.coefficients().sums(0.0, &mut begun.collect::<Vec<_>>());
-                let weighed = alike.iter().zip(&mut *bodies).map(|((_, met), scratch)| {
-                    let Member { body, share, .. } = &met.members[side];
-                    fits[side].weigh((body, *share), &met.outlines, &mut scratch[side])
-                });
-                rows.sums(NEGLIGIBLE, &mut weighed.collect::<Vec<_>>());
+            if sum_rows(&alike, bodies).is_none() {
+                continue;
             }
-            let space = spaces.get(key);
             for ((place, mut met), scratch) in alike.into_iter().zip(&mut *bodies) {
-                let MetJoint { members, points, outlines, .. } = &met;
-                let [of_pin, of_plate] = scratch;
-                let judged = |side: usize, scratch| {
-                    let Member { body, share, .. } = &members[side];
-                    let own = OwnError::Fit(fits[side].error(body, &points[side]));
-                    let part = fits[side].part((body, *share), outlines, space, scratch);
-                    JudgedBody { body, own, change: None, part }
+                let Some((answer, want)) = self.solve_summed(spaces, &cases[place], &met, scratch, curve)
+                else {
+                    continue;
                 };
-                let judged = [judged(0, of_pin), judged(1, of_plate)];
-                let (solving, case) = (self.solving(BackendKind::Cpu, outlines, space), &cases[place]);
-                let found = solve_joint(space, &judged, *outlines, None, solving, [case].into_iter(), curve);
-                let Some((outcome, want)) = found.into_iter().next() else { continue };
                 let next = match want {
                     Want::Nothing => {
-                        answers[place] = whole(outcome);
+                        answers[place] = whole(answer);
                         None
                     }
-                    Want::MoreTerms => key.with_more_terms(),
-                    Want::MoreNodes => key.with_more_nodes(),
+                    Want::MoreTerms => met.key.with_more_terms(),
+                    Want::MoreNodes => met.key.with_more_nodes(),
                     Want::FinerMesh => None,
                 };
-                if let Some(next) = next {
-                    met.key = next;
+                if let Some(key) = next {
+                    met.key = key;
                     open.push((place, met));
                 }
             }
         }
     }
+
+    /// The answer to a design whose bodies' rows are summed, and what it wants.
+    fn solve_summed(
+        &self,
+        spaces: &Spaces,
+        case: &DesignCase,
+        MetJoint { members, fits, points, outlines, key }: &MetJoint,
+        [of_pin, of_plate]: &mut [FitScratch; 2],
+        room: &mut CurveRoom,
+    ) -> Option<(Answer, Want)> {
+        let space = spaces.get(*key);
+        let judged = |side: usize, scratch| {
+            let Member { body, share, .. } = &members[side];
+            let own = OwnError::Fit(fits[side].error(body, &points[side]));
+            let part = fits[side].part((body, *share), outlines, space, scratch);
+            JudgedBody { body, own, change: None, part }
+        };
+        let judged = [judged(0, of_pin), judged(1, of_plate)];
+        let solving = self.solving(BackendKind::Cpu, outlines, space);
+        solve_joint(space, &judged, *outlines, None, solving, [case].into_iter(), room).pop()
+    }
+}
+
+/// Sums the rows of the bodies of joints that have them in common, each joint's in its own scratch; `None` where they were not made.
+fn sum_rows(alike: &[(usize, MetJoint)], bodies: &mut [[FitScratch; 2]; ABREAST]) -> Option<()> {
+    let MetJoint { fits, key, .. } = alike.first()?.1;
+    let rows = [fits[0].rows(key)?, fits[1].rows(key)?];
+    for (side, (fit, rows)) in fits.into_iter().zip(rows).enumerate() {
+        let joints = || alike.iter().map(|(_, met)| (met, &met.members[side]));
+        let begin = |((met, member), scratch): ((&MetJoint, &Member), _)| {
+            fit.begin((&member.body, &met.points[side]), scratch)
+        };
+        let mut begun: Vec<_> =
+            joints().zip(bodies.iter_mut().map(|own| &mut own[side])).map(begin).collect();
+        fit.fit.coefficients().sums(0.0, &mut begun);
+        let weigh = |((met, member), scratch): ((&MetJoint, &Member), _)| {
+            fit.weigh((&member.body, member.share), &met.outlines, scratch)
+        };
+        let mut weighed: Vec<_> =
+            joints().zip(bodies.iter_mut().map(|own| &mut own[side])).map(weigh).collect();
+        rows.sums(NEGLIGIBLE, &mut weighed);
+    }
+    Some(())
 }
 
 /// What a thread works with.
