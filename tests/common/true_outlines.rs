@@ -89,10 +89,14 @@ pub fn true_state([pin, plate]: [Ring; 2], clearance: f64, half_angle: f64) -> T
     let point = |i: usize| {
         let tau = (i as f64 + 0.5) * weight;
         let phi = 2.0 * (b * tau.cos()).atan();
-        let pressure = |k: usize| match k {
-            ..=TERMS => (2.0 * k as f64 * tau).cos(),
-            ..BOTH => ((2 * (k - TERMS) - 1) as f64 * tau).sin() * tau.sin(),
-            _ => 0.0,
+        let pressure = |k: usize| {
+            if k <= TERMS {
+                (2.0 * k as f64 * tau).cos()
+            } else if k < BOTH {
+                ((2 * (k - TERMS) - 1) as f64 * tau).sin() * tau.sin()
+            } else {
+                0.0
+            }
         };
         let pressures: [f64; PADDED] = std::array::from_fn(|k| weight * pressure(k));
         let tilt = (clearance * phi.sin() / pin_radius).asin();
