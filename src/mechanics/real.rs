@@ -316,6 +316,7 @@ impl<const WIDTH: usize, const COUNT: usize> Lanes<WIDTH, COUNT> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::registers::FUSED;
 
     #[test]
     fn logarithms_are_those_of_the_library() {
@@ -327,7 +328,7 @@ mod tests {
             }
             let near_one = 1.0 + 1e-5 * f64::from(step);
             let values = [value, 1.0 / value, near_one, 1.0, 0.75, 1.5, f64::MIN_POSITIVE, f64::MAX];
-            for (found, value) in [Lanes::<1>(values).ln().0, Lanes::<2>(values).ln().0]
+            for (found, value) in [Lanes::<ANY>(values).ln().0, Lanes::<FUSED>(values).ln().0]
                 .as_flattened()
                 .iter()
                 .zip(values.into_iter().cycle())

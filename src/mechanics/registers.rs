@@ -16,6 +16,24 @@ pub const AVX2: usize = 4;
 /// For those with AVX-512, likewise.
 pub const AVX512: usize = 8;
 
+/// An operation on whole registers of a type, which hold so many numbers, one after the other.
+#[cfg(target_arch = "x86_64")]
+macro_rules! in_registers {
+    ($register:ty, $numbers:expr, $result:ident, ($($operand:ident),*), $operation:expr) => {
+        let mut at = 0;
+        while at < COUNT {
+            // SAFETY: `COUNT` is a multiple of the numbers of a register, so that these lie within each array; and code of a `WIDTH`
+            // runs where its instructions are, and those of AVX2 and FMA where those of AVX-512 are.
+            unsafe {
+                $(let $operand = $operand.as_ptr().add(at).cast::<$register>().read_unaligned();)*
+                $result.as_mut_ptr().add(at).cast::<$register>().write_unaligned($operation);
+            }
+            at += $numbers;
+        }
+        return $result;
+    };
+}
+
 /// An operation, number by number: by instructions on registers of eight and of four where `WIDTH` has them, else by a formula.
 macro_rules! operation {
     ($(#[$about:meta])* $name:ident($($operand:ident),*), $eight:expr, $four:expr, $one:expr) => {
@@ -25,30 +43,9 @@ macro_rules! operation {
             let mut result = [0.0; COUNT];
             #[cfg(target_arch = "x86_64")]
             if WIDTH == AVX512 && COUNT.is_multiple_of(AVX512) {
-                let mut at = 0;
-                while at < COUNT {
-                    // SAFETY: these are `AVX512` numbers within each array, and code of this `WIDTH` runs where its
-                    // instructions are.
-                    unsafe {
-                        $(let $operand = $operand.as_ptr().add(at).cast::<__m512d>().read_unaligned();)*
-                        result.as_mut_ptr().add(at).cast::<__m512d>().write_unaligned($eight);
-                    }
-                    at += AVX512;
-                }
-                return result;
-            }
-            #[cfg(target_arch = "x86_64")]
-            if WIDTH >= AVX2 && COUNT.is_multiple_of(AVX2) {
-                let mut at = 0;
-                while at < COUNT {
-                    // SAFETY: as above, of `AVX2`; what has AVX-512 has AVX2 and FMA.
-                    unsafe {
-                        $(let $operand = $operand.as_ptr().add(at).cast::<__m256d>().read_unaligned();)*
-                        result.as_mut_ptr().add(at).cast::<__m256d>().write_unaligned($four);
-                    }
-                    at += AVX2;
-                }
-                return result;
+                in_registers!(__m512d, AVX512, result, ($($operand),*), $eight);
+            } else if WIDTH >= AVX2 && COUNT.is_multiple_of(AVX2) {
+                in_registers!(__m256d, AVX2, result, ($($operand),*), $four);
             }
             for lane in 0..COUNT {
                 $(let $operand = $operand[lane];)*
@@ -101,7 +98,7 @@ pub fn splat<const WIDTH: usize, const COUNT: usize>(value: f64) -> [f64; COUNT]
     #[cfg(target_arch = "x86_64")]
     if WIDTH == AVX512 && COUNT == AVX512 {
         let mut result = [0.0; COUNT];
-        // SAFETY: as above.
+        // SAFETY: as of `in_registers`: the array is one register.
         unsafe { result.as_mut_ptr().cast::<__m512d>().write_unaligned(_mm512_set1_pd(value)) };
         return result;
     }

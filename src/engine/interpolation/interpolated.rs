@@ -20,6 +20,7 @@ use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::engine::stopwatch::Stopwatch;
 use crate::mechanics::compliance::body_fit::{FitScratch, NEGLIGIBLE};
+use crate::mechanics::compliance::row_sums::MANY;
 use crate::mechanics::contact::curve::CurveRoom;
 use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::outlines::Outlines;
@@ -125,7 +126,7 @@ impl Interpolation {
         while let Some(first) = open.pop() {
             let mut alike = vec![first];
             for place in (0..open.len()).rev() {
-                if alike.len() < ABREAST && open[place].1.has_rows_of(&alike[0].1) {
+                if alike.len() < MANY && open[place].1.has_rows_of(&alike[0].1) {
                     alike.push(open.swap_remove(place));
                 }
             }
@@ -177,7 +178,7 @@ impl Interpolation {
 }
 
 /// Sums the rows of the bodies of joints that have them in common, each joint's in its own scratch; `None` where they were not made.
-fn sum_rows(alike: &[(usize, MetJoint)], bodies: &mut [[FitScratch; 2]; ABREAST]) -> Option<()> {
+fn sum_rows(alike: &[(usize, MetJoint)], bodies: &mut [[FitScratch; 2]; MANY]) -> Option<()> {
     let MetJoint { fits, key, .. } = alike.first()?.1;
     let rows = [fits[0].rows(key)?, fits[1].rows(key)?];
     for (side, (fit, rows)) in fits.into_iter().zip(rows).enumerate() {
@@ -202,12 +203,9 @@ fn sum_rows(alike: &[(usize, MetJoint)], bodies: &mut [[FitScratch; 2]; ABREAST]
 #[derive(Default)]
 struct Room {
     /// Of the bodies of joints whose rows are summed abreast.
-    bodies: [[FitScratch; 2]; ABREAST],
+    bodies: [[FitScratch; 2]; MANY],
     curve: CurveRoom,
 }
-
-/// Designs whose rows are summed abreast: as many as there are registers for, at most.
-const ABREAST: usize = 4;
 
 /// A design as its fits have it.
 pub(super) struct MetJoint<'a> {

@@ -42,13 +42,8 @@ impl Rows {
         &self.sizes
     }
 
-    /// The sum of the first rows, as many as there are weights, times these and a scale, but for those that add less than a share of what
-    /// the first one adds.
-    pub fn sum(&self, weights: &[f32], negligible: f32, scale: f64, sum: &mut Vec<f64>) {
-        self.sums(negligible, &mut [WeightedSum { weights, scale, sum }]);
-    }
-
-    /// Several such sums abreast, each to the bits it has alone: rows are read once for as many as there are registers for.
+    /// Sums of the first rows, as many as there are weights, times these and a scale, but for those that add less than a share of what the
+    /// first one adds. Each comes to the bits it has alone: rows are read once for as many sums as there are registers for.
     pub fn sums(&self, negligible: f32, sums: &mut [WeightedSum]) {
         for own in &mut *sums {
             debug_assert!(own.weights.len() <= self.sizes.len());
@@ -88,7 +83,7 @@ const FEWER: usize = 2;
 const TOGETHER: usize = 256;
 
 /// Sums that are made abreast where there are 32 registers, and where there are 16.
-const MANY: usize = 4;
+pub const MANY: usize = 4;
 const SOME: usize = 2;
 
 impl WithSimd for Weighted<'_, '_> {
@@ -194,6 +189,10 @@ impl Rows {
 mod tests {
     use super::*;
 
+    fn sum_alone(rows: &Rows, weights: &[f32], negligible: f32, sum: &mut Vec<f64>) {
+        rows.sums(negligible, &mut [WeightedSum { weights, scale: 0.5, sum }]);
+    }
+
     /// Of any length and count, against a plain sum; what is left out is below its share.
     #[test]
     fn sums_are_those_of_their_rows() {
@@ -205,7 +204,7 @@ mod tests {
             for negligible in [0.0, 1e-2] {
                 // Rows behind them have no weight.
                 let more = [&rows[..], &[vec![7.0; length]]].concat();
-                Rows::new(&more).sum(&weights, negligible, 0.5, &mut sum);
+                sum_alone(&Rows::new(&more), &weights, negligible, &mut sum);
                 assert_eq!(sum.len(), length);
                 let left_out = weights.iter().filter(|weight| **weight < negligible).sum::<f32>();
                 // Abreast with others that keep other rows, to the bit.
@@ -221,7 +220,7 @@ mod tests {
                 rows_and_more.sums(negligible, &mut sums);
                 let mut alone = Vec::new();
                 for (weights, together) in all.iter().zip(&together) {
-                    rows_and_more.sum(weights, negligible, 0.5, &mut alone);
+                    sum_alone(&rows_and_more, weights, negligible, &mut alone);
                     assert_eq!(*together, alone, "{count} rows of {length}");
                 }
                 assert_eq!(together[6], sum);

@@ -16,6 +16,7 @@ use crate::mechanics::compliance::arc::ArcMap;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::compliance::pressure_space::JointCompliance;
 use crate::mechanics::real::{LANES, Lanes, Real};
+use crate::mechanics::registers::ANY;
 
 /// Where a search of a load ends unless less will do.
 const TOLERANCE: f64 = 1e-10;
@@ -94,7 +95,7 @@ impl<'a> ContactCurve<'a> {
                 *singular += share * logarithm;
             }
             if bed != 0.0 {
-                let scale = Lanes::<1>(std::array::from_fn(|lane| scale(even, bed, arcs[lane].b)));
+                let scale = Lanes::<ANY>(std::array::from_fn(|lane| scale(even, bed, arcs[lane].b)));
                 let scaled = Reduced::of_functions(functions.map(Lanes)).scaled(scale);
                 *functions = scaled.functions().map(|values| values.0);
             }

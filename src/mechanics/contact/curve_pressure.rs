@@ -4,6 +4,7 @@ use super::arc_pressure::ArcPressure;
 use super::curve::ContactCurve;
 use super::state::ContactState;
 use crate::mechanics::real::{Lanes, Real};
+use crate::mechanics::registers::ANY;
 
 /// Nodes around a state that its trial pressures are interpolated between.
 const AROUND: usize = 6;
@@ -17,7 +18,7 @@ impl ContactCurve<'_> {
             return self.pressure_of_ring(state).unwrap_or(ArcPressure::of_whole_ring(vec![f64::NAN]));
         }
         let b = map.of_half(state.half_angle);
-        let wanted = self.space.place(Lanes::<1>::from_f64(self.outlines.ratio() * b)).0[0];
+        let wanted = self.space.place(Lanes::<ANY>::from_f64(self.outlines.ratio() * b)).0[0];
         let count = self.space.arcs().len();
         let from = (above + 1).saturating_sub(AROUND / 2).max(self.first).min(count.saturating_sub(AROUND));
         let nodes = from..(from + AROUND).min(count);

@@ -206,9 +206,7 @@ impl Solve<'_> {
         let at = packed(row, column) * self.space.arcs.len() + chunk * LANES;
         let mut sum = Lanes::zero();
         for part in self.parts {
-            let mut own = Lanes::zero();
-            own.0.copy_from_slice(&part.values[at..at + LANES]);
-            sum += own;
+            sum += Lanes::from_slice(&part.values[at..]);
         }
         sum
     }
@@ -431,8 +429,7 @@ impl LaneWork for WorkShares<'_> {
             for row in 0..*terms {
                 let mut sum = Lanes::<WIDTH>::zero();
                 for column in 0..=row {
-                    let mut entry = Lanes::<WIDTH>::zero();
-                    entry.0.copy_from_slice(&change.values[packed(row, column) * arcs.len() + at..][..LANES]);
+                    let entry = Lanes::from_slice(&change.values[packed(row, column) * arcs.len() + at..]);
                     let own = Lanes::<WIDTH>(pressure[column]);
                     sum = sum.minus_product(if column < row { -(own + own) } else { -own }, entry);
                 }

@@ -20,6 +20,7 @@ use super::state::ContactState;
 use super::whole_ring::{RingState, WholeRing};
 use crate::mechanics::compliance::arc::packed;
 use crate::mechanics::real::{LANES, Lanes, Real};
+use crate::mechanics::registers::ANY;
 
 /// Steps of a difference, and the weights of values there.
 const DIFFERENCES: [(f64, f64); 4] = [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)];
@@ -175,7 +176,7 @@ impl ContactCurve<'_> {
         if gap < LEAST_GAP {
             return state.tangent_stiffness;
         }
-        let mut places = Lanes::<1>::from_f64(self.space.place_of_gap(gap));
+        let mut places = Lanes::<ANY>::from_f64(self.space.place_of_gap(gap));
         for (place, step) in places.0.iter_mut().zip(DIFFERENCES) {
             *place = self.space.place_of_gap(gap * (1.0 + STEP * step.0));
         }
