@@ -25,9 +25,16 @@ pub fn in_lanes<W: LaneWork>(work: W) -> W::Output {
     Arch::new().dispatch(Vectorised(work))
 }
 
-/// With a count of trial pressures there is code for.
+/// With a count of trial pressures there is code for. A function for each: what they keep on the stack is not added up so.
 pub fn in_lanes_with_terms<W: TermWork>(terms: usize, work: W) -> W::Output {
-    in_lanes(WithTerms { terms, work })
+    match terms {
+        3 => in_lanes(WithTerms::<W, 3>(work)),
+        6 => in_lanes(WithTerms::<W, 6>(work)),
+        10 => in_lanes(WithTerms::<W, 10>(work)),
+        16 => in_lanes(WithTerms::<W, 16>(work)),
+        MAX_TERMS => in_lanes(WithTerms::<W, MAX_TERMS>(work)),
+        other => unreachable!("no code for {other} trial pressures, only for {TERM_CHOICES:?}"),
+    }
 }
 
 struct Vectorised<W>(W);
@@ -50,23 +57,13 @@ impl<W: LaneWork> WithSimd for Vectorised<W> {
     }
 }
 
-struct WithTerms<W> {
-    terms: usize,
-    work: W,
-}
+struct WithTerms<W, const TERMS: usize>(W);
 
-impl<W: TermWork> LaneWork for WithTerms<W> {
+impl<W: TermWork, const TERMS: usize> LaneWork for WithTerms<W, TERMS> {
     type Output = W::Output;
 
     #[inline(always)]
     fn run<const WIDTH: usize>(self) -> W::Output {
-        match self.terms {
-            3 => self.work.run::<WIDTH, 3>(),
-            6 => self.work.run::<WIDTH, 6>(),
-            10 => self.work.run::<WIDTH, 10>(),
-            16 => self.work.run::<WIDTH, 16>(),
-            MAX_TERMS => self.work.run::<WIDTH, MAX_TERMS>(),
-            other => unreachable!("no code for {other} trial pressures, only for {TERM_CHOICES:?}"),
-        }
+        self.0.run::<WIDTH, TERMS>()
     }
 }
