@@ -26,7 +26,13 @@ const PLAIN: Range<i32> = -5..16;
 /// Appends the shortest decimals that read back as exactly `value`.
 pub fn push_exact(out: &mut Vec<u8>, value: f64) {
     assert!(value.is_finite(), "{value} has no place in a table");
-    push_decimal(out, ryu::Buffer::new().format_finite(value).as_bytes());
+    let mut buffer = ryu::Buffer::new();
+    let text = buffer.format_finite(value).as_bytes();
+    if value == 0.0 || text.contains(&b'e') {
+        return push_decimal(out, text);
+    }
+    // What has no `e` stands there as it is to be written, but for the `.0` of whole numbers.
+    out.extend_from_slice(text.strip_suffix(b".0").unwrap_or(text));
 }
 
 /// Appends `value` rounded to nine significant digits, without trailing zeros.
@@ -198,6 +204,10 @@ mod tests {
         for value in spread() {
             let written = text(push_exact, value);
             assert_eq!(written.parse::<f64>().unwrap().to_bits(), value.to_bits(), "{written}");
+            // What is taken over from the formatter is written as what is not.
+            let own_way =
+                |out: &mut _, value| push_decimal(out, ryu::Buffer::new().format_finite(value).as_bytes());
+            assert_eq!(text(own_way, value), written);
         }
     }
 

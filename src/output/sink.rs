@@ -77,7 +77,13 @@ impl SinkFile {
     }
 
     fn cut(&mut self, bytes: u64) -> Result<(), Error> {
-        let cut = |file: &mut File| file.set_len(bytes).and_then(|()| file.seek(SeekFrom::Start(bytes)));
+        let cut = |file: &mut File| {
+            // File systems that expect a file emptied to be replaced (ext4) wait at its end until they have found room for all of it.
+            if file.metadata()?.len() != bytes {
+                file.set_len(bytes)?;
+            }
+            file.seek(SeekFrom::Start(bytes))
+        };
         self.file.as_mut().map_or(Ok(0), cut).map_err(|source| self.unwritable(source))?;
         Ok(())
     }
