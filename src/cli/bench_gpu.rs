@@ -207,9 +207,13 @@ impl Bench<'_> {
         if self.sweeps.gpu.facts.features.f64 {
             peaks_of.push(peaks(self.sweeps.gpu, Precision::F64).map_err(into_error)?);
         }
-        for Peaks { precision, operations, bytes, .. } in &peaks_of {
-            let (operations, bytes) = (1e-9 * operations, 1e-9 * bytes);
-            say(&format!("peaks, {}: {operations:.0} GFLOP/s, {bytes:.0} GB/s", precision.name()));
+        for Peaks { precision, operations, bytes, cached_bytes, workgroup_bytes, .. } in &peaks_of {
+            let [operations, bytes, cached, own] =
+                [operations, bytes, cached_bytes, workgroup_bytes].map(|rate| 1e-9 * rate);
+            say(&format!(
+                "peaks, {}: {operations:.0} GFLOP/s, {bytes:.0} GB/s of memory, {cached:.0} of its cache, {own:.0} of workgroups' own",
+                precision.name()
+            ));
         }
         files.save_peaks(&peaks_of)?;
 

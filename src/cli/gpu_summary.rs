@@ -80,11 +80,24 @@ pub fn summary(
     text += &aligned(&lines);
 
     text.push('\n');
-    let header = ["kernel", "precision", "level", "items", "time", "GFLOP/s", "of peak", "GB/s", "of peak"]
-        .map(String::from);
+    let header = [
+        "kernel",
+        "precision",
+        "level",
+        "items",
+        "time",
+        "GFLOP/s",
+        "of peak",
+        "GB/s",
+        "of peak",
+        "bound by",
+        "of it",
+    ]
+    .map(String::from);
     let mut lines = vec![header];
     lines.extend(kernels.iter().map(|time| {
         let shares = Shares::of(time, peaks);
+        let bound = shares.map(|shares| shares.bound());
         let giga = |count: u64| match count {
             0 => String::new(),
             count => format!("{:.1}", 1e-9 * count as f64 / time.seconds),
@@ -101,6 +114,8 @@ pub fn summary(
             percent(shares.and_then(|shares| shares.arithmetic).map(|(_, share)| share)),
             giga(time.work.bytes),
             percent(shares.map(|shares| shares.memory.1)),
+            bound.map_or(String::new(), |(name, _)| name.to_string()),
+            percent(bound.map(|(_, share)| share)),
         ]
     }));
     text += &aligned(&lines);

@@ -39,7 +39,10 @@ fn every_file_is_there_and_its_figures_are_sane() {
     let peaks = work.table("figures/peaks.csv");
     assert_eq!(peaks.column("numbers")[0], "f32");
     positive(&peaks, "multiply_add_gflop_per_s");
-    positive(&peaks, "copy_gb_per_s");
+    for name in ["copy_gb_per_s", "cached_gb_per_s", "workgroup_gb_per_s"] {
+        positive(&peaks, name);
+    }
+    assert!(peaks.column("cached_region_bytes").iter().all(|bytes| *bytes == "2097152"));
 
     let precisions = work.table("figures/precisions.csv");
     assert_eq!(precisions.column("precision"), ["f32"]);
@@ -97,7 +100,15 @@ fn every_file_is_there_and_its_figures_are_sane() {
     // Software has its peaks from a processor that others use meanwhile.
     let most = if is_software { 10.0 } else { 1.0 };
     let bounds = kernels.column("bound");
-    assert!(bounds.iter().all(|bound| ["arithmetic", "memory"].contains(bound)), "{bounds:?}");
+    let known = ["arithmetic", "memory", "cache", "workgroup"];
+    assert!(bounds.iter().all(|bound| known.contains(bound)), "{bounds:?}");
+    // Of those that solve it is counted what stays on the chip.
+    let counted =
+        |name: &str| kernels.column(name).iter().map(|cell| !cell.is_empty()).collect::<Vec<bool>>();
+    assert_eq!(counted("cached_bytes"), [true, false, true, false, false, false, true]);
+    for name in ["workgroup_bytes", "workgroup_share"] {
+        assert_eq!(counted(name), [true, false, true, false, false, false, false], "{name}");
+    }
     for name in ["arithmetic_share", "memory_share", "bound_share"] {
         let shares = positive(&kernels, name);
         assert!(shares.iter().all(|share| *share <= most), "{name}: {shares:?}");

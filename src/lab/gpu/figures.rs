@@ -81,6 +81,9 @@ pub struct Shares {
     pub arithmetic: Option<(f64, f64)>,
     /// The same for the bytes at the peak of the memory.
     pub memory: (f64, f64),
+    /// And for those between workgroups and the cache of all, and within workgroups' own memories; `None` where they are not counted.
+    pub cache: Option<(f64, f64)>,
+    pub workgroup: Option<(f64, f64)>,
 }
 
 impl Shares {
@@ -88,7 +91,7 @@ impl Shares {
     pub fn of(time: &KernelTime, peaks: &[Peaks]) -> Option<Shares> {
         let own = peaks.iter().find(|peaks| peaks.precision.wide_bytes() == time.number_bytes)?;
         // One memory, whatever the numbers.
-        let bytes = peaks.iter().map(|peaks| peaks.bytes).fold(0.0, f64::max);
+        let best = |of: fn(&Peaks) -> f64| peaks.iter().map(of).fold(0.0, f64::max);
         let share = |work: u64, peak: f64| {
             let floor = work as f64 / peak;
             (floor, floor / time.seconds)
@@ -96,16 +99,22 @@ impl Shares {
         let operations = time.work.operations;
         Some(Shares {
             arithmetic: (operations > 0).then(|| share(operations, own.operations)),
-            memory: share(time.work.bytes, bytes),
+            memory: share(time.work.bytes, best(|peaks| peaks.bytes)),
+            cache: time.inner.map(|inner| share(inner.cached, best(|peaks| peaks.cached_bytes))),
+            workgroup: time
+                .inner
+                .and_then(|inner| inner.workgroup)
+                .map(|bytes| share(bytes, best(|peaks| peaks.workgroup_bytes))),
         })
     }
 
-    /// Which of both binds it, and the share of that.
+    /// Which of those that are known binds it, and the share of that.
     pub fn bound(&self) -> (&'static str, f64) {
-        match self.arithmetic {
-            Some((_, share)) if share > self.memory.1 => ("arithmetic", share),
-            _ => ("memory", self.memory.1),
-        }
+        let others = [("arithmetic", self.arithmetic), ("cache", self.cache), ("workgroup", self.workgroup)];
+        others.into_iter().fold(("memory", self.memory.1), |most, (name, own)| match own {
+            Some((_, share)) if share > most.1 => (name, share),
+            _ => most,
+        })
     }
 }
 
@@ -223,13 +232,15 @@ pub fn answers(rows: &[AnswersRow]) -> String {
 pub fn kernels(times: &[KernelTime], peaks: &[Peaks]) -> String {
     let mut text = "kernel,precision,number_bytes,level,unknowns,items,seconds,iterations,operations,bytes,\
                     gflop_per_s,gb_per_s,arithmetic_floor_s,arithmetic_share,memory_floor_s,memory_share,\
-                    bound,bound_share\n"
+                    cached_bytes,cache_share,workgroup_bytes,workgroup_share,bound,bound_share\n"
         .to_string();
     for time in times {
         let shares = Shares::of(time, peaks);
         let arithmetic = shares.and_then(|shares| shares.arithmetic);
         let memory = shares.map(|shares| shares.memory);
         let giga = |count: u64| number(1e-9 * count as f64 / time.seconds);
+        let count = |count: Option<u64>| count.map_or(String::new(), |count| count.to_string());
+        let share = |own: Option<(f64, f64)>| optional(own.map(|(_, share)| share));
         text += &line(&[
             time.kernel.to_string(),
             time.precision.name().to_string(),
@@ -238,7 +249,7 @@ pub fn kernels(times: &[KernelTime], peaks: &[Peaks]) -> String {
             time.unknowns.to_string(),
             time.items.to_string(),
             number(time.seconds),
-            time.iterations.map_or(String::new(), |iterations| iterations.to_string()),
+            count(time.iterations),
             time.work.operations.to_string(),
             time.work.bytes.to_string(),
             if time.work.operations > 0 { giga(time.work.operations) } else { String::new() },
@@ -247,6 +258,10 @@ pub fn kernels(times: &[KernelTime], peaks: &[Peaks]) -> String {
             optional(arithmetic.map(|(_, share)| share)),
             optional(memory.map(|(floor, _)| floor)),
             optional(memory.map(|(_, share)| share)),
+            count(time.inner.map(|inner| inner.cached)),
+            share(shares.and_then(|shares| shares.cache)),
+            count(time.inner.and_then(|inner| inner.workgroup)),
+            share(shares.and_then(|shares| shares.workgroup)),
             shares.map_or(String::new(), |shares| shares.bound().0.to_string()),
             optional(shares.map(|shares| shares.bound().1)),
         ]);
@@ -256,13 +271,18 @@ pub fn kernels(times: &[KernelTime], peaks: &[Peaks]) -> String {
 
 /// `peaks.csv`.
 pub fn peaks(rows: &[Peaks]) -> String {
-    let mut text = "numbers,multiply_add_gflop_per_s,copy_gb_per_s,copy_buffer_bytes\n".to_string();
-    for Peaks { precision, operations, bytes, buffer_bytes } in rows {
+    let mut text = "numbers,multiply_add_gflop_per_s,copy_gb_per_s,copy_buffer_bytes,cached_gb_per_s,cached_region_bytes,\
+                    workgroup_gb_per_s\n"
+        .to_string();
+    for peaks in rows {
         text += &line(&[
-            precision.name().to_string(),
-            number(1e-9 * operations),
-            number(1e-9 * bytes),
-            buffer_bytes.to_string(),
+            peaks.precision.name().to_string(),
+            number(1e-9 * peaks.operations),
+            number(1e-9 * peaks.bytes),
+            peaks.buffer_bytes.to_string(),
+            number(1e-9 * peaks.cached_bytes),
+            peaks.cached_region_bytes.to_string(),
+            number(1e-9 * peaks.workgroup_bytes),
         ]);
     }
     text
@@ -275,7 +295,7 @@ mod tests {
     use super::*;
     use crate::engine::backend::gpu::kernels::Precision;
     use crate::lab::gpu::measured_sweep::SWEEPS;
-    use crate::lab::gpu::work::Work;
+    use crate::lab::gpu::work::{Inner, Work};
 
     fn time(operations: u64, bytes: u64) -> KernelTime {
         KernelTime {
@@ -287,25 +307,60 @@ mod tests {
             items: 7,
             seconds: 2.0,
             work: Work { operations, bytes },
+            inner: None,
             iterations: Some(3),
         }
     }
 
+    const PEAKS_OF_F32: Peaks = Peaks {
+        precision: Precision::F32,
+        operations: 1e12,
+        bytes: 1e11,
+        buffer_bytes: 64,
+        cached_bytes: 4e11,
+        cached_region_bytes: 8,
+        workgroup_bytes: 1e12,
+    };
+
     const PEAKS_OF_BOTH: [Peaks; 2] = [
-        Peaks { precision: Precision::F32, operations: 1e12, bytes: 1e11, buffer_bytes: 64 },
-        Peaks { precision: Precision::F64, operations: 1e11, bytes: 2e11, buffer_bytes: 64 },
+        PEAKS_OF_F32,
+        Peaks {
+            precision: Precision::F64,
+            operations: 1e11,
+            bytes: 2e11,
+            cached_bytes: 3e11,
+            workgroup_bytes: 2e12,
+            ..PEAKS_OF_F32
+        },
     ];
 
     /// 1e12 operations of f32 take a second, 2e11 bytes one too: the memory's peak is the better of both copies.
     #[test]
     fn shares_are_of_the_peaks_of_the_own_numbers() {
         let shares = Shares::of(&time(1_000_000_000_000, 100_000_000_000), &PEAKS_OF_BOTH).unwrap();
-        assert_eq!(shares, Shares { arithmetic: Some((1.0, 0.5)), memory: (0.5, 0.25) });
+        let without_inner =
+            Shares { arithmetic: Some((1.0, 0.5)), memory: (0.5, 0.25), cache: None, workgroup: None };
+        assert_eq!(shares, without_inner);
         assert_eq!(shares.bound(), ("arithmetic", 0.5));
         let wide = KernelTime { number_bytes: 8, ..time(100_000_000_000, 0) };
         assert_eq!(Shares::of(&wide, &PEAKS_OF_BOTH).unwrap().arithmetic, Some((1.0, 0.5)));
         assert_eq!(Shares::of(&wide, &PEAKS_OF_BOTH[..1]), None);
         assert_eq!(Shares::of(&time(0, 8), &PEAKS_OF_BOTH).unwrap().arithmetic, None);
+    }
+
+    /// In 2 s, 6e11 bytes of 4e11 a second, and 3e12 of 2e12.
+    #[test]
+    fn what_binds_most_is_the_bound() {
+        let inner = Inner { cached: 600_000_000_000, workgroup: Some(3_000_000_000_000) };
+        let of = |inner| KernelTime { inner: Some(inner), ..time(1_000_000_000_000, 100_000_000_000) };
+        let shares = Shares::of(&of(inner), &PEAKS_OF_BOTH).unwrap();
+        assert_eq!((shares.cache, shares.workgroup), (Some((1.5, 0.75)), Some((1.5, 0.75))));
+        assert_eq!(shares.bound(), ("cache", 0.75));
+        let more = Inner { workgroup: Some(3_200_000_000_000), ..inner };
+        assert_eq!(Shares::of(&of(more), &PEAKS_OF_BOTH).unwrap().bound(), ("workgroup", 0.8));
+        let text = kernels(&[of(more)], &PEAKS_OF_BOTH);
+        let end = "600000000000,7.50000e-1,3200000000000,8.00000e-1,workgroup,8.00000e-1\n";
+        assert!(text.ends_with(end), "{text}");
     }
 
     #[test]
@@ -314,7 +369,7 @@ mod tests {
         let row = text.lines().nth(1).unwrap();
         assert_eq!(
             row,
-            "pcg,mixed,4,1,100,7,2.00000e0,3,0,200000000000,,1.00000e2,,,1.00000e0,5.00000e-1,memory,5.00000e-1"
+            "pcg,mixed,4,1,100,7,2.00000e0,3,0,200000000000,,1.00000e2,,,1.00000e0,5.00000e-1,,,,,memory,5.00000e-1"
         );
     }
 

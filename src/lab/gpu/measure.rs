@@ -23,7 +23,7 @@ use crate::engine::plan::JointPlan;
 use crate::engine::spaces::SpaceKey;
 use crate::lab::gpu::roofline::seconds;
 use crate::lab::gpu::speed::run;
-use crate::lab::gpu::work::{JointSizes, Sizes, Work};
+use crate::lab::gpu::work::{FrontMoves, Inner, JointSizes, Sizes, Work};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::body_fit::NEGLIGIBLE;
 use crate::mechanics::compliance::pressure_space::Tilt;
@@ -47,6 +47,8 @@ pub struct KernelTime {
     /// Wall time from submission to end, median, s.
     pub seconds: f64,
     pub work: Work,
+    /// Where that is counted.
+    pub inner: Option<Inner>,
     /// Steps of all systems in `pcg`.
     pub iterations: Option<u64>,
 }
@@ -119,6 +121,7 @@ fn eliminated(
     let Kernels { gpu, precision, .. } = *kernels;
     let front = FrontLayout::new(&bodies[0], &key.grading(&bodies[0]), &RingModes::of(&key.class), mesh);
     let products = front.tile_products();
+    let (entered, panels) = (front.entered_tiles(), front.panel_tiles());
     let Some(topology) = FrontTopology::new(kernels, mesh, front)? else { return Ok(None) };
     let effort = Effort::on(gpu.facts.kind);
     let numbers: Vec<Vec<f64>> = bodies.iter().map(|body| mesh.body_numbers(body)).collect();
@@ -139,6 +142,7 @@ fn eliminated(
     seconds.sort_by(f64::total_cmp);
     let items = count as u64;
     let [geometry, values, states, fronts, numbers, works] = topology.body_bytes();
+    let moves = FrontMoves { entered, panels, products, is_on_chip: topology.front.is_on_chip };
     Ok(Some(KernelTime {
         kernel: "elimination",
         precision,
@@ -153,6 +157,7 @@ fn eliminated(
             // What the kernels leave for each other is written and read.
             bytes: items * (numbers + works + 2 * (geometry + values + states + fronts)),
         },
+        inner: Some(moves.inner(items, precision)),
         iterations: None,
     }))
 }
@@ -191,6 +196,7 @@ pub fn joint_kernel(gpu: &GpuDevice) -> Result<KernelTime, GpuError> {
         items,
         seconds: seconds[seconds.len() / 2],
         work: sizes.work(items),
+        inner: Some(sizes.inner(items)),
         iterations: None,
     })
 }
@@ -284,6 +290,7 @@ fn of_bodies(kernels: &Kernels, topology: Topology, bodies: &[Body]) -> Result<V
         items,
         seconds,
         work,
+        inner: None,
         iterations: None,
     };
     let time = |pass: Pass| seconds(gpu, &[pass], effort.samples);
@@ -321,6 +328,7 @@ fn of_bodies(kernels: &Kernels, topology: Topology, bodies: &[Body]) -> Result<V
     times.push(KernelTime {
         number_bytes: precision.real_bytes(),
         iterations: Some(steps(&states)),
+        inner: Some(sizes.iterate_inner(&states, systems.on_chip().vectors, precision)),
         ..of_wide("pcg", samples[samples.len() / 2], sizes.iterate(&states, batch.iterations, precision))
     });
     times.push(refined);

@@ -1,5 +1,4 @@
-//! How fast a device computes, measured on it: times of dispatches, and operations a second of multiply-adds that do not wait for each
-//! other.
+//! How fast a device is, measured on it: times of dispatches, and what workgroups do a second where there are enough of them.
 
 use std::time::{Duration, Instant};
 
@@ -26,28 +25,24 @@ pub(crate) const COPIED: u64 = 16;
 pub(crate) const LINKS: u32 = 4096;
 
 /// Operations of one trip: eight chains of four numbers, two operations each.
-const OPERATIONS_PER_LINK: u64 = 8 * 4 * 2;
+pub(crate) const OPERATIONS_PER_LINK: u64 = 8 * 4 * 2;
 
 /// What is timed takes so long at least.
 const LONG_ENOUGH: Duration = Duration::from_millis(20);
 
-/// With more and more workgroups, until a dispatch is long enough; the best of some samples.
-pub(crate) fn arithmetic_peak(
-    gpu: &GpuDevice,
-    chains: Dispatch,
-    invocations: u32,
-    count: usize,
-) -> Result<f64, GpuError> {
+/// What workgroups do a second of which each does `of_group`: with more and more of them, until a dispatch is long enough; the best of
+/// some samples.
+pub(crate) fn peak(gpu: &GpuDevice, one: &Dispatch, of_group: u64, count: usize) -> Result<f64, GpuError> {
     let mut groups = 16_u32;
     loop {
-        let dispatch = Dispatch { workgroups: [groups, 1], ..chains.clone() };
-        let (pass, work) = (dispatch.pass(), u64::from(groups) * u64::from(invocations * LINKS));
+        let dispatch = Dispatch { workgroups: [groups, 1], ..one.clone() };
+        let pass = dispatch.pass();
         // The first one warms up.
         run(gpu, &[pass], 1)?;
         let taken = run(gpu, &[pass], 1)?;
         if taken > LONG_ENOUGH.as_secs_f64() || 2 * groups > gpu.facts.limits.workgroups_per_dimension {
-            let operations = work * OPERATIONS_PER_LINK;
-            return Ok(operations as f64 / samples(gpu, &[pass], count)?[0]);
+            let work = u64::from(groups) * of_group;
+            return Ok(work as f64 / samples(gpu, &[pass], count)?[0]);
         }
         groups *= 2;
     }

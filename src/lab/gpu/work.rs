@@ -16,6 +16,16 @@ use crate::engine::backend::gpu::system_layout::{SLICE, SystemState};
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::contact::reduced::{FUNCTIONS, OF_LOAD};
 
+/// Bytes that do not leave the device's chip, read and written: what binds the kernels that solve. As for `Work`, each number once that the
+/// algorithm asks for, whatever the invocations take at a time; sums over invocations are free.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Inner {
+    /// Between workgroups and the cache of all of them.
+    pub cached: u64,
+    /// Within workgroups' own memories; `None` where that is not counted.
+    pub workgroup: Option<u64>,
+}
+
 /// Operations and bytes of one dispatch, or of several.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
@@ -75,6 +85,35 @@ impl JointSizes {
         let of_loads = loads * 3 * nodes * (LEAST_STEPS * of_load + functions - of_load);
         let operations = nodes * of_node + 2 * functions * nodes * nodes + of_loads;
         Work { operations: items * operations, bytes: items * bytes }
+    }
+
+    /// Rows of both bodies, which all joints share.
+    pub fn inner(&self, items: u64) -> Inner {
+        let row = packed_count(self.terms as usize) as u64 * self.nodes;
+        Inner { cached: items * self.rows * row * Precision::F32.wide_bytes(), workgroup: None }
+    }
+}
+
+/// What `eliminate` moves of one body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrontMoves {
+    /// Tiles that enter the front, tiles of panels, and tiles that products are taken from.
+    pub entered: u64,
+    pub panels: u64,
+    pub products: u64,
+    pub is_on_chip: bool,
+}
+
+impl FrontMoves {
+    /// Tiles of 4 x 4 numbers: a panel's is made of its own and the pivot's; a product takes two of the panel.
+    pub fn inner(&self, bodies: u64, precision: Precision) -> Inner {
+        let tile = 16 * precision.wide_bytes();
+        let of_front = bodies * tile * (self.entered + 2 * self.panels + 2 * self.products);
+        let of_panel = bodies * tile * (self.panels + 2 * self.products);
+        match self.is_on_chip {
+            true => Inner { cached: 0, workgroup: Some(of_front + of_panel) },
+            false => Inner { cached: of_front, workgroup: Some(of_panel) },
+        }
     }
 }
 
@@ -192,6 +231,21 @@ impl Sizes {
         Work { operations: steps * (2 * self.matrix_values + 12 * self.unknowns), bytes }
     }
 
+    /// The same steps on the chip, of a kernel that keeps `vectors` of p, q, r and d, in this order, in the workgroup's own memory. A step of
+    /// a block reads the matrix with its pattern, and gathers p by its columns.
+    pub fn iterate_inner(&self, states: &[SystemState], vectors: u64, precision: Precision) -> Inner {
+        let blocks = states.chunks_exact(COLUMNS_ABREAST as usize);
+        let steps: u64 = blocks
+            .map(|block| block.iter().map(|state| u64::from(state.iterations)).max().unwrap_or(0))
+            .sum();
+        let (real, rows) = (precision.real_bytes(), self.unknowns);
+        let matrix = self.places * (real + 4) + rows * 2 * (4 + real) + rows.div_ceil(SLICE as u64) * 4;
+        let of_vectors = [self.places + 4 * rows, 2 * rows, 3 * rows, 2 * rows];
+        let (on_chip, in_storage) = of_vectors.split_at(vectors.min(4) as usize);
+        let bytes = |of_vectors: &[u64]| of_vectors.iter().sum::<u64>() * COLUMNS_ABREAST * real;
+        Inner { cached: steps * (matrix + bytes(in_storage)), workgroup: Some(steps * bytes(on_chip)) }
+    }
+
     /// `refine` where another round follows: the step, the residual and its norm, and the round's begin.
     pub fn refine(&self, bodies: u64, precision: Precision) -> Work {
         let (real, wide) = (precision.real_bytes(), precision.wide_bytes());
@@ -258,6 +312,33 @@ mod tests {
         // In mixed precision norms alone are wide.
         let mixed = SIZES.iterate(&states(&[7, 12, 3, 0]), 10, Precision::Mixed);
         assert_eq!(mixed.bytes, 2 * (block + 2 * 4 * 3 * 4 + 4 * (2 + 64 + 5)));
+    }
+
+    #[test]
+    fn what_stays_on_the_chip_is_counted_by_hand() {
+        // Tiles of 64 bytes: 3 + 2 x 2 + 2 x 3 of the front and 2 + 2 x 3 of the panels, of two bodies.
+        let moves = FrontMoves { entered: 3, panels: 2, products: 3, is_on_chip: true };
+        assert_eq!(moves.inner(2, Precision::F32), Inner { cached: 0, workgroup: Some(2 * 64 * (13 + 8)) });
+        let in_storage = FrontMoves { is_on_chip: false, ..moves }.inner(2, Precision::F32);
+        assert_eq!(in_storage, Inner { cached: 2 * 64 * 13, workgroup: Some(2 * 64 * 8) });
+        // Blocks of 12 and 4 steps. A step reads 64 places and their columns, twice five diagonals and their places, and the start of a
+        // slice; it gathers 64 times from p and touches it four times a row, q twice, r three times, d twice, each for four systems.
+        let matrix = 64 * 8 + 2 * 5 * 8 + 4;
+        let of_vectors = [(64 + 20) * 16, 10 * 16, 15 * 16, 10 * 16];
+        for vectors in 0..=4 {
+            let (own, others) = of_vectors.split_at(vectors);
+            let [own, others] = [own, others].map(|of_vectors| of_vectors.iter().sum::<u64>());
+            let found =
+                SIZES.iterate_inner(&states(&[7, 12, 3, 0, 4, 4, 4, 0]), vectors as u64, Precision::F32);
+            assert_eq!(
+                found,
+                Inner { cached: 16 * (matrix + others), workgroup: Some(16 * own) },
+                "{vectors}"
+            );
+        }
+        // Three rows of six entries at four nodes, of seven joints.
+        let joints = JointSizes { terms: 3, nodes: 4, rows: 3, loads: 10, bytes: 0 };
+        assert_eq!(joints.inner(7), Inner { cached: 7 * 3 * 6 * 4 * 4, workgroup: None });
     }
 
     #[test]

@@ -171,6 +171,16 @@ impl FrontLayout {
         self.rows.iter().zip(0..).map(below).map(|below| below * (below + 1) / 2).sum()
     }
 
+    /// Tiles of the panels below the pivots.
+    pub fn panel_tiles(&self) -> u64 {
+        self.rows.iter().zip(0..).map(|(row, pivot)| u64::from(row[2] - pivot)).sum()
+    }
+
+    /// Tiles that enter the front.
+    pub fn entered_tiles(&self) -> u64 {
+        entered_tiles(self.rows.iter().map(|row| row[2].into()))
+    }
+
     /// The most loop trips of one invocation, in `assemble` or `eliminate`.
     pub fn trips(&self, invocations: u64) -> u64 {
         // Each value is of at most four elements, those of four points.
@@ -271,4 +281,26 @@ fn border(
         }
     }
     loads
+}
+
+/// By the last row that each pivot reaches: of each row the tiles from the first pivot on that reaches it.
+fn entered_tiles(last_rows: impl Iterator<Item = u64>) -> u64 {
+    let (mut tiles, mut entered) = (0, 0);
+    for (first, last) in (0..).zip(last_rows) {
+        tiles += (entered..=last).map(|row| row - first + 1).sum::<u64>();
+        entered = last + 1;
+    }
+    tiles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A full matrix of four rows of tiles; and a band of six that reaches two rows on: six tiles at first, then three a row.
+    #[test]
+    fn each_tile_of_the_profile_enters_once() {
+        assert_eq!(entered_tiles([3; 4].into_iter()), 4 * 5 / 2);
+        assert_eq!(entered_tiles([2, 3, 4, 5, 5, 5].into_iter()), 6 + 3 * 3);
+    }
 }

@@ -13,7 +13,7 @@ pub struct FrontTopology {
     pub(super) shared: SharedBuffers,
     pub(super) assembly: AssembleParameters,
     pub(super) elimination: EliminateParameters,
-    pub(super) front: Front,
+    pub front: Front,
     pub(super) tile_products: u64,
     /// Bytes of each body while it is worked on: geometry, values, states, and its front where that is in storage.
     pub(super) scratch: [u64; 4],

@@ -217,13 +217,16 @@ const SEARCH_TOLERANCE: f64 = 1e-6;
 const NARROWEST: f64 = 3e-7;
 const MOST_SEARCH_STEPS: usize = 40;
 
+/// Vectors of a workgroup's own memory that `roofline` reads: 16 KiB of f64, which every device has.
+const ROOFLINE_SHARED: usize = 512;
+
 /// What a device can do at most.
 pub const ROOFLINE: KernelFile = KernelFile {
     name: "roofline",
     text: include_str!("../../../../shaders/roofline.wgsl"),
-    entry_points: &["copy", "multiply_add"],
+    entry_points: &["copy", "multiply_add", "read_cached", "read_shared"],
     bindings: &[("parameters", Uniform), ("source", Read), ("copied", Written)],
-    constants: &[],
+    constants: &[("SHARED", Constant::Count(ROOFLINE_SHARED)), ("STRIDE", Constant::Count(16))],
     summand: None,
 };
 
