@@ -84,6 +84,8 @@ pub struct Shares {
     /// And for those between workgroups and the cache of all, and within workgroups' own memories; `None` where they are not counted.
     pub cache: Option<(f64, f64)>,
     pub workgroup: Option<(f64, f64)>,
+    /// And for the fewest instructions at the rate of multiply-adds in the numbers that the device is fastest in, each of which is one.
+    pub issue: Option<(f64, f64)>,
 }
 
 impl Shares {
@@ -105,12 +107,20 @@ impl Shares {
                 .inner
                 .and_then(|inner| inner.workgroup)
                 .map(|bytes| share(bytes, best(|peaks| peaks.workgroup_bytes))),
+            issue: time.inner.map(|inner| {
+                share(inner.fewest_instructions(operations), best(|peaks| 0.5 * peaks.operations))
+            }),
         })
     }
 
     /// Which of those that are known binds it, and the share of that.
     pub fn bound(&self) -> (&'static str, f64) {
-        let others = [("arithmetic", self.arithmetic), ("cache", self.cache), ("workgroup", self.workgroup)];
+        let others = [
+            ("arithmetic", self.arithmetic),
+            ("cache", self.cache),
+            ("workgroup", self.workgroup),
+            ("issue", self.issue),
+        ];
         others.into_iter().fold(("memory", self.memory.1), |most, (name, own)| match own {
             Some((_, share)) if share > most.1 => (name, share),
             _ => most,
@@ -232,7 +242,7 @@ pub fn answers(rows: &[AnswersRow]) -> String {
 pub fn kernels(times: &[KernelTime], peaks: &[Peaks]) -> String {
     let mut text = "kernel,precision,number_bytes,level,unknowns,items,seconds,iterations,operations,bytes,\
                     gflop_per_s,gb_per_s,arithmetic_floor_s,arithmetic_share,memory_floor_s,memory_share,\
-                    cached_bytes,cache_share,workgroup_bytes,workgroup_share,bound,bound_share\n"
+                    cached_bytes,cache_share,workgroup_bytes,workgroup_share,instructions,issue_share,bound,bound_share\n"
         .to_string();
     for time in times {
         let shares = Shares::of(time, peaks);
@@ -262,6 +272,8 @@ pub fn kernels(times: &[KernelTime], peaks: &[Peaks]) -> String {
             share(shares.and_then(|shares| shares.cache)),
             count(time.inner.and_then(|inner| inner.workgroup)),
             share(shares.and_then(|shares| shares.workgroup)),
+            count(time.inner.map(|inner| inner.fewest_instructions(time.work.operations))),
+            share(shares.and_then(|shares| shares.issue)),
             shares.map_or(String::new(), |shares| shares.bound().0.to_string()),
             optional(shares.map(|shares| shares.bound().1)),
         ]);
@@ -338,8 +350,13 @@ mod tests {
     #[test]
     fn shares_are_of_the_peaks_of_the_own_numbers() {
         let shares = Shares::of(&time(1_000_000_000_000, 100_000_000_000), &PEAKS_OF_BOTH).unwrap();
-        let without_inner =
-            Shares { arithmetic: Some((1.0, 0.5)), memory: (0.5, 0.25), cache: None, workgroup: None };
+        let without_inner = Shares {
+            arithmetic: Some((1.0, 0.5)),
+            memory: (0.5, 0.25),
+            cache: None,
+            workgroup: None,
+            issue: None,
+        };
         assert_eq!(shares, without_inner);
         assert_eq!(shares.bound(), ("arithmetic", 0.5));
         let wide = KernelTime { number_bytes: 8, ..time(100_000_000_000, 0) };
@@ -348,18 +365,22 @@ mod tests {
         assert_eq!(Shares::of(&time(0, 8), &PEAKS_OF_BOTH).unwrap().arithmetic, None);
     }
 
-    /// In 2 s, 6e11 bytes of 4e11 a second, and 3e12 of 2e12.
+    /// In 2 s, 6e11 bytes of 4e11 a second, and 3e12 of 2e12; 5e11 multiply-adds and 2.25e11 accesses of 5e11 a second.
     #[test]
     fn what_binds_most_is_the_bound() {
         let inner = Inner { cached: 600_000_000_000, workgroup: Some(3_000_000_000_000) };
         let of = |inner| KernelTime { inner: Some(inner), ..time(1_000_000_000_000, 100_000_000_000) };
         let shares = Shares::of(&of(inner), &PEAKS_OF_BOTH).unwrap();
         assert_eq!((shares.cache, shares.workgroup), (Some((1.5, 0.75)), Some((1.5, 0.75))));
+        assert_eq!(shares.issue, Some((1.45, 0.725)));
         assert_eq!(shares.bound(), ("cache", 0.75));
+        let busy = KernelTime { work: Work { operations: 1_200_000_000_000, bytes: 0 }, ..of(inner) };
+        assert_eq!(Shares::of(&busy, &PEAKS_OF_BOTH).unwrap().bound(), ("issue", 0.825));
         let more = Inner { workgroup: Some(3_200_000_000_000), ..inner };
         assert_eq!(Shares::of(&of(more), &PEAKS_OF_BOTH).unwrap().bound(), ("workgroup", 0.8));
         let text = kernels(&[of(more)], &PEAKS_OF_BOTH);
-        let end = "600000000000,7.50000e-1,3200000000000,8.00000e-1,workgroup,8.00000e-1\n";
+        let end =
+            "600000000000,7.50000e-1,3200000000000,8.00000e-1,737500000000,7.37500e-1,workgroup,8.00000e-1\n";
         assert!(text.ends_with(end), "{text}");
     }
 
@@ -369,7 +390,7 @@ mod tests {
         let row = text.lines().nth(1).unwrap();
         assert_eq!(
             row,
-            "pcg,mixed,4,1,100,7,2.00000e0,3,0,200000000000,,1.00000e2,,,1.00000e0,5.00000e-1,,,,,memory,5.00000e-1"
+            "pcg,mixed,4,1,100,7,2.00000e0,3,0,200000000000,,1.00000e2,,,1.00000e0,5.00000e-1,,,,,,,memory,5.00000e-1"
         );
     }
 

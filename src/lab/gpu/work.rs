@@ -26,6 +26,17 @@ pub struct Inner {
     pub workgroup: Option<u64>,
 }
 
+/// The most bytes that an instruction of one invocation loads or stores.
+const ACCESS: u64 = 16;
+
+impl Inner {
+    /// The fewest instructions, of all invocations together, for this and for operations: each is half of a multiply-add, and
+    /// each access a whole one. What else a compiler makes, for places and loops, comes on top.
+    pub fn fewest_instructions(&self, operations: u64) -> u64 {
+        operations.div_ceil(2) + (self.cached + self.workgroup.unwrap_or(0)).div_ceil(ACCESS)
+    }
+}
+
 /// Operations and bytes of one dispatch, or of several.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
@@ -338,7 +349,10 @@ mod tests {
         }
         // Three rows of six entries at four nodes, of seven joints.
         let joints = JointSizes { terms: 3, nodes: 4, rows: 3, loads: 10, bytes: 0 };
-        assert_eq!(joints.inner(7), Inner { cached: 7 * 3 * 6 * 4 * 4, workgroup: None });
+        let of_joints = Inner { cached: 7 * 3 * 6 * 4 * 4, workgroup: None };
+        assert_eq!(joints.inner(7), of_joints);
+        assert_eq!(of_joints.fewest_instructions(9), 5 + 7 * 3 * 6);
+        assert_eq!(Inner { cached: 0, workgroup: Some(17) }.fewest_instructions(0), 2);
     }
 
     #[test]
