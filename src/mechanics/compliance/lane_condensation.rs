@@ -137,7 +137,7 @@ impl LaneWork for Condense<'_> {
     fn run<const WIDTH: usize>(self) -> Vec<Vec<f64>> {
         // As many sums at a time as stay in registers: 16 of 32 registers that hold all lanes, 4 of 16 that hold half of them.
         if self.bodies.len() == 1 {
-            self.works::<Alone<WIDTH>, 2>()
+            self.works::<Alone<WIDTH>, 4>()
         } else if WIDTH >= LANES {
             self.works::<Lanes<WIDTH>, 4>()
         } else {
