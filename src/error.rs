@@ -130,7 +130,11 @@ const LONGEST_ECHO: usize = 80;
 
 /// "did you mean `x`? Allowed: `x`, `y`", or only what is allowed when nothing is near `word`.
 pub fn suggest(word: &str, allowed: &[&str]) -> String {
-    let listed = quoted(allowed);
+    suggest_from(word, allowed, &quoted(allowed))
+}
+
+/// The same, what is allowed being `listed` in fewer words.
+pub fn suggest_from(word: &str, allowed: &[&str], listed: &str) -> String {
     match nearest(word, allowed) {
         Some(near) => format!("did you mean `{near}`? Allowed: {listed}"),
         None => format!("allowed: {listed}"),

@@ -101,6 +101,19 @@ fn mistakes_are_told_with_their_place() {
     }
 }
 
+/// Columns of eight layers a part would hide all others: those of one are listed, and any is found by what is near.
+#[test]
+fn columns_of_one_layer_stand_for_those_of_all() {
+    let (said, _) = refusal("abc > 3");
+    assert!(said.contains("`pin_layer1_thickness`") && said.contains("`force`, "), "{said}");
+    assert!(said.ends_with("`status`; of `layer2` to `layer8` as of `layer1`"), "{said}");
+    assert_eq!(said.matches("_layer").count(), 6, "{said}");
+    let (said, _) = refusal("pin_layer3_thicknes > 3 mm");
+    let near =
+        "there is no column `pin_layer3_thicknes`; did you mean `pin_layer3_thickness`? Allowed: `design`, ";
+    assert!(said.starts_with(near), "{said}");
+}
+
 #[test]
 fn a_long_expression_is_shown_around_the_mistake() {
     let text = format!(

@@ -1,12 +1,12 @@
 //! The columns that an expression may name, with or without the unit at the end of their names.
 
-use crate::error::{shortened, suggest};
+use crate::error::{quoted, shortened, suggest_from};
 use crate::mechanics::body::{Shape, Side};
 use crate::mechanics::material::Idealization;
 use crate::study::columns::{Column, DESIGN, Quantity, joint_columns};
 use crate::study::expression::program::{NumberColumn, WordColumn};
 use crate::study::expression::unit::Unit;
-use crate::study::layers::LayerCounts;
+use crate::study::layers::{LayerCounts, MOST_LAYERS};
 
 /// What a name stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +54,11 @@ pub fn find(name: &str) -> Result<Named, String> {
         return Ok(*named);
     }
     let names: Vec<&str> = all.iter().map(|(_, short, _)| short.as_str()).collect();
-    Err(format!("there is no column `{}`; {}", shortened(name), suggest(name, &names)))
+    // Columns of one layer are enough to know those of all.
+    let is_of_more = |name: &str| (2..=MOST_LAYERS).any(|layer| name.contains(&format!("_layer{layer}_")));
+    let fewer: Vec<&str> = names.iter().copied().filter(|name| !is_of_more(name)).collect();
+    let listed = format!("{}; of `layer2` to `layer{MOST_LAYERS}` as of `layer1`", quoted(&fewer));
+    Err(format!("there is no column `{}`; {}", shortened(name), suggest_from(name, &names, &listed)))
 }
 
 impl WordColumn {
