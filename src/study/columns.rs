@@ -3,10 +3,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::{quoted, suggest_from};
 use crate::mechanics::body::{Shape, Side};
 use crate::mechanics::material::Idealization;
 use crate::study::design::{JointDesign, Part};
-use crate::study::layers::{Layer, LayerCounts};
+use crate::study::layers::{Layer, LayerCounts, MOST_LAYERS};
 
 /// One input of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +70,13 @@ impl Extras {
     pub const NONE: Extras = Extras { layers: LayerCounts::NONE, offset: false, peak_angle: false };
     /// All that there can be.
     pub const MOST: Extras = Extras { layers: LayerCounts::MOST, offset: true, peak_angle: true };
+}
+
+/// What to say of a word that is none of `all` columns. Those with the columns of one layer a part are enough to know the others by:
+/// columns of eight would hide what is looked for.
+pub fn suggest_column(word: &str, all: &[&str], of_one_layer: &[&str]) -> String {
+    let listed = format!("{}; of `layer2` to `layer{MOST_LAYERS}` as of `layer1`", quoted(of_one_layer));
+    suggest_from(word, all, &listed)
 }
 
 /// How many layers columns of these names are for.

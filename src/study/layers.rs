@@ -37,6 +37,7 @@ pub struct LayerCounts {
 
 impl LayerCounts {
     pub const NONE: LayerCounts = LayerCounts { pin: 0, plate: 0 };
+    pub const ONE: LayerCounts = LayerCounts { pin: 1, plate: 1 };
     /// All that there can be.
     pub const MOST: LayerCounts = LayerCounts { pin: MOST_LAYERS, plate: MOST_LAYERS };
 

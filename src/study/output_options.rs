@@ -1,7 +1,8 @@
 //! The `[output]` of a config: which columns the table of a run has, and in what kind of file it is.
 
-use crate::error::{Error, suggest};
-use crate::study::columns::{Cell, Column, DESIGN, Extras, OFFSET, Quantity, joint_columns};
+use crate::error::Error;
+use crate::study::columns::{Cell, Column, DESIGN, Extras, OFFSET, Quantity, joint_columns, suggest_column};
+use crate::study::layers::LayerCounts;
 use crate::study::source::Section;
 
 /// Which inputs stand in the table.
@@ -82,7 +83,10 @@ impl OutputOptions {
             for element in asked {
                 let name = element.string()?;
                 let Some(place) = known.iter().position(|own| *own == name) else {
-                    return Err(element.refuse(&format!("not a column; {}", suggest(name, &known))));
+                    let of_one = column_names(Extras { layers: LayerCounts::ONE, ..Extras::MOST });
+                    let of_one: Vec<&str> = of_one.iter().map(String::as_str).collect();
+                    let meant = suggest_column(name, &known, &of_one);
+                    return Err(element.refuse(&format!("not a column; {meant}")));
                 };
                 if std::mem::replace(&mut is_asked[place], true) {
                     return Err(element.refuse("the column is named twice"));

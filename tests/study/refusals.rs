@@ -26,6 +26,8 @@ fn bad_configs_are_refused_by_line_and_key() {
         ("indentation ", "# ", ":16: load: one of `indentation`, `offset` and `force` is needed"),
         ("[load]", "[designs]\nfile = 'x.csv'\n[load]", ":2: joint: has no place beside [designs]"),
         // What the table has.
+        ("[load]", "[output]\ncolumns = ['abc']\n[load]", ":17: output.columns: `'abc'`: not a column; allowed: `design`, `hole_radius_mm`, "),
+        ("[load]", "[output]\ncolumns = ['abc']\n[load]", "`status`; of `layer2` to `layer8` as of `layer1`"),
         ("[load]", "[output]\ncolumns = ['design', 'force']\n[load]", ":17: output.columns: `'force'`: not a column; did you mean `force_n`?"),
         ("[load]", "[output]\ncolumns = [\n  'design',\n  'force_n',\n  'design',\n]\n[load]", ":20: output.columns: `'design'`: the column is named twice"),
         ("[load]", "[output]\ncolumns = 'design'\n[load]", ":17: output.columns: `'design'`: a list of the table's columns is needed here, not a string"),

@@ -135,7 +135,8 @@ impl LaneWork for Condense<'_> {
 
     #[inline(always)]
     fn run<const WIDTH: usize>(self) -> Vec<Vec<f64>> {
-        // As many sums at a time as stay in registers: 16 of 32 registers that hold all lanes, 4 of 16 that hold half of them.
+        // As many sums at a time as stay in registers: all 16 of a tile where a register holds one in all lanes and there are 32, 4
+        // where it takes two and there are 16. Of a body alone a register holds several sums: all 16 take two to eight.
         if self.bodies.len() == 1 {
             self.works::<Alone<WIDTH>, 4>()
         } else if WIDTH >= LANES {

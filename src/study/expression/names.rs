@@ -1,12 +1,12 @@
 //! The columns that an expression may name, with or without the unit at the end of their names.
 
-use crate::error::{quoted, shortened, suggest_from};
+use crate::error::shortened;
 use crate::mechanics::body::{Shape, Side};
 use crate::mechanics::material::Idealization;
-use crate::study::columns::{Column, DESIGN, Quantity, joint_columns};
+use crate::study::columns::{Column, DESIGN, Quantity, joint_columns, suggest_column};
 use crate::study::expression::program::{NumberColumn, WordColumn};
 use crate::study::expression::unit::Unit;
-use crate::study::layers::{LayerCounts, MOST_LAYERS};
+use crate::study::layers::LayerCounts;
 
 /// What a name stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,11 +18,11 @@ pub enum Named {
 /// The number of a load step in its design, from 0; no column of the table.
 pub const STEP: &str = "step";
 
-/// All columns: the name in the table, the name without its unit, what it is.
-fn columns() -> Vec<(String, String, Named)> {
+/// All columns of joints with so many layers: the name in the table, the name without its unit, what it is.
+fn columns(layers: LayerCounts) -> Vec<(String, String, Named)> {
     let plain = |name: &str, column| (name.to_string(), name.to_string(), Named::Number(column, Unit::NONE));
     let mut all = vec![plain(DESIGN, NumberColumn::Design), plain(STEP, NumberColumn::Step)];
-    for column in joint_columns(LayerCounts::MOST) {
+    for column in joint_columns(layers) {
         let named = match column {
             Column::Idealization => Named::Words(WordColumn::Idealization),
             Column::Model(side) => Named::Words(WordColumn::Model(side)),
@@ -49,16 +49,14 @@ fn without_unit(name: &str, unit: &str) -> String {
 
 /// The column that is meant, or what to say of a name that is none.
 pub fn find(name: &str) -> Result<Named, String> {
-    let all = columns();
+    let all = columns(LayerCounts::MOST);
     if let Some((_, _, named)) = all.iter().find(|(full, short, _)| full == name || short == name) {
         return Ok(*named);
     }
-    let names: Vec<&str> = all.iter().map(|(_, short, _)| short.as_str()).collect();
-    // Columns of one layer are enough to know those of all.
-    let is_of_more = |name: &str| (2..=MOST_LAYERS).any(|layer| name.contains(&format!("_layer{layer}_")));
-    let fewer: Vec<&str> = names.iter().copied().filter(|name| !is_of_more(name)).collect();
-    let listed = format!("{}; of `layer2` to `layer{MOST_LAYERS}` as of `layer1`", quoted(&fewer));
-    Err(format!("there is no column `{}`; {}", shortened(name), suggest_from(name, &names, &listed)))
+    let of_one = columns(LayerCounts::ONE);
+    let [all, of_one] =
+        [&all, &of_one].map(|columns| columns.iter().map(|(_, short, _)| short.as_str()).collect::<Vec<_>>());
+    Err(format!("there is no column `{}`; {}", shortened(name), suggest_column(name, &all, &of_one)))
 }
 
 impl WordColumn {
