@@ -6,7 +6,9 @@ use crate::output::schema::{self, Kind, LoadColumn};
 use crate::study::columns::{Cell, Column, Quantity};
 use crate::study::design::DesignCase;
 use crate::study::expression::Expression;
-use crate::study::expression::program::{DEEPEST, NumberColumn, Operation, WordColumn, WordTest, depth};
+use crate::study::expression::program::{
+    DEEPEST, NumberColumn, Operation, WordColumn, WordTest, depth, told,
+};
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
@@ -77,15 +79,12 @@ impl Formula {
         for action in &self.actions {
             match *action {
                 Action::Unary(operation) => {
-                    stack[top - 1].iter_mut().for_each(|a| *a = unary(operation, *a));
+                    stack[top - 1].iter_mut().for_each(|a| *a = operation.of_one(*a));
                 }
                 Action::Binary(operation) => {
                     top -= 1;
                     let (below, above) = stack.split_at_mut(top);
-                    below[top - 1]
-                        .iter_mut()
-                        .zip(&above[0])
-                        .for_each(|(a, b)| *a = binary(operation, *a, *b));
+                    below[top - 1].iter_mut().zip(&above[0]).for_each(|(a, b)| *a = operation.of_two(*a, *b));
                 }
                 _ => {
                     stack[top].clear();
@@ -113,10 +112,10 @@ fn calculate<const DEPTH: usize>(actions: &[Action], row: &Row) -> f64 {
     let mut top = 0;
     for action in actions {
         match *action {
-            Action::Unary(operation) => stack[top - 1] = unary(operation, stack[top - 1]),
+            Action::Unary(operation) => stack[top - 1] = operation.of_one(stack[top - 1]),
             Action::Binary(operation) => {
                 top -= 1;
-                stack[top - 1] = binary(operation, stack[top - 1], stack[top]);
+                stack[top - 1] = operation.of_two(stack[top - 1], stack[top]);
             }
             _ => {
                 stack[top] = number(action, row);
@@ -150,10 +149,6 @@ fn number(action: &Action, row: &Row) -> f64 {
         // These take numbers from the stack.
         Action::Unary(_) | Action::Binary(_) => f64::NAN,
     }
-}
-
-fn told(holds: bool) -> f64 {
-    if holds { 1.0 } else { 0.0 }
 }
 
 /// Whether the row has the word in this column; `None` where the column is empty.
@@ -204,50 +199,6 @@ impl StatusTest {
             StatusTest::Remark(remark) => status.has(remark),
             StatusTest::Never => false,
         }
-    }
-}
-
-fn unary(operation: Operation, a: f64) -> f64 {
-    match operation {
-        Operation::Negate => -a,
-        Operation::Not => 1.0 - a,
-        Operation::Absolute => a.abs(),
-        Operation::SquareRoot => a.sqrt(),
-        Operation::Logarithm => a.ln(),
-        Operation::Logarithm10 => a.log10(),
-        Operation::Exponential => a.exp(),
-        _ => f64::NAN,
-    }
-}
-
-fn binary(operation: Operation, a: f64, b: f64) -> f64 {
-    // What one side decides needs no value on the other.
-    match operation {
-        Operation::And if a == 0.0 || b == 0.0 => return 0.0,
-        Operation::Or if a == 1.0 || b == 1.0 => return 1.0,
-        _ => {}
-    }
-    // All else is unknown without both: x^0, a smaller value, a comparison, too.
-    if a.is_nan() || b.is_nan() {
-        return f64::NAN;
-    }
-    match operation {
-        Operation::Add => a + b,
-        Operation::Subtract => a - b,
-        Operation::Multiply => a * b,
-        Operation::Divide => a / b,
-        Operation::Power => a.powf(b),
-        Operation::Less => told(a < b),
-        Operation::LessOrEqual => told(a <= b),
-        Operation::Greater => told(a > b),
-        Operation::GreaterOrEqual => told(a >= b),
-        Operation::Equal => told(a == b),
-        Operation::NotEqual => told(a != b),
-        Operation::And => 1.0,
-        Operation::Or => 0.0,
-        Operation::Smaller => a.min(b),
-        Operation::Larger => a.max(b),
-        _ => f64::NAN,
     }
 }
 

@@ -74,6 +74,57 @@ impl Operation {
             _ => 2,
         }
     }
+
+    /// Of one that takes one number; NaN of others.
+    pub fn of_one(self, a: f64) -> f64 {
+        match self {
+            Operation::Negate => -a,
+            Operation::Not => 1.0 - a,
+            Operation::Absolute => a.abs(),
+            Operation::SquareRoot => a.sqrt(),
+            Operation::Logarithm => a.ln(),
+            Operation::Logarithm10 => a.log10(),
+            Operation::Exponential => a.exp(),
+            _ => f64::NAN,
+        }
+    }
+
+    /// Of one that takes two; NaN of others.
+    pub fn of_two(self, a: f64, b: f64) -> f64 {
+        // What one side decides needs no value on the other.
+        match self {
+            Operation::And if a == 0.0 || b == 0.0 => return 0.0,
+            Operation::Or if a == 1.0 || b == 1.0 => return 1.0,
+            _ => {}
+        }
+        // All else is unknown without both: x^0, a smaller value, a comparison, too.
+        if a.is_nan() || b.is_nan() {
+            return f64::NAN;
+        }
+        match self {
+            Operation::Add => a + b,
+            Operation::Subtract => a - b,
+            Operation::Multiply => a * b,
+            Operation::Divide => a / b,
+            Operation::Power => a.powf(b),
+            Operation::Less => told(a < b),
+            Operation::LessOrEqual => told(a <= b),
+            Operation::Greater => told(a > b),
+            Operation::GreaterOrEqual => told(a >= b),
+            Operation::Equal => told(a == b),
+            Operation::NotEqual => told(a != b),
+            Operation::And => 1.0,
+            Operation::Or => 0.0,
+            Operation::Smaller => a.min(b),
+            Operation::Larger => a.max(b),
+            _ => f64::NAN,
+        }
+    }
+}
+
+/// A condition as a number.
+pub fn told(holds: bool) -> f64 {
+    if holds { 1.0 } else { 0.0 }
 }
 
 /// The most numbers that wait on the stack at once.
