@@ -90,7 +90,7 @@ fn answers(bencher: Bencher, asked: &str) {
         .with_inputs(|| (portions.clone(), sinks.answers()))
         .bench_local_values(|(portions, mut answers)| {
             for portion in portions {
-                let Rows { answers: more, .. } = sinks.rows(portion);
+                let Rows { answers: more, .. } = sinks.rows(portion.into());
                 if let (Some(answers), Some(more)) = (&mut answers, &more) {
                     answers.merge(more).expect("they are of the same config");
                 }

@@ -145,7 +145,7 @@ pub struct OpenGpu {
 impl OpenGpu {
     /// As a sweep takes it.
     pub fn choice(&self) -> GpuChoice<'_> {
-        GpuChoice { device: &self.device, precision: self.precision, solver: self.solver }
+        GpuChoice { solver: self.solver, ..GpuChoice::new(&self.device, self.precision) }
     }
 }
 

@@ -411,7 +411,7 @@ impl Bench<'_> {
             with_table,
             cpu_seconds: on_cpu(&study)?,
             cpu_interpolated_seconds: on_cpu(&interpolated)?,
-            gpu_interpolated_seconds: match gpu.solves_joints() {
+            gpu_interpolated_seconds: match gpu.joints {
                 SolvedJoints::None => None,
                 _ => self.sweeps.dropped(&interpolated, gpu)?.map(|sweep| sweep.seconds),
             },

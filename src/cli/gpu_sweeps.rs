@@ -10,6 +10,7 @@ use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::gpu::context::GpuDevice;
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::outcome::DesignOutcome;
+use jointsweep::internals::engine::question::Asker;
 use jointsweep::internals::engine::sweep::{self, Digest, Statistics, SweepOptions};
 use jointsweep::internals::lab::gpu::budget::Budget;
 use jointsweep::internals::lab::gpu::figures::GpuSweep;
@@ -118,9 +119,11 @@ impl TimedSweeps<'_> {
         let started = Instant::now();
         let conditions = Conditions { gpu, threads: self.threads, started: SystemTime::now() };
         let mut recorder = Recorder::new(folder.claim("of bench-gpu")?, study, &conditions)?;
-        let options = SweepOptions { threads: self.threads, gpu, ..SweepOptions::default() };
         let sinks = recorder.sinks();
-        let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
+        let asking = sinks.asking();
+        let asker = asking.as_ref().map(|asking| asking as &dyn Asker);
+        let options = SweepOptions { threads: self.threads, gpu, asker, ..SweepOptions::default() };
+        let digest = Digest { designs: sinks.portion(), make: &|solved| sinks.rows(solved) };
         let statistics = sweep::run_digested(study, &options, &digest, &mut |rows| {
             recorder.write(&rows)?;
             Ok(self.goes_on())

@@ -45,12 +45,13 @@ pub fn retry(args: &RunArgs, study: &Study, folder: &ResultFolder) -> Result<End
         threads: threads(args.threads),
         gpu,
         notify: Some(&say),
+        asker: None,
         designs: Chosen::Listed(designs),
     };
     let count = failed.len() as u64;
     let mut rewriter = Rewriter::new(&claim, &results, failed)?;
     let table = Table::of(study);
-    let digest = Digest { designs: PORTION, make: &|outcomes| new_rows(&table, outcomes) };
+    let digest = Digest { designs: PORTION, make: &|solved| new_rows(&table, solved.outcomes) };
     sweep::run_digested(study, &options, &digest, &mut |rows| {
         rewriter.add(&rows)?;
         Ok(ControlFlow::Continue(()))

@@ -8,6 +8,7 @@ use std::time::SystemTime;
 use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::cost;
+use jointsweep::internals::engine::question::Asker;
 use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
 use jointsweep::internals::output::manifest::{Conditions, Manifest};
@@ -121,8 +122,10 @@ pub fn record(
     let interrupt = Interrupt::watch(&recorder, args.quiet);
 
     let Conditions { threads, gpu, .. } = *conditions;
-    let options = SweepOptions { threads, gpu, notify: Some(&say), designs: Chosen::Range(designs) };
-    let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
+    let asking = sinks.asking();
+    let asker = asking.as_ref().map(|asking| asking as &dyn Asker);
+    let options = SweepOptions { threads, gpu, notify: Some(&say), asker, designs: Chosen::Range(designs) };
+    let digest = Digest { designs: sinks.portion(), make: &|solved| sinks.rows(solved) };
     let outcome = sweep::run_digested(study, &options, &digest, &mut |rows| {
         match recorder.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
             Some(recorder) => recorder.write(&rows)?,

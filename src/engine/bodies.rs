@@ -9,7 +9,7 @@ use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::engine::backend::adapter::GpuError;
-use crate::engine::backend::joints::{JointBatch, SolvedJoints};
+use crate::engine::backend::joints::{JointBatch, SolvedJoints, ToldOfJoints};
 use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
 use crate::engine::hashed::Hashed;
@@ -114,13 +114,15 @@ impl<'a> BodyLibrary<'a> {
     /// What the device has found of the joints that were begun before all others; nothing where it is lost.
     pub fn finish_joints(&mut self) -> Option<Vec<f32>> {
         let device = self.device.as_mut().filter(|_| self.lost.is_none())?;
-        match device.finish_joints() {
-            Ok(found) => Some(found),
-            Err(error) => {
-                self.lost = Some(error);
-                None
-            }
-        }
+        let found = device.finish_joints();
+        found.map_err(|error| self.lost = Some(error)).ok()
+    }
+
+    /// What the device tells of joints whose rows it was to count; nothing where it is lost.
+    pub fn finish_answers(&mut self) -> Option<Vec<ToldOfJoints>> {
+        let device = self.device.as_mut().filter(|_| self.lost.is_none())?;
+        let told = device.finish_answers();
+        told.map_err(|error| self.lost = Some(error)).ok()
     }
 
     /// Forgets solved bodies, but not what they share.

@@ -69,6 +69,13 @@ pub fn errors_of_bodies(errors: &[OwnError; 2], found: &FoundState) -> [f64; 2] 
     })
 }
 
+impl<T> Underway<T> {
+    /// Of each thing whether the device has a joint of it.
+    pub fn are_there(&self) -> impl Iterator<Item = bool> {
+        self.kept.iter().map(Option::is_some)
+    }
+}
+
 impl<T: Send> Underway<T> {
     /// What is made of that which a device has found of the joints of these things; nothing of those that it has not.
     pub fn judged<I: Sync, R: Send>(

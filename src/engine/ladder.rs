@@ -19,6 +19,8 @@ use crate::engine::interpolation::interpolated::Interpolation;
 use crate::engine::joint_contact::{JointKey, joint_key, solve_designs};
 use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::engine::plan::JointPlan;
+use crate::engine::question::Asker;
+use crate::engine::question::counted::{Counted, Verdict};
 use crate::engine::row::{closed_form, refused};
 use crate::engine::spaces::Spaces;
 use crate::engine::stopwatch::Stopwatch;
@@ -56,6 +58,8 @@ pub struct Ladder<'a> {
     pub library: BodyLibrary<'a>,
     pub spaces: Spaces,
     pub interpolation: Option<Interpolation>,
+    /// Who asks something of all rows together, which a device may count.
+    asker: Option<&'a dyn Asker>,
     times: LadderTimes,
 }
 
@@ -73,6 +77,7 @@ impl<'a> Ladder<'a> {
             library: BodyLibrary::default(),
             spaces: Spaces::default(),
             interpolation: None,
+            asker: None,
             times: LadderTimes::default(),
         }
     }
@@ -87,6 +92,11 @@ impl<'a> Ladder<'a> {
         Ladder { interpolation: plan.map(Interpolation::new), ..self }
     }
 
+    /// With rows counted on a device for somebody who asks for nothing but what `count` gives back.
+    pub fn asked_by(self, asker: Option<&'a dyn Asker>) -> Ladder<'a> {
+        Ladder { asker, ..self }
+    }
+
     /// With bodies condensed on a device as long as that lasts.
     pub fn on(self, device: Box<dyn Device + 'a>) -> Ladder<'a> {
         Ladder { library: BodyLibrary::on(device), ..self }
@@ -98,6 +108,13 @@ impl<'a> Ladder<'a> {
         cases.iter().zip(answers).map(|(case, answer)| DesignOutcome::new(case.clone(), answer)).collect()
     }
 
+    /// What a device counts of the rows of `cases`, and what is to be done with each of them; nothing where nobody asks or no device counts.
+    /// Then `answers` are the processor's.
+    pub fn count(&mut self, cases: &[DesignCase]) -> Option<(Counted, Vec<Verdict>)> {
+        let Ladder { interpolation, library, spaces, asker, .. } = self;
+        interpolation.as_mut()?.count(library, spaces, cases, (*asker)?)
+    }
+
     /// Answers to `cases`, in their order.
     pub fn answers(&mut self, cases: &[DesignCase]) -> Vec<Answer> {
         let SolveOptions { method, accuracy } = self.options;
@@ -106,7 +123,7 @@ impl<'a> Ladder<'a> {
         }
         let mut answers: Vec<Option<Answer>> = vec![None; cases.len()];
         if let Some(interpolation) = &mut self.interpolation {
-            answers = interpolation.solve(&mut self.library, &mut self.spaces, cases);
+            answers = interpolation.solve(&mut self.library, &mut self.spaces, cases, self.asker.is_none());
         }
         let left: Vec<usize> = (0..cases.len()).filter(|index| answers[*index].is_none()).collect();
         let cheapest = |index: &usize| (*index, JointPlan::cheapest(&cases[*index], method, accuracy));

@@ -18,6 +18,7 @@ pub mod plan;
 pub mod joint_scale;
 pub mod rest_stresses;
 pub mod row;
+pub mod question;
 pub mod unit_costs;
 pub mod backend;
 pub mod bodies;

@@ -156,6 +156,11 @@ impl StatusCounts {
         }
     }
 
+    /// Adds answers with the same remarks.
+    pub fn add_answered(&mut self, Remarks(bits): Remarks, times: u64) {
+        self.answered[usize::from(bits)] += times;
+    }
+
     /// Adds what was counted elsewhere.
     pub fn merge(&mut self, other: &StatusCounts) {
         for (own, more) in self.answered.iter_mut().zip(other.answered) {

@@ -15,6 +15,8 @@ use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
 use crate::engine::law_fit::add_laws;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
+use crate::engine::question::Asker;
+use crate::engine::question::counted::{Counted, Verdict};
 use crate::engine::stopwatch::Stopwatch;
 use crate::error::Error;
 use crate::study::config::Study;
@@ -45,11 +47,31 @@ pub struct Statistics {
 /// Takes what comes of a sweep, in design order whatever the threads, until it breaks.
 pub type Receive<'a, T = DesignOutcome> = &'a mut dyn FnMut(T) -> Result<ControlFlow<()>, Error>;
 
+/// What has become of designs that follow each other.
+pub struct SolvedDesigns {
+    /// Each with its answer; without those that a device has counted.
+    pub outcomes: Vec<DesignOutcome>,
+    pub on_device: Option<CountedDesigns>,
+}
+
+impl From<Vec<DesignOutcome>> for SolvedDesigns {
+    fn from(outcomes: Vec<DesignOutcome>) -> SolvedDesigns {
+        SolvedDesigns { outcomes, on_device: None }
+    }
+}
+
+/// Designs whose rows a device has counted for who asks.
+pub struct CountedDesigns {
+    pub counted: Counted,
+    /// Some of them, solved: they may have rows among the extreme ones.
+    pub candidates: Vec<DesignOutcome>,
+}
+
 /// What the threads that solve also make of outcomes, so that whoever receives it has little left to do.
 pub struct Digest<'a, T> {
     /// A portion ends before the designs whose numbers are multiples of this, and nowhere else but at the end.
     pub designs: u64,
-    pub make: &'a (dyn Fn(Vec<DesignOutcome>) -> T + Sync),
+    pub make: &'a (dyn Fn(SolvedDesigns) -> T + Sync),
 }
 
 /// How a sweep is run.
@@ -61,6 +83,8 @@ pub struct SweepOptions<'a> {
     pub gpu: Option<GpuChoice<'a>>,
     /// Told at once, in one line, that the GPU was given up and why.
     pub notify: Option<&'a (dyn Fn(&str) + Sync)>,
+    /// Who asks for nothing but what all rows come to: a GPU may count them.
+    pub asker: Option<&'a dyn Asker>,
     pub designs: Chosen,
 }
 
@@ -125,7 +149,7 @@ pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<St
         }
         Ok(ControlFlow::Continue(()))
     };
-    let digest = Digest { designs: FIRST_BATCH as u64, make: &|outcomes| outcomes };
+    let digest = Digest { designs: FIRST_BATCH as u64, make: &|solved| solved.outcomes };
     let mut statistics = run_digested(study, options, &digest, &mut receive_all)?;
     (statistics.designs, statistics.steps) = (received, steps);
     statistics.interrupted = is_broken && received < options.designs.count(study);
@@ -192,7 +216,7 @@ fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
 }
 
 type Drawn = Result<Vec<DesignCase>, Error>;
-type Solved = Result<Vec<DesignOutcome>, Error>;
+type Solved = Result<SolvedDesigns, Error>;
 type Digested<T> = Result<Vec<Portion<T>>, Error>;
 
 /// Designs that follow each other, digested.
@@ -201,6 +225,21 @@ struct Portion<T> {
     steps: u64,
     on_cpu: u64,
     content: T,
+}
+
+impl<T> Portion<T> {
+    fn of(solved: SolvedDesigns, digest: &Digest<T>) -> Portion<T> {
+        let SolvedDesigns { outcomes, on_device } = &solved;
+        let [designs, steps] = on_device
+            .as_ref()
+            .map_or([0; 2], |CountedDesigns { counted, .. }| [counted.designs, counted.rows]);
+        Portion {
+            designs: designs + outcomes.len() as u64,
+            steps: steps + outcomes.iter().map(|outcome| outcome.steps.len() as u64).sum::<u64>(),
+            on_cpu: outcomes.iter().filter(|outcome| outcome.backend == BackendKind::Cpu).count() as u64,
+            content: (digest.make)(solved),
+        }
+    }
 }
 
 /// The most designs of a batch whose designs have so many rows each.
@@ -261,7 +300,7 @@ fn solve_all(
     solved: &SyncSender<Solved>,
 ) -> Statistics {
     let mut fallback = None;
-    let ladder = Ladder::new(study.solve).interpolating(plan);
+    let ladder = Ladder::new(study.solve).interpolating(plan).asked_by(options.asker);
     let mut ladder = match options.gpu.map(|gpu| gpu.condenser()) {
         None => ladder,
         Some(Ok(condenser)) => ladder.on(Box::new(condenser)),
@@ -272,15 +311,18 @@ fn solve_all(
     };
     for batch in drawn {
         let outcomes = batch.map(|batch| {
-            pool.install(|| {
-                let answers = ladder.answers(&batch);
-                let cases = batch.into_par_iter().with_min_len(FIRST_BATCH).zip(answers);
-                let outcome = |(case, answer)| DesignOutcome::new(case, answer);
-                let mut outcomes: Vec<DesignOutcome> = cases.map(outcome).collect();
-                if study.fits_laws() {
-                    add_laws(&mut ladder, &mut outcomes);
+            pool.install(|| match ladder.count(&batch) {
+                None => {
+                    let mut outcomes = outcomes(&mut ladder, batch);
+                    if study.fits_laws() {
+                        add_laws(&mut ladder, &mut outcomes);
+                    }
+                    if let Some(asker) = options.asker {
+                        asker.look(&outcomes);
+                    }
+                    outcomes.into()
                 }
-                outcomes
+                Some((counted, verdicts)) => left(&mut ladder, batch, counted, &verdicts, options.asker),
             })
         });
         if let Some(error) = ladder.library.lost().filter(|_| fallback.is_none()) {
@@ -301,6 +343,37 @@ fn solve_all(
         fallback,
         ..Statistics::default()
     }
+}
+
+/// Solves designs.
+fn outcomes(ladder: &mut Ladder, cases: Vec<DesignCase>) -> Vec<DesignOutcome> {
+    let answers = ladder.answers(&cases);
+    let cases = cases.into_par_iter().with_min_len(FIRST_BATCH).zip(answers);
+    cases.map(|(case, answer)| DesignOutcome::new(case, answer)).collect()
+}
+
+/// Solves those designs of a batch that a device has left, or that may have an extreme row.
+fn left(
+    ladder: &mut Ladder,
+    batch: Vec<DesignCase>,
+    counted: Counted,
+    verdicts: &[Verdict],
+    asker: Option<&dyn Asker>,
+) -> SolvedDesigns {
+    let left = batch.into_iter().zip(verdicts).filter(|(_, verdict)| **verdict != Verdict::Counted);
+    let (cases, verdicts): (Vec<DesignCase>, Vec<&Verdict>) = left.unzip();
+    let solved = outcomes(ladder, cases);
+    if let Some(asker) = asker {
+        asker.look(&solved);
+    }
+    let (mut outcomes, mut candidates) = (Vec::new(), Vec::new());
+    for (outcome, verdict) in solved.into_iter().zip(verdicts) {
+        match verdict {
+            Verdict::Candidate => candidates.push(outcome),
+            Verdict::Open | Verdict::Counted => outcomes.push(outcome),
+        }
+    }
+    SolvedDesigns { outcomes, on_device: Some(CountedDesigns { counted, candidates }) }
 }
 
 /// Digests outcomes up to the first failure to draw; gives back how long that took, summed over threads.
@@ -344,7 +417,17 @@ impl<'a, T: Send> Digestion<'a, T> {
     }
 
     /// Of whole portions, with those that waited.
-    fn add(&mut self, mut outcomes: Vec<DesignOutcome>) -> Vec<Portion<T>> {
+    fn add(&mut self, solved: SolvedDesigns) -> Vec<Portion<T>> {
+        let SolvedDesigns { mut outcomes, on_device } = solved;
+        if on_device.is_some() {
+            // What is counted cannot be cut.
+            let mut portions = self.end();
+            let started = Stopwatch::start();
+            let solved = SolvedDesigns { outcomes, on_device };
+            portions.push(self.pool.install(|| Portion::of(solved, self.digest)));
+            self.time += started.elapsed();
+            return portions;
+        }
         if self.waiting.is_empty() {
             self.waiting = outcomes;
         } else {
@@ -381,15 +464,10 @@ impl<'a, T: Send> Digestion<'a, T> {
                 _ => portions.push(vec![outcome]),
             }
         }
-        let make = self.digest.make;
+        let digest = self.digest;
         let digest = |outcomes: Vec<DesignOutcome>| {
             let started = Stopwatch::start();
-            let portion = Portion {
-                designs: outcomes.len() as u64,
-                steps: outcomes.iter().map(|outcome| outcome.steps.len() as u64).sum(),
-                on_cpu: outcomes.iter().filter(|outcome| outcome.backend == BackendKind::Cpu).count() as u64,
-                content: make(outcomes),
-            };
+            let portion = Portion::of(outcomes.into(), digest);
             (portion, started.elapsed())
         };
         // Where batches take long, all threads are at the next one for long: what is there is not to wait for it.

@@ -7,7 +7,8 @@ use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 
 use crate::engine::outcome::DesignOutcome;
-use crate::engine::status::StatusCounts;
+use crate::engine::question::counted::Counted;
+use crate::engine::status::{Remark, Remarks, StatusCounts};
 
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
@@ -77,6 +78,25 @@ impl Counts {
         self.designs += 1;
         self.rows += outcome.steps.len() as u64;
         self.failed_designs += u64::from(self.failed_rows > failed_before);
+    }
+
+    /// Adds designs whose rows a device has counted.
+    pub fn add_counted(&mut self, counted: &Counted) {
+        let Counted {
+            designs, rows, large_rows, greatest_force_error, greatest_linearity_error, forces, ..
+        } = counted;
+        let mut by_status = StatusCounts::default();
+        by_status.add_answered(Remarks::default(), rows - large_rows);
+        by_status.add_answered(Remarks::of(&[(true, Remark::LargeDisplacement)]), *large_rows);
+        self.merge(&Counts {
+            designs: *designs,
+            rows: *rows,
+            greatest_force_error: *greatest_force_error,
+            greatest_linearity_error: *greatest_linearity_error,
+            forces_n: *forces,
+            by_status,
+            ..Counts::default()
+        });
     }
 
     /// Counts a row that failed by what was found in its place; whether its design still has failed rows is not known here.

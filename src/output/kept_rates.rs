@@ -53,7 +53,7 @@ pub fn rates(folder: Option<&Path>, choice: &GpuChoice) -> Result<(Rates, Option
 
 /// The same, measured now whatever was kept.
 pub fn measured_anew(folder: Option<&Path>, choice: &GpuChoice) -> Result<(Rates, Option<Error>), GpuError> {
-    let rates = measure(choice.device, choice.precision, choice.solver, choice.solves_joints())?;
+    let rates = measure(choice.device, choice.precision, choice.solver, choice.joints)?;
     let Some(folder) = folder else { return Ok((rates, None)) };
     let of = Measured::of(choice);
     let mut all = entries(folder);
@@ -66,7 +66,7 @@ pub fn measured_anew(folder: Option<&Path>, choice: &GpuChoice) -> Result<(Rates
 }
 
 impl Measured {
-    fn of(GpuChoice { device, precision, solver }: &GpuChoice) -> Measured {
+    fn of(GpuChoice { device, precision, solver, .. }: &GpuChoice) -> Measured {
         Measured {
             program: Program::CURRENT.in_words(),
             cpu: Host::current().cpu,

@@ -32,6 +32,7 @@ pub mod chart;
 pub mod travel;
 pub mod report;
 pub mod export;
+mod asking;
 pub mod sinks;
 pub mod recorder;
 pub mod merge;

@@ -1,6 +1,8 @@
 //! Everything that the outcomes of a run go to: its tables, its counts and its answers.
 
-use crate::engine::outcome::DesignOutcome;
+use crate::engine::question::Question;
+use crate::engine::sweep::{CountedDesigns, SolvedDesigns};
+use crate::output::asking::Asking;
 use crate::output::counts::Counts;
 use crate::output::filter::{Filter, kept_rows, retain};
 use crate::output::laws_table::LawsTable;
@@ -19,6 +21,8 @@ pub struct Sinks {
     filter: Option<Filter>,
     /// Before the first row.
     answers: Option<Reductions>,
+    /// What a device may count.
+    question: Option<Question>,
     portion: u64,
 }
 
@@ -47,7 +51,8 @@ impl Sinks {
             all.push(Box::new(LawsTable));
         }
         let (filter, answers) = (Filter::of(study), Reductions::of(study));
-        Sinks { all, results: result_columns(), filter, answers, portion: portion(study) }
+        let question = Question::of(study);
+        Sinks { all, results: result_columns(), filter, answers, question, portion: portion(study) }
     }
 
     /// Designs whose rows are made together.
@@ -56,7 +61,7 @@ impl Sinks {
     }
 
     /// Rows of designs that follow each other, made by any thread.
-    pub fn rows(&self, mut outcomes: Vec<DesignOutcome>) -> Rows {
+    pub fn rows(&self, SolvedDesigns { mut outcomes, on_device }: SolvedDesigns) -> Rows {
         settle(&self.results, &mut outcomes);
         let (mut counts, mut answers) = (Counts::default(), self.answers());
         outcomes.iter().for_each(|outcome| counts.add(outcome));
@@ -72,8 +77,24 @@ impl Sinks {
                 }
             }
         }
+        if let (Some(CountedDesigns { counted, mut candidates }), Some(answers), Some(question)) =
+            (on_device, &mut answers, &self.question)
+        {
+            settle(&self.results, &mut candidates);
+            counts.add_counted(&counted);
+            if let Some(kept) = &mut counts.kept_rows {
+                *kept += counted.kept_rows;
+            }
+            answers.add_extremes(&candidates, &kept_rows(self.filter.as_ref(), &candidates));
+            answers.add_counted(&counted, question);
+        }
         let bytes = self.all.iter().map(|sink| sink.rows(&outcomes)).collect();
         Rows { bytes, counts, answers }
+    }
+
+    /// Asks for nothing but answers of all rows together, which a device may count; nothing where rows are written, too.
+    pub fn asking(&self) -> Option<Asking<'_>> {
+        Some(Asking::new(self.question.as_ref()?, self.filter.as_ref(), self.answers()?))
     }
 
     /// Answers to what the config asks, before the first row.

@@ -169,6 +169,23 @@ fn read_pareto(table: &Section) -> Result<Vec<Objective>, Error> {
 }
 
 impl Histogram {
+    /// Where bin `place` begins, and the one before it ends, of bins from one value to another.
+    pub fn edge(&self, place: usize, from: f64, to: f64) -> f64 {
+        let share = place as f64 / self.bins as f64;
+        match (place, self.spacing) {
+            (0, _) => from,
+            (place, _) if place == self.bins => to,
+            (_, Spacing::Linear) => from * (1.0 - share) + to * share,
+            (_, Spacing::Log) => (from.ln() * (1.0 - share) + to.ln() * share).exp().max(from).min(to),
+        }
+    }
+
+    /// All of these where the config says what they go from and to.
+    pub fn edges(&self) -> Option<Vec<f64>> {
+        let (from, to) = self.range?;
+        Some((0..=self.bins).map(|place| self.edge(place, from, to)).collect())
+    }
+
     fn read(table: &Section) -> Result<Histogram, Error> {
         table.allow(&["of", "bins", "spacing", "from", "to"])?;
         let bins = table.find("bins").map_or(Ok(DEFAULT_BINS), |item| item.whole(1, MOST_BINS))? as usize;

@@ -1,13 +1,14 @@
 //! The kernels without a device: every variant is parsed and validated, and what both sides share is compared.
 
 use std::mem::offset_of;
+use std::path::Path;
 
 use jointsweep::internals::engine::backend::gpu::batch::{KernelFacts, OnChip};
 use jointsweep::internals::engine::backend::gpu::front::{EliminateParameters, Front};
 use jointsweep::internals::engine::backend::gpu::joint_tables::{JointParameters, RowParameters};
 use jointsweep::internals::engine::backend::gpu::kernel_texts::{
-    ASSEMBLE, Access, CONDENSE, ELIMINATE, JOINTS, KERNEL_FILES, KernelFile, NARROW, PCG, REFINE, ROOFLINE,
-    Sums, Variant, WORKS,
+    ANSWERS, ASSEMBLE, Access, CONDENSE, ELIMINATE, JOINTS, KERNEL_FILES, KernelFile, NARROW, PCG, REFINE,
+    ROOFLINE, Sums, Variant, WORKS,
 };
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::gpu::layout::AssembleParameters;
@@ -16,6 +17,7 @@ use jointsweep::internals::engine::backend::gpu::system_layout::{
 };
 use jointsweep::internals::engine::backend::gpu::works::WorksParameters;
 use jointsweep::internals::engine::backend::joints::{MOST_NODES, TERMS};
+use jointsweep::internals::engine::question::Question;
 use jointsweep::internals::lab::gpu::speed::RooflineParameters;
 use jointsweep::internals::mechanics::body::{Body, SHAPES, Side};
 use jointsweep::internals::mechanics::compliance::arc::packed_count;
@@ -23,6 +25,7 @@ use jointsweep::internals::mechanics::compliance::ring_modes::{MOST_MODES, RingM
 use jointsweep::internals::mechanics::element::ElementKind;
 use jointsweep::internals::mechanics::grading::{GradingClass, REFERENCE_LEVEL};
 use jointsweep::internals::mechanics::material::Idealization;
+use jointsweep::internals::study::config::Study;
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
@@ -78,6 +81,59 @@ fn every_variant_is_valid() {
                 }
             }
         }
+    }
+}
+
+/// A kernel of answers with the functions of some questions: every operation, every column, constants and inputs.
+#[test]
+fn questions_are_valid() {
+    let config = |select: &str, reduce: &str| {
+        format!(
+            "[joint]\nidealization = 'plane-stress'\nhole_radius = '10 mm'\nradial_clearance = '0.1 mm'\nthickness = ['5 mm', '6 mm']\n\
+             [joint.pin]\nmodel = 'rigid-core'\ncore_radius_ratio = 0.2\nyoungs_modulus = '210 GPa'\npoissons_ratio = 0.3\n\
+             [joint.plate]\nmodel = 'annulus'\nouter_radius_ratio = 3\nyoungs_modulus = '70 GPa'\npoissons_ratio = 0.3\n\
+             [load]\nforce = ['1 kN', '2 kN']\n[output]\nlaws = false\n[select]\nkeep = \"{select}\"\n[reduce]\n{reduce}\n"
+        )
+    };
+    let question = |select: &str, reduce: &str| {
+        let study = Study::from_text(Path::new("asked.toml"), config(select, reduce)).unwrap();
+        Question::of(&study)
+    };
+    let variant = Variant::plain(Precision::F32, 64);
+    for (select, reduce, givens) in [
+        ("force < 2 kN", "statistics = ['force']", [0, 2]),
+        (
+            "status == 'ok' and not (status == 'large displacement') or method != 'fe' and plate_model == 'annulus'",
+            "statistics = ['indentation', 'tangent_stiffness', 'contact_half_angle', 'energy']\nquantiles = [0.5]",
+            [1, 0],
+        ),
+        (
+            "tangent_stiffness >= 1e5 N/mm and tangent_stiffness != 2e5 N/mm and step > 0 and peak_pressure == 3 MPa",
+            "pareto = { largest = ['tangent_stiffness'], smallest = ['max(peak_pressure, 1 MPa)', 'energy / thickness^2'] }",
+            [1, 1],
+        ),
+        (
+            "force_error <= 0.01 and linearity_error < 1 and sqrt(abs(-thickness)) > 1 mm^0.5",
+            "best = { by = 'log(peak_pressure / 1 MPa) + log10(force / 1 N) - exp(-indentation / 1 mm) * 2' }\n\
+             histogram = [{ of = 'min(energy, 3 mJ)', from = '1 mJ', to = '2 mJ' }, { of = 'peak_pressure^0.5' }]",
+            [1, 1],
+        ),
+    ] {
+        let question = question(select, reduce).unwrap_or_else(|| panic!("{select}"));
+        let found = [question.givens.of_design.len(), question.givens.of_row.len()];
+        assert_eq!(found, givens, "{select}: {:?}", question.givens);
+        let source = ANSWERS.variant(&variant) + &question.text;
+        let (module, _) = check(&source, Capabilities::empty()).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(module.entry_points[0].name, ANSWERS.entry_points[0]);
+        let bindings = module.global_variables.iter().filter(|(_, variable)| variable.binding.is_some());
+        assert_eq!(bindings.count(), ANSWERS.bindings.len());
+    }
+    // What a device does not know.
+    for (select, reduce) in [
+        ("backend == 'gpu'", "statistics = ['force']"),
+        ("force < 2 kN", "statistics = ['peak_pressure_angle']"),
+    ] {
+        assert!(question(select, reduce).is_none(), "{select} {reduce}");
     }
 }
 

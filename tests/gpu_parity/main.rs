@@ -11,6 +11,7 @@ mod common {
     pub mod meshed_body;
     pub mod rings;
 }
+mod answers;
 mod elimination;
 mod joints;
 mod limits;

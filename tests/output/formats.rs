@@ -70,7 +70,7 @@ fn recorder(work: &Workdir, study: &Study, folder: &str) -> Recorder {
 /// The portions of a sweep.
 fn portions(study: &Study, threads: usize) -> Vec<Rows> {
     let sinks = Sinks::of(study);
-    let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
+    let digest = Digest { designs: sinks.portion(), make: &|solved| sinks.rows(solved) };
     let mut all = Vec::new();
     let options = SweepOptions { threads, ..Default::default() };
     sweep::run_digested(study, &options, &digest, &mut |rows| {

@@ -28,7 +28,7 @@ fn recorder(work: &Workdir, folder: &str) -> (Study, Recorder) {
 }
 
 fn write(recorder: &mut Recorder, outcome: DesignOutcome) {
-    let rows = recorder.sinks().rows(vec![outcome]);
+    let rows = recorder.sinks().rows(vec![outcome].into());
     recorder.write(&rows).unwrap();
 }
 

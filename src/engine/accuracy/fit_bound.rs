@@ -33,7 +33,7 @@ pub const NEAR_END: f64 = 0.05;
 const LEAST_ALIKE: usize = 20;
 
 /// Kinds of bodies that have bounds of their own: those inside, others, and thin walls.
-const KINDS: usize = 3;
+pub const KINDS: usize = 3;
 
 /// Bound of the relative error of the force that a fit leaves.
 pub struct FitBound {
@@ -99,6 +99,12 @@ impl FitBound {
         BodyBound { of_fit: self, kind, of_mesh: self.known_level.map_or([0.0; _], known) }
     }
 
+    /// As a device has it: how many angles there are, the angles, then of each width the bounds of all kinds.
+    pub fn table(&self) -> impl Iterator<Item = f64> {
+        let count = self.angles.len() as f64;
+        [count].into_iter().chain(self.angles.iter().copied()).chain(self.around.iter().flatten().copied())
+    }
+
     /// At the arcs that contact comes to, of all bodies, without what is known of the meshes.
     pub fn near(&self) -> impl Iterator<Item = f64> {
         let near = self.angles.iter().zip(&self.of_most).filter(|(half_angle, _)| **half_angle < WIDEST);
@@ -115,6 +121,11 @@ pub struct BodyBound<'a> {
 }
 
 impl BodyBound<'_> {
+    /// As a device has it, beside the table of its fit: which of the kinds it is, and what is known of the meshes.
+    pub fn numbers(&self) -> (usize, Known) {
+        (self.kind, self.of_mesh)
+    }
+
     /// At a contact half angle, rad: of the fit the greater of the bounds around it. What meshes leave of the samples and what the
     /// fit leaves between them have nothing to do with each other.
     pub fn at(&self, half_angle: f64) -> f64 {

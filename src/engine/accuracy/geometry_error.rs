@@ -11,7 +11,7 @@ use crate::study::design::JointDesign;
 /// Of the clearance ratio cubed; less in narrow contacts, below 30 deg. Half of 300 joints have less than a tenth of it, none of those
 /// without rubber more (docs/theory.md, section 10; `tests/mechanics/geometry.rs`).
 const OF_CUBE: f64 = 0.5;
-const OF_SINE: f64 = 2.0;
+pub const OF_SINE: f64 = 2.0;
 
 /// What pushes along the skin of a pin shears its wall: this of the clearance ratio cubed, times the pin's share, sin^2 of the half
 /// angle, and by how much a wall resists squeezing more than shear. Of pins whose wall is thicker than `WALL` radii of the core,
@@ -58,6 +58,11 @@ impl OutlineError {
         OutlineError { of_all: square * (ratio * OF_CUBE + all), of_shear: square * shear }
     }
 
+    /// Of wide contacts, and per sin^2 of the half angle.
+    pub fn numbers(&self) -> [f64; 2] {
+        [self.of_all, self.of_shear]
+    }
+
     /// At a contact half angle, rad.
     pub fn at(&self, half_angle: f64) -> f64 {
         let sine = half_angle.sin();
@@ -67,7 +72,7 @@ impl OutlineError {
 }
 
 /// Of `linearity_error`, by which laws that agree at small strain differ from it and from each other.
-const OF_STRAIN: f64 = 2.0;
+pub const OF_STRAIN: f64 = 2.0;
 
 /// Estimated relative difference of the force from laws of finite displacement and strain (docs/theory.md, section 10).
 pub fn linearity_error(joint: &JointDesign, response: &Response) -> f64 {

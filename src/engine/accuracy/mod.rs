@@ -48,7 +48,7 @@ pub struct ForceError {
 }
 
 /// Quadrature and rounding.
-const LEAST: f64 = 1e-8;
+pub const LEAST: f64 = 1e-8;
 
 impl ForceError {
     pub fn new(state: &ContactState, curve: f64, [bodies, beds]: [f64; 2], outlines: f64) -> ForceError {

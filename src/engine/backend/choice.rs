@@ -13,6 +13,8 @@ pub struct GpuChoice<'a> {
     pub device: &'a GpuDevice,
     pub precision: Precision,
     pub solver: DeviceSolver,
+    /// Which joints are the device's, too.
+    pub joints: SolvedJoints,
 }
 
 /// Designs of a batch: enough for thousands of bodies of a topology, few enough to stay small here.
@@ -22,9 +24,14 @@ const BATCH: usize = 16_384;
 const SOFTWARE_BATCH: usize = 256;
 
 impl<'a> GpuChoice<'a> {
-    /// By the solver that suits each mesh.
+    /// By the solver that suits each mesh; with joints where single precision is good enough for them, but for software, which is slower than the
+    /// processor itself.
     pub fn new(device: &'a GpuDevice, precision: Precision) -> GpuChoice<'a> {
-        GpuChoice { device, precision, solver: DeviceSolver::Auto }
+        let joints = match device.facts.kind {
+            AdapterKind::Software => SolvedJoints::None,
+            _ => joints_in(precision),
+        };
+        GpuChoice { device, precision, solver: DeviceSolver::Auto, joints }
     }
 
     /// Designs of a batch that keeps the device busy.
@@ -32,17 +39,9 @@ impl<'a> GpuChoice<'a> {
         if self.device.facts.kind == AdapterKind::Software { SOFTWARE_BATCH } else { BATCH }
     }
 
-    /// Which joints are the device's, too: in single precision, and not of software, which is slower than the processor itself.
-    pub fn solves_joints(&self) -> SolvedJoints {
-        match self.device.facts.kind {
-            AdapterKind::Software => SolvedJoints::None,
-            _ => joints_in(self.precision),
-        }
-    }
-
     /// The device with its kernels.
     pub fn condenser(&self) -> Result<GpuCondenser<'a>, GpuError> {
-        Ok(GpuCondenser::new(self.device, self.precision, self.solver)?.solving_joints(self.solves_joints()))
+        Ok(GpuCondenser::new(self.device, self.precision, self.solver)?.solving_joints(self.joints))
     }
 }
 

@@ -3,6 +3,7 @@
 //! A body's compliance in a space is a sum of rows, and bodies of one kind have the rows in common. What the rows are multiplied by comes up
 //! with the joint, or follows on the device from the body's place in its fit.
 
+use crate::engine::question::Question;
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::body_fit::BodyFit;
@@ -70,7 +71,19 @@ pub struct JointBatch<'a> {
     pub tables: Vec<JointTables<'a>>,
     pub joints: Vec<BatchedJoint>,
     pub numbers: Vec<f32>,
+    /// Where its rows are to be counted: no state of them comes back then.
+    pub asked: Option<AskedOfJoints<'a>>,
 }
+
+/// What is asked of the rows of joints, whose numbers have those for it behind them.
+pub struct AskedOfJoints<'a> {
+    pub question: &'a Question,
+    /// Of the question, then of fits.
+    pub tables: Vec<f32>,
+}
+
+/// Words that tell what was asked of some joints (`Layout::read`), as many as they are of.
+pub type ToldOfJoints = (usize, Vec<u32>);
 
 /// Where a joint's tables are in a batch, where its numbers begin, and how many loads it has.
 #[derive(Clone, Copy, Debug)]

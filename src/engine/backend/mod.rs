@@ -18,7 +18,7 @@ use adapter::GpuError;
 pub use without_gpu as gpu;
 
 use crate::engine::body_request::Group;
-use joints::{JointBatch, SolvedJoints};
+use joints::{JointBatch, SolvedJoints, ToldOfJoints};
 
 /// The works of the ring modes on each body of each group, packed, without near fields; `None` for a body that is left to the processor.
 pub type Works = Vec<Vec<Option<Vec<f64>>>>;
@@ -77,6 +77,11 @@ pub trait Device: Send + Sync {
 
     /// Waits for the joints that were begun before all others: what the kernel has found (`joints::states`), one joint after another.
     fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
+        Ok(Vec::new())
+    }
+
+    /// The same of joints whose rows were to be counted: what is told of as many as had room at a time, in their order.
+    fn finish_answers(&mut self) -> Result<Vec<ToldOfJoints>, GpuError> {
         Ok(Vec::new())
     }
 

@@ -16,6 +16,8 @@ use crate::engine::interpolation::fit_plan::{InterpolationPlan, Member, pair};
 use crate::engine::joint_contact::solve_joint;
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind, Method};
+use crate::engine::question::Asker;
+use crate::engine::question::counted::{Counted, Verdict};
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::engine::stopwatch::Stopwatch;
@@ -31,7 +33,7 @@ const TOGETHER: usize = 16;
 
 /// The rung: fits of a plan, made when the first designs come.
 pub struct Interpolation {
-    plan: InterpolationPlan,
+    pub(super) plan: InterpolationPlan,
     fitted: Option<HashMap<FamilyKey, FittedFamily>>,
     /// Time spent on fits, from start to end.
     pub fit_time: Duration,
@@ -69,16 +71,32 @@ impl Interpolation {
         self.fitted.iter().flat_map(HashMap::values)
     }
 
+    /// Has a device count the rows of designs, where one solves joints: what it has counted, and what is to be done with each design.
+    pub fn count(
+        &mut self,
+        library: &mut BodyLibrary,
+        spaces: &mut Spaces,
+        cases: &[DesignCase],
+        asker: &dyn Asker,
+    ) -> Option<(Counted, Vec<Verdict>)> {
+        if library.solves_joints() < SolvedJoints::Interpolated {
+            return None;
+        }
+        self.prepare(library, spaces);
+        self.count_on_device(library, spaces, cases, asker)
+    }
+
     /// The answers to the designs that are known well enough; `None` for those that are left to others.
     pub fn solve(
         &mut self,
         library: &mut BodyLibrary,
         spaces: &mut Spaces,
         cases: &[DesignCase],
+        may_be_on_device: bool,
     ) -> Vec<Option<Answer>> {
         self.prepare(library, spaces);
         let (this, spaces) = (&*self, &*spaces);
-        let mut answers = if library.solves_joints() >= SolvedJoints::Interpolated {
+        let mut answers = if may_be_on_device && library.solves_joints() >= SolvedJoints::Interpolated {
             this.solve_on_device(library, spaces, cases)
         } else {
             vec![None; cases.len()]

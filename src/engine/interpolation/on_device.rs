@@ -3,13 +3,16 @@
 
 use crate::engine::accuracy::Want;
 use crate::engine::accuracy::body_errors::OwnError;
-use crate::engine::backend::joints::{BodyTables, DeviceJoint, JointTables, states};
+use crate::engine::backend::joints::{AskedOfJoints, BodyTables, DeviceJoint, JointTables, states};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::device_joints::{Given, errors_of_bodies, gathered};
 use crate::engine::interpolation::interpolated::{Interpolation, MetJoint, whole};
 use crate::engine::joint_contact::judged;
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind};
+use crate::engine::question::Asker;
+use crate::engine::question::counted::{Counted, Verdict};
+use crate::engine::question::tables::Standing;
 use crate::engine::spaces::Spaces;
 use crate::study::design::DesignCase;
 
@@ -33,6 +36,51 @@ impl Interpolation {
         let Some(found) = library.finish_joints() else { return vec![None; cases.len()] };
         let judge = |case: &DesignCase, kept: Kept, found: &[f32]| self.judge(spaces, case, &kept, found);
         underway.judged(cases, TOGETHER, &found, judge)
+    }
+
+    /// Has the device count the rows of designs that it can solve, and gives back what it has counted and what is to be done with each;
+    /// nothing where the device is lost.
+    pub(super) fn count_on_device(
+        &self,
+        library: &mut BodyLibrary,
+        spaces: &Spaces,
+        cases: &[DesignCase],
+        asker: &dyn Asker,
+    ) -> Option<(Counted, Vec<Verdict>)> {
+        let question = asker.question();
+        let standing = Standing::new(question, asker.limits());
+        let mut tables = standing.tables();
+        let mut bounds_at = vec![0; self.plan.families.len()];
+        for fit in self.fits() {
+            bounds_at[fit.number] = tables.len();
+            tables.extend(fit.bound.table().map(|number| number as f32));
+        }
+        let give = |case: &DesignCase, numbers: &mut Vec<f32>| {
+            let given = self.given(spaces, case, numbers)?;
+            let (MetJoint { members, fits, points, .. }, even) = &given.kept;
+            let errors = [0, 1].map(|side| {
+                (
+                    OwnError::Fit(fits[side].error(&members[side].body, &points[side])),
+                    bounds_at[fits[side].number],
+                )
+            });
+            let errors = errors.each_ref().map(|(error, at)| (error, *at));
+            standing.push_design(case, *even, errors, numbers).then_some(given)
+        };
+        let (mut batch, underway) = gathered(cases, TOGETHER, give);
+        batch.asked = Some(AskedOfJoints { question, tables });
+        library.begin_joints(&batch);
+        let told = library.finish_answers()?;
+        let mut counted = Counted::none(question);
+        let mut verdicts = Vec::with_capacity(batch.joints.len());
+        for (_, words) in told {
+            let (more, own) = question.read(&words);
+            counted.merge(&more);
+            verdicts.extend(own);
+        }
+        let mut verdicts = verdicts.into_iter();
+        let verdict = |is_there: bool| is_there.then(|| verdicts.next()).flatten().unwrap_or(Verdict::Open);
+        Some((counted, underway.are_there().map(verdict).collect()))
     }
 
     /// A design as the device is given it; `None` where it has no kernel for it.

@@ -50,6 +50,13 @@ impl ExactSum {
         self.count_one();
     }
 
+    /// Adds a whole number of 2^exponent, which is that of a number or of its square.
+    pub fn add_whole(&mut self, negative: bool, whole: u128, exponent: i32) {
+        self.add_integer(negative, whole as u64, exponent);
+        self.add_integer(negative, (whole >> 64) as u64, exponent + 64);
+        self.count_one();
+    }
+
     pub fn merge(&mut self, other: &ExactSum) {
         let mut other = other.clone();
         other.carry();

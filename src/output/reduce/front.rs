@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::line::Line;
 use super::{Reduction, RowNumbers};
+use crate::engine::question::sign;
 use crate::study::expression::Expression;
-use crate::study::reduce::{Objective, Order};
+use crate::study::reduce::Objective;
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Front {
@@ -86,6 +87,13 @@ impl Front {
         matches!(self.objectives.len(), 2 | 3) && self.points.len() <= MOST_POINTS
     }
 
+    /// Scores that others must not be worse than in all that is asked, those that have beaten most before others.
+    pub fn beaten_by(&self) -> impl Iterator<Item = [f64; 3]> {
+        // Where there are too many nothing counts any more.
+        let all = self.too_many.then_some([f64::NEG_INFINITY; 3]);
+        all.into_iter().chain(self.points.iter().map(|point| point.scores))
+    }
+
     /// What a reader must know of it.
     pub fn remark(&self) -> Option<String> {
         let names: Vec<&str> = self.objectives.iter().map(|objective| objective.of.text()).collect();
@@ -116,13 +124,6 @@ fn in_order(points: &[Point]) -> Vec<&Point> {
 
 fn sorted<S: Serializer>(points: &[Point], serializer: S) -> Result<S::Ok, S::Error> {
     in_order(points).serialize(serializer)
-}
-
-fn sign(order: Order) -> f64 {
-    match order {
-        Order::Largest => -1.0,
-        Order::Smallest => 1.0,
-    }
 }
 
 impl Reduction for Front {

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::line::Line;
 use super::sketch::Sketch;
 use super::{Reduction, RowNumbers};
+use crate::engine::question::counted::CountedQuantity;
 use crate::study::expression::Expression;
 use crate::study::reduce::{self as asked, Spacing};
 
@@ -47,7 +48,7 @@ impl Histogram {
         match &self.bins {
             Bins::Known(counts) => {
                 let (from, to) = self.asked.range.unwrap_or((0.0, 1.0));
-                ((0..=counts.len()).map(|place| self.edge(place, from, to)).collect(), counts.clone())
+                ((0..=counts.len()).map(|place| self.asked.edge(place, from, to)).collect(), counts.clone())
             }
             Bins::Late { range: None, .. } => (Vec::new(), Vec::new()),
             Bins::Late { sketch, range: Some((from, to)) } => {
@@ -58,19 +59,8 @@ impl Histogram {
                 for (value, count) in sketch.values() {
                     counts[self.bin(value.max(*from).min(*to), *from, *to)] += count;
                 }
-                ((0..=counts.len()).map(|place| self.edge(place, *from, *to)).collect(), counts)
+                ((0..=counts.len()).map(|place| self.asked.edge(place, *from, *to)).collect(), counts)
             }
-        }
-    }
-
-    /// Where bin `place` begins, and the one before it ends.
-    fn edge(&self, place: usize, from: f64, to: f64) -> f64 {
-        let share = place as f64 / self.asked.bins as f64;
-        match (place, self.asked.spacing) {
-            (0, _) => from,
-            (place, _) if place == self.asked.bins => to,
-            (_, Spacing::Linear) => from * (1.0 - share) + to * share,
-            (_, Spacing::Log) => (from.ln() * (1.0 - share) + to.ln() * share).exp().max(from).min(to),
         }
     }
 
@@ -83,10 +73,10 @@ impl Histogram {
         let last = self.asked.bins - 1;
         let mut place = ((share * self.asked.bins as f64) as usize).min(last);
         // Rounding may have led over an edge.
-        while place > 0 && value < self.edge(place, from, to) {
+        while place > 0 && value < self.asked.edge(place, from, to) {
             place -= 1;
         }
-        while place < last && value >= self.edge(place + 1, from, to) {
+        while place < last && value >= self.asked.edge(place + 1, from, to) {
             place += 1;
         }
         place
@@ -114,6 +104,35 @@ impl Histogram {
                     counts[bin] += 1;
                 }
             }
+        }
+    }
+
+    pub fn of(&self) -> &Expression {
+        &self.asked.of
+    }
+
+    /// Whether the config says what its bins go from and to.
+    pub fn has_range(&self) -> bool {
+        self.asked.range.is_some()
+    }
+
+    /// What a device has counted; of bins that are known, in each.
+    pub fn add_counted(&mut self, counted: &CountedQuantity, in_bins: Option<&[u64]>) {
+        match (&mut self.bins, in_bins) {
+            (Bins::Known(own), Some([below, counts @ .., above])) => {
+                own.iter_mut().zip(counts).for_each(|(own, count)| *own += count);
+                self.below += below;
+                self.above += above;
+            }
+            (Bins::Late { sketch, .. }, _) => {
+                for (value, times) in &counted.sketch {
+                    match self.asked.spacing {
+                        Spacing::Log if *value <= 0.0 => self.below += times,
+                        _ => sketch.add_times(*value, *times),
+                    }
+                }
+            }
+            _ => {}
         }
     }
 
@@ -164,6 +183,22 @@ impl Reduction for Histogram {
 
     fn add(&mut self, columns: &[&[f64]], _rows: &[RowNumbers]) {
         columns[0].iter().for_each(|value| self.count(*value));
+    }
+
+    fn add_extremes(&mut self, columns: &[&[f64]], _rows: &[RowNumbers]) {
+        let is_log = self.asked.spacing == Spacing::Log;
+        let known = columns[0].iter().filter(|value| value.is_finite() && (!is_log || **value > 0.0));
+        if let Bins::Late { range, .. } = &mut self.bins {
+            known.for_each(|value| *range = joined(*range, Some((*value, *value))));
+        }
+    }
+
+    fn limits(&self) -> Vec<f64> {
+        match self.bins {
+            Bins::Known(_) => Vec::new(),
+            Bins::Late { range: Some((from, to)), .. } => vec![from, -to],
+            Bins::Late { range: None, .. } => vec![f64::INFINITY; 2],
+        }
     }
 
     fn push_header(&self, _table_header: &str, out: &mut Vec<u8>) {

@@ -15,6 +15,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::outcome::{Answer, DesignOutcome};
+use crate::engine::question::counted::{Counted, CountedQuantity};
+use crate::engine::question::{Limits, MOST_POINTS as MOST_COMPARED, Question};
 use crate::error::Error;
 use crate::output::filter::{ROWS, RowPlace, row_at};
 use crate::output::row_value::{Formula, Row};
@@ -46,6 +48,16 @@ pub trait Reduction {
 
     /// Adds rows with the values of its quantities, each a column of them with NaN for none.
     fn add(&mut self, columns: &[&[f64]], rows: &[RowNumbers]);
+
+    /// The same of rows that are counted already: only those that are told by themselves are of account.
+    fn add_extremes(&mut self, columns: &[&[f64]], rows: &[RowNumbers]) {
+        self.add(columns, rows);
+    }
+
+    /// What a value times its sign (`engine::question`) must not exceed to be told by itself, of each extreme.
+    fn limits(&self) -> Vec<f64> {
+        Vec::new()
+    }
 
     /// Has the lines of the table made for the rows that were added and stay; `line` makes one.
     fn make_lines(&mut self, _line: &dyn Fn(RowNumbers) -> String) {}
@@ -191,6 +203,49 @@ impl Reductions {
 
     /// Adds the kept rows of designs that follow each other.
     pub fn add(&mut self, outcomes: &[DesignOutcome], kept: &[RowPlace]) {
+        self.add_rows(outcomes, kept, |reduction, columns, rows| reduction.add(columns, rows));
+    }
+
+    /// Adds kept rows that a device has counted, for what is told of single rows.
+    pub fn add_extremes(&mut self, outcomes: &[DesignOutcome], kept: &[RowPlace]) {
+        self.add_rows(outcomes, kept, |reduction, columns, rows| reduction.add_extremes(columns, rows));
+    }
+
+    /// Adds what a device has counted for a question of the same config.
+    pub fn add_counted(&mut self, counted: &Counted, question: &Question) {
+        let none = CountedQuantity::default();
+        let place = |of: &Expression| question.quantities.iter().position(|known| known.of == *of);
+        let of_quantity = |of: &Expression| place(of).map_or(&none, |place| &counted.quantities[place]);
+        let mut in_bins = counted.histograms.iter();
+        for kind in &mut self.reductions {
+            match kind {
+                Kind::Statistics(own) => own.add_counted(of_quantity(own.of())),
+                Kind::Histogram(own) => {
+                    let bins = own.has_range().then(|| in_bins.next()).flatten();
+                    own.add_counted(of_quantity(own.of()), bins.map(Vec::as_slice));
+                }
+                // Every row of theirs is told by itself.
+                Kind::Ranking(_) | Kind::Front(_) => {}
+            }
+        }
+    }
+
+    /// What rows must reach to be told by themselves.
+    pub fn limits(&self) -> Limits {
+        let watches = self.reductions.iter().flat_map(|kind| kind.reduction().limits()).collect();
+        let points = self.reductions.iter().flat_map(|kind| match kind {
+            Kind::Front(front) => front.beaten_by().take(MOST_COMPARED).collect(),
+            _ => Vec::new(),
+        });
+        Limits { watches, points: points.collect() }
+    }
+
+    fn add_rows(
+        &mut self,
+        outcomes: &[DesignOutcome],
+        kept: &[RowPlace],
+        add: impl Fn(&mut dyn Reduction, &[&[f64]], &[RowNumbers]),
+    ) {
         let Work { formulas, places, table } = &*self.work;
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); formulas.len()];
         let mut numbers = Vec::new();
@@ -205,7 +260,7 @@ impl Reductions {
             numbers.extend(kept.iter().map(|(place, step)| (outcomes[*place].case.index, *step as u64)));
             for (kind, places) in self.reductions.iter_mut().zip(places) {
                 let values: Vec<&[f64]> = places.iter().map(|place| columns[*place].as_slice()).collect();
-                kind.reduction_mut().add(&values, &numbers);
+                add(kind.reduction_mut(), &values, &numbers);
             }
         }
         let line = |(design, step): RowNumbers| {

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::line::Line;
 use super::{Reduction, RowNumbers};
+use crate::engine::question::sign;
 use crate::study::expression::Expression;
 use crate::study::reduce::{Best, Order};
 
@@ -88,6 +89,11 @@ impl Reduction for Ranking {
                 self.insert(rank, Place { value, design, step, row: String::new() });
             }
         }
+    }
+
+    fn limits(&self) -> Vec<f64> {
+        let last = self.places.last().filter(|_| self.places.len() >= self.asked.count);
+        vec![last.map_or(f64::INFINITY, |last| sign(self.asked.order) * last.value)]
     }
 
     fn make_lines(&mut self, line: &dyn Fn(RowNumbers) -> String) {

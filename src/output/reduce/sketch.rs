@@ -42,11 +42,16 @@ impl Default for Sketch {
 impl Sketch {
     /// `value` must be finite.
     pub fn add(&mut self, value: f64) {
+        self.add_times(value, 1);
+    }
+
+    /// The same of several that are alike.
+    pub fn add_times(&mut self, value: f64, times: u64) {
         let leading = match value.abs() {
             tiny if tiny < f64::MIN_POSITIVE => 0,
             size => (size.to_bits() >> (52 - self.digits)) as i64,
         };
-        self.counts.add(if value < 0.0 { -leading } else { leading }, 1);
+        self.counts.add(if value < 0.0 { -leading } else { leading }, times);
         self.shrink();
     }
 

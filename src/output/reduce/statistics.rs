@@ -6,6 +6,8 @@ use super::exact_sum::{ExactSum, standard_deviation};
 use super::line::Line;
 use super::sketch::Sketch;
 use super::{Reduction, RowNumbers};
+use crate::engine::question::TRUSTED;
+use crate::engine::question::counted::{CountedQuantity, CountedSum};
 use crate::study::expression::Expression;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,6 +23,13 @@ pub struct Statistics {
     squares: ExactSum,
     /// Only where quantiles are asked for.
     sketch: Option<Sketch>,
+    /// How well numbers are known that a device has counted, relative; 0 without them.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    rounding: f64,
+}
+
+fn is_zero(rounding: &f64) -> bool {
+    *rounding == 0.0
 }
 
 /// A value and the row that has it, the first one of those that do.
@@ -53,7 +62,30 @@ impl Statistics {
             sum: ExactSum::default(),
             squares: ExactSum::default(),
             sketch: (!quantiles.is_empty()).then(Sketch::default),
+            rounding: 0.0,
         }
+    }
+
+    /// What a device has counted, but for the extremes.
+    pub fn add_counted(&mut self, counted: &CountedQuantity) {
+        for CountedSum { is_negative, count, sum, squares, exponent } in &counted.sums {
+            self.count += count;
+            self.sum.add_whole(*is_negative, u128::from(*sum), *exponent);
+            self.squares.add_whole(false, *squares, 2 * exponent);
+            self.rounding = TRUSTED;
+        }
+        if let Some(sketch) = &mut self.sketch {
+            counted.sketch.iter().for_each(|(value, times)| sketch.add_times(*value, *times));
+        }
+    }
+
+    /// The root of the mean of the squares.
+    fn root_mean_square(&self) -> f64 {
+        self.squares.mean(self.count.max(1)).sqrt()
+    }
+
+    pub fn of(&self) -> &Expression {
+        &self.of
     }
 
     fn extremes(&mut self, least: Option<Extreme>, greatest: Option<Extreme>) {
@@ -113,6 +145,21 @@ impl Reduction for Statistics {
         }
     }
 
+    fn add_extremes(&mut self, columns: &[&[f64]], rows: &[RowNumbers]) {
+        let known = columns[0].iter().zip(rows).filter(|(value, _)| value.is_finite());
+        for (value, (design, step)) in known {
+            let own = Some(Extreme { value: value + 0.0, design: *design, step: *step });
+            self.extremes(own, own);
+        }
+    }
+
+    fn limits(&self) -> Vec<f64> {
+        let limit = |extreme: Option<Extreme>, sign: f64| {
+            extreme.map_or(f64::INFINITY, |extreme| sign * extreme.value)
+        };
+        vec![limit(self.least, 1.0), limit(self.greatest, -1.0)]
+    }
+
     fn push_header(&self, _table_header: &str, out: &mut Vec<u8>) {
         out.extend_from_slice(b"of,unit,statistic,value,relative_error,design,step\n");
     }
@@ -134,10 +181,16 @@ impl Reduction for Statistics {
         };
         push("min", self.least.map(|least| least.value), 0.0, self.least);
         push("max", self.greatest.map(|greatest| greatest.value), 0.0, self.greatest);
-        push("mean", self.mean(), 0.0, None);
-        push("standard_deviation", self.standard_deviation(), 0.0, None);
+        // Of sums of numbers of both signs, and of differences, what rounding leaves is by the size of the numbers.
+        let of_sums = |value: Option<f64>| match self.rounding {
+            0.0 => 0.0,
+            rounding => rounding * self.root_mean_square() / value.unwrap_or(0.0).abs(),
+        };
+        let (mean, deviation) = (self.mean(), self.standard_deviation());
+        push("mean", mean, of_sums(mean), None);
+        push("standard_deviation", deviation, of_sums(deviation), None);
         for share in &self.quantiles {
-            let error = self.sketch.as_ref().map_or(0.0, Sketch::relative_error);
+            let error = self.rounding + self.sketch.as_ref().map_or(0.0, Sketch::relative_error);
             push(&format!("quantile_{share}"), self.quantile(*share), error, None);
         }
     }
@@ -153,6 +206,7 @@ impl Statistics {
         if let (Some(own), Some(theirs)) = (&mut self.sketch, &other.sketch) {
             own.merge(theirs);
         }
+        self.rounding = self.rounding.max(other.rounding);
     }
 
     /// Whether they are of the same question.

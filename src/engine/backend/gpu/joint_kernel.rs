@@ -8,12 +8,15 @@ use foldhash::HashMap;
 use wgpu::BufferUsages;
 
 use super::context::{GpuDevice, GpuError};
-use super::dispatch::{ALIGNMENT, Argument, PassTimes, Reading, kept};
+use super::dispatch::{self, ALIGNMENT, Argument, PassTimes, Reading};
 use super::joint_tables::{JointParameters, TableArena};
-use super::kernel_texts::{JOINTS, Variant};
+use super::kernel_texts::{ANSWERS, JOINTS, Variant};
 use super::kernels::{Making, Precision, Stage};
-use crate::engine::backend::joints::{BatchedJoint, JointBatch, JointTables, MOST_NODES};
+use crate::engine::backend::joints::{
+    BatchedJoint, JointBatch, JointTables, MOST_NODES, STATE_NUMBERS, ToldOfJoints,
+};
 use crate::engine::backend::{Counts, IN_FLIGHT};
+use crate::engine::question::counted::MOST_ROWS;
 
 /// Of a dispatch at most: few enough for any device's limit, and for a watchdog.
 const MOST_JOINTS: usize = 8192;
@@ -26,6 +29,8 @@ const FEWEST_BYTES: u64 = 1 << 20;
 pub struct JointKernel {
     /// Of the counts of trial pressures that were asked for.
     stages: HashMap<usize, Stage>,
+    /// What counts rows, by the functions of its question.
+    answers: Option<(String, Stage)>,
     making: Making,
     tables: TableArena,
     /// In the order they were begun.
@@ -36,19 +41,27 @@ pub struct JointKernel {
     pub counts: Counts,
 }
 
-/// Those of `TRAVELLING`.
-type Buffers = [Option<wgpu::Buffer>; 5];
+/// Those of `TRAVELLING`, and of `ASKING` where rows are counted.
+#[derive(Default)]
+struct Buffers {
+    joints: [Option<wgpu::Buffer>; 5],
+    answers: [Option<wgpu::Buffer>; 3],
+}
 
 /// Joints that were begun together.
 struct Batch {
     /// What is submitted and not read back.
     flights: VecDeque<Flight>,
     found: Vec<f32>,
+    /// In place of it where rows are counted.
+    told: Vec<ToldOfJoints>,
 }
 
 struct Flight {
-    /// Bytes that are found, before those that tell how long passes took.
-    found_bytes: u64,
+    joints: usize,
+    /// Bytes that come back, before those that tell how long passes took, and whether they are of counts.
+    bytes: u64,
+    is_counted: bool,
     /// Nothing where tables are too large for the device: its joints have no states.
     on_device: Option<(Buffers, Reading)>,
 }
@@ -65,6 +78,16 @@ const TRAVELLING: [(&str, BufferUsages); 5] = [
     ("staging", BufferUsages::COPY_DST.union(BufferUsages::MAP_READ)),
 ];
 
+/// Tables of a question, its designs, and what is told of them.
+const ASKING: [(&str, BufferUsages); 3] = [
+    ("asked", BufferUsages::STORAGE.union(BufferUsages::COPY_DST)),
+    ("designs", BufferUsages::STORAGE.union(BufferUsages::COPY_DST)),
+    ("told", BufferUsages::STORAGE.union(BufferUsages::COPY_SRC).union(BufferUsages::COPY_DST)),
+];
+
+/// Designs that a workgroup of `answers` has.
+const TOGETHER: u32 = 64;
+
 /// What a flight takes up.
 struct Load {
     /// Of the joints that are left.
@@ -72,6 +95,8 @@ struct Load {
     parameters: Vec<JointParameters>,
     /// Of each count of trial pressures.
     places: Vec<(usize, Vec<Placed>)>,
+    /// Of each joint where its numbers and what is found of it begin, and its loads; where rows are counted.
+    designs: Vec<Placed>,
     found_bytes: u64,
 }
 
@@ -79,6 +104,7 @@ impl JointKernel {
     pub fn new(making: Making) -> JointKernel {
         JointKernel {
             stages: HashMap::default(),
+            answers: None,
             making,
             tables: TableArena::default(),
             batches: VecDeque::new(),
@@ -97,8 +123,12 @@ impl JointKernel {
                 self.stages.insert(key.terms, stage);
             }
         }
-        let found = Vec::with_capacity(batch.joints.iter().map(BatchedJoint::found).sum());
-        self.batches.push_back(Batch { flights: VecDeque::new(), found });
+        let mut found = Vec::new();
+        match &batch.asked {
+            Some(asked) => self.make_answers(gpu, &asked.question.text)?,
+            None => found.reserve(batch.joints.iter().map(BatchedJoint::found).sum()),
+        }
+        self.batches.push_back(Batch { flights: VecDeque::new(), found, told: Vec::new() });
         let mut first = 0;
         while first < batch.joints.len() {
             self.land_all_but(gpu, IN_FLIGHT - 1)?;
@@ -129,10 +159,29 @@ impl JointKernel {
 
     /// Waits for the batch that was begun before all others: what is found of its joints, one after another.
     pub fn finish(&mut self, gpu: &GpuDevice) -> Result<Vec<f32>, GpuError> {
+        Ok(self.finished(gpu)?.map(|batch| batch.found).unwrap_or_default())
+    }
+
+    /// The same of a batch whose rows were counted.
+    pub fn finish_answers(&mut self, gpu: &GpuDevice) -> Result<Vec<ToldOfJoints>, GpuError> {
+        Ok(self.finished(gpu)?.map(|batch| batch.told).unwrap_or_default())
+    }
+
+    fn finished(&mut self, gpu: &GpuDevice) -> Result<Option<Batch>, GpuError> {
         while self.batches.front().is_some_and(|batch| !batch.flights.is_empty()) {
             self.land(gpu, 0)?;
         }
-        Ok(self.batches.pop_front().map(|batch| batch.found).unwrap_or_default())
+        Ok(self.batches.pop_front())
+    }
+
+    /// The kernel that counts rows, with the functions of a question.
+    fn make_answers(&mut self, gpu: &GpuDevice, functions: &str) -> Result<(), GpuError> {
+        if self.answers.as_ref().is_none_or(|(known, _)| known != functions) {
+            let variant = Variant::plain(Precision::F32, TOGETHER);
+            let stage = Stage::with_functions(gpu, &ANSWERS, &variant, functions, self.making)?;
+            self.answers = Some((functions.to_string(), stage));
+        }
+        Ok(())
     }
 
     /// Waits for the oldest flights, until so many are left.
@@ -149,16 +198,24 @@ impl JointKernel {
 
     /// Waits for the first flight of a batch.
     fn land(&mut self, gpu: &GpuDevice, index: usize) -> Result<(), GpuError> {
-        let Batch { flights, found } = &mut self.batches[index];
-        let Some(Flight { found_bytes, on_device }) = flights.pop_front() else { return Ok(()) };
-        let Some((buffers, reading)) = on_device else {
-            found.extend(std::iter::repeat_n(0.0, found_bytes as usize / size_of::<f32>()));
+        let Batch { flights, found, told } = &mut self.batches[index];
+        let Some(Flight { joints, bytes, is_counted, on_device }) = flights.pop_front() else {
             return Ok(());
         };
-        self.counts.busy += gpu.look(reading, |bytes| {
-            let (own, times) = bytes.split_at(found_bytes as usize);
-            let numbers = own.as_chunks().0.iter();
-            found.extend(numbers.map(|number| f32::from_ne_bytes(*number)));
+        let mut take = |own: &[u8]| {
+            let words = own.as_chunks().0.iter();
+            match is_counted {
+                true => told.push((joints, words.map(|word| u32::from_ne_bytes(*word)).collect())),
+                false => found.extend(words.map(|word| f32::from_ne_bytes(*word))),
+            }
+        };
+        let Some((buffers, reading)) = on_device else {
+            take(&vec![0; bytes as usize]);
+            return Ok(());
+        };
+        self.counts.busy += gpu.look(reading, |all| {
+            let (own, times) = all.split_at(bytes as usize);
+            take(own);
             gpu.busy(times)
         })?;
         self.free.push(buffers);
@@ -176,28 +233,35 @@ impl JointKernel {
         first: usize,
     ) -> Result<(usize, Flight), GpuError> {
         let load = self.load(gpu, batch, first)?;
-        let Load { count, found_bytes, .. } = load;
-        if count == 0 {
-            let found_bytes = (size_of::<f32>() * batch.joints[first].found()) as u64;
-            return Ok((1, Flight { found_bytes, on_device: None }));
+        let joints = load.count.max(1);
+        let bytes = match &batch.asked {
+            Some(asked) => (size_of::<u32>() * asked.question.layout.words(joints)) as u64,
+            None if load.count == 0 => (size_of::<f32>() * batch.joints[first].found()) as u64,
+            None => load.found_bytes,
+        };
+        let is_counted = batch.asked.is_some();
+        if load.count == 0 {
+            return Ok((1, Flight { joints, bytes, is_counted, on_device: None }));
         }
         let mut buffers = self.free.pop().unwrap_or_default();
-        let numbers = numbers_of(batch, first).start..numbers_of(batch, first + count - 1).end;
-        let reading = self.submit(gpu, &mut buffers, &load, &batch.numbers[numbers])?;
-        Ok((count, Flight { found_bytes, on_device: Some((buffers, reading)) }))
+        let numbers = numbers_of(batch, first).start..numbers_of(batch, first + joints - 1).end;
+        let asked = batch.asked.as_ref().map(|asked| &asked.tables[..]);
+        let reading = self.submit(gpu, &mut buffers, &load, &batch.numbers[numbers], (asked, bytes))?;
+        Ok((joints, Flight { joints, bytes, is_counted, on_device: Some((buffers, reading)) }))
     }
 
     fn submit(
         &mut self,
         gpu: &GpuDevice,
-        buffers: &mut Buffers,
+        Buffers { joints: buffers, answers }: &mut Buffers,
         load: &Load,
         numbers: &[f32],
+        (asked, bytes): (Option<&[f32]>, u64),
     ) -> Result<Reading, GpuError> {
-        let Load { parameters, places, found_bytes, .. } = load;
+        let Load { parameters, places, designs, found_bytes, .. } = load;
         let pieces: usize = places.iter().map(|(_, places)| places.len().div_ceil(MOST_JOINTS)).sum();
-        let mut times = PassTimes::of(gpu, pieces);
-        let staged = found_bytes + times.bytes();
+        let mut times = PassTimes::of(gpu, pieces + usize::from(asked.is_some()));
+        let staged = bytes + times.bytes();
         let sizes = [
             size_of_val(&parameters[..]) as u64,
             places.iter().map(|(_, places)| whole_parts(places)).sum(),
@@ -207,10 +271,17 @@ impl JointKernel {
         ];
         // Before anything is written: wgpu loses a device that has no memory for what is written.
         let (counts, stages, tables) = (&mut self.counts, &self.stages, &self.tables);
-        let kept = gpu.checked("joints", || kept(gpu, buffers, TRAVELLING, sizes, counts))?;
+        let kept = gpu.checked("joints", || dispatch::kept(gpu, buffers, TRAVELLING, sizes, counts))?;
         let [of_parameters, of_places, of_joints, found, staging] = kept;
         counts.bytes_up += sizes[..3].iter().sum::<u64>();
-        counts.bytes_down += found_bytes;
+        counts.bytes_down += bytes;
+        let mut counting = None;
+        if let (Some(asked), Some((_, stage))) = (asked, &self.answers) {
+            let sizes = [size_of_val(asked) as u64, size_of_val(&designs[..]) as u64, bytes];
+            counts.bytes_up += sizes[..2].iter().sum::<u64>();
+            let kept = gpu.checked("answers", || dispatch::kept(gpu, answers, ASKING, sizes, counts))?;
+            counting = Some((kept, asked, stage));
+        }
         gpu.checked("joints", || {
             gpu.queue.write_buffer(of_parameters, 0, bytemuck::cast_slice(parameters));
             gpu.queue.write_buffer(of_joints, 0, bytemuck::cast_slice(numbers));
@@ -236,8 +307,28 @@ impl JointKernel {
                 }
                 at += whole_parts(own);
             }
-            encoder.copy_buffer_to_buffer(found, 0, staging, 0, *found_bytes);
-            times.resolve(&mut encoder, staging, *found_bytes);
+            let mut read = found;
+            if let Some(([of_asked, of_designs, told], asked, stage)) = counting {
+                gpu.queue.write_buffer(of_asked, 0, bytemuck::cast_slice(asked));
+                gpu.queue.write_buffer(of_designs, 0, bytemuck::cast_slice(designs));
+                encoder.clear_buffer(told, 0, Some(bytes));
+                let arguments = [
+                    Argument::whole("found", found),
+                    Argument::whole("joints", of_joints),
+                    Argument::whole("asked", of_asked),
+                    // As many as there are: it tells the kernel how many that is.
+                    Argument::part("designs", of_designs, 0..size_of_val(&designs[..]) as u64),
+                    Argument::whole("told", told),
+                ];
+                let mut pass = encoder.begin_compute_pass(&times.next());
+                pass.set_pipeline(&stage.pipelines[0]);
+                pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
+                pass.dispatch_workgroups(designs.len().div_ceil(TOGETHER as usize) as u32, 1, 1);
+                counts.dispatches += 1;
+                read = told;
+            }
+            encoder.copy_buffer_to_buffer(read, 0, staging, 0, bytes);
+            times.resolve(&mut encoder, staging, bytes);
             let submission = gpu.queue.submit([encoder.finish()]);
             counts.submits += 1;
             gpu.reading(staging, staged, submission)
@@ -252,8 +343,11 @@ impl JointKernel {
         let mut tables: Vec<&JointTables> = Vec::new();
         let mut order: Vec<Option<u32>> = vec![None; batch.tables.len()];
         let (mut count, mut found) = (0, 0);
+        let most_found = if batch.asked.is_some() { most.min(STATE_NUMBERS * MOST_ROWS) } else { most };
         for (place, joint) in batch.joints.iter().enumerate().skip(first) {
-            if count > 0 && (numbers_of(batch, place).end - start > most || found + joint.found() > most) {
+            if count > 0
+                && (numbers_of(batch, place).end - start > most || found + joint.found() > most_found)
+            {
                 break;
             }
             found += joint.found();
@@ -270,6 +364,7 @@ impl JointKernel {
             count: 0,
             parameters: tables.iter().map(|tables| self.tables.parameters(tables)).collect(),
             places: Vec::new(),
+            designs: Vec::new(),
             found_bytes: 0,
         };
         for joint in &batch.joints[first..first + count] {
@@ -277,6 +372,9 @@ impl JointKernel {
             let terms = tables[own as usize].space.0.terms;
             let numbers_at = joint.numbers_at - start as u32;
             let placed = [own, numbers_at, (load.found_bytes / 4) as u32, joint.load_count];
+            if batch.asked.is_some() {
+                load.designs.push([placed[1], placed[2], placed[3], 0]);
+            }
             match load.places.iter_mut().find(|(own, _)| *own == terms) {
                 Some((_, places)) => places.push(placed),
                 None => load.places.push((terms, vec![placed])),

@@ -3,11 +3,18 @@
 use super::batch::{OnChip, works_tile};
 use super::front::{Front, WORKS_HEADER};
 use super::system_layout::{SLICE, SystemOutcome};
+use crate::engine::accuracy::LEAST;
+use crate::engine::accuracy::fit_bound::KINDS;
+use crate::engine::accuracy::geometry_error::{LARGE_DISPLACEMENT, OF_SINE, OF_STRAIN};
 use crate::engine::backend::joints::{
-    JOINT_NUMBERS, MOST_NODES, MOST_PRODUCTS, MOST_ROWS, STATE_NUMBERS, TERMS,
+    ENDED, JOINT_NUMBERS, MOST_NODES, MOST_PRODUCTS, MOST_ROWS, STATE_NUMBERS, TERMS,
 };
 use crate::engine::backend::precision::Precision;
+use crate::engine::question::counted::{EXPONENTS, FIRST_EXPONENT, LEADING, PARTS, SUM_WORDS};
+use crate::engine::question::tables::{BOUND_NUMBERS, DESIGN_NUMBERS, SCENE_NUMBERS};
+use crate::engine::question::{CALCULATED, FOUND, NOISE, OF_ERRORS, ROUNDED, TRUSTED};
 use crate::mechanics::compliance::ring_modes::MOST_MODES;
+use crate::mechanics::contact::curve_error::ROUGH;
 use crate::mechanics::contact::edge::{SLOWEST, TENSION};
 use crate::mechanics::contact::reduced::{DECISIVE, FUNCTIONS, OF_LOAD};
 use crate::mechanics::contact::search::MOST_OF_POLYNOMIALS;
@@ -208,6 +215,41 @@ pub const JOINTS: KernelFile = KernelFile {
         ("NARROWEST", Constant::Single(NARROWEST)),
         ("SLOWEST", Constant::Single(SLOWEST)),
         ("TENSION", Constant::Single(TENSION)),
+    ],
+    summand: None,
+};
+
+/// From states of joints to what is asked of all rows together; each question adds its own functions.
+pub const ANSWERS: KernelFile = KernelFile {
+    name: "answers",
+    text: include_str!("../../../../shaders/answers.wgsl"),
+    entry_points: &["answer"],
+    bindings: &[("found", Read), ("joints", Read), ("asked", Read), ("designs", Read), ("told", Written)],
+    constants: &[
+        ("JOINT_NUMBERS", Constant::Count(JOINT_NUMBERS)),
+        ("STATE_NUMBERS", Constant::Count(STATE_NUMBERS)),
+        ("SCENE_NUMBERS", Constant::Count(SCENE_NUMBERS)),
+        ("BODY_BOUND_NUMBERS", Constant::Count(BOUND_NUMBERS)),
+        ("DESIGN_NUMBERS", Constant::Count(DESIGN_NUMBERS)),
+        ("KINDS", Constant::Count(KINDS)),
+        ("COLUMNS", Constant::Count(BOUND_NUMBERS - 2)),
+        ("LEAST_EXPONENT", Constant::Count((127 + FIRST_EXPONENT) as usize)),
+        ("EXPONENTS", Constant::Count(EXPONENTS)),
+        ("LEADING", Constant::Count(LEADING)),
+        ("PARTS", Constant::Count(PARTS)),
+        ("SUM_WORDS", Constant::Count(SUM_WORDS)),
+        ("ENDED", Constant::Single(ENDED as f64)),
+        ("ROUGH", Constant::Single(ROUGH)),
+        ("LEAST_ERROR", Constant::Single(LEAST)),
+        ("OF_SINE", Constant::Single(OF_SINE)),
+        ("OF_STRAIN", Constant::Single(OF_STRAIN)),
+        ("LARGE_DISPLACEMENT", Constant::Single(LARGE_DISPLACEMENT)),
+        ("FOUND", Constant::Single(FOUND)),
+        ("CALCULATED", Constant::Single(CALCULATED)),
+        ("ROUNDED", Constant::Single(ROUNDED)),
+        ("TRUSTED", Constant::Single(TRUSTED)),
+        ("OF_ERRORS", Constant::Single(OF_ERRORS)),
+        ("NOISE", Constant::Single(NOISE)),
     ],
     summand: None,
 };

@@ -175,6 +175,17 @@ impl Stage {
         variant: &Variant,
         making: Making,
     ) -> Result<Stage, GpuError> {
+        Stage::with_functions(gpu, file, variant, "", making)
+    }
+
+    /// Of a kernel that lacks some functions, with these.
+    pub(crate) fn with_functions(
+        gpu: &GpuDevice,
+        file: &KernelFile,
+        variant: &Variant,
+        functions: &str,
+        making: Making,
+    ) -> Result<Stage, GpuError> {
         let storage_buffers = file.storage_buffers();
         if storage_buffers > gpu.facts.limits.storage_buffers as usize {
             let what = format!("{storage_buffers} storage buffers");
@@ -182,7 +193,7 @@ impl Stage {
         }
         let source = match making {
             Making::Empty => file.empty(variant.invocations),
-            Making::Trusted | Making::Checked => file.variant(variant),
+            Making::Trusted | Making::Checked => file.variant(variant) + functions,
         };
         let is_checked = making == Making::Checked;
         let started = Instant::now();

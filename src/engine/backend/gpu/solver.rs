@@ -17,7 +17,7 @@ use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::backend::device_solver::DeviceSolver;
-use crate::engine::backend::joints::{JointBatch, SolvedJoints};
+use crate::engine::backend::joints::{JointBatch, SolvedJoints, ToldOfJoints};
 use crate::engine::backend::{Counts, Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::mechanics::body::Body;
@@ -173,6 +173,13 @@ impl Device for GpuCondenser<'_> {
         let found = self.joints.finish(self.kernels.gpu);
         self.report.contact += started.elapsed();
         found
+    }
+
+    fn finish_answers(&mut self) -> Result<Vec<ToldOfJoints>, GpuError> {
+        let started = Instant::now();
+        let told = self.joints.finish_answers(self.kernels.gpu);
+        self.report.contact += started.elapsed();
+        told
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {

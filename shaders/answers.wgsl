@@ -1,0 +1,532 @@
+// Twin: `engine/row.rs` (`Solving::respond`), `engine/accuracy`, `output/row_value.rs` and `output/reduce`.
+//
+// Answers: from the states of joints to what a question asks of all rows together, in f32. One invocation has one design. Numbers have a
+// radius beside them: the processor's own number, in f64, is surely within it. Designs of which all is sure are counted here. All others, and
+// those with a row that may be among the extreme ones, are told to the processor, which solves them itself.
+//
+// `condition` and `quantity` are written for each question (`engine/question/formula.rs`).
+
+// What the kernel of joints has found, and what it was given: the numbers that are for this one are behind its own.
+@group(0) @binding(0) var<storage, read> found: array<f32>;
+@group(0) @binding(1) var<storage, read> joints: array<f32>;
+// Numbers and tables of the question, and bounds of fits. Counts and places are whole numbers.
+@group(0) @binding(2) var<storage, read> asked: array<f32>;
+// Of each design: where its numbers in `joints` and what is found of it begin, and how many loads it has.
+@group(0) @binding(3) var<storage, read> designs: array<vec4<u32>>;
+// Counts, then a verdict for each design.
+@group(0) @binding(4) var<storage, read_write> told: array<atomic<u32>>;
+
+// Where `asked` has numbers of the question, and where its tables begin; as `question/tables.rs` has them.
+const ACCURACY = 0u;
+const QUANTITY_COUNT = 1u;
+const QUANTITIES_AT = 2u;
+const WATCH_COUNT = 3u;
+const WATCHES_AT = 4u;
+const AXIS_COUNT = 5u;
+const POINT_COUNT = 6u;
+const AXES_AT = 7u;
+const HISTOGRAM_COUNT = 8u;
+const HISTOGRAMS_AT = 9u;
+const GIVEN_OF_DESIGN = 10u;
+const GIVEN_OF_ROW = 11u;
+const VERDICTS_AT = 12u;
+const COLUMN_BEGINS_AT = 13u;
+
+// Where `told` has what is counted of all rows.
+const COUNTED_DESIGNS = 0u;
+const COUNTED_ROWS = 1u;
+const KEPT_ROWS = 2u;
+const LARGE_ROWS = 3u;
+const GREATEST_ERROR = 4u;
+const GREATEST_LINEARITY = 5u;
+const GREATEST_FORCE = 6u;
+// Of the bits of the smallest force, from those of infinity.
+const LEAST_FORCE = 7u;
+
+// Verdicts.
+const OPEN = 0u;
+const COUNTED = 1u;
+const CANDIDATE = 2u;
+
+const INFINITE_BITS = 0x7f800000u;
+// A radius beyond which a number is unknown.
+const UNKNOWN = 1e30;
+const SIXTH_OF_PI = 0.5235988;
+
+struct Row {
+    // Where the numbers of the design that the processor gives begin, and those of the load.
+    givens_at: u32,
+    row_givens_at: u32,
+    // All of it is surely good.
+    is_good: bool,
+    is_large: bool,
+    indentation: vec2<f32>,
+    offset: vec2<f32>,
+    force: vec2<f32>,
+    tangent_stiffness: vec2<f32>,
+    half_angle: vec2<f32>,
+    peak_pressure: vec2<f32>,
+    energy: vec2<f32>,
+    force_error: vec2<f32>,
+    linearity_error: vec2<f32>,
+}
+
+// Of one quantity in this workgroup, [sign and exponent][part]: the numbers, then 12 binary digits at a time of sums of mantissas, and of
+// the three products that squares of mantissas are made of.
+var<workgroup> sums: array<atomic<u32>, SUM_WORDS>;
+
+fn whole(at: u32) -> u32 {
+    return u32(asked[at]);
+}
+
+// A number with the radius that rounding leaves, and one that is exact.
+fn given(at: u32) -> vec2<f32> {
+    return vec2<f32>(joints[at], ROUNDED * abs(joints[at]));
+}
+
+fn exact(at: u32) -> vec2<f32> {
+    return vec2<f32>(joints[at], 0.0);
+}
+
+fn is_known(a: vec2<f32>) -> bool {
+    return is_finite(wide(a.x)) && is_finite(wide(a.y)) && a.y < UNKNOWN;
+}
+
+fn unknown() -> vec2<f32> {
+    return vec2<f32>(0.0, 2.0 * UNKNOWN);
+}
+
+fn rounded(value: f32, radius: f32) -> vec2<f32> {
+    return vec2<f32>(value, radius + CALCULATED * abs(value));
+}
+
+fn negate(a: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(-a.x, a.y);
+}
+
+fn add(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    return rounded(a.x + b.x, a.y + b.y);
+}
+
+fn subtract(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    return rounded(a.x - b.x, a.y + b.y);
+}
+
+fn multiply(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    return rounded(a.x * b.x, abs(a.x) * b.y + abs(b.x) * a.y + a.y * b.y);
+}
+
+fn divide(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    let least = abs(b.x) - b.y;
+    if !(least > 0.0) {
+        return unknown();
+    }
+    let value = a.x / b.x;
+    return rounded(value, (a.y + abs(value) * b.y) / least);
+}
+
+fn absolute(a: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(abs(a.x), a.y);
+}
+
+fn square_root(a: vec2<f32>) -> vec2<f32> {
+    if !(a.x > a.y) {
+        return unknown();
+    }
+    return rounded(sqrt(a.x), a.y / sqrt(a.x - a.y));
+}
+
+fn logarithm(a: vec2<f32>) -> vec2<f32> {
+    if !(a.x > a.y) {
+        return unknown();
+    }
+    return rounded(log(a.x), a.y / (a.x - a.y) + CALCULATED);
+}
+
+fn logarithm10(a: vec2<f32>) -> vec2<f32> {
+    return multiply(logarithm(a), vec2<f32>(0.4342945, 0.0));
+}
+
+fn exponential(a: vec2<f32>) -> vec2<f32> {
+    if !(a.y < 0.1 && abs(a.x) < 80.0) {
+        return unknown();
+    }
+    let value = exp(a.x);
+    return rounded(value, value * (1.1 * a.y + CALCULATED * abs(a.x)));
+}
+
+fn power(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    return exponential(multiply(b, logarithm(a)));
+}
+
+fn smaller(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(min(a.x, b.x), max(a.y, b.y));
+}
+
+fn larger(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(max(a.x, b.x), max(a.y, b.y));
+}
+
+// Conditions are 1 or 0 with a radius of zero where they are sure.
+fn condition_of(is_sure: bool, is_surely_not: bool, a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    if is_known(a) && is_known(b) && (is_sure || is_surely_not) {
+        return vec2<f32>(select(0.0, 1.0, is_sure), 0.0);
+    }
+    return unknown();
+}
+
+fn less(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    let radius = a.y + b.y;
+    let is_sure = b.x - a.x > radius;
+    let is_surely_not = a.x - b.x >= radius;
+    return condition_of(is_sure, is_surely_not, a, b);
+}
+
+fn less_or_equal(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    let radius = a.y + b.y;
+    let is_sure = b.x - a.x >= radius;
+    let is_surely_not = a.x - b.x > radius;
+    return condition_of(is_sure, is_surely_not, a, b);
+}
+
+fn equal(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    let radius = a.y + b.y;
+    return condition_of(radius == 0.0 && a.x == b.x, abs(a.x - b.x) > radius, a, b);
+}
+
+fn opposite(a: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(1.0 - a.x, a.y);
+}
+
+fn is_surely(a: vec2<f32>, value: f32) -> bool {
+    return a.y == 0.0 && a.x == value;
+}
+
+fn both(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    if is_surely(a, 0.0) || is_surely(b, 0.0) {
+        return vec2<f32>(0.0);
+    }
+    if is_surely(a, 1.0) && is_surely(b, 1.0) {
+        return vec2<f32>(1.0, 0.0);
+    }
+    return unknown();
+}
+
+fn either(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
+    return opposite(both(opposite(a), opposite(b)));
+}
+
+fn told_by(holds: bool) -> vec2<f32> {
+    return vec2<f32>(select(0.0, 1.0, holds), 0.0);
+}
+
+// The bound of a body at a half angle: of its fit, and of what is known of its meshes.
+fn bound_at(body_at: u32, half_angle: f32) -> f32 {
+    let table_at = u32(joints[body_at]);
+    let kind = u32(joints[body_at + 1u]);
+    let angle_count = whole(table_at);
+    var below = 0u;
+    for (var angle = 0u; angle < angle_count; angle += 1u) {
+        below += select(0u, 1u, asked[table_at + 1u + angle] > half_angle);
+    }
+    let of_fit = asked[table_at + 1u + angle_count + KINDS * below + kind];
+    var column = 0u;
+    for (var begin = 0u; begin + 1u < COLUMNS; begin += 1u) {
+        column += select(0u, 1u, half_angle >= asked[whole(COLUMN_BEGINS_AT) + begin]);
+    }
+    let of_mesh = joints[body_at + 2u + column];
+    return sqrt(of_fit + of_mesh * of_mesh);
+}
+
+fn found_number(value: f32) -> vec2<f32> {
+    return vec2<f32>(value, FOUND * abs(value));
+}
+
+fn row_of(design: vec4<u32>, load: u32) -> Row {
+    // Behind the numbers of a joint of interpolated bodies.
+    let at = design.x + JOINT_NUMBERS + 2u * design.z;
+    let ratio = joints[design.x + JOINT_NUMBERS - 2u];
+    let hole_radius = joints[at];
+    let thickness = joints[at + 1u];
+    let even = joints[at + 2u];
+    let clearance = joints[at + 3u];
+    let softest = joints[at + 4u];
+    let of_all = joints[at + 5u];
+    let of_shear = joints[at + 6u];
+    var row: Row;
+    row.givens_at = at + DESIGN_NUMBERS;
+    let load_at = row.givens_at + whole(GIVEN_OF_DESIGN) + load * (3u + whole(GIVEN_OF_ROW) + whole(AXIS_COUNT));
+    row.row_givens_at = load_at + 2u;
+    let found_at = design.y + 1u + STATE_NUMBERS * load;
+    let state_force = found[found_at + 3u] / even;
+    let state_stiffness = found[found_at + 4u] / even;
+    let state_energy = found[found_at + 5u] / even;
+    let state_peak = found[found_at + 6u] / even;
+    let truncation = found[found_at + 7u];
+    let half_angle = 2.0 * atan(found[found_at + 1u] / ratio);
+    // Lengths are over this times the hole's radius.
+    var unit = joints[load_at];
+    if joints[load_at + 1u] > 0.0 {
+        unit = joints[load_at + 1u] / state_force;
+    }
+    let length = hole_radius * unit;
+    let indentation = length * found[found_at + 2u];
+    let peak = unit * state_peak;
+    row.indentation = found_number(indentation);
+    row.offset = add(found_number(indentation), found_number(clearance * hole_radius));
+    row.force = found_number(thickness * length * state_force);
+    row.tangent_stiffness = found_number(thickness * state_stiffness);
+    row.half_angle = found_number(degrees(half_angle));
+    row.peak_pressure = found_number(peak);
+    row.energy = found_number(thickness * length * length * state_energy);
+    let linearity = OF_STRAIN * max(indentation / hole_radius, peak / softest);
+    row.linearity_error = found_number(linearity);
+
+    // Angles where bounds change are met from both sides.
+    let above = found[found_at + 9u];
+    let below = found[found_at + 10u];
+    let shares = vec2<f32>(max(above, below), 1.0 - min(above, below));
+    var least = 0.0;
+    var most = 0.0;
+    for (var side = 0u; side < 2u; side += 1u) {
+        let body_at = at + SCENE_NUMBERS + side * BODY_BOUND_NUMBERS;
+        let wide_end = shares[side] * bound_at(body_at, half_angle * (1.0 + FOUND));
+        let narrow_end = shares[side] * bound_at(body_at, half_angle * (1.0 - FOUND));
+        least += min(wide_end, narrow_end);
+        most += max(wide_end, narrow_end);
+    }
+    let sine = sin(half_angle);
+    let of_width = select(1.0, OF_SINE * sine, half_angle < SIXTH_OF_PI);
+    let of_outlines = of_width * (of_all + of_shear * sine * sine);
+    let of_rest = truncation + LEAST_ERROR + ROUGH * found[design.y];
+    let total = vec2<f32>(least, most) + of_rest + of_outlines;
+    row.force_error = vec2<f32>(
+        0.5 * (total.x + total.y),
+        0.5 * (total.y - total.x) + OF_ERRORS * total.y + NOISE,
+    );
+    // A little less than is allowed; what outlines leave counts in full.
+    let is_accurate = total.y <= asked[ACCURACY] * (1.0 - OF_ERRORS);
+    let is_a_push = state_force > 0.0 && state_stiffness > 0.0 && state_energy > 0.0 && state_peak > 0.0;
+    let remarked = max(asked[ACCURACY], LARGE_DISPLACEMENT);
+    let is_sure = abs(linearity - remarked) > row.linearity_error.y + ROUNDED * remarked;
+    row.is_large = linearity > remarked;
+    row.is_good = found[found_at] == ENDED && found[found_at + 8u] > 0.0 && is_a_push && is_accurate && is_sure
+        && is_finite(wide(total.y)) && is_finite(wide(peak)) && is_finite(wide(indentation));
+    return row;
+}
+
+// Where a number has its place among sums and in a sketch, positive ones first; 2 `EXPONENTS` where there is none.
+fn exponent_of(value: f32) -> u32 {
+    let exponent = ((bitcast<u32>(value) >> 23u) & 255u) - LEAST_EXPONENT;
+    return select(2u * EXPONENTS, exponent + select(0u, EXPONENTS, value < 0.0), exponent < EXPONENTS);
+}
+
+// Below the first edge, in one of the bins, or above the last: counted from 0; `NOWHERE` where a number may be on either side of an edge.
+const NOWHERE = 0xffffffffu;
+
+fn bin_of(histogram_at: u32, value: vec2<f32>) -> u32 {
+    let edge_count = whole(histogram_at + 1u);
+    let edges_at = whole(histogram_at + 2u);
+    let radius = value.y + CALCULATED * abs(value.x);
+    // Edges that are not above it.
+    var low = 0u;
+    var high = edge_count;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if asked[edges_at + middle] <= value.x {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    let is_clear = (low == 0u || value.x - asked[edges_at + low - 1u] > radius)
+        && (low == edge_count || asked[edges_at + low] - value.x > radius);
+    return select(NOWHERE, low, is_clear);
+}
+
+// Whether a row's values are sure enough to be counted.
+fn is_countable(row: Row) -> bool {
+    let quantity_count = whole(QUANTITY_COUNT);
+    for (var number = 0u; number < quantity_count; number += 1u) {
+        let value = quantity(number, row);
+        if !is_known(value) {
+            return false;
+        }
+        let is_counted = whole(whole(QUANTITIES_AT) + 2u * number + 1u) > 0u;
+        if is_counted && (value.y > TRUSTED * abs(value.x) || exponent_of(value.x) == 2u * EXPONENTS) {
+            return false;
+        }
+    }
+    for (var histogram = 0u; histogram < whole(HISTOGRAM_COUNT); histogram += 1u) {
+        let histogram_at = whole(HISTOGRAMS_AT) + 4u * histogram;
+        if bin_of(histogram_at, quantity(whole(histogram_at), row)) == NOWHERE {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Whether a row may be among those that are told by themselves. What is given has been compared by the processor.
+fn is_candidate(row: Row) -> bool {
+    if joints[row.row_givens_at + whole(GIVEN_OF_ROW)] > 0.0 {
+        return true;
+    }
+    for (var watch = 0u; watch < whole(WATCH_COUNT); watch += 1u) {
+        let watch_at = whole(WATCHES_AT) + 3u * watch;
+        let value = quantity(whole(watch_at), row);
+        if asked[watch_at + 1u] * value.x - value.y <= asked[watch_at + 2u] {
+            return true;
+        }
+    }
+    let axis_count = whole(AXIS_COUNT);
+    if axis_count == 0u {
+        return false;
+    }
+    let axes_at = whole(AXES_AT);
+    var scores: array<f32, 3>;
+    for (var axis = 0u; axis < axis_count; axis += 1u) {
+        let sign = asked[axes_at + 2u * axis + 1u];
+        let source = whole(axes_at + 2u * axis);
+        if sign == 0.0 {
+            // Ranks are whole: one that is as large beats.
+            scores[axis] = joints[row.row_givens_at + source] + 0.5;
+        } else {
+            let value = quantity(source, row);
+            scores[axis] = sign * value.x - value.y;
+        }
+    }
+    for (var point = 0u; point < whole(POINT_COUNT); point += 1u) {
+        let point_at = axes_at + 2u * axis_count + axis_count * point;
+        var beats = true;
+        for (var axis = 0u; axis < axis_count; axis += 1u) {
+            beats = beats && asked[point_at + axis] < scores[axis];
+        }
+        if beats {
+            return false;
+        }
+    }
+    return true;
+}
+
+fn verdict_of(design: vec4<u32>) -> u32 {
+    var verdict = COUNTED;
+    for (var load = 0u; load < design.z; load += 1u) {
+        let row = row_of(design, load);
+        if !row.is_good {
+            return OPEN;
+        }
+        let wanted = condition(row);
+        if wanted.y != 0.0 {
+            return OPEN;
+        }
+        if wanted.x == 1.0 {
+            if !is_countable(row) {
+                return OPEN;
+            }
+            if is_candidate(row) {
+                verdict = CANDIDATE;
+            }
+        }
+    }
+    return verdict;
+}
+
+// What asks for no quantity alone.
+fn count_rows(design: vec4<u32>) {
+    var kept = 0u;
+    var large = 0u;
+    var greatest = vec4<f32>(0.0);
+    var least_force = 3e38;
+    for (var load = 0u; load < design.z; load += 1u) {
+        let row = row_of(design, load);
+        large += select(0u, 1u, row.is_large);
+        greatest = max(greatest, vec4<f32>(row.force_error.x, row.linearity_error.x, row.force.x, 0.0));
+        least_force = min(least_force, row.force.x);
+        if condition(row).x == 1.0 {
+            kept += 1u;
+            for (var histogram = 0u; histogram < whole(HISTOGRAM_COUNT); histogram += 1u) {
+                let histogram_at = whole(HISTOGRAMS_AT) + 4u * histogram;
+                let bin = bin_of(histogram_at, quantity(whole(histogram_at), row));
+                atomicAdd(&told[whole(histogram_at + 3u) + bin], 1u);
+            }
+        }
+    }
+    atomicAdd(&told[COUNTED_DESIGNS], 1u);
+    atomicAdd(&told[COUNTED_ROWS], design.z);
+    atomicAdd(&told[KEPT_ROWS], kept);
+    atomicAdd(&told[LARGE_ROWS], large);
+    atomicMax(&told[GREATEST_ERROR], bitcast<u32>(greatest.x));
+    atomicMax(&told[GREATEST_LINEARITY], bitcast<u32>(greatest.y));
+    atomicMax(&told[GREATEST_FORCE], bitcast<u32>(greatest.z));
+    atomicMax(&told[LEAST_FORCE], INFINITE_BITS - bitcast<u32>(least_force));
+}
+
+fn add_halves(at: u32, number: u32) {
+    atomicAdd(&sums[at], number & 0xfffu);
+    atomicAdd(&sums[at + 1u], number >> 12u);
+}
+
+// Adds a number to the sums of its workgroup, and to a sketch.
+fn count_value(value: f32, sketch_at: u32) {
+    let exponent = exponent_of(value);
+    let mantissa = (bitcast<u32>(value) & 0x7fffffu) | 0x800000u;
+    if sketch_at > 0u {
+        atomicAdd(&told[sketch_at + exponent * LEADING + ((mantissa >> 13u) & (LEADING - 1u))], 1u);
+    }
+    let at = exponent * PARTS;
+    atomicAdd(&sums[at], 1u);
+    add_halves(at + 1u, mantissa);
+    let high = mantissa >> 12u;
+    let low = mantissa & 0xfffu;
+    add_halves(at + 3u, high * high);
+    add_halves(at + 5u, high * low);
+    add_halves(at + 7u, low * low);
+}
+
+@compute @workgroup_size(INVOCATIONS)
+fn answer(
+    @builtin(global_invocation_id) place: vec3<u32>,
+    @builtin(local_invocation_index) invocation: u32,
+) {
+    let is_there = place.x < arrayLength(&designs);
+    var design = vec4<u32>(0u);
+    var is_counted = false;
+    if is_there {
+        design = designs[place.x];
+        let verdict = verdict_of(design);
+        atomicStore(&told[whole(VERDICTS_AT) + place.x], verdict);
+        is_counted = verdict != OPEN;
+    }
+    if is_counted {
+        count_rows(design);
+    }
+    let quantity_count = whole(QUANTITY_COUNT);
+    for (var number = 0u; number < quantity_count; number += 1u) {
+        let quantity_at = whole(QUANTITIES_AT) + 2u * number;
+        let sketch_at = whole(quantity_at);
+        let sums_at = whole(quantity_at + 1u);
+        if sums_at == 0u {
+            continue;
+        }
+        for (var word = invocation; word < SUM_WORDS; word += INVOCATIONS) {
+            atomicStore(&sums[word], 0u);
+        }
+        workgroupBarrier();
+        if is_counted {
+            for (var load = 0u; load < design.z; load += 1u) {
+                let row = row_of(design, load);
+                if condition(row).x == 1.0 {
+                    count_value(quantity(number, row).x, sketch_at);
+                }
+            }
+        }
+        workgroupBarrier();
+        for (var word = invocation; word < SUM_WORDS; word += INVOCATIONS) {
+            let own = atomicLoad(&sums[word]);
+            if own > 0u {
+                atomicAdd(&told[sums_at + word], own);
+            }
+        }
+        workgroupBarrier();
+    }
+}

@@ -1,0 +1,165 @@
+//! What a device is told of a question, and of a design for it.
+
+use super::formula::{Givens, value};
+use super::{Limits, MOST_POINTS, Question, Watch};
+use crate::engine::accuracy::body_errors::OwnError;
+use crate::engine::accuracy::geometry_error::OutlineError;
+use crate::engine::accuracy::known_errors::{COLUMNS, Known};
+use crate::engine::joint_scale::JointScale;
+use crate::study::design::{DesignCase, Load};
+
+/// Numbers of a design before its givens: sizes of the joint and its outlines, and bounds of its bodies.
+pub const SCENE_NUMBERS: usize = 7;
+pub const BOUND_NUMBERS: usize = 2 + size_of::<Known>() / size_of::<f64>();
+pub const DESIGN_NUMBERS: usize = SCENE_NUMBERS + 2 * BOUND_NUMBERS;
+
+/// Numbers of the question before its tables; as `shaders/answers.wgsl` has them.
+const HEADER: usize = 14;
+
+/// Where limits and points end.
+const FARTHEST: f64 = f32::MAX as f64;
+
+/// A question with what rows must reach so far.
+pub struct Standing<'a> {
+    question: &'a Question,
+    limits: Limits,
+    /// Of each axis that is given the scores of points, ascending.
+    scores: Vec<Vec<f64>>,
+}
+
+impl<'a> Standing<'a> {
+    pub fn new(question: &'a Question, mut limits: Limits) -> Standing<'a> {
+        limits.points.truncate(MOST_POINTS);
+        let scores = (0..question.axes.len()).map(|axis| {
+            let mut scores: Vec<f64> = limits.points.iter().map(|point| point[axis]).collect();
+            scores.sort_by(f64::total_cmp);
+            scores
+        });
+        Standing { question, scores: scores.collect(), limits }
+    }
+
+    /// Before the bounds of fits.
+    pub fn tables(&self) -> Vec<f32> {
+        let Standing { question, limits, .. } = self;
+        let mut tables = vec![0.0; HEADER];
+        let place = |tables: &Vec<f32>| tables.len() as f32;
+        tables[0] = question.accuracy as f32;
+        (tables[1], tables[2]) = (question.quantities.len() as f32, place(&tables));
+        for [sketch, sums] in &question.layout.quantities {
+            tables.extend([*sketch as f32, *sums as f32]);
+        }
+        let made = self.watches().filter(|(watch, _)| !self.is_given(watch));
+        let made: Vec<(&Watch, f64)> = made.collect();
+        (tables[3], tables[4]) = (made.len() as f32, place(&tables));
+        for (Watch { quantity, sign }, limit) in made {
+            tables.extend([*quantity as f32, *sign as f32, wider(limit)]);
+        }
+        (tables[5], tables[6]) = (question.axes.len() as f32, limits.points.len() as f32);
+        tables[7] = place(&tables);
+        // An axis that is given is a number of the row, in the place of a quantity.
+        let first = question.givens.of_row.len() + 1;
+        for (axis, watch) in question.axes.iter().enumerate() {
+            let [of, sign] = if self.is_given(watch) {
+                [(first + axis) as f32, 0.0]
+            } else {
+                [watch.quantity as f32, watch.sign as f32]
+            };
+            tables.extend([of, sign]);
+        }
+        for point in &limits.points {
+            let score = |(axis, watch): (usize, &Watch)| match self.is_given(watch) {
+                true => self.rank(axis, point[axis]),
+                false => wider(point[axis]),
+            };
+            tables.extend(question.axes.iter().enumerate().map(score));
+        }
+        (tables[8], tables[9]) = (question.histograms.len() as f32, place(&tables));
+        let mut edges_at = tables.len() + 4 * question.histograms.len();
+        for (histogram, at) in question.histograms.iter().zip(&question.layout.histograms) {
+            let count = histogram.edges.len();
+            tables.extend([histogram.quantity, count, edges_at, *at].map(|number| number as f32));
+            edges_at += count;
+        }
+        tables.extend(question.histograms.iter().flat_map(|own| &own.edges).map(|edge| *edge as f32));
+        (tables[10], tables[11]) =
+            (question.givens.of_design.len() as f32, question.givens.of_row.len() as f32);
+        (tables[12], tables[13]) = (question.layout.verdicts as f32, place(&tables));
+        tables.extend(COLUMNS.map(|begin| begin.to_radians() as f32));
+        tables
+    }
+
+    /// What the kernel is given of a design behind the numbers of its joint, whose infinite bodies come to `even`; its errors with where
+    /// the bounds of their fits are among the tables. `false` where it is not for a device: a load without contact, an input that is missing.
+    pub fn push_design(
+        &self,
+        case: &DesignCase,
+        even: f64,
+        errors: [(&OwnError, usize); 2],
+        to: &mut Vec<f32>,
+    ) -> bool {
+        let DesignCase { joint, steps, .. } = case;
+        let scale = JointScale::of(joint);
+        let clearance = scale.outlines.radial_clearance;
+        let softest = joint.pin.least_modulus().min(joint.plate.least_modulus());
+        let [of_all, of_shear] = OutlineError::of(joint, &scale.outlines).numbers();
+        let from = to.len();
+        let scene = [joint.hole_radius, joint.thickness, even, clearance, softest, of_all, of_shear];
+        to.extend(scene.map(|number| number as f32));
+        for (error, at) in errors {
+            let OwnError::Fit(bound) = error else { return false };
+            let (kind, of_mesh) = bound.numbers();
+            to.extend([at as f32, kind as f32].into_iter().chain(of_mesh.map(|error| error as f32)));
+        }
+        let Givens { of_design, of_row } = &self.question.givens;
+        to.extend(of_design.iter().map(|given| value(given, case, 0) as f32));
+        for (step, load) in steps.iter().enumerate() {
+            let of_load = match joint.from_first_touch(*load) {
+                Load::Indentation(length) | Load::Offset(length) if length > 0.0 => {
+                    [clearance + length / joint.hole_radius, 0.0]
+                }
+                Load::Force(force) if force > 0.0 => [0.0, force / (joint.thickness * joint.hole_radius)],
+                _ => return false,
+            };
+            to.extend(of_load.map(|number| number as f32));
+            to.extend(of_row.iter().map(|given| value(given, case, step) as f32));
+            self.push_extremes(case, step, to);
+        }
+        to[from..].iter().all(|number| number.is_finite())
+    }
+
+    /// Behind what is given of a row: whether it is an extreme one by what is given, and its ranks along the axes that are.
+    fn push_extremes(&self, case: &DesignCase, step: usize, to: &mut Vec<f32>) {
+        let score = |watch: &Watch| {
+            watch.sign * value(self.question.quantities[watch.quantity].of.operations(), case, step)
+        };
+        let is_extreme = |(watch, limit): (&Watch, f64)| self.is_given(watch) && score(watch) < limit;
+        to.push(if self.watches().any(is_extreme) { 1.0 } else { 0.0 });
+        let rank = |(axis, watch): (usize, &Watch)| match self.is_given(watch) {
+            true => self.rank(axis, score(watch)),
+            false => 0.0,
+        };
+        to.extend(self.question.axes.iter().enumerate().map(rank));
+    }
+
+    /// Each with its limit.
+    fn watches(&self) -> impl Iterator<Item = (&Watch, f64)> {
+        let limit = |place: usize| self.limits.watches.get(place).copied().unwrap_or(f64::INFINITY);
+        self.question.watches.iter().enumerate().map(move |(place, watch)| (watch, limit(place)))
+    }
+
+    fn is_given(&self, watch: &Watch) -> bool {
+        self.question.quantities[watch.quantity].is_given
+    }
+
+    /// How many points have no greater score along an axis: of two scores the greater one has no smaller rank.
+    fn rank(&self, axis: usize, score: f64) -> f32 {
+        self.scores[axis].partition_point(|own| *own <= score) as f32
+    }
+}
+
+/// In f32, and no smaller.
+fn wider(limit: f64) -> f32 {
+    let limit = limit.clamp(-FARTHEST, FARTHEST);
+    let rounded = limit as f32;
+    if f64::from(rounded) < limit { rounded.next_up() } else { rounded }
+}

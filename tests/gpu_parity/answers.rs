@@ -1,0 +1,202 @@
+//! What is asked of all rows together, counted on a device, against the processor that has every row.
+
+use std::ops::{ControlFlow, Range};
+use std::path::Path;
+
+use jointsweep::internals::engine::backend::choice::GpuChoice;
+use jointsweep::internals::engine::backend::joints::SolvedJoints;
+use jointsweep::internals::engine::question::{Asker, TRUSTED};
+use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SolvedDesigns, Statistics, SweepOptions};
+use jointsweep::internals::output::counts::Counts;
+use jointsweep::internals::output::reduce::Reductions;
+use jointsweep::internals::output::sinks::{Rows, Sinks};
+use jointsweep::internals::study::config::Study;
+
+use super::*;
+
+/// Bodies and sizes all different, with loads of a kind.
+fn study(loads: &str, select: &str, reduce: &str) -> Study {
+    let text = format!(
+        r#"
+[joint]
+idealization     = ["plane-stress", "plane-strain"]
+hole_radius      = {{ from = "5 mm", to = "20 mm" }}
+radial_clearance = {{ from = "10 um", to = "200 um", spacing = "log" }}
+thickness        = ["4 mm", "8 mm", "12 mm"]
+[joint.pin]
+model             = "rigid-core"
+core_radius_ratio = {{ from = 0.2, to = 0.5 }}
+youngs_modulus    = {{ from = "70 GPa", to = "210 GPa" }}
+poissons_ratio    = 0.3
+[joint.plate]
+model              = "annulus"
+outer_radius_ratio = {{ from = 2, to = 5 }}
+youngs_modulus     = {{ from = "50 GPa", to = "210 GPa" }}
+poissons_ratio     = {{ from = 0.25, to = 0.4 }}
+[load]
+{loads}
+[sampling]
+method = "sobol"
+count  = 300000
+[select]
+keep = "{select}"
+[reduce]
+{reduce}
+[output]
+laws = false
+"#
+    );
+    Study::from_text(Path::new("asked.toml"), text).unwrap()
+}
+
+struct Answered {
+    answers: Reductions,
+    counts: Counts,
+    statistics: Statistics,
+    /// Designs that were counted, and those of them that were solved once more.
+    counted: [u64; 2],
+}
+
+/// The answers of some designs, on a device that counts rows or on the processor alone.
+fn answered(study: &Study, designs: Range<u64>, on_device: bool) -> Answered {
+    let sinks = Sinks::of(study);
+    let asking = sinks.asking().unwrap();
+    let mut gpu = GpuChoice::new(device(), Precision::F32);
+    gpu.joints = SolvedJoints::Interpolated;
+    let options = SweepOptions {
+        threads: 2,
+        gpu: on_device.then_some(gpu),
+        asker: Some(&asking as &dyn Asker),
+        designs: Chosen::Range(designs),
+        ..SweepOptions::default()
+    };
+    let make = |solved: SolvedDesigns| {
+        let of_device = solved.on_device.as_ref();
+        let counted = of_device.map_or([0; 2], |own| [own.counted.designs, own.candidates.len() as u64]);
+        (sinks.rows(solved), counted)
+    };
+    let (mut answers, mut counts, mut counted) = (sinks.answers().unwrap(), Counts::default(), [0; 2]);
+    let digest = Digest { designs: sinks.portion(), make: &make };
+    let mut receive = |(rows, more): (Rows, [u64; 2])| {
+        answers.merge(&rows.answers.unwrap())?;
+        counts.merge(&rows.counts);
+        counted = [counted[0] + more[0], counted[1] + more[1]];
+        Ok(ControlFlow::Continue(()))
+    };
+    let statistics = sweep::run_digested(study, &options, &digest, &mut receive).unwrap();
+    assert_eq!(statistics.fallback, None);
+    Answered { answers, counts, statistics, counted }
+}
+
+fn text(answers: &Reductions, name: &str) -> String {
+    let files = answers.files();
+    let (_, bytes) = files.iter().find(|(own, _)| *own == name).unwrap();
+    String::from_utf8(bytes.clone()).unwrap()
+}
+
+/// The greatest relative difference of what is told of sums and quantiles; all else is the same to the bit, and what is told of the
+/// errors bounds them.
+fn compare(found: &Reductions, expected: &Reductions) -> [f64; 2] {
+    let mut worst = [0.0_f64; 2];
+    for (name, _) in expected.files() {
+        let (found, expected) = (text(found, name), text(expected, name));
+        if name != "statistics.csv" {
+            assert_eq!(found, expected, "{name}");
+            assert!(expected.lines().count() > 3, "{expected}");
+            continue;
+        }
+        assert_eq!(found.lines().count(), expected.lines().count());
+        for (found, expected) in found.lines().zip(expected.lines()).skip(1) {
+            let [own, theirs] = [found, expected].map(|line| line.split(',').collect::<Vec<_>>());
+            assert_eq!(own[..3], theirs[..3]);
+            let of_kind = match own[2] {
+                "mean" | "standard_deviation" => 0,
+                quantile if quantile.starts_with("quantile") => 1,
+                _ => {
+                    assert_eq!(own, theirs);
+                    continue;
+                }
+            };
+            let [own, theirs] = [own, theirs].map(|cells| [3, 4].map(|place| cells[place].parse().unwrap()));
+            let [value, error]: [f64; 2] = own;
+            let difference = (value / theirs[0] - 1.0_f64).abs();
+            assert!(difference <= error + theirs[1], "{found} {expected}");
+            assert!(error >= TRUSTED);
+            worst[of_kind] = worst[of_kind].max(difference);
+        }
+    }
+    worst
+}
+
+const ALL: &str = r#"
+statistics = ["tangent_stiffness", "peak_pressure", "thickness * hole_radius", "thickness", "force", "2 deg - contact_half_angle"]
+quantiles  = [0.1, 0.5]
+best       = [{ by = "tangent_stiffness / (hole_radius * thickness)", count = 7 }, { by = "energy", order = "smallest", count = 3 }]
+pareto     = { largest = "tangent_stiffness", smallest = ["peak_pressure", "thickness"] }
+histogram  = [{ of = "peak_pressure", bins = 12 }, { of = "indentation", from = "0.001 mm", to = "0.03 mm", bins = 10, spacing = "log" }]
+"#;
+
+const DESIGNS: u64 = 1200;
+
+/// Each kind of answer, loads of either kind, conditions of inputs, loads and results.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn counted_answers_are_the_processors() {
+    let mut worst = [0.0_f64; 2];
+    for (loads, select) in [
+        (
+            "force = ['1 kN', '2 kN', '5 kN']",
+            "force <= 2 kN and thickness > 4 mm and peak_pressure < 100 MPa",
+        ),
+        (
+            "indentation = { from = '0.002 mm', to = '0.02 mm', count = 4 }",
+            "step != 1 and force_error < 0.5 %",
+        ),
+        (
+            "offset = { from = '0.21 mm', to = '0.23 mm', count = 3 }",
+            "status == 'ok' or peak_pressure > 50 MPa",
+        ),
+    ] {
+        let study = study(loads, select, ALL);
+        let [found, expected] = [true, false].map(|on_device| answered(&study, 0..DESIGNS, on_device));
+        let of_answers = compare(&found.answers, &expected.answers);
+        worst = [worst[0].max(of_answers[0]), worst[1].max(of_answers[1])];
+        let [counted, candidates] = found.counted;
+        println!("{loads}: {counted} counted, {candidates} solved again, {:?}", found.statistics.asked);
+        assert!(10 * counted > 8 * DESIGNS, "{counted} {select}");
+        // The first batch has nothing to compare with.
+        assert!(4 * candidates < DESIGNS, "{candidates}");
+        let of = |counts: &Counts| {
+            (counts.designs, counts.rows, counts.kept_rows, counts.failed_rows, counts.by_status.by_text())
+        };
+        assert_eq!(of(&found.counts), of(&expected.counts));
+        assert!(found.counts.kept_rows.unwrap() > DESIGNS / 2);
+        let [own, theirs] = [&found.counts, &expected.counts];
+        assert!((own.greatest_linearity_error / theirs.greatest_linearity_error - 1.0).abs() < 1e-4);
+        assert!((own.greatest_force_error / theirs.greatest_force_error - 1.0).abs() < 0.1);
+        for (own, theirs) in own.forces_n.unwrap().iter().zip(theirs.forces_n.unwrap()) {
+            assert!((own / theirs - 1.0).abs() < 1e-4);
+        }
+        // One submission and one wait a batch.
+        let batches = 1 + (DESIGNS - 64).div_ceil(256);
+        assert_eq!([found.statistics.asked.submits, found.statistics.asked.waits], [batches; 2]);
+    }
+    println!("sums differ by {:.1e}, quantiles by {:.1e}", worst[0], worst[1]);
+    // What is found in f32 differs by a few roundings.
+    assert!(worst[0] < 1e-5, "{worst:?}");
+}
+
+/// What is counted does not depend on where a run was cut.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn counted_answers_of_parts_join_to_the_same_bytes() {
+    let study = study("force = ['1 kN', '5 kN']", "peak_pressure < 200 MPa", ALL);
+    let whole = answered(&study, 0..900, true);
+    let mut parts = answered(&study, 0..333, true);
+    let more = answered(&study, 333..900, true);
+    parts.answers.merge(&more.answers).unwrap();
+    for (name, bytes) in whole.answers.files() {
+        assert_eq!(text(&parts.answers, name).as_bytes(), bytes, "{name}");
+    }
+    assert_eq!(parts.counted[0] + more.counted[0], whole.counted[0]);
+}
