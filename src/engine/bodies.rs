@@ -9,12 +9,13 @@ use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::engine::backend::adapter::GpuError;
-use crate::engine::backend::joints::{JointBatch, SolvedJoints, ToldOfJoints};
+use crate::engine::backend::joints::{JointBatch, SolvedJoints};
 use crate::engine::backend::{Device, Works};
 use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
 use crate::engine::hashed::Hashed;
 use crate::engine::near_fields::NearFieldLibrary;
 use crate::engine::outcome::BackendKind;
+use crate::engine::question::counted::Told;
 use crate::engine::ring_loads::RingLoads;
 use crate::engine::stopwatch::Stopwatch;
 use crate::mechanics::body::Body;
@@ -119,7 +120,7 @@ impl<'a> BodyLibrary<'a> {
     }
 
     /// What the device tells of joints whose rows it was to count; nothing where it is lost.
-    pub fn finish_answers(&mut self) -> Option<Vec<ToldOfJoints>> {
+    pub fn finish_answers(&mut self) -> Option<Vec<Told>> {
         let device = self.device.as_mut().filter(|_| self.lost.is_none())?;
         let told = device.finish_answers();
         told.map_err(|error| self.lost = Some(error)).ok()

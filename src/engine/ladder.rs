@@ -49,6 +49,13 @@ struct Attempt<'a> {
     on_device: Option<Underway<f64>>,
 }
 
+/// Designs whose rows a device counts.
+pub struct Counting {
+    cases: Vec<DesignCase>,
+    /// Of each whether the device has it.
+    are_there: Vec<bool>,
+}
+
 /// Joints that a thread takes at a time.
 const JOINTS_TOGETHER: usize = 16;
 
@@ -108,11 +115,31 @@ impl<'a> Ladder<'a> {
         cases.iter().zip(answers).map(|(case, answer)| DesignOutcome::new(case.clone(), answer)).collect()
     }
 
-    /// What a device counts of the rows of `cases`, and what is to be done with each of them; nothing where nobody asks or no device counts.
-    /// Then `answers` are the processor's.
-    pub fn count(&mut self, cases: &[DesignCase]) -> Option<(Counted, Vec<Verdict>)> {
+    /// Has a device begin to count the rows of `cases` for who asks; nothing where nobody does, or no device counts.
+    pub fn begin_count(&mut self, cases: Vec<DesignCase>) -> Result<Counting, Vec<DesignCase>> {
         let Ladder { interpolation, library, spaces, asker, .. } = self;
-        interpolation.as_mut()?.count(library, spaces, cases, (*asker)?)
+        let (Some(interpolation), Some(asker)) = (interpolation, *asker) else { return Err(cases) };
+        match interpolation.begin_count(library, spaces, &cases, asker) {
+            Some(are_there) => Ok(Counting { cases, are_there }),
+            None => Err(cases),
+        }
+    }
+
+    /// What is counted of the designs that were begun before all others, and what is to be done with each: all of it where the device is lost.
+    pub fn finish_count(
+        &mut self,
+        Counting { cases, are_there }: Counting,
+    ) -> Option<(Counted, Vec<(DesignCase, Verdict)>)> {
+        let question = self.asker?.question();
+        let (mut counted, mut verdicts) = (Counted::none(question), Vec::with_capacity(cases.len()));
+        for told in self.library.finish_answers().unwrap_or_default() {
+            let (more, own) = question.read(&told);
+            counted.merge(&more);
+            verdicts.extend(own);
+        }
+        let mut verdicts = verdicts.into_iter();
+        let verdict = |is_there: bool| is_there.then(|| verdicts.next()).flatten().unwrap_or(Verdict::Open);
+        Some((counted, cases.into_iter().zip(are_there.into_iter().map(verdict)).collect()))
     }
 
     /// Answers to `cases`, in their order.

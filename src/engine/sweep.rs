@@ -12,7 +12,7 @@ use crate::engine::backend::choice::GpuChoice;
 use crate::engine::cost::DesignCost;
 use crate::engine::distinct::Distinct;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
-use crate::engine::ladder::Ladder;
+use crate::engine::ladder::{Counting, Ladder};
 use crate::engine::law_fit::add_laws;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::question::Asker;
@@ -309,27 +309,39 @@ fn solve_all(
             ladder
         }
     };
-    for batch in drawn {
-        let outcomes = batch.map(|batch| {
-            pool.install(|| match ladder.count(&batch) {
-                None => {
-                    let mut outcomes = outcomes(&mut ladder, batch);
+    // Designs whose rows a device counts while the processor makes the numbers of those behind them.
+    let mut begun: Option<Counting> = None;
+    let mut knows_limits = false;
+    for batch in drawn.iter().map(Some).chain([None]) {
+        let mut ready: Vec<Solved> = Vec::new();
+        pool.install(|| {
+            let next = batch.map(|batch| batch.map(|batch| ladder.begin_count(batch)));
+            if let Some(before) = begun.take() {
+                ready.extend(left(&mut ladder, before, options.asker).map(Ok));
+            }
+            match next {
+                None => {}
+                Some(Err(error)) => ready.push(Err(error)),
+                Some(Ok(Ok(counting))) if knows_limits => begun = Some(counting),
+                Some(Ok(Ok(counting))) => {
+                    // Without any limit every row might be an extreme one.
+                    ready.extend(left(&mut ladder, counting, options.asker).map(Ok));
+                    knows_limits = true;
+                }
+                Some(Ok(Err(cases))) => {
+                    let mut outcomes = outcomes(&mut ladder, cases);
                     if study.fits_laws() {
                         add_laws(&mut ladder, &mut outcomes);
                     }
-                    if let Some(asker) = options.asker {
-                        asker.look(&outcomes);
-                    }
-                    outcomes.into()
+                    ready.push(Ok(outcomes.into()));
                 }
-                Some((counted, verdicts)) => left(&mut ladder, batch, counted, &verdicts, options.asker),
-            })
+            }
         });
         if let Some(error) = ladder.library.lost().filter(|_| fallback.is_none()) {
             fallback = given_up(options, &error.to_string());
         }
         // Who digests is gone when the receiver has broken off.
-        if solved.send(outcomes).is_err() {
+        if ready.into_iter().any(|solved_designs| solved.send(solved_designs).is_err()) {
             break;
         }
     }
@@ -352,20 +364,13 @@ fn outcomes(ladder: &mut Ladder, cases: Vec<DesignCase>) -> Vec<DesignOutcome> {
     cases.map(|(case, answer)| DesignOutcome::new(case, answer)).collect()
 }
 
-/// Solves those designs of a batch that a device has left, or that may have an extreme row.
-fn left(
-    ladder: &mut Ladder,
-    batch: Vec<DesignCase>,
-    counted: Counted,
-    verdicts: &[Verdict],
-    asker: Option<&dyn Asker>,
-) -> SolvedDesigns {
-    let left = batch.into_iter().zip(verdicts).filter(|(_, verdict)| **verdict != Verdict::Counted);
-    let (cases, verdicts): (Vec<DesignCase>, Vec<&Verdict>) = left.unzip();
+/// Waits for what a device counts, and solves those designs that it has left, or that may have an extreme row.
+fn left(ladder: &mut Ladder, counting: Counting, asker: Option<&dyn Asker>) -> Option<SolvedDesigns> {
+    let (counted, verdicts) = ladder.finish_count(counting)?;
+    let left = verdicts.into_iter().filter(|(_, verdict)| *verdict != Verdict::Counted);
+    let (cases, verdicts): (Vec<DesignCase>, Vec<Verdict>) = left.unzip();
     let solved = outcomes(ladder, cases);
-    if let Some(asker) = asker {
-        asker.look(&solved);
-    }
+    asker?.look(&solved);
     let (mut outcomes, mut candidates) = (Vec::new(), Vec::new());
     for (outcome, verdict) in solved.into_iter().zip(verdicts) {
         match verdict {
@@ -373,7 +378,7 @@ fn left(
             Verdict::Open | Verdict::Counted => outcomes.push(outcome),
         }
     }
-    SolvedDesigns { outcomes, on_device: Some(CountedDesigns { counted, candidates }) }
+    Some(SolvedDesigns { outcomes, on_device: Some(CountedDesigns { counted, candidates }) })
 }
 
 /// Digests outcomes up to the first failure to draw; gives back how long that took, summed over threads.

@@ -164,8 +164,8 @@ fn counted_answers_are_the_processors() {
         let [counted, candidates] = found.counted;
         println!("{loads}: {counted} counted, {candidates} solved again, {:?}", found.statistics.asked);
         assert!(10 * counted > 8 * DESIGNS, "{counted} {select}");
-        // The first batch has nothing to compare with.
-        assert!(4 * candidates < DESIGNS, "{candidates}");
+        // Small batches have little to compare with.
+        assert!(2 * candidates < DESIGNS, "{candidates}");
         let of = |counts: &Counts| {
             (counts.designs, counts.rows, counts.kept_rows, counts.failed_rows, counts.by_status.by_text())
         };
@@ -183,7 +183,7 @@ fn counted_answers_are_the_processors() {
     }
     println!("sums differ by {:.1e}, quantiles by {:.1e}", worst[0], worst[1]);
     // What is found in f32 differs by a few roundings.
-    assert!(worst[0] < 1e-5, "{worst:?}");
+    assert!(worst[0] < 3e-5, "{worst:?}");
 }
 
 /// What is counted does not depend on where a run was cut.

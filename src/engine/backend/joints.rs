@@ -80,10 +80,9 @@ pub struct AskedOfJoints<'a> {
     pub question: &'a Question,
     /// Of the question, then of fits.
     pub tables: Vec<f32>,
+    /// Of each quantity what its values lie between, as far as is known.
+    pub ranges: Vec<Option<[f64; 2]>>,
 }
-
-/// Words that tell what was asked of some joints (`Layout::read`), as many as they are of.
-pub type ToldOfJoints = (usize, Vec<u32>);
 
 /// Where a joint's tables are in a batch, where its numbers begin, and how many loads it has.
 #[derive(Clone, Copy, Debug)]

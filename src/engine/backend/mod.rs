@@ -18,7 +18,8 @@ use adapter::GpuError;
 pub use without_gpu as gpu;
 
 use crate::engine::body_request::Group;
-use joints::{JointBatch, SolvedJoints, ToldOfJoints};
+use crate::engine::question::counted::Told;
+use joints::{JointBatch, SolvedJoints};
 
 /// The works of the ring modes on each body of each group, packed, without near fields; `None` for a body that is left to the processor.
 pub type Works = Vec<Vec<Option<Vec<f64>>>>;
@@ -81,7 +82,7 @@ pub trait Device: Send + Sync {
     }
 
     /// The same of joints whose rows were to be counted: what is told of as many as had room at a time, in their order.
-    fn finish_answers(&mut self) -> Result<Vec<ToldOfJoints>, GpuError> {
+    fn finish_answers(&mut self) -> Result<Vec<Told>, GpuError> {
         Ok(Vec::new())
     }
 

@@ -17,7 +17,6 @@ use crate::engine::joint_contact::solve_joint;
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind, Method};
 use crate::engine::question::Asker;
-use crate::engine::question::counted::{Counted, Verdict};
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::engine::stopwatch::Stopwatch;
@@ -71,19 +70,19 @@ impl Interpolation {
         self.fitted.iter().flat_map(HashMap::values)
     }
 
-    /// Has a device count the rows of designs, where one solves joints: what it has counted, and what is to be done with each design.
-    pub fn count(
+    /// Has a device begin to count the rows of designs, where one solves joints; tells of each whether the device has it.
+    pub fn begin_count(
         &mut self,
         library: &mut BodyLibrary,
         spaces: &mut Spaces,
         cases: &[DesignCase],
         asker: &dyn Asker,
-    ) -> Option<(Counted, Vec<Verdict>)> {
+    ) -> Option<Vec<bool>> {
         if library.solves_joints() < SolvedJoints::Interpolated {
             return None;
         }
         self.prepare(library, spaces);
-        self.count_on_device(library, spaces, cases, asker)
+        Some(self.begin_counting(library, spaces, cases, asker))
     }
 
     /// The answers to the designs that are known well enough; `None` for those that are left to others.

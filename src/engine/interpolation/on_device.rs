@@ -11,7 +11,6 @@ use crate::engine::joint_contact::judged;
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind};
 use crate::engine::question::Asker;
-use crate::engine::question::counted::{Counted, Verdict};
 use crate::engine::question::tables::Standing;
 use crate::engine::spaces::Spaces;
 use crate::study::design::DesignCase;
@@ -38,15 +37,14 @@ impl Interpolation {
         underway.judged(cases, TOGETHER, &found, judge)
     }
 
-    /// Has the device count the rows of designs that it can solve, and gives back what it has counted and what is to be done with each;
-    /// nothing where the device is lost.
-    pub(super) fn count_on_device(
+    /// Has the device count the rows of designs that it can solve; tells of each whether it has it.
+    pub(super) fn begin_counting(
         &self,
         library: &mut BodyLibrary,
         spaces: &Spaces,
         cases: &[DesignCase],
         asker: &dyn Asker,
-    ) -> Option<(Counted, Vec<Verdict>)> {
+    ) -> Vec<bool> {
         let question = asker.question();
         let standing = Standing::new(question, asker.limits());
         let mut tables = standing.tables();
@@ -68,19 +66,9 @@ impl Interpolation {
             standing.push_design(case, *even, errors, numbers).then_some(given)
         };
         let (mut batch, underway) = gathered(cases, TOGETHER, give);
-        batch.asked = Some(AskedOfJoints { question, tables });
+        batch.asked = Some(AskedOfJoints { question, tables, ranges: standing.ranges() });
         library.begin_joints(&batch);
-        let told = library.finish_answers()?;
-        let mut counted = Counted::none(question);
-        let mut verdicts = Vec::with_capacity(batch.joints.len());
-        for (_, words) in told {
-            let (more, own) = question.read(&words);
-            counted.merge(&more);
-            verdicts.extend(own);
-        }
-        let mut verdicts = verdicts.into_iter();
-        let verdict = |is_there: bool| is_there.then(|| verdicts.next()).flatten().unwrap_or(Verdict::Open);
-        Some((counted, underway.are_there().map(verdict).collect()))
+        underway.are_there().collect()
     }
 
     /// A design as the device is given it; `None` where it has no kernel for it.

@@ -1,5 +1,7 @@
 //! What a device has counted of the rows of some designs, and where it lies among the words that come back.
 
+use std::ops::Range;
+
 use super::{AskedHistogram, AskedQuantity, Question};
 
 /// Numbers that are counted have binary exponents from this on, and so many of them, of either sign.
@@ -24,7 +26,7 @@ pub const MOST_ROWS: usize = 1 << 20;
 /// Where counts begin, in words.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// Of each quantity its sketch and its sums; zero where there are none.
+    /// Of each quantity its sketch and its sums; zero where there are none. Whoever has a sketch has sums.
     pub quantities: Vec<[usize; 2]>,
     pub histograms: Vec<usize>,
     /// The verdicts, one a design, behind all counts.
@@ -85,11 +87,13 @@ impl Layout {
             end - words
         };
         let histograms = histograms.iter().map(|histogram| place(histogram.edges.len() + 1)).collect();
-        let of_quantity = |quantity: &AskedQuantity| {
-            let sketch = if quantity.has_sketch { place(SKETCH_WORDS) } else { 0 };
-            [sketch, if quantity.has_sums { place(SUM_WORDS) } else { 0 }]
+        let mut places = |is_asked: fn(&AskedQuantity) -> bool, words: usize| {
+            let own = quantities.iter().map(|quantity| if is_asked(quantity) { place(words) } else { 0 });
+            own.collect::<Vec<_>>()
         };
-        let quantities = quantities.iter().map(of_quantity).collect();
+        let sums = places(|quantity| quantity.has_sums, SUM_WORDS);
+        let sketches = places(|quantity| quantity.has_sketch, SKETCH_WORDS);
+        let quantities = sketches.into_iter().zip(sums).map(|(sketch, sums)| [sketch, sums]).collect();
         Layout { quantities, histograms, verdicts: end }
     }
 
@@ -97,32 +101,101 @@ impl Layout {
     pub fn words(&self, designs: usize) -> usize {
         self.verdicts + designs
     }
+
+    /// The words of a batch that are worth reading where values of each quantity lie in a range, or anywhere: most of a sketch is empty.
+    pub fn worth_reading(&self, ranges: &[Option<[f64; 2]>], designs: usize) -> Vec<Range<usize>> {
+        let sketches = || self.quantities.iter().map(|[sketch, _]| *sketch);
+        let mut parts = vec![0..sketches().filter(|sketch| *sketch > 0).min().unwrap_or(self.verdicts)];
+        for (sketch, range) in sketches().zip(ranges).filter(|(sketch, _)| *sketch > 0) {
+            let places = range.map_or([0..EXPONENTS, 0..EXPONENTS], exponents_of);
+            for (first, own) in [sketch, sketch + EXPONENTS * LEADING].into_iter().zip(places) {
+                if !own.is_empty() {
+                    parts.push(first + own.start * LEADING..first + own.end * LEADING);
+                }
+            }
+        }
+        parts.push(self.verdicts..self.words(designs));
+        parts
+    }
+
+    /// Whether all is there that was counted.
+    pub fn is_whole(&self, told: &Told) -> bool {
+        let is_there = |[sketch, sums]: &[usize; 2]| {
+            *sketch == 0
+                || told.words(*sums..sums + SUM_WORDS).is_some_and(|sums| {
+                    met(sums).all(|(place, _)| told.words(block(*sketch, place)).is_some())
+                })
+        };
+        self.quantities.iter().all(is_there)
+    }
+}
+
+/// The exponents of positive and of negative numbers in a range, and one more at either end.
+fn exponents_of([least, greatest]: [f64; 2]) -> [Range<usize>; 2] {
+    let place = |size: f64, more: i32| {
+        (size.log2().floor() as i32 - FIRST_EXPONENT + more).clamp(0, EXPONENTS as i32) as usize
+    };
+    let of = |least: f64, greatest: f64| match greatest > 0.0 {
+        true => (if least > 0.0 { place(least, -1) } else { 0 })..place(greatest, 2),
+        false => 0..0,
+    };
+    [of(least, greatest), of(-greatest, -least)]
+}
+
+/// Words that have come back, in parts.
+#[derive(Clone, Debug, Default)]
+pub struct Told {
+    /// How many designs they are of.
+    pub designs: usize,
+    /// Where each part lies in the whole, ascending.
+    pub parts: Vec<Range<usize>>,
+    /// One part after another.
+    pub all: Vec<u32>,
+}
+
+impl Told {
+    /// Some of the whole; `None` where they have not come.
+    pub fn words(&self, wanted: Range<usize>) -> Option<&[u32]> {
+        let mut at = 0;
+        for part in &self.parts {
+            if part.start <= wanted.start && wanted.end <= part.end {
+                return self.all.get(at + wanted.start - part.start..at + wanted.end - part.start);
+            }
+            at += part.len();
+        }
+        None
+    }
 }
 
 impl Question {
     /// From the words of a batch: what is counted, and a verdict for each design.
-    pub fn read(&self, words: &[u32]) -> (Counted, Vec<Verdict>) {
-        let (counts, verdicts) = words.split_at(self.layout.verdicts);
+    pub fn read(&self, told: &Told) -> (Counted, Vec<Verdict>) {
+        let words = |from: usize, count: usize| told.words(from..from + count).unwrap_or(&[]);
+        let [designs, rows, kept_rows, large_rows, error, linearity, greatest_force, least_force] =
+            *words(0, OF_ALL).as_array().unwrap_or(&[0; OF_ALL]);
         let number = |bits: u32| f64::from(f32::from_bits(bits));
-        let rows = u64::from(counts[1]);
-        let least_force = number(f32::INFINITY.to_bits() - counts[7]);
-        let quantities = self.layout.quantities.iter().map(|[sketch, sums]| CountedQuantity {
-            sketch: if *sketch > 0 { read_sketch(&counts[*sketch..][..SKETCH_WORDS]) } else { Vec::new() },
-            sums: if *sums > 0 { read_sums(&counts[*sums..][..SUM_WORDS]) } else { Vec::new() },
-        });
+        let least_force = number(f32::INFINITY.to_bits() - least_force);
+        let quantity = |[sketch, sums]: &[usize; 2]| {
+            let own = if *sums > 0 { words(*sums, SUM_WORDS) } else { &[] };
+            let blocks = met(own).map(|(place, _)| (place, told.words(block(*sketch, place)).unwrap_or(&[])));
+            CountedQuantity {
+                sketch: if *sketch > 0 { blocks.flat_map(read_block).collect() } else { Vec::new() },
+                sums: met(own).map(read_sum).collect(),
+            }
+        };
         let histograms = self.layout.histograms.iter().zip(&self.histograms);
         let histogram = |(at, own): (&usize, &AskedHistogram)| {
-            counts[*at..][..own.edges.len() + 1].iter().map(|count| u64::from(*count)).collect()
+            words(*at, own.edges.len() + 1).iter().map(|count| u64::from(*count)).collect()
         };
         let counted = Counted {
-            designs: u64::from(counts[0]),
-            rows,
-            kept_rows: u64::from(counts[2]),
-            large_rows: u64::from(counts[3]),
-            greatest_force_error: number(counts[4]),
-            greatest_linearity_error: number(counts[5]),
-            forces: (rows > 0).then(|| [least_force, number(counts[6])]),
-            quantities: quantities.collect(),
+            designs: u64::from(designs),
+            rows: u64::from(rows),
+            kept_rows: u64::from(kept_rows),
+            large_rows: u64::from(large_rows),
+            greatest_force_error: number(error),
+            greatest_linearity_error: number(linearity),
+            forces: (rows > 0).then(|| [least_force, number(greatest_force)]),
+            quantities: self.layout.quantities.iter().map(quantity).collect(),
             histograms: histograms.map(histogram).collect(),
         };
         let verdict = |word: &u32| match word {
@@ -130,7 +203,7 @@ impl Question {
             2 => Verdict::Candidate,
             _ => Verdict::Open,
         };
-        (counted, verdicts.iter().map(verdict).collect())
+        (counted, words(self.layout.verdicts, told.designs).iter().map(verdict).collect())
     }
 }
 
@@ -139,32 +212,35 @@ fn sign_and_exponent(place: usize) -> (bool, i32) {
     (place >= EXPONENTS, FIRST_EXPONENT + (place % EXPONENTS) as i32)
 }
 
-fn read_sketch(words: &[u32]) -> Vec<(f64, u64)> {
-    let met = words.iter().enumerate().filter(|(_, count)| **count > 0);
-    let value = |(place, count): (usize, &u32)| {
-        let (is_negative, exponent) = sign_and_exponent(place / LEADING);
-        let size = (1.0 + (place % LEADING) as f64 / LEADING as f64) * 2.0_f64.powi(exponent);
-        (if is_negative { -size } else { size }, u64::from(*count))
-    };
-    met.map(value).collect()
+/// The exponents of sums that there are numbers of, with what is summed of them.
+fn met(sums: &[u32]) -> impl Iterator<Item = (usize, &[u32])> {
+    sums.chunks_exact(PARTS).enumerate().filter(|(_, parts)| parts[0] > 0)
 }
 
-fn read_sums(words: &[u32]) -> Vec<CountedSum> {
-    let met = words.chunks_exact(PARTS).enumerate().filter(|(_, parts)| parts[0] > 0);
-    let sum = |(place, parts): (usize, &[u32])| {
-        let (is_negative, exponent) = sign_and_exponent(place);
-        let halves = |at: usize| u128::from(parts[at]) + (u128::from(parts[at + 1]) << 12);
-        CountedSum {
-            is_negative,
-            count: u64::from(parts[0]),
-            sum: halves(1) as u64,
-            // (2^12 high + low)^2.
-            squares: (halves(3) << 24) + (halves(5) << 13) + halves(7),
-            // Mantissas are whole numbers of 24 digits.
-            exponent: exponent - 23,
-        }
-    };
-    met.map(sum).collect()
+/// Where the numbers of an exponent are in a sketch.
+fn block(sketch: usize, place: usize) -> Range<usize> {
+    sketch + place * LEADING..sketch + (place + 1) * LEADING
+}
+
+fn read_block((place, words): (usize, &[u32])) -> impl Iterator<Item = (f64, u64)> {
+    let (is_negative, exponent) = sign_and_exponent(place);
+    let unit = if is_negative { -(2.0_f64.powi(exponent)) } else { 2.0_f64.powi(exponent) };
+    let met = words.iter().enumerate().filter(|(_, count)| **count > 0);
+    met.map(move |(leading, count)| ((1.0 + leading as f64 / LEADING as f64) * unit, u64::from(*count)))
+}
+
+fn read_sum((place, parts): (usize, &[u32])) -> CountedSum {
+    let (is_negative, exponent) = sign_and_exponent(place);
+    let halves = |at: usize| u128::from(parts[at]) + (u128::from(parts[at + 1]) << 12);
+    CountedSum {
+        is_negative,
+        count: u64::from(parts[0]),
+        sum: halves(1) as u64,
+        // (2^12 high + low)^2.
+        squares: (halves(3) << 24) + (halves(5) << 13) + halves(7),
+        // Mantissas are whole numbers of 24 digits.
+        exponent: exponent - 23,
+    }
 }
 
 impl Counted {

@@ -141,6 +141,18 @@ impl<'a> Standing<'a> {
         to.extend(self.question.axes.iter().enumerate().map(rank));
     }
 
+    /// Of each quantity the least and the greatest value so far, where its extremes are told.
+    pub fn ranges(&self) -> Vec<Option<[f64; 2]>> {
+        let range = |quantity: usize| {
+            let limit = |sign: f64| {
+                let own = |(watch, _): &(&Watch, f64)| watch.quantity == quantity && watch.sign == sign;
+                self.watches().find(own).map(|(_, limit)| sign * limit).filter(|limit| limit.is_finite())
+            };
+            Some([limit(1.0)?, limit(-1.0)?])
+        };
+        (0..self.question.quantities.len()).map(range).collect()
+    }
+
     /// Each with its limit.
     fn watches(&self) -> impl Iterator<Item = (&Watch, f64)> {
         let limit = |place: usize| self.limits.watches.get(place).copied().unwrap_or(f64::INFINITY);

@@ -13,10 +13,10 @@ use super::joint_tables::{JointParameters, TableArena};
 use super::kernel_texts::{ANSWERS, JOINTS, Variant};
 use super::kernels::{Making, Precision, Stage};
 use crate::engine::backend::joints::{
-    BatchedJoint, JointBatch, JointTables, MOST_NODES, STATE_NUMBERS, ToldOfJoints,
+    AskedOfJoints, BatchedJoint, JointBatch, JointTables, MOST_NODES, STATE_NUMBERS,
 };
 use crate::engine::backend::{Counts, IN_FLIGHT};
-use crate::engine::question::counted::MOST_ROWS;
+use crate::engine::question::counted::{Layout, MOST_ROWS, Told};
 
 /// Of a dispatch at most: few enough for any device's limit, and for a watchdog.
 const MOST_JOINTS: usize = 8192;
@@ -53,17 +53,38 @@ struct Batch {
     /// What is submitted and not read back.
     flights: VecDeque<Flight>,
     found: Vec<f32>,
-    /// In place of it where rows are counted.
-    told: Vec<ToldOfJoints>,
+    /// Whether rows are counted, and then what is told in the place of what is found.
+    is_counted: bool,
+    told: Vec<Told>,
 }
 
 struct Flight {
     joints: usize,
-    /// Bytes that come back, before those that tell how long passes took, and whether they are of counts.
-    bytes: u64,
-    is_counted: bool,
+    wanted: Wanted,
     /// Nothing where tables are too large for the device: its joints have no states.
     on_device: Option<(Buffers, Reading)>,
+}
+
+/// What comes back of a flight, before what tells how long passes took.
+enum Wanted {
+    /// So many words of states.
+    Found(usize),
+    /// Counts: some parts of them.
+    Told(Layout, Vec<Range<usize>>),
+}
+
+impl Wanted {
+    fn bytes(&self) -> u64 {
+        let words = match self {
+            Wanted::Found(words) => *words,
+            Wanted::Told(_, parts) => parts.iter().map(Range::len).sum(),
+        };
+        bytes(words)
+    }
+}
+
+fn bytes(words: usize) -> u64 {
+    (size_of::<u32>() * words) as u64
 }
 
 /// A joint as the kernel has it: where its parameters are, its numbers and what is found of it begin, and how many loads it has.
@@ -128,7 +149,8 @@ impl JointKernel {
             Some(asked) => self.make_answers(gpu, &asked.question.text)?,
             None => found.reserve(batch.joints.iter().map(BatchedJoint::found).sum()),
         }
-        self.batches.push_back(Batch { flights: VecDeque::new(), found, told: Vec::new() });
+        let is_counted = batch.asked.is_some();
+        self.batches.push_back(Batch { flights: VecDeque::new(), found, is_counted, told: Vec::new() });
         let mut first = 0;
         while first < batch.joints.len() {
             self.land_all_but(gpu, IN_FLIGHT - 1)?;
@@ -159,19 +181,21 @@ impl JointKernel {
 
     /// Waits for the batch that was begun before all others: what is found of its joints, one after another.
     pub fn finish(&mut self, gpu: &GpuDevice) -> Result<Vec<f32>, GpuError> {
-        Ok(self.finished(gpu)?.map(|batch| batch.found).unwrap_or_default())
+        Ok(self.finished(gpu, false)?.map(|batch| batch.found).unwrap_or_default())
     }
 
     /// The same of a batch whose rows were counted.
-    pub fn finish_answers(&mut self, gpu: &GpuDevice) -> Result<Vec<ToldOfJoints>, GpuError> {
-        Ok(self.finished(gpu)?.map(|batch| batch.told).unwrap_or_default())
+    pub fn finish_answers(&mut self, gpu: &GpuDevice) -> Result<Vec<Told>, GpuError> {
+        Ok(self.finished(gpu, true)?.map(|batch| batch.told).unwrap_or_default())
     }
 
-    fn finished(&mut self, gpu: &GpuDevice) -> Result<Option<Batch>, GpuError> {
-        while self.batches.front().is_some_and(|batch| !batch.flights.is_empty()) {
-            self.land(gpu, 0)?;
+    fn finished(&mut self, gpu: &GpuDevice, is_counted: bool) -> Result<Option<Batch>, GpuError> {
+        let is_wanted = |batch: &Batch| batch.is_counted == is_counted;
+        let Some(index) = self.batches.iter().position(is_wanted) else { return Ok(None) };
+        while !self.batches[index].flights.is_empty() {
+            self.land(gpu, index)?;
         }
-        Ok(self.batches.pop_front())
+        Ok(self.batches.remove(index))
     }
 
     /// The kernel that counts rows, with the functions of a question.
@@ -198,26 +222,39 @@ impl JointKernel {
 
     /// Waits for the first flight of a batch.
     fn land(&mut self, gpu: &GpuDevice, index: usize) -> Result<(), GpuError> {
-        let Batch { flights, found, told } = &mut self.batches[index];
-        let Some(Flight { joints, bytes, is_counted, on_device }) = flights.pop_front() else {
-            return Ok(());
-        };
-        let mut take = |own: &[u8]| {
-            let words = own.as_chunks().0.iter();
-            match is_counted {
-                true => told.push((joints, words.map(|word| u32::from_ne_bytes(*word)).collect())),
-                false => found.extend(words.map(|word| f32::from_ne_bytes(*word))),
-            }
-        };
+        let Batch { flights, found, told, .. } = &mut self.batches[index];
+        let Some(Flight { joints, wanted, on_device }) = flights.pop_front() else { return Ok(()) };
         let Some((buffers, reading)) = on_device else {
-            take(&vec![0; bytes as usize]);
+            match wanted {
+                Wanted::Found(words) => found.extend(std::iter::repeat_n(0.0, words)),
+                Wanted::Told(..) => told.push(Told { designs: joints, ..Told::default() }),
+            }
             return Ok(());
         };
-        self.counts.busy += gpu.look(reading, |all| {
-            let (own, times) = all.split_at(bytes as usize);
-            take(own);
+        let mut all = Vec::new();
+        self.counts.busy += gpu.look(reading, |own| {
+            let (own, times) = own.split_at(wanted.bytes() as usize);
+            match wanted {
+                Wanted::Found(_) => {
+                    found.extend(own.as_chunks().0.iter().map(|word| f32::from_ne_bytes(*word)))
+                }
+                Wanted::Told(..) => all = words_of(own),
+            }
             gpu.busy(times)
         })?;
+        if let Wanted::Told(layout, parts) = wanted {
+            let mut own = Told { designs: joints, parts, all };
+            if !layout.is_whole(&own) {
+                // Values lie farther out than was known: all of it.
+                let [.., Some(buffer)] = &buffers.answers else { return Ok(()) };
+                let mut all = words_of(&gpu.read(buffer)?);
+                all.truncate(layout.words(joints));
+                self.counts.waits += 1;
+                self.counts.bytes_down += bytes(all.len());
+                own = Told { designs: joints, parts: std::iter::once(0..all.len()).collect(), all };
+            }
+            told.push(own);
+        }
         self.free.push(buffers);
         self.counts.waits += 1;
         let is_more = self.batches.iter().any(|batch| !batch.flights.is_empty());
@@ -234,20 +271,21 @@ impl JointKernel {
     ) -> Result<(usize, Flight), GpuError> {
         let load = self.load(gpu, batch, first)?;
         let joints = load.count.max(1);
-        let bytes = match &batch.asked {
-            Some(asked) => (size_of::<u32>() * asked.question.layout.words(joints)) as u64,
-            None if load.count == 0 => (size_of::<f32>() * batch.joints[first].found()) as u64,
-            None => load.found_bytes,
+        let wanted = match &batch.asked {
+            Some(AskedOfJoints { question, ranges, .. }) => {
+                Wanted::Told(question.layout.clone(), question.layout.worth_reading(ranges, joints))
+            }
+            None if load.count == 0 => Wanted::Found(batch.joints[first].found()),
+            None => Wanted::Found(load.found_bytes as usize / size_of::<f32>()),
         };
-        let is_counted = batch.asked.is_some();
         if load.count == 0 {
-            return Ok((1, Flight { joints, bytes, is_counted, on_device: None }));
+            return Ok((1, Flight { joints, wanted, on_device: None }));
         }
         let mut buffers = self.free.pop().unwrap_or_default();
         let numbers = numbers_of(batch, first).start..numbers_of(batch, first + joints - 1).end;
         let asked = batch.asked.as_ref().map(|asked| &asked.tables[..]);
-        let reading = self.submit(gpu, &mut buffers, &load, &batch.numbers[numbers], (asked, bytes))?;
-        Ok((joints, Flight { joints, bytes, is_counted, on_device: Some((buffers, reading)) }))
+        let reading = self.submit(gpu, &mut buffers, &load, &batch.numbers[numbers], (asked, &wanted))?;
+        Ok((joints, Flight { joints, wanted, on_device: Some((buffers, reading)) }))
     }
 
     fn submit(
@@ -256,12 +294,12 @@ impl JointKernel {
         Buffers { joints: buffers, answers }: &mut Buffers,
         load: &Load,
         numbers: &[f32],
-        (asked, bytes): (Option<&[f32]>, u64),
+        (asked, wanted): (Option<&[f32]>, &Wanted),
     ) -> Result<Reading, GpuError> {
         let Load { parameters, places, designs, found_bytes, .. } = load;
         let pieces: usize = places.iter().map(|(_, places)| places.len().div_ceil(MOST_JOINTS)).sum();
         let mut times = PassTimes::of(gpu, pieces + usize::from(asked.is_some()));
-        let staged = bytes + times.bytes();
+        let staged = wanted.bytes() + times.bytes();
         let sizes = [
             size_of_val(&parameters[..]) as u64,
             places.iter().map(|(_, places)| whole_parts(places)).sum(),
@@ -274,13 +312,14 @@ impl JointKernel {
         let kept = gpu.checked("joints", || dispatch::kept(gpu, buffers, TRAVELLING, sizes, counts))?;
         let [of_parameters, of_places, of_joints, found, staging] = kept;
         counts.bytes_up += sizes[..3].iter().sum::<u64>();
-        counts.bytes_down += bytes;
+        counts.bytes_down += wanted.bytes();
         let mut counting = None;
-        if let (Some(asked), Some((_, stage))) = (asked, &self.answers) {
-            let sizes = [size_of_val(asked) as u64, size_of_val(&designs[..]) as u64, bytes];
+        if let (Some(asked), Some((_, stage)), Wanted::Told(layout, _)) = (asked, &self.answers, wanted) {
+            let told = bytes(layout.words(designs.len()));
+            let sizes = [size_of_val(asked) as u64, size_of_val(&designs[..]) as u64, told];
             counts.bytes_up += sizes[..2].iter().sum::<u64>();
             let kept = gpu.checked("answers", || dispatch::kept(gpu, answers, ASKING, sizes, counts))?;
-            counting = Some((kept, asked, stage));
+            counting = Some((kept, asked, stage, told));
         }
         gpu.checked("joints", || {
             gpu.queue.write_buffer(of_parameters, 0, bytemuck::cast_slice(parameters));
@@ -308,10 +347,10 @@ impl JointKernel {
                 at += whole_parts(own);
             }
             let mut read = found;
-            if let Some(([of_asked, of_designs, told], asked, stage)) = counting {
+            if let Some(([of_asked, of_designs, told], asked, stage, size)) = counting {
                 gpu.queue.write_buffer(of_asked, 0, bytemuck::cast_slice(asked));
                 gpu.queue.write_buffer(of_designs, 0, bytemuck::cast_slice(designs));
-                encoder.clear_buffer(told, 0, Some(bytes));
+                encoder.clear_buffer(told, 0, Some(size));
                 let arguments = [
                     Argument::whole("found", found),
                     Argument::whole("joints", of_joints),
@@ -327,8 +366,16 @@ impl JointKernel {
                 counts.dispatches += 1;
                 read = told;
             }
-            encoder.copy_buffer_to_buffer(read, 0, staging, 0, bytes);
-            times.resolve(&mut encoder, staging, bytes);
+            let mut at = 0;
+            let mut copy = |words: Range<usize>| {
+                encoder.copy_buffer_to_buffer(read, bytes(words.start), staging, at, bytes(words.len()));
+                at += bytes(words.len());
+            };
+            match wanted {
+                Wanted::Found(words) => copy(0..*words),
+                Wanted::Told(_, parts) => parts.iter().cloned().for_each(copy),
+            }
+            times.resolve(&mut encoder, staging, wanted.bytes());
             let submission = gpu.queue.submit([encoder.finish()]);
             counts.submits += 1;
             gpu.reading(staging, staged, submission)
@@ -384,6 +431,10 @@ impl JointKernel {
         }
         Ok(load)
     }
+}
+
+fn words_of(bytes: &[u8]) -> Vec<u32> {
+    bytes.as_chunks().0.iter().map(|word| u32::from_ne_bytes(*word)).collect()
 }
 
 /// Bytes of places, as parts of a buffer that others follow in.

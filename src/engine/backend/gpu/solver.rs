@@ -17,9 +17,10 @@ use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::backend::device_solver::DeviceSolver;
-use crate::engine::backend::joints::{JointBatch, SolvedJoints, ToldOfJoints};
+use crate::engine::backend::joints::{JointBatch, SolvedJoints};
 use crate::engine::backend::{Counts, Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
+use crate::engine::question::counted::Told;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
 use crate::mechanics::mesh::{Grading, RingTopology};
@@ -175,7 +176,7 @@ impl Device for GpuCondenser<'_> {
         found
     }
 
-    fn finish_answers(&mut self) -> Result<Vec<ToldOfJoints>, GpuError> {
+    fn finish_answers(&mut self) -> Result<Vec<Told>, GpuError> {
         let started = Instant::now();
         let told = self.joints.finish_answers(self.kernels.gpu);
         self.report.contact += started.elapsed();
