@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 
 use jointsweep::Error;
-use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SweepOptions};
+use jointsweep::internals::engine::drawing::Chosen;
+use jointsweep::internals::engine::sweep::{self, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
 use jointsweep::internals::output::origin::Origin;
 use jointsweep::internals::output::results::Results;

@@ -25,39 +25,72 @@ pub fn gathered<'a, I: Sync, T: Send>(
     give: impl Fn(&I, &mut Vec<f32>) -> Option<Given<'a, T>> + Sync,
 ) -> (JointBatch<'a>, Underway<T>) {
     let portion = |things: &[I]| {
-        let mut numbers = Vec::new();
-        let mut given = Vec::with_capacity(things.len());
+        let mut portion = Portion { kept: Vec::with_capacity(things.len()), ..Portion::default() };
         for thing in things {
-            let at = numbers.len();
-            let own = give(thing, &mut numbers);
-            if own.is_none() {
-                numbers.truncate(at);
+            let at = portion.numbers.len();
+            let given = give(thing, &mut portion.numbers);
+            if given.is_none() {
+                portion.numbers.truncate(at);
             }
-            given.push((own, at));
+            let own = given.map(|Given { tables, load_count, kept }| {
+                let tables = place_of(tables, &mut portion.places, &mut portion.tables);
+                (kept, BatchedJoint { tables, numbers_at: at as u32, load_count })
+            });
+            portion.kept.push(own);
         }
-        (numbers, given)
+        portion
     };
-    let portions: Vec<_> = things.par_chunks(together).map(portion).collect();
+    // What is left to one thread is little: it says where numbers and tables of each portion are among all of them.
+    let mut portions: Vec<_> = things.par_chunks(together).map(portion).collect();
     let mut batch = JointBatch::default();
-    let mut places: HashMap<[TablesKey; 2], u32> = HashMap::default();
+    let mut places = Places::default();
     let mut kept = Vec::with_capacity(things.len());
-    batch.numbers.reserve(portions.iter().map(|(numbers, _)| numbers.len()).sum());
-    for (numbers, given) in portions {
-        let before = batch.numbers.len();
-        batch.numbers.extend(numbers);
-        for (given, at) in given {
-            kept.push(given.map(|Given { tables, load_count, kept }| {
-                let place = *places.entry(tables.key()).or_insert_with(|| {
-                    batch.tables.push(tables);
-                    batch.tables.len() as u32 - 1
-                });
-                let joint = BatchedJoint { tables: place, numbers_at: (before + at) as u32, load_count };
-                batch.joints.push(joint);
-                (kept, joint)
-            }));
+    let mut before = 0;
+    for Portion { numbers, tables, kept: own, .. } in &mut portions {
+        let tables = tables.iter().map(|tables| place_of(*tables, &mut places, &mut batch.tables));
+        let tables: Vec<u32> = tables.collect();
+        for (_, joint) in own.iter_mut().flatten() {
+            joint.tables = tables[joint.tables as usize];
+            joint.numbers_at += before;
+            batch.joints.push(*joint);
         }
+        kept.append(own);
+        before += numbers.len() as u32;
     }
+    batch.numbers.resize(before as usize, 0.0);
+    let mut rooms = Vec::with_capacity(portions.len());
+    let mut left = &mut batch.numbers[..];
+    for Portion { numbers, .. } in &portions {
+        let (own, others) = left.split_at_mut(numbers.len());
+        rooms.push((own, &numbers[..]));
+        left = others;
+    }
+    rooms.into_par_iter().with_min_len(4).for_each(|(room, numbers)| room.copy_from_slice(numbers));
     (batch, Underway { kept })
+}
+
+type Places = HashMap<[TablesKey; 2], u32>;
+
+/// Joints of some things, with tables and numbers of their own.
+struct Portion<'a, T> {
+    numbers: Vec<f32>,
+    tables: Vec<JointTables<'a>>,
+    places: Places,
+    kept: Vec<Option<(T, BatchedJoint)>>,
+}
+
+impl<T> Default for Portion<'_, T> {
+    fn default() -> Self {
+        Portion { numbers: Vec::new(), tables: Vec::new(), places: Places::default(), kept: Vec::new() }
+    }
+}
+
+/// Where tables are among others, which they join if they are not there.
+fn place_of<'a>(tables: JointTables<'a>, places: &mut Places, all: &mut Vec<JointTables<'a>>) -> u32 {
+    *places.entry(tables.key()).or_insert_with(|| {
+        all.push(tables);
+        all.len() as u32 - 1
+    })
 }
 
 /// The relative errors of the force that bodies leave, each by its share of the work: as `BodyErrors::at`.

@@ -23,11 +23,27 @@ impl Distinct {
             return;
         }
         self.hashes.insert(hash);
+        self.shrink();
+    }
+
+    /// With what somebody else has met.
+    pub fn merge(&mut self, other: Distinct) {
+        self.zeros = self.zeros.max(other.zeros);
+        self.hashes.extend(other.hashes);
+        self.keep();
+        self.shrink();
+    }
+
+    fn shrink(&mut self) {
         while self.hashes.len() > KEPT {
             self.zeros += 1;
-            let zeros = self.zeros;
-            self.hashes.retain(|hash| hash.trailing_zeros() >= zeros);
+            self.keep();
         }
+    }
+
+    fn keep(&mut self) {
+        let zeros = self.zeros;
+        self.hashes.retain(|hash| hash.trailing_zeros() >= zeros);
     }
 
     pub fn count(&self) -> u64 {
@@ -65,6 +81,26 @@ mod tests {
         let error = distinct.count() as f64 / 5e6 - 1.0;
         // Four times the standard deviation.
         assert!(error.abs() < 0.011, "{error}");
+    }
+
+    /// In whatever parts things are met, the same is kept of them.
+    #[test]
+    fn parts_come_to_the_whole() {
+        let numbers = 0..1_200_000_u64;
+        let mut parts = [Distinct::default(), Distinct::default(), Distinct::default()];
+        let mut whole = Distinct::default();
+        for number in numbers {
+            // Most of them in the last part, which keeps fewer.
+            let part = if number % 100 == 0 { (number / 100 % 2) as usize } else { 2 };
+            parts[part].meet(&(number / 3 * 2));
+            whole.meet(&(number / 3 * 2));
+        }
+        let [mut first, second, third] = parts;
+        assert!(first.zeros == 0 && whole.zeros > 0);
+        first.merge(second);
+        first.merge(third);
+        assert_eq!((first.count(), first.zeros), (whole.count(), whole.zeros));
+        assert_eq!(first.hashes, whole.hashes);
     }
 
     /// Of a thousand different things, drawn at random; where each is another one there may be as many as there are.

@@ -125,7 +125,8 @@ impl<'a> Ladder<'a> {
         }
     }
 
-    /// What is counted of the designs that were begun before all others, and what is to be done with each: all of it where the device is lost.
+    /// What is counted of the designs that were begun before all others, and those of them that something is left to do of: all where the
+    /// device is lost.
     pub fn finish_count(
         &mut self,
         Counting { cases, are_there }: Counting,
@@ -139,7 +140,9 @@ impl<'a> Ladder<'a> {
         }
         let mut verdicts = verdicts.into_iter();
         let verdict = |is_there: bool| is_there.then(|| verdicts.next()).flatten().unwrap_or(Verdict::Open);
-        Some((counted, cases.into_iter().zip(are_there.into_iter().map(verdict)).collect()))
+        let verdicts: Vec<Verdict> = are_there.into_iter().map(verdict).collect();
+        let all = cases.into_par_iter().zip(verdicts).with_min_len(MANY);
+        Some((counted, all.filter(|(_, verdict)| *verdict != Verdict::Counted).collect()))
     }
 
     /// Answers to `cases`, in their order.

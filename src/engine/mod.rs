@@ -35,4 +35,5 @@ pub mod cost;
 pub mod forecast;
 pub mod shares;
 pub mod explain;
+pub mod drawing;
 pub mod sweep;

@@ -1,6 +1,6 @@
 //! Designs x plan x backend -> outcomes in design order.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::ScopedJoinHandle;
 use std::time::Duration;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::engine::backend::Counts;
 use crate::engine::backend::choice::GpuChoice;
 use crate::engine::cost::DesignCost;
-use crate::engine::distinct::Distinct;
+use crate::engine::drawing::{Chosen, Drawer, Drawn, FIRST_BATCH};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::{Counting, Ladder};
 use crate::engine::law_fit::add_laws;
@@ -88,38 +88,6 @@ pub struct SweepOptions<'a> {
     pub designs: Chosen,
 }
 
-/// The designs to solve, by their numbers.
-#[derive(Clone, Debug, Default)]
-pub enum Chosen {
-    #[default]
-    All,
-    Range(Range<u64>),
-    /// In their order, none twice.
-    Listed(Vec<u64>),
-}
-
-type Cases<'a> = Box<dyn Iterator<Item = Result<DesignCase, Error>> + Send + 'a>;
-
-impl Chosen {
-    fn count(&self, study: &Study) -> u64 {
-        match self {
-            Chosen::All => study.design_count(),
-            Chosen::Range(range) => range.end.min(study.design_count()).saturating_sub(range.start),
-            Chosen::Listed(numbers) => numbers.len() as u64,
-        }
-    }
-
-    fn cases<'a>(&'a self, study: &'a Study) -> Result<Cases<'a>, Error> {
-        Ok(match self {
-            Chosen::All => Box::new(study.cases()?),
-            Chosen::Range(Range { start, end }) => {
-                Box::new(study.cases()?.skip(*start as usize).take(end.saturating_sub(*start) as usize))
-            }
-            Chosen::Listed(numbers) => Box::new(study.cases_at(numbers.iter().copied())?),
-        })
-    }
-}
-
 /// Designs of a batch on the processor: enough to fill the lanes of many topologies, few enough to stay small.
 const BATCH: usize = 1024;
 
@@ -128,9 +96,6 @@ const INTERPOLATED_BATCH: usize = 16_384;
 
 /// The most rows of a batch: designs of many loads come in smaller ones.
 const MOST_ROWS: u64 = 10 * INTERPOLATED_BATCH as u64;
-
-/// Designs of the first batch, so that a slow sweep shows its first rows soon.
-const FIRST_BATCH: usize = 64;
 
 /// A sweep whose whole batches take no longer than this by the forecast, s, begins with one: lanes are filled better.
 const SOON: f64 = 0.25;
@@ -172,7 +137,8 @@ pub fn run_digested<T: Send>(
         .num_threads(threads)
         .build()
         .map_err(|error| Error::Threads { threads, problem: error.to_string() })?;
-    let (count, cases) = (options.designs.count(study), options.designs.cases(study)?);
+    let count = options.designs.count(study);
+    let mut drawer = Drawer::new(study, &options.designs, threads)?;
     let mut statistics = Statistics::default();
     let (drawn_sender, drawn) = sync_channel(1);
     // Nothing waits for its digestion, so that few batches are there at a time.
@@ -189,7 +155,7 @@ pub fn run_digested<T: Send>(
             let seconds: f64 = looked_at.map(|case| cost.seconds(case)).sum();
             options.gpu.is_none() && seconds / 4.0 * batch_size as f64 <= SOON * threads as f64
         };
-        let drawer = scope.spawn(move || draw_all(cases, batch_size, is_soon, &drawn_sender));
+        let drawer = scope.spawn(move || drawer.draw_all(batch_size, is_soon, &drawn_sender));
         let pool = &pool;
         let solver = scope.spawn(move || solve_all(study, options, plan, pool, &drawn, &solved_sender));
         let digester = scope.spawn(move || digest_all(digest, pool, solved, &digested_sender));
@@ -200,7 +166,7 @@ pub fn run_digested<T: Send>(
         let digestion = joined(digester);
         let Statistics { solves, asked, worst_residual, fallback, mut stages, .. } = joined(solver);
         stages.extend([("table", digestion), ("writing", received)]);
-        let distinct_bodies = joined(drawer).count();
+        let distinct_bodies = joined(drawer);
         statistics.interrupted &= statistics.designs < count;
         if options.gpu.is_none() {
             statistics.designs_on_cpu = 0;
@@ -215,7 +181,6 @@ fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-type Drawn = Result<Vec<DesignCase>, Error>;
 type Solved = Result<SolvedDesigns, Error>;
 type Digested<T> = Result<Vec<Portion<T>>, Error>;
 
@@ -245,49 +210,6 @@ impl<T> Portion<T> {
 /// The most designs of a batch whose designs have so many rows each.
 fn designs_of_rows(rows: u64) -> usize {
     (MOST_ROWS / rows.max(1)).max(1) as usize
-}
-
-/// Draws the designs in batches, up to the first that cannot be read.
-fn draw_all(
-    mut cases: impl Iterator<Item = Result<DesignCase, Error>>,
-    batch_size: usize,
-    is_soon: impl Fn(&[DesignCase]) -> bool,
-    drawn: &SyncSender<Drawn>,
-) -> Distinct {
-    let mut distinct = Distinct::default();
-    let mut first: Drawn = cases.by_ref().take(FIRST_BATCH.min(batch_size)).collect();
-    if let Ok(designs) = &mut first
-        && is_soon(designs)
-    {
-        let more: Drawn = cases.by_ref().take(batch_size.saturating_sub(FIRST_BATCH)).collect();
-        match more {
-            Ok(more) => designs.extend(more),
-            Err(error) => first = Err(error),
-        }
-    }
-    let mut first = Some(first);
-    loop {
-        let batch = first.take().unwrap_or_else(|| cases.by_ref().take(batch_size).collect());
-        let is_last = match &batch {
-            Ok(batch) if batch.is_empty() => break,
-            Ok(batch) => {
-                batch.iter().for_each(|case| meet(&mut distinct, case));
-                false
-            }
-            Err(_) => true,
-        };
-        // The solver is gone when the receiver has broken off.
-        if drawn.send(batch).is_err() || is_last {
-            break;
-        }
-    }
-    distinct
-}
-
-fn meet(distinct: &mut Distinct, case: &DesignCase) {
-    for part in [&case.joint.pin, &case.joint.plate] {
-        distinct.meet(&case.joint.body(part).key());
-    }
 }
 
 /// Solves batches; gives back what the solver did.
@@ -366,9 +288,8 @@ fn outcomes(ladder: &mut Ladder, cases: Vec<DesignCase>) -> Vec<DesignOutcome> {
 
 /// Waits for what a device counts, and solves those designs that it has left, or that may have an extreme row.
 fn left(ladder: &mut Ladder, counting: Counting, asker: Option<&dyn Asker>) -> Option<SolvedDesigns> {
-    let (counted, verdicts) = ladder.finish_count(counting)?;
-    let left = verdicts.into_iter().filter(|(_, verdict)| *verdict != Verdict::Counted);
-    let (cases, verdicts): (Vec<DesignCase>, Vec<Verdict>) = left.unzip();
+    let (counted, left) = ladder.finish_count(counting)?;
+    let (cases, verdicts): (Vec<DesignCase>, Vec<Verdict>) = left.into_iter().unzip();
     let solved = outcomes(ladder, cases);
     asker?.look(&solved);
     let (mut outcomes, mut candidates) = (Vec::new(), Vec::new());
@@ -520,34 +441,6 @@ fn receive_all<T>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
-
-    /// Sizes of the batches in which designs are drawn, where a whole batch is soon solved or not.
-    #[test]
-    fn a_sweep_begins_with_a_whole_batch_where_that_is_soon_solved() {
-        let config = r#"
-            [joint]
-            idealization     = "plane-stress"
-            hole_radius      = "10 mm"
-            radial_clearance = { from = "0.01 mm", to = "1 mm", count = 2500 }
-            thickness        = "8 mm"
-            pin   = { model = "rigid-core", youngs_modulus = "210 GPa", poissons_ratio = 0.3 }
-            plate = { model = "annulus", outer_radius_ratio = 3, youngs_modulus = "210 GPa", poissons_ratio = 0.3 }
-            [load]
-            force = "5 kN"
-        "#;
-        let study = Study::from_text(Path::new("config"), config.to_string()).unwrap();
-        let sizes = |is_soon: bool| -> Vec<usize> {
-            let (sender, drawn) = sync_channel(10);
-            draw_all(study.cases().unwrap(), BATCH, |first| is_soon && first.len() == FIRST_BATCH, &sender);
-            drop(sender);
-            let batches: Vec<Vec<DesignCase>> = drawn.iter().map(Result::unwrap).collect();
-            assert!(batches.iter().flatten().map(|case| case.index).eq(0..2500));
-            batches.iter().map(Vec::len).collect()
-        };
-        assert_eq!(sizes(false), [64, 1024, 1024, 388]);
-        assert_eq!(sizes(true), [1024, 1024, 452]);
-    }
 
     /// Ten loads leave batches as they are; a hundred thousand do not make one of a thousand designs.
     #[test]

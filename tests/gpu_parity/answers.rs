@@ -3,10 +3,12 @@
 use std::ops::{ControlFlow, Range};
 use std::path::Path;
 
+use jointsweep::internals::engine::backend::Counts as Asked;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::joints::SolvedJoints;
+use jointsweep::internals::engine::drawing::Chosen;
 use jointsweep::internals::engine::question::{Asker, TRUSTED};
-use jointsweep::internals::engine::sweep::{self, Chosen, Digest, SolvedDesigns, Statistics, SweepOptions};
+use jointsweep::internals::engine::sweep::{self, Digest, SolvedDesigns, Statistics, SweepOptions};
 use jointsweep::internals::output::counts::Counts;
 use jointsweep::internals::output::reduce::Reductions;
 use jointsweep::internals::output::sinks::{Rows, Sinks};
@@ -129,7 +131,8 @@ fn compare(found: &Reductions, expected: &Reductions) -> [f64; 2] {
 }
 
 const ALL: &str = r#"
-statistics = ["tangent_stiffness", "peak_pressure", "thickness * hole_radius", "thickness", "force", "2 deg - contact_half_angle"]
+statistics = ["indentation", "offset", "force", "tangent_stiffness", "peak_pressure", "energy", "linearity_error", "thickness",
+              "2 deg - contact_half_angle", "sqrt(force / 1 N) * log(thickness / 1 mm)^2"]
 quantiles  = [0.1, 0.5]
 best       = [{ by = "tangent_stiffness / (hole_radius * thickness)", count = 7 }, { by = "energy", order = "smallest", count = 3 }]
 pareto     = { largest = "tangent_stiffness", smallest = ["peak_pressure", "thickness"] }
@@ -142,7 +145,7 @@ const DESIGNS: u64 = 1200;
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn counted_answers_are_the_processors() {
-    let mut worst = [0.0_f64; 2];
+    let (mut worst, mut more) = ([0.0_f64; 2], 0);
     for (loads, select) in [
         (
             "force = ['1 kN', '2 kN', '5 kN']",
@@ -177,10 +180,13 @@ fn counted_answers_are_the_processors() {
         for (own, theirs) in own.forces_n.unwrap().iter().zip(theirs.forces_n.unwrap()) {
             assert!((own / theirs - 1.0).abs() < 1e-4);
         }
-        // One submission and one wait a batch.
+        // One submission and one wait a batch, and few that values far out have asked for.
         let batches = 1 + (DESIGNS - 64).div_ceil(256);
-        assert_eq!([found.statistics.asked.submits, found.statistics.asked.waits], [batches; 2]);
+        let Asked { submits, waits, .. } = found.statistics.asked;
+        assert!(submits == waits && (batches..batches + 2).contains(&waits), "{waits} of {batches}");
+        more += waits - batches;
     }
+    assert!(more > 0);
     println!("sums differ by {:.1e}, quantiles by {:.1e}", worst[0], worst[1]);
     // What is found in f32 differs by a few roundings.
     assert!(worst[0] < 3e-5, "{worst:?}");
