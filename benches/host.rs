@@ -1,5 +1,5 @@
 //! What processors do around a GPU, in time of all threads a design: sweeps of designs that are all different, finite elements at 1 %,
-//! with kernels that do nothing. `condense`: from the bodies of a batch to their works, or from interpolated joints to their states; `rest`: plans, keys, near fields, contact, what is judged. `cargo bench --bench host [-- DESIGNS [REPEATS]]`. Any Vulkan device will do, software too; no table is written.
+//! with kernels that do nothing; the last one asks for answers alone. `condense`: from the bodies of a batch to their works, or from interpolated joints to their states; `rest`: plans, keys, near fields, contact, what is judged. `cargo bench --bench host [-- DESIGNS [REPEATS]]`. Any Vulkan device will do, software too; no table is written.
 
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters};
 use jointsweep::internals::engine::backend::precision::Precision;
@@ -9,6 +9,14 @@ use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
 /// Designs of a batch, as for a real GPU.
 const BATCH: usize = 16_384;
 
+/// What is done with the bodies of a sweep, and with the rows of interpolated ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum How {
+    Condensed,
+    Interpolated,
+    Counted,
+}
+
 fn main() {
     let mut numbers = std::env::args().skip(1).filter_map(|argument| argument.parse::<u64>().ok());
     let designs = numbers.next().unwrap_or(100_000);
@@ -16,17 +24,21 @@ fn main() {
     let gpu = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap_or_else(|error| panic!("{error}"));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     println!("{}, {} threads", gpu.facts.name, threads);
-    for (sweep, precision, is_interpolated) in [
-        (&SWEEPS[0], Precision::F32, false),
-        (&SWEEPS[0], Precision::Mixed, false),
-        (&SWEEPS[2], Precision::F32, false),
-        (&SWEEPS[0], Precision::F32, true),
+    for (sweep, precision, how) in [
+        (&SWEEPS[0], Precision::F32, How::Condensed),
+        (&SWEEPS[0], Precision::Mixed, How::Condensed),
+        (&SWEEPS[2], Precision::F32, How::Condensed),
+        (&SWEEPS[0], Precision::F32, How::Interpolated),
+        (&SWEEPS[0], Precision::F32, How::Counted),
     ] {
-        let study = sweep.study(designs, is_interpolated).unwrap();
+        let study = match how {
+            How::Counted => sweep.answers(designs),
+            _ => sweep.study(designs, how == How::Interpolated),
+        };
+        let study = study.unwrap();
         println!(
-            "\n{}{} at {}, {}, {designs} designs; us of processor time a design",
+            "\n{}, {how:?} at {}, {}, {designs} designs; us of processor time a design",
             sweep.scene,
-            if is_interpolated { ", interpolated" } else { "" },
             sweep.accuracy,
             precision.name()
         );

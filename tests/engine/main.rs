@@ -25,6 +25,7 @@ mod interpolation;
 mod thin_walls;
 mod extremes;
 mod properties;
+mod question;
 mod joint;
 mod layers;
 mod material_shares;

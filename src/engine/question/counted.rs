@@ -105,7 +105,8 @@ impl Layout {
     /// The words of a batch that are worth reading where values of each quantity lie in a range, or anywhere: most of a sketch is empty.
     pub fn worth_reading(&self, ranges: &[Option<[f64; 2]>], designs: usize) -> Vec<Range<usize>> {
         let sketches = || self.quantities.iter().map(|[sketch, _]| *sketch);
-        let mut parts = vec![0..sketches().filter(|sketch| *sketch > 0).min().unwrap_or(self.verdicts)];
+        let first = sketches().filter(|sketch| *sketch > 0).min().unwrap_or(self.verdicts);
+        let mut parts: Vec<Range<usize>> = std::iter::once(0..first).collect();
         for (sketch, range) in sketches().zip(ranges).filter(|(sketch, _)| *sketch > 0) {
             let places = range.map_or([0..EXPONENTS, 0..EXPONENTS], exponents_of);
             for (first, own) in [sketch, sketch + EXPONENTS * LEADING].into_iter().zip(places) {
@@ -172,7 +173,7 @@ impl Question {
     pub fn read(&self, told: &Told) -> (Counted, Vec<Verdict>) {
         let words = |from: usize, count: usize| told.words(from..from + count).unwrap_or(&[]);
         let [designs, rows, kept_rows, large_rows, error, linearity, greatest_force, least_force] =
-            *words(0, OF_ALL).as_array().unwrap_or(&[0; OF_ALL]);
+            words(0, OF_ALL).try_into().unwrap_or([0; OF_ALL]);
         let number = |bits: u32| f64::from(f32::from_bits(bits));
         let least_force = number(f32::INFINITY.to_bits() - least_force);
         let quantity = |[sketch, sums]: &[usize; 2]| {
@@ -198,9 +199,9 @@ impl Question {
             quantities: self.layout.quantities.iter().map(quantity).collect(),
             histograms: histograms.map(histogram).collect(),
         };
-        let verdict = |word: &u32| match word {
-            1 => Verdict::Counted,
-            2 => Verdict::Candidate,
+        let verdict = |word: &u32| match *word {
+            word if word == Verdict::Counted as u32 => Verdict::Counted,
+            word if word == Verdict::Candidate as u32 => Verdict::Candidate,
             _ => Verdict::Open,
         };
         (counted, words(self.layout.verdicts, told.designs).iter().map(verdict).collect())

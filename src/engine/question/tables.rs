@@ -128,7 +128,7 @@ impl<'a> Standing<'a> {
     }
 
     /// Behind what is given of a row: whether it is an extreme one by what is given, and its ranks along the axes that are.
-    fn push_extremes(&self, case: &DesignCase, step: usize, to: &mut Vec<f32>) {
+    pub fn push_extremes(&self, case: &DesignCase, step: usize, to: &mut Vec<f32>) {
         let score = |watch: &Watch| {
             watch.sign * value(self.question.quantities[watch.quantity].of.operations(), case, step)
         };

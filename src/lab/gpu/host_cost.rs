@@ -1,8 +1,8 @@
 //! What processors do around a GPU: a sweep whose bodies go the whole way to a device and back, with kernels that do nothing.
 //!
 //! In place of the works that such kernels leave out, each body has those of the first body of its topology, so that contact has
-//! something to solve. Making them is not counted. Joints of interpolated bodies have one state in place of all that are left out; their fits, which the
-//! processor makes, are not counted, either.
+//! something to solve. Making them is not counted. Joints of interpolated bodies have one state in place of all that are left out, and of a study that
+//! asks for answers alone all designs are told to be counted; their fits, which the processor makes, are not counted, either.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
@@ -23,9 +23,12 @@ use crate::engine::body_request::{Group, TopologyKey};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
 use crate::engine::outcome::BackendKind;
+use crate::engine::question::Asker;
+use crate::engine::question::counted::{Told, Verdict};
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::output::host::processor_seconds;
+use crate::output::sinks::Sinks;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
 
@@ -50,7 +53,7 @@ pub struct HostCost {
 }
 
 impl HostCost {
-    /// Of the designs of a study in batches of so many; nothing is written.
+    /// Of the designs of a study in batches of so many; nothing is written. Of one that asks for answers alone the device counts the rows.
     pub fn of(
         study: &Study,
         gpu: &GpuDevice,
@@ -69,7 +72,10 @@ impl HostCost {
             interpolates: plan.is_some(),
             seen: &seen,
         };
-        let mut ladder = Ladder::new(study.solve).interpolating(plan).on(Box::new(condenser));
+        let sinks = Sinks::of(study);
+        let asking = sinks.asking();
+        let asker = asking.as_ref().map(|asking| asking as &dyn Asker);
+        let mut ladder = Ladder::new(study.solve).interpolating(plan).asked_by(asker).on(Box::new(condenser));
         let mut cost = HostCost::default();
         let mut cases = study.cases().into_iter().flatten();
         if ladder.interpolation.is_some() {
@@ -85,11 +91,16 @@ impl HostCost {
             if batch.is_empty() {
                 break;
             }
-            let answers = ladder.answers(&batch);
-            cost.solving += processor_seconds().unwrap_or(f64::NAN) - drawn;
             cost.designs += batch.len() as u64;
-            let on_device = answers.iter().filter(|answer| answer.backend == BackendKind::Gpu);
-            cost.on_device += on_device.count() as u64;
+            let on_device = match ladder.begin_count(batch) {
+                Ok(counting) => ladder.finish_count(counting).map_or(0, |(counted, _)| counted.designs),
+                Err(batch) => {
+                    let answers = ladder.answers(&batch);
+                    answers.iter().filter(|answer| answer.backend == BackendKind::Gpu).count() as u64
+                }
+            };
+            cost.solving += processor_seconds().unwrap_or(f64::NAN) - drawn;
+            cost.on_device += on_device;
         }
         if let Some(error) = ladder.library.lost() {
             return Err(error.clone());
@@ -177,12 +188,14 @@ impl Device for EmptyCondenser<'_> {
         let before = processor_seconds().unwrap_or(f64::NAN);
         self.condenser.begin_joints(batch)?;
         let between = processor_seconds().unwrap_or(f64::NAN);
-        let mut states = Vec::with_capacity(batch.joints.iter().map(BatchedJoint::found).sum());
-        for joint in &batch.joints {
-            states.push(0.0);
-            (0..joint.load_count).for_each(|_| states.extend(STAND_IN));
+        if batch.asked.is_none() {
+            let mut states = Vec::with_capacity(batch.joints.iter().map(BatchedJoint::found).sum());
+            for joint in &batch.joints {
+                states.push(0.0);
+                (0..joint.load_count).for_each(|_| states.extend(STAND_IN));
+            }
+            self.stand_in_states.push_back(states);
         }
-        self.stand_in_states.push_back(states);
         let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         seen.condensing += between - before;
         seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
@@ -199,6 +212,21 @@ impl Device for EmptyCondenser<'_> {
         seen.condensing += processor_seconds().unwrap_or(f64::NAN) - before;
         seen.counts = self.condenser.counts();
         Ok(stand_ins)
+    }
+
+    fn finish_answers(&mut self) -> Result<Vec<Told>, GpuError> {
+        let before = processor_seconds().unwrap_or(f64::NAN);
+        let mut told = self.condenser.finish_answers()?;
+        for Told { designs, all, .. } in &mut told {
+            // The first word counts the designs, the last ones are their verdicts.
+            all[0] = *designs as u32;
+            let verdicts = all.len() - *designs;
+            all[verdicts..].fill(Verdict::Counted as u32);
+        }
+        let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        seen.condensing += processor_seconds().unwrap_or(f64::NAN) - before;
+        seen.counts = self.condenser.counts();
+        Ok(told)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {

@@ -249,6 +249,7 @@ impl JointKernel {
                 let [.., Some(buffer)] = &buffers.answers else { return Ok(()) };
                 let mut all = words_of(&gpu.read(buffer)?);
                 all.truncate(layout.words(joints));
+                self.counts.submits += 1;
                 self.counts.waits += 1;
                 self.counts.bytes_down += bytes(all.len());
                 own = Told { designs: joints, parts: std::iter::once(0..all.len()).collect(), all };
