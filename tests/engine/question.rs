@@ -1,7 +1,14 @@
 //! Questions that a device answers: what it is told, and what is read of the words that come back.
 
 use std::path::Path;
+use std::time::Duration;
 
+use jointsweep::internals::engine::backend::adapter::GpuError;
+use jointsweep::internals::engine::backend::joints::{JointBatch, SolvedJoints};
+use jointsweep::internals::engine::backend::{Device, Works};
+use jointsweep::internals::engine::body_request::Group;
+use jointsweep::internals::engine::interpolation::fit_plan::InterpolationPlan;
+use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::question::counted::{
     EXPONENTS, FIRST_EXPONENT, LEADING, Layout, PARTS, Told, Verdict,
 };
@@ -140,6 +147,74 @@ fn given_values_are_compared_exactly() {
             assert_eq!(value(question.quantities[0].of.operations(), &case, 0), case.joint.thickness / 3.0);
         }
     }
+}
+
+/// Takes joints to count, and is gone when it is asked what it has counted.
+struct Lost;
+
+impl Device for Lost {
+    fn begin(&mut self, _: &[Group]) -> Result<(), GpuError> {
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<Works, GpuError> {
+        Err(lost())
+    }
+
+    fn solves_joints(&self) -> SolvedJoints {
+        SolvedJoints::Interpolated
+    }
+
+    fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
+        assert!(batch.asked.is_some() && batch.joints.len() > 10);
+        Ok(())
+    }
+
+    fn finish_answers(&mut self) -> Result<Vec<Told>, GpuError> {
+        Err(lost())
+    }
+
+    fn stages(&self) -> Vec<(&'static str, Duration)> {
+        Vec::new()
+    }
+
+    fn worst_residual(&self) -> f64 {
+        0.0
+    }
+
+    fn solves(&self) -> u64 {
+        0
+    }
+}
+
+fn lost() -> GpuError {
+    GpuError::Lost { adapter: "the device".into(), problem: "unplugged".into() }
+}
+
+/// A device that is lost while it counts has counted nothing, and every design is left to the processor.
+#[test]
+fn a_lost_device_leaves_all_designs() {
+    let text = study(SKETCHED)
+        .source_text()
+        .replace("core_radius_ratio = 0.2", "core_radius_ratio = { from = 0.2, to = 0.4 }");
+    let text = text.replace("outer_radius_ratio = 3", "outer_radius_ratio = { from = 2, to = 4 }");
+    let study = Study::from_text(
+        Path::new("asked.toml"),
+        format!("{text}[sampling]\nmethod = 'sobol'\ncount = 100000\n"),
+    )
+    .unwrap();
+    let sinks = Sinks::of(&study);
+    let asking = sinks.asking().unwrap();
+    let ladder = Ladder::new(study.solve).interpolating(InterpolationPlan::of_study(&study));
+    let mut ladder = ladder.asked_by(Some(&asking)).on(Box::new(Lost));
+    let cases: Vec<_> = study.cases().unwrap().take(50).map(Result::unwrap).collect();
+    let Ok(counting) = ladder.begin_count(cases.clone()) else { panic!("nothing was begun") };
+    let (counted, left) = ladder.finish_count(counting).unwrap();
+    assert_eq!((counted.designs, counted.rows, left.len()), (0, 0, 50));
+    assert!(left.iter().all(|(_, verdict)| *verdict == Verdict::Open));
+    assert_eq!(ladder.library.lost(), Some(&lost()));
+    // From then on nothing is begun.
+    assert!(ladder.begin_count(cases).is_err());
 }
 
 /// Where rows are written, too, or nothing is asked, nobody asks a device.
