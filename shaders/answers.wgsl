@@ -42,6 +42,8 @@ const GREATEST_LINEARITY = 5u;
 const GREATEST_FORCE = 6u;
 // Of the bits of the smallest force, from those of infinity.
 const LEAST_FORCE = 7u;
+// How many these are: the first four are sums, the others the greatest.
+const OF_ALL = 8u;
 
 // Verdicts.
 const OPEN = 0u;
@@ -74,6 +76,9 @@ struct Row {
 // Of one quantity in this workgroup, [sign and exponent][part]: the numbers, then 12 binary digits at a time of sums of mantissas, and of
 // the three products that squares of mantissas are made of.
 var<workgroup> sums: array<atomic<u32>, SUM_WORDS>;
+
+// What is counted of all rows of this workgroup: one atomic operation for 64 designs where all workgroups meet.
+var<workgroup> totals: array<atomic<u32>, OF_ALL>;
 
 fn whole(at: u32) -> u32 {
     return u32(asked[at]);
@@ -451,14 +456,14 @@ fn count_rows(design: vec4<u32>) {
             }
         }
     }
-    atomicAdd(&told[COUNTED_DESIGNS], 1u);
-    atomicAdd(&told[COUNTED_ROWS], design.z);
-    atomicAdd(&told[KEPT_ROWS], kept);
-    atomicAdd(&told[LARGE_ROWS], large);
-    atomicMax(&told[GREATEST_ERROR], bitcast<u32>(greatest.x));
-    atomicMax(&told[GREATEST_LINEARITY], bitcast<u32>(greatest.y));
-    atomicMax(&told[GREATEST_FORCE], bitcast<u32>(greatest.z));
-    atomicMax(&told[LEAST_FORCE], INFINITE_BITS - bitcast<u32>(least_force));
+    atomicAdd(&totals[COUNTED_DESIGNS], 1u);
+    atomicAdd(&totals[COUNTED_ROWS], design.z);
+    atomicAdd(&totals[KEPT_ROWS], kept);
+    atomicAdd(&totals[LARGE_ROWS], large);
+    atomicMax(&totals[GREATEST_ERROR], bitcast<u32>(greatest.x));
+    atomicMax(&totals[GREATEST_LINEARITY], bitcast<u32>(greatest.y));
+    atomicMax(&totals[GREATEST_FORCE], bitcast<u32>(greatest.z));
+    atomicMax(&totals[LEAST_FORCE], INFINITE_BITS - bitcast<u32>(least_force));
 }
 
 fn add_halves(at: u32, number: u32) {
@@ -488,6 +493,10 @@ fn answer(
     @builtin(global_invocation_id) place: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
+    if invocation < OF_ALL {
+        atomicStore(&totals[invocation], 0u);
+    }
+    workgroupBarrier();
     let is_there = place.x < arrayLength(&designs);
     var design = vec4<u32>(0u);
     var is_counted = false;
@@ -499,6 +508,15 @@ fn answer(
     }
     if is_counted {
         count_rows(design);
+    }
+    workgroupBarrier();
+    if invocation < OF_ALL {
+        let own = atomicLoad(&totals[invocation]);
+        if invocation <= LARGE_ROWS {
+            atomicAdd(&told[invocation], own);
+        } else {
+            atomicMax(&told[invocation], own);
+        }
     }
     let quantity_count = whole(QUANTITY_COUNT);
     for (var number = 0u; number < quantity_count; number += 1u) {
