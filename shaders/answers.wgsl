@@ -4,7 +4,8 @@
 // radius beside them: the processor's own number, in f64, is surely within it. Designs of which all is sure are counted here. All others, and
 // those with a row that may be among the extreme ones, are told to the processor, which solves them itself.
 //
-// `condition` and `quantity` are written for each question (`engine/question/formula.rs`).
+// `condition` and `quantity` are written for each question (`engine/question/formula.rs`). Where numbers of the question (`Field`) and counts of
+// all rows (`Total`) stand, and what verdicts are, comes from there, too.
 
 // What the kernel of joints has found, and what it was given: the numbers that are for this one are behind its own.
 @group(0) @binding(0) var<storage, read> found: array<f32>;
@@ -15,40 +16,6 @@
 @group(0) @binding(3) var<storage, read> designs: array<vec4<u32>>;
 // Counts, then a verdict for each design.
 @group(0) @binding(4) var<storage, read_write> told: array<atomic<u32>>;
-
-// Where `asked` has numbers of the question, and where its tables begin; as `question/tables.rs` has them.
-const ACCURACY = 0u;
-const QUANTITY_COUNT = 1u;
-const QUANTITIES_AT = 2u;
-const WATCH_COUNT = 3u;
-const WATCHES_AT = 4u;
-const AXIS_COUNT = 5u;
-const POINT_COUNT = 6u;
-const AXES_AT = 7u;
-const HISTOGRAM_COUNT = 8u;
-const HISTOGRAMS_AT = 9u;
-const GIVEN_OF_DESIGN = 10u;
-const GIVEN_OF_ROW = 11u;
-const VERDICTS_AT = 12u;
-const COLUMN_BEGINS_AT = 13u;
-
-// Where `told` has what is counted of all rows.
-const COUNTED_DESIGNS = 0u;
-const COUNTED_ROWS = 1u;
-const KEPT_ROWS = 2u;
-const LARGE_ROWS = 3u;
-const GREATEST_ERROR = 4u;
-const GREATEST_LINEARITY = 5u;
-const GREATEST_FORCE = 6u;
-// Of the bits of the smallest force, from those of infinity.
-const LEAST_FORCE = 7u;
-// How many these are: the first four are sums, the others the greatest.
-const OF_ALL = 8u;
-
-// Verdicts.
-const OPEN = 0u;
-const COUNTED = 1u;
-const CANDIDATE = 2u;
 
 const INFINITE_BITS = 0x7f800000u;
 // A radius beyond which a number is unknown.

@@ -132,9 +132,6 @@ impl<'a> Drawer<'a> {
             for (place, own) in (0..).zip(bodies) {
                 hands.push(scope.spawn(move || met(chosen.cases(study, piece(place))?, own)));
             }
-            let joined = |hand: ScopedJoinHandle<Drawn>| {
-                hand.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-            };
             hands.into_iter().map(joined).collect()
         });
         let mut all = Vec::with_capacity((next - start) as usize);
@@ -143,6 +140,11 @@ impl<'a> Drawer<'a> {
         }
         Ok(all)
     }
+}
+
+/// A panic of one thread is one of all.
+pub fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// All of them, with their bodies met.

@@ -2,7 +2,6 @@
 
 use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread::ScopedJoinHandle;
 use std::time::Duration;
 
 use rayon::prelude::*;
@@ -10,7 +9,7 @@ use rayon::prelude::*;
 use crate::engine::backend::Counts;
 use crate::engine::backend::choice::GpuChoice;
 use crate::engine::cost::DesignCost;
-use crate::engine::drawing::{Chosen, Drawer, Drawn, FIRST_BATCH};
+use crate::engine::drawing::{Chosen, Drawer, Drawn, FIRST_BATCH, joined};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::{Counting, Ladder};
 use crate::engine::law_fit::add_laws;
@@ -176,11 +175,6 @@ pub fn run_digested<T: Send>(
     })
 }
 
-/// A panic of one thread is one of all.
-fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
-    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-}
-
 type Solved = Result<SolvedDesigns, Error>;
 type Digested<T> = Result<Vec<Portion<T>>, Error>;
 
@@ -290,8 +284,8 @@ fn outcomes(ladder: &mut Ladder, cases: Vec<DesignCase>) -> Vec<DesignOutcome> {
 fn left(ladder: &mut Ladder, counting: Counting, asker: Option<&dyn Asker>) -> Option<SolvedDesigns> {
     let (counted, left) = ladder.finish_count(counting)?;
     let (cases, verdicts): (Vec<DesignCase>, Vec<Verdict>) = left.into_iter().unzip();
-    let solved = outcomes(ladder, cases);
-    asker?.look(&solved);
+    let mut solved = outcomes(ladder, cases);
+    asker?.look(&mut solved);
     let (mut outcomes, mut candidates) = (Vec::new(), Vec::new());
     for (outcome, verdict) in solved.into_iter().zip(verdicts) {
         match verdict {

@@ -6,19 +6,28 @@ use crate::engine::outcome::DesignOutcome;
 use crate::engine::question::{Asker, Limits, Question};
 use crate::output::filter::{Filter, kept_rows};
 use crate::output::reduce::Reductions;
+use crate::output::schema::TableColumn;
+use crate::output::table::settle;
 
 /// Of one run.
 pub struct Asking<'a> {
     question: &'a Question,
     filter: Option<&'a Filter>,
+    /// The columns of results.
+    results: &'a [TableColumn],
     /// Of the designs that were looked at.
     extremes: Mutex<Reductions>,
 }
 
 impl<'a> Asking<'a> {
     /// With answers before the first row.
-    pub fn new(question: &'a Question, filter: Option<&'a Filter>, answers: Reductions) -> Asking<'a> {
-        Asking { question, filter, extremes: Mutex::new(answers) }
+    pub fn new(
+        question: &'a Question,
+        filter: Option<&'a Filter>,
+        results: &'a [TableColumn],
+        answers: Reductions,
+    ) -> Asking<'a> {
+        Asking { question, filter, results, extremes: Mutex::new(answers) }
     }
 }
 
@@ -31,8 +40,10 @@ impl Asker for Asking<'_> {
         self.extremes.lock().unwrap_or_else(PoisonError::into_inner).limits()
     }
 
-    fn look(&self, outcomes: &[DesignOutcome]) {
+    fn look(&self, outcomes: &mut [DesignOutcome]) {
+        // A row that fails for one of its numbers is no extreme one for another.
+        settle(self.results, outcomes);
         let kept = kept_rows(self.filter, outcomes);
-        self.extremes.lock().unwrap_or_else(PoisonError::into_inner).add_extremes(outcomes, &kept);
+        self.extremes.lock().unwrap_or_else(PoisonError::into_inner).look_at(outcomes, &kept);
     }
 }

@@ -3,7 +3,7 @@
 use crate::engine::outcome::{BackendKind, Response, StepOutcome};
 use crate::engine::status::{Remark, Status};
 use crate::output::schema::{self, Kind, LoadColumn};
-use crate::study::columns::{Cell, Column, Quantity};
+use crate::study::columns::Quantity;
 use crate::study::design::DesignCase;
 use crate::study::expression::Expression;
 use crate::study::expression::program::{
@@ -35,9 +35,7 @@ const SHALLOW: usize = 8;
 #[derive(Clone, Copy, Debug)]
 enum Action {
     Number(f64),
-    Design,
-    Step,
-    Input(Column),
+    Input(NumberColumn),
     Load(LoadColumn),
     Result(fn(&Response) -> Option<f64>),
     /// Whether a status is such a one, or (false) another.
@@ -51,14 +49,12 @@ impl Formula {
     pub fn of(expression: &Expression) -> Formula {
         let action = |operation: &Operation| match *operation {
             Operation::Number(number) => Action::Number(number),
-            Operation::Column(NumberColumn::Design) => Action::Design,
-            Operation::Column(NumberColumn::Step) => Action::Step,
-            Operation::Column(NumberColumn::Input(column)) => Action::Input(column),
             Operation::Column(NumberColumn::Result(quantity)) => match schema::kind(quantity) {
                 Kind::Load(own) => Action::Load(own),
                 Kind::Result(value) => Action::Result(value),
                 _ => Action::Number(f64::NAN),
             },
+            Operation::Column(input) => Action::Input(input),
             Operation::WordIs(WordTest { column: WordColumn::Result(Quantity::Status), word, equal }) => {
                 Action::Status(StatusTest::of(word), equal)
             }
@@ -130,12 +126,7 @@ fn calculate<const DEPTH: usize>(actions: &[Action], row: &Row) -> f64 {
 fn number(action: &Action, row: &Row) -> f64 {
     match *action {
         Action::Number(number) => number,
-        Action::Design => row.case.index as f64,
-        Action::Step => row.step as f64,
-        Action::Input(column) => match column.cell(&row.case.joint) {
-            Cell::Number(number) => number,
-            _ => f64::NAN,
-        },
+        Action::Input(column) => column.of_inputs(row.case, row.step),
         Action::Load(own) => match (own.asked)(row.case.steps[row.step]) {
             Some(asked) => asked,
             None => row.outcome.response.as_ref().map_or(f64::NAN, own.found),
@@ -153,19 +144,13 @@ fn number(action: &Action, row: &Row) -> f64 {
 
 /// Whether the row has the word in this column; `None` where the column is empty.
 fn has_word(row: &Row, test: &WordTest) -> Option<bool> {
-    let cell = |column: Column| match column.cell(&row.case.joint) {
-        Cell::Word(word) => Some(word == test.word),
-        _ => None,
-    };
     match test.column {
-        WordColumn::Idealization => cell(Column::Idealization),
-        WordColumn::Model(side) => cell(Column::Model(side)),
-        WordColumn::Support(side) => cell(Column::Support(side)),
         WordColumn::Result(quantity) => match schema::kind(quantity) {
             Kind::Word(word) => Some(word(row.outcome, row.backend)).filter(|word| !word.is_empty()),
             _ => None,
         }
         .map(|word| word == test.word),
+        _ => test.of_inputs(&row.case.joint),
     }
 }
 

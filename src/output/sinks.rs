@@ -94,7 +94,7 @@ impl Sinks {
 
     /// Asks for nothing but answers of all rows together, which a device may count; nothing where rows are written, too.
     pub fn asking(&self) -> Option<Asking<'_>> {
-        Some(Asking::new(self.question.as_ref()?, self.filter.as_ref(), self.answers()?))
+        Some(Asking::new(self.question.as_ref()?, self.filter.as_ref(), &self.results, self.answers()?))
     }
 
     /// Answers to what the config asks, before the first row.

@@ -17,8 +17,23 @@ const SKETCH_WORDS: usize = 2 * EXPONENTS * LEADING;
 pub const PARTS: usize = 9;
 pub const SUM_WORDS: usize = 2 * EXPONENTS * PARTS;
 
-/// Words of all rows together, before all others; as `shaders/answers.wgsl` has them.
-const OF_ALL: usize = 8;
+/// Words of all rows together, before all others, in their order: up to large rows they are sums, the others the greatest.
+#[derive(Clone, Copy)]
+pub enum Total {
+    CountedDesigns,
+    CountedRows,
+    KeptRows,
+    LargeRows,
+    GreatestError,
+    GreatestLinearity,
+    GreatestForce,
+    /// Of the bits of the smallest force, from those of infinity.
+    LeastForce,
+    /// How many these are.
+    Count,
+}
+
+const OF_ALL: usize = Total::Count as usize;
 
 /// Rows of a batch at most, so that no word overflows.
 pub const MOST_ROWS: usize = 1 << 20;
@@ -172,10 +187,10 @@ impl Question {
     /// From the words of a batch: what is counted, and a verdict for each design.
     pub fn read(&self, told: &Told) -> (Counted, Vec<Verdict>) {
         let words = |from: usize, count: usize| told.words(from..from + count).unwrap_or(&[]);
-        let [designs, rows, kept_rows, large_rows, error, linearity, greatest_force, least_force] =
-            words(0, OF_ALL).try_into().unwrap_or([0; OF_ALL]);
+        let totals: [u32; OF_ALL] = words(0, OF_ALL).try_into().unwrap_or([0; OF_ALL]);
+        let total = |own: Total| totals[own as usize];
         let number = |bits: u32| f64::from(f32::from_bits(bits));
-        let least_force = number(f32::INFINITY.to_bits() - least_force);
+        let least_force = number(f32::INFINITY.to_bits() - total(Total::LeastForce));
         let quantity = |[sketch, sums]: &[usize; 2]| {
             let own = if *sums > 0 { words(*sums, SUM_WORDS) } else { &[] };
             let blocks = met(own).map(|(place, _)| (place, told.words(block(*sketch, place)).unwrap_or(&[])));
@@ -189,13 +204,14 @@ impl Question {
             words(*at, own.edges.len() + 1).iter().map(|count| u64::from(*count)).collect()
         };
         let counted = Counted {
-            designs: u64::from(designs),
-            rows: u64::from(rows),
-            kept_rows: u64::from(kept_rows),
-            large_rows: u64::from(large_rows),
-            greatest_force_error: number(error),
-            greatest_linearity_error: number(linearity),
-            forces: (rows > 0).then(|| [least_force, number(greatest_force)]),
+            designs: u64::from(total(Total::CountedDesigns)),
+            rows: u64::from(total(Total::CountedRows)),
+            kept_rows: u64::from(total(Total::KeptRows)),
+            large_rows: u64::from(total(Total::LargeRows)),
+            greatest_force_error: number(total(Total::GreatestError)),
+            greatest_linearity_error: number(total(Total::GreatestLinearity)),
+            forces: (total(Total::CountedRows) > 0)
+                .then(|| [least_force, number(total(Total::GreatestForce))]),
             quantities: self.layout.quantities.iter().map(quantity).collect(),
             histograms: histograms.map(histogram).collect(),
         };

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::engine::outcome::Method;
 use crate::engine::status::Remark;
-use crate::study::columns::{Cell, Column, Quantity};
+use crate::study::columns::Quantity;
 use crate::study::design::{DesignCase, Load};
 use crate::study::expression::program::{NumberColumn, Operation, WordColumn, WordTest, told};
 
@@ -22,7 +22,7 @@ pub struct Givens {
 pub struct AskedLoad(Option<Quantity>);
 
 impl AskedLoad {
-    /// `NONE` where loads differ in kind, or are not known.
+    /// Nothing where loads differ in kind, or are not known.
     pub fn of(loads: &[Load]) -> AskedLoad {
         let kind = |load: &Load| match load {
             Load::Indentation(_) => Quantity::Indentation,
@@ -229,27 +229,13 @@ fn is_condition(operations: &[Operation]) -> bool {
 
 /// The value of an expression of inputs under a load of a design, by its number; NaN where one is missing.
 pub fn value(operations: &[Operation], case: &DesignCase, step: usize) -> f64 {
-    calculated(operations, |operation| match *operation {
-        Operation::Column(NumberColumn::Design) => case.index as f64,
-        Operation::Column(NumberColumn::Step) => step as f64,
-        Operation::Column(NumberColumn::Input(column)) => match column.cell(&case.joint) {
-            Cell::Number(number) => number,
-            _ => f64::NAN,
-        },
+    calculated(operations, |operation| match operation {
         Operation::Column(NumberColumn::Result(_)) => {
             case.steps.get(step).map_or(f64::NAN, |load| load.value())
         }
-        Operation::WordIs(WordTest { column, word, equal }) => {
-            let column = match column {
-                WordColumn::Idealization => Column::Idealization,
-                WordColumn::Model(side) => Column::Model(side),
-                WordColumn::Support(side) => Column::Support(side),
-                WordColumn::Result(_) => return f64::NAN,
-            };
-            match column.cell(&case.joint) {
-                Cell::Word(own) => told((own == word) == equal),
-                _ => f64::NAN,
-            }
+        Operation::Column(input) => input.of_inputs(case, step),
+        Operation::WordIs(test) => {
+            test.of_inputs(&case.joint).map_or(f64::NAN, |has| told(has == test.equal))
         }
         _ => f64::NAN,
     })

@@ -93,8 +93,8 @@ pub trait Asker: Sync {
 
     fn limits(&self) -> Limits;
 
-    /// Looks at designs that are solved: of what is open, and of candidates.
-    fn look(&self, outcomes: &[DesignOutcome]);
+    /// Looks at designs that are solved, open ones and candidates, and makes failures of answers that no row can have.
+    fn look(&self, outcomes: &mut [DesignOutcome]);
 }
 
 impl Watch {

@@ -13,8 +13,26 @@ pub const SCENE_NUMBERS: usize = 7;
 pub const BOUND_NUMBERS: usize = 2 + size_of::<Known>() / size_of::<f64>();
 pub const DESIGN_NUMBERS: usize = SCENE_NUMBERS + 2 * BOUND_NUMBERS;
 
-/// Numbers of the question before its tables; as `shaders/answers.wgsl` has them.
-const HEADER: usize = 14;
+/// Numbers of the question before its tables, in their order: how many there are of what, and where it begins.
+#[derive(Clone, Copy)]
+pub enum Field {
+    Accuracy,
+    QuantityCount,
+    QuantitiesAt,
+    WatchCount,
+    WatchesAt,
+    AxisCount,
+    PointCount,
+    AxesAt,
+    HistogramCount,
+    HistogramsAt,
+    GivenOfDesign,
+    GivenOfRow,
+    VerdictsAt,
+    ColumnBeginsAt,
+    /// How many these are.
+    Count,
+}
 
 /// Where limits and points end.
 const FARTHEST: f64 = f32::MAX as f64;
@@ -41,21 +59,28 @@ impl<'a> Standing<'a> {
     /// Before the bounds of fits.
     pub fn tables(&self) -> Vec<f32> {
         let Standing { question, limits, .. } = self;
-        let mut tables = vec![0.0; HEADER];
-        let place = |tables: &Vec<f32>| tables.len() as f32;
-        tables[0] = question.accuracy as f32;
-        (tables[1], tables[2]) = (question.quantities.len() as f32, place(&tables));
-        for [sketch, sums] in &question.layout.quantities {
-            tables.extend([*sketch as f32, *sums as f32]);
-        }
-        let made = self.watches().filter(|(watch, _)| !self.is_given(watch));
-        let made: Vec<(&Watch, f64)> = made.collect();
-        (tables[3], tables[4]) = (made.len() as f32, place(&tables));
+        let mut tables = vec![0.0; Field::Count as usize];
+        let set = |tables: &mut Vec<f32>, field: Field, number: usize| tables[field as usize] = number as f32;
+        let begin = |tables: &mut Vec<f32>, field: Field| tables[field as usize] = tables.len() as f32;
+        tables[Field::Accuracy as usize] = question.accuracy as f32;
+        set(&mut tables, Field::GivenOfDesign, question.givens.of_design.len());
+        set(&mut tables, Field::GivenOfRow, question.givens.of_row.len());
+        set(&mut tables, Field::VerdictsAt, question.layout.verdicts);
+
+        set(&mut tables, Field::QuantityCount, question.quantities.len());
+        begin(&mut tables, Field::QuantitiesAt);
+        tables.extend(question.layout.quantities.iter().flatten().map(|at| *at as f32));
+
+        let made: Vec<_> = self.watches().filter(|(watch, _)| !self.is_given(watch)).collect();
+        set(&mut tables, Field::WatchCount, made.len());
+        begin(&mut tables, Field::WatchesAt);
         for (Watch { quantity, sign }, limit) in made {
             tables.extend([*quantity as f32, *sign as f32, wider(limit)]);
         }
-        (tables[5], tables[6]) = (question.axes.len() as f32, limits.points.len() as f32);
-        tables[7] = place(&tables);
+
+        set(&mut tables, Field::AxisCount, question.axes.len());
+        set(&mut tables, Field::PointCount, limits.points.len());
+        begin(&mut tables, Field::AxesAt);
         // An axis that is given is a number of the row, in the place of a quantity.
         let first = question.givens.of_row.len() + 1;
         for (axis, watch) in question.axes.iter().enumerate() {
@@ -73,7 +98,9 @@ impl<'a> Standing<'a> {
             };
             tables.extend(question.axes.iter().enumerate().map(score));
         }
-        (tables[8], tables[9]) = (question.histograms.len() as f32, place(&tables));
+
+        set(&mut tables, Field::HistogramCount, question.histograms.len());
+        begin(&mut tables, Field::HistogramsAt);
         let mut edges_at = tables.len() + 4 * question.histograms.len();
         for (histogram, at) in question.histograms.iter().zip(&question.layout.histograms) {
             let count = histogram.edges.len();
@@ -81,9 +108,8 @@ impl<'a> Standing<'a> {
             edges_at += count;
         }
         tables.extend(question.histograms.iter().flat_map(|own| &own.edges).map(|edge| *edge as f32));
-        (tables[10], tables[11]) =
-            (question.givens.of_design.len() as f32, question.givens.of_row.len() as f32);
-        (tables[12], tables[13]) = (question.layout.verdicts as f32, place(&tables));
+
+        begin(&mut tables, Field::ColumnBeginsAt);
         tables.extend(COLUMNS.map(|begin| begin.to_radians() as f32));
         tables
     }

@@ -24,7 +24,7 @@ use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
 use crate::engine::outcome::BackendKind;
 use crate::engine::question::Asker;
-use crate::engine::question::counted::{Told, Verdict};
+use crate::engine::question::counted::{Told, Total, Verdict};
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::output::host::processor_seconds;
@@ -218,8 +218,8 @@ impl Device for EmptyCondenser<'_> {
         let before = processor_seconds().unwrap_or(f64::NAN);
         let mut told = self.condenser.finish_answers()?;
         for Told { designs, all, .. } in &mut told {
-            // The first word counts the designs, the last ones are their verdicts.
-            all[0] = *designs as u32;
+            // Verdicts come last.
+            all[Total::CountedDesigns as usize] = *designs as u32;
             let verdicts = all.len() - *designs;
             all[verdicts..].fill(Verdict::Counted as u32);
         }

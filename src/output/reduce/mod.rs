@@ -204,10 +204,17 @@ impl Reductions {
     /// Adds the kept rows of designs that follow each other.
     pub fn add(&mut self, outcomes: &[DesignOutcome], kept: &[RowPlace]) {
         self.add_rows(outcomes, kept, |reduction, columns, rows| reduction.add(columns, rows));
+        self.make_lines(outcomes);
     }
 
     /// Adds kept rows that a device has counted, for what is told of single rows.
     pub fn add_extremes(&mut self, outcomes: &[DesignOutcome], kept: &[RowPlace]) {
+        self.add_rows(outcomes, kept, |reduction, columns, rows| reduction.add_extremes(columns, rows));
+        self.make_lines(outcomes);
+    }
+
+    /// The same for `limits` alone: no lines of the table are made.
+    pub fn look_at(&mut self, outcomes: &[DesignOutcome], kept: &[RowPlace]) {
         self.add_rows(outcomes, kept, |reduction, columns, rows| reduction.add_extremes(columns, rows));
     }
 
@@ -246,7 +253,7 @@ impl Reductions {
         kept: &[RowPlace],
         add: impl Fn(&mut dyn Reduction, &[&[f64]], &[RowNumbers]),
     ) {
-        let Work { formulas, places, table } = &*self.work;
+        let Work { formulas, places, .. } = &*self.work;
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); formulas.len()];
         let mut numbers = Vec::new();
         let mut stack = Vec::new();
@@ -263,9 +270,13 @@ impl Reductions {
                 add(kind.reduction_mut(), &values, &numbers);
             }
         }
+    }
+
+    /// Of the rows that were added from these designs and stay.
+    fn make_lines(&mut self, outcomes: &[DesignOutcome]) {
         let line = |(design, step): RowNumbers| {
             let place = outcomes.partition_point(|outcome| outcome.case.index < design);
-            table_line(table, &row_at(outcomes, (place, step as usize)))
+            table_line(&self.work.table, &row_at(outcomes, (place, step as usize)))
         };
         self.reductions.iter_mut().for_each(|kind| kind.reduction_mut().make_lines(&line));
     }

@@ -1,7 +1,8 @@
 //! What an expression is after it was checked: operations for a stack of numbers, in the order in which they are done.
 
 use crate::mechanics::body::Side;
-use crate::study::columns::{Column, Quantity};
+use crate::study::columns::{Cell, Column, Quantity};
+use crate::study::design::{DesignCase, JointDesign};
 
 /// One step of the calculation. A condition is 1 where it holds, 0 where it does not, and NaN where a value that would decide it
 /// is missing.
@@ -125,6 +126,37 @@ impl Operation {
 /// A condition as a number.
 pub fn told(holds: bool) -> f64 {
     if holds { 1.0 } else { 0.0 }
+}
+
+impl NumberColumn {
+    /// Of a row's inputs; NaN where the joint's shapes do not use the column, and of results.
+    pub fn of_inputs(self, case: &DesignCase, step: usize) -> f64 {
+        match self {
+            NumberColumn::Design => case.index as f64,
+            NumberColumn::Step => step as f64,
+            NumberColumn::Input(column) => match column.cell(&case.joint) {
+                Cell::Number(number) => number,
+                _ => f64::NAN,
+            },
+            NumberColumn::Result(_) => f64::NAN,
+        }
+    }
+}
+
+impl WordTest {
+    /// Whether an input has the word; `None` where the joint's shapes do not use the column, and of results.
+    pub fn of_inputs(&self, joint: &JointDesign) -> Option<bool> {
+        let column = match self.column {
+            WordColumn::Idealization => Column::Idealization,
+            WordColumn::Model(side) => Column::Model(side),
+            WordColumn::Support(side) => Column::Support(side),
+            WordColumn::Result(_) => return None,
+        };
+        match column.cell(joint) {
+            Cell::Word(word) => Some(word == self.word),
+            _ => None,
+        }
+    }
 }
 
 /// The most numbers that wait on the stack at once.

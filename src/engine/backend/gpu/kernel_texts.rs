@@ -10,8 +10,10 @@ use crate::engine::backend::joints::{
     ENDED, JOINT_NUMBERS, MOST_NODES, MOST_PRODUCTS, MOST_ROWS, STATE_NUMBERS, TERMS,
 };
 use crate::engine::backend::precision::Precision;
-use crate::engine::question::counted::{EXPONENTS, FIRST_EXPONENT, LEADING, PARTS, SUM_WORDS};
-use crate::engine::question::tables::{BOUND_NUMBERS, DESIGN_NUMBERS, SCENE_NUMBERS};
+use crate::engine::question::counted::{
+    EXPONENTS, FIRST_EXPONENT, LEADING, PARTS, SUM_WORDS, Total, Verdict,
+};
+use crate::engine::question::tables::{BOUND_NUMBERS, DESIGN_NUMBERS, Field, SCENE_NUMBERS};
 use crate::engine::question::{CALCULATED, FOUND, NOISE, OF_ERRORS, ROUNDED, TRUSTED};
 use crate::mechanics::compliance::ring_modes::MOST_MODES;
 use crate::mechanics::contact::curve_error::ROUGH;
@@ -228,6 +230,32 @@ pub const ANSWERS: KernelFile = KernelFile {
     constants: &[
         ("JOINT_NUMBERS", Constant::Count(JOINT_NUMBERS)),
         ("STATE_NUMBERS", Constant::Count(STATE_NUMBERS)),
+        ("ACCURACY", Constant::Count(Field::Accuracy as usize)),
+        ("QUANTITY_COUNT", Constant::Count(Field::QuantityCount as usize)),
+        ("QUANTITIES_AT", Constant::Count(Field::QuantitiesAt as usize)),
+        ("WATCH_COUNT", Constant::Count(Field::WatchCount as usize)),
+        ("WATCHES_AT", Constant::Count(Field::WatchesAt as usize)),
+        ("AXIS_COUNT", Constant::Count(Field::AxisCount as usize)),
+        ("POINT_COUNT", Constant::Count(Field::PointCount as usize)),
+        ("AXES_AT", Constant::Count(Field::AxesAt as usize)),
+        ("HISTOGRAM_COUNT", Constant::Count(Field::HistogramCount as usize)),
+        ("HISTOGRAMS_AT", Constant::Count(Field::HistogramsAt as usize)),
+        ("GIVEN_OF_DESIGN", Constant::Count(Field::GivenOfDesign as usize)),
+        ("GIVEN_OF_ROW", Constant::Count(Field::GivenOfRow as usize)),
+        ("VERDICTS_AT", Constant::Count(Field::VerdictsAt as usize)),
+        ("COLUMN_BEGINS_AT", Constant::Count(Field::ColumnBeginsAt as usize)),
+        ("COUNTED_DESIGNS", Constant::Count(Total::CountedDesigns as usize)),
+        ("COUNTED_ROWS", Constant::Count(Total::CountedRows as usize)),
+        ("KEPT_ROWS", Constant::Count(Total::KeptRows as usize)),
+        ("LARGE_ROWS", Constant::Count(Total::LargeRows as usize)),
+        ("GREATEST_ERROR", Constant::Count(Total::GreatestError as usize)),
+        ("GREATEST_LINEARITY", Constant::Count(Total::GreatestLinearity as usize)),
+        ("GREATEST_FORCE", Constant::Count(Total::GreatestForce as usize)),
+        ("LEAST_FORCE", Constant::Count(Total::LeastForce as usize)),
+        ("OF_ALL", Constant::Count(Total::Count as usize)),
+        ("OPEN", Constant::Count(Verdict::Open as usize)),
+        ("COUNTED", Constant::Count(Verdict::Counted as usize)),
+        ("CANDIDATE", Constant::Count(Verdict::Candidate as usize)),
         ("SCENE_NUMBERS", Constant::Count(SCENE_NUMBERS)),
         ("BODY_BOUND_NUMBERS", Constant::Count(BOUND_NUMBERS)),
         ("DESIGN_NUMBERS", Constant::Count(DESIGN_NUMBERS)),
