@@ -7,12 +7,9 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::output::folder::{ResultFolder, SAFE, is_still, partial};
+use crate::output::folder::{ResultFolder, SAFE, partial};
 use crate::output::lock::FolderLock;
-use crate::output::manifest_parts::State;
-use crate::output::origin::Origin;
 use crate::output::whole_file::staged;
-use crate::study::fingerprint::Fingerprint;
 
 /// A folder that is this process's own to write to, until it is dropped.
 #[derive(Debug)]
@@ -72,16 +69,7 @@ impl ResultFolder {
 
     /// Ends what a process that was killed between its renames has left undone.
     fn settle(&self) -> Result<(), Error> {
-        let Ok(text) = std::fs::read_to_string(partial(&self.manifest())) else { return Ok(()) };
-        let Some(origin) = Origin::of(&text).filter(|origin| origin.state == Some(State::Complete)) else {
-            return Ok(());
-        };
-        let place = |(name, print): &(String, Fingerprint)| {
-            let path = self.dir().join(name);
-            [partial(&path), path].into_iter().find(|path| is_still(path, print))
-        };
-        let places: Option<Vec<PathBuf>> = origin.files.iter().map(place).collect();
-        let Some(places) = places else { return Ok(()) };
+        let Some((origin, places)) = self.unnamed() else { return Ok(()) };
         for ((name, _), found) in origin.files.iter().zip(places) {
             let path = self.dir().join(name);
             if found != path {

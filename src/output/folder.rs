@@ -7,6 +7,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
+use crate::output::manifest_parts::State;
 use crate::output::origin::{Inputs, Origin};
 use crate::output::whole_file::with_suffix;
 use crate::study::config::Study;
@@ -110,7 +111,11 @@ impl ResultFolder {
     /// The same for a config that need not be there.
     pub fn check_for(&self, inputs: &Inputs, permissions: Permissions) -> Result<Verdict, Error> {
         let taken = |occupant| Error::FolderTaken { dir: self.dir.clone(), occupant };
-        let whole = self.occupant(inputs, &self.manifest(), |path| path)?;
+        // Files that wait for their names take the place of what was there.
+        let whole = match self.unnamed() {
+            Some(_) => Occupant::Nobody,
+            None => self.occupant(inputs, &self.manifest(), |path| path)?,
+        };
         let unfinished = self.occupant(inputs, &partial(&self.manifest()), |path| partial(&path))?;
         match (whole, unfinished) {
             (Occupant::Other(occupant), _) | (_, Occupant::Other(occupant)) if !permissions.force => {
@@ -168,6 +173,19 @@ impl ResultFolder {
             )),
             Some(origin) => Occupant::Other(format!("the result of another config ({})", origin.inputs.path)),
         })
+    }
+
+    /// A complete result of which some files have their own names and others not yet, and where each file is. It is being given
+    /// them, or who did so was killed.
+    pub fn unnamed(&self) -> Option<(Origin, Vec<PathBuf>)> {
+        let text = std::fs::read_to_string(partial(&self.manifest())).ok()?;
+        let origin = Origin::of(&text).filter(|origin| origin.state == Some(State::Complete))?;
+        let place = |(name, print): &(String, Fingerprint)| {
+            let path = self.dir.join(name);
+            [partial(&path), path].into_iter().find(|path| is_still(path, print))
+        };
+        let places: Option<Vec<PathBuf>> = origin.files.iter().map(place).collect();
+        places.map(|places| (origin, places))
     }
 
     /// The first of a result's files that is not what its manifest says.

@@ -91,15 +91,27 @@ fn a_result_that_was_being_renamed_is_taken_for_complete() {
     let (table, manifest) = complete(&work, "result");
     let study = Study::load(&work.path("study.toml")).unwrap();
     let folder = ResultFolder::of_run(Some(&work.path("result")), &study);
-    let is_done = || matches!(folder.check(&study, Permissions::default()), Ok(Verdict::Done(_)));
-    for (table_name, old_table) in [("table.csv.partial", Some("old\n")), ("table.csv", None)] {
+    let verdict = || folder.check(&study, Permissions::default());
+    let old = manifest.replace("\"bytes\": ", "\"bytes\": 9");
+    let cases = [
+        ("table.csv.partial", Some("old\n"), None),
+        ("table.csv", None, None),
+        ("table.csv.partial", Some("old\n"), Some(&old)),
+        ("table.csv", None, Some(&old)),
+    ];
+    for (table_name, old_table, old_manifest) in cases {
         work.write("result/table.csv", old_table.unwrap_or(&table));
         work.write(&format!("result/{table_name}"), &table);
         work.write("result/manifest.json.partial", &manifest);
-        std::fs::remove_file(work.path("result/manifest.json")).unwrap();
-        assert!(!is_done());
+        match old_manifest {
+            Some(old) => work.write("result/manifest.json", old),
+            None => std::fs::remove_file(work.path("result/manifest.json")).unwrap(),
+        }
+        // Nobody is refused for it; who claims the folder ends it.
+        let before = verdict();
+        assert!(matches!(before, Ok(Verdict::Begun(_))), "{before:?}");
         drop(folder.claim("of a test").unwrap());
-        assert!(is_done());
+        assert!(matches!(verdict(), Ok(Verdict::Done(_))));
         assert_eq!(
             work.files(),
             ["result/laws.csv", "result/manifest.json", "result/table.csv", "study.toml"]
