@@ -41,7 +41,7 @@ fn a_device_without_memory_loses_no_design() {
 
 /// A batch that is refused comes in several smaller ones, with the same works.
 fn elimination_goes_on_with_smaller_buffers(gpu: &GpuDevice) {
-    let kernels = Kernels::new(gpu, Precision::F64, 64).unwrap();
+    let kernels = Kernels::new(gpu, Precision::F64, 64, Making::Trusted).unwrap();
     let plate = |index: usize| Body {
         shape: &annulus::SHAPE,
         parameters: [2.9 + 1e-4 * index as f64, 0.0, 0.0],

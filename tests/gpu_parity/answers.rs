@@ -59,15 +59,18 @@ struct Answered {
     counted: [u64; 2],
 }
 
-/// The answers of some designs, on a device that counts rows or on the processor alone.
-fn answered(study: &Study, designs: Range<u64>, on_device: bool) -> Answered {
+/// The answers of some designs, on a device that counts rows with kernels made so, or on the processor alone.
+fn answered(study: &Study, designs: Range<u64>, on_device: Option<Making>) -> Answered {
     let sinks = Sinks::of(study);
     let asking = sinks.asking().unwrap();
-    let mut gpu = GpuChoice::new(device(), Precision::F32);
-    gpu.joints = SolvedJoints::Interpolated;
+    let on_device = on_device.map(|making| GpuChoice {
+        joints: SolvedJoints::Interpolated,
+        making,
+        ..GpuChoice::new(device(), Precision::F32)
+    });
     let options = SweepOptions {
         threads: 2,
-        gpu: on_device.then_some(gpu),
+        gpu: on_device,
         asker: Some(&asking as &dyn Asker),
         designs: Chosen::Range(designs),
         ..SweepOptions::default()
@@ -161,7 +164,8 @@ fn counted_answers_are_the_processors() {
         ),
     ] {
         let study = study(loads, select, ALL);
-        let [found, expected] = [true, false].map(|on_device| answered(&study, 0..DESIGNS, on_device));
+        let [found, expected] =
+            [Some(Making::Checked), None].map(|on_device| answered(&study, 0..DESIGNS, on_device));
         let of_answers = compare(&found.answers, &expected.answers);
         worst = [worst[0].max(of_answers[0]), worst[1].max(of_answers[1])];
         let [counted, candidates] = found.counted;
@@ -197,9 +201,9 @@ fn counted_answers_are_the_processors() {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn counted_answers_of_parts_join_to_the_same_bytes() {
     let study = study("force = ['1 kN', '5 kN']", "peak_pressure < 200 MPa", ALL);
-    let whole = answered(&study, 0..900, true);
-    let mut parts = answered(&study, 0..333, true);
-    let more = answered(&study, 333..900, true);
+    let whole = answered(&study, 0..900, Some(Making::Trusted));
+    let mut parts = answered(&study, 0..333, Some(Making::Trusted));
+    let more = answered(&study, 333..900, Some(Making::Trusted));
     parts.answers.merge(&more.answers).unwrap();
     for (name, bytes) in whole.answers.files() {
         assert_eq!(text(&parts.answers, name).as_bytes(), bytes, "{name}");

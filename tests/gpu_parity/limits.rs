@@ -339,12 +339,12 @@ fn sums_over_subgroups_will_do() {
                 batch.assemble_and_condense(&bodies.layout, &numbers, &settings, steps as u32).unwrap();
                 (batch.read_compliance().unwrap(), batch.read_reports().unwrap().states)
             };
-            let by_subgroups = Kernels::new(device(), precision, invocations).unwrap();
+            let by_subgroups = Kernels::new(device(), precision, invocations, Making::Trusted).unwrap();
             let by_tree = Kernels::with_tree(device(), precision, invocations, Making::Trusted).unwrap();
             let ((found, states), (expected, expected_states)) = (solve(&by_subgroups), solve(&by_tree));
             // A device without subgroups takes trees.
             if invocations == INVOCATIONS {
-                let others = Kernels::new(&without, precision, invocations).unwrap();
+                let others = Kernels::new(&without, precision, invocations, Making::Trusted).unwrap();
                 assert!(solve(&others) == (expected.clone(), expected_states.clone()), "{precision:?}");
             }
             differ += usize::from(found != expected);
@@ -370,15 +370,15 @@ fn sums_over_subgroups_will_do() {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn what_cannot_be_had_is_an_error() {
     for invocations in [0, 48, 1 << 20] {
-        let refused = Kernels::new(device(), Precision::F32, invocations).err();
+        let refused = Kernels::new(device(), Precision::F32, invocations, Making::Trusted).err();
         assert!(matches!(refused, Some(GpuError::Lacks { .. })), "{invocations}: {refused:?}");
     }
     // Nor has every device f64.
     let mut narrow = device().clone();
     narrow.facts.features.f64 = false;
-    assert!(Kernels::new(&narrow, Precision::F32, INVOCATIONS).is_ok());
+    assert!(Kernels::new(&narrow, Precision::F32, INVOCATIONS, Making::Trusted).is_ok());
     for precision in [Precision::F64, Precision::Mixed] {
-        let refused = Kernels::new(&narrow, precision, INVOCATIONS).err();
+        let refused = Kernels::new(&narrow, precision, INVOCATIONS, Making::Trusted).err();
         assert!(matches!(refused, Some(GpuError::Lacks { .. })), "{precision:?}: {refused:?}");
     }
     let bodies = plates();

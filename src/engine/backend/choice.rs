@@ -5,6 +5,7 @@ use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::backend::gpu::context::GpuDevice;
 use crate::engine::backend::gpu::solver::GpuCondenser;
 use crate::engine::backend::joints::SolvedJoints;
+use crate::engine::backend::making::Making;
 use crate::engine::backend::precision::Precision;
 
 /// A device and how it computes.
@@ -15,6 +16,8 @@ pub struct GpuChoice<'a> {
     pub solver: DeviceSolver,
     /// Which joints are the device's, too.
     pub joints: SolvedJoints,
+    /// Tests may have kernels that are watched.
+    pub making: Making,
 }
 
 /// Designs of a batch: enough for thousands of bodies of a topology, few enough to stay small here.
@@ -31,7 +34,7 @@ impl<'a> GpuChoice<'a> {
             AdapterKind::Software => SolvedJoints::None,
             _ => joints_in(precision),
         };
-        GpuChoice { device, precision, solver: DeviceSolver::Auto, joints }
+        GpuChoice { device, precision, solver: DeviceSolver::Auto, joints, making: Making::Trusted }
     }
 
     /// Designs of a batch that keeps the device busy.
@@ -41,7 +44,8 @@ impl<'a> GpuChoice<'a> {
 
     /// The device with its kernels.
     pub fn condenser(&self) -> Result<GpuCondenser<'a>, GpuError> {
-        Ok(GpuCondenser::new(self.device, self.precision, self.solver)?.solving_joints(self.joints))
+        Ok(GpuCondenser::new(self.device, self.precision, self.solver, self.making)?
+            .solving_joints(self.joints))
     }
 }
 

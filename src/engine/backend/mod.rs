@@ -3,6 +3,7 @@
 pub mod adapter;
 pub mod precision;
 pub mod device_solver;
+pub mod making;
 pub mod rates;
 pub mod joints;
 #[cfg(feature = "gpu")]

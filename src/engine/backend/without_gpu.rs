@@ -68,6 +68,7 @@ pub mod solver {
     use super::kernels::Precision;
     use crate::engine::backend::device_solver::DeviceSolver;
     use crate::engine::backend::joints::SolvedJoints;
+    use crate::engine::backend::making::Making;
     use crate::engine::backend::{Device, Works};
     use crate::engine::body_request::Group;
 
@@ -75,7 +76,12 @@ pub mod solver {
     pub struct GpuCondenser<'a>(Infallible, PhantomData<&'a GpuDevice>);
 
     impl<'a> GpuCondenser<'a> {
-        pub fn new(gpu: &'a GpuDevice, _: Precision, _: DeviceSolver) -> Result<GpuCondenser<'a>, GpuError> {
+        pub fn new(
+            gpu: &'a GpuDevice,
+            _: Precision,
+            _: DeviceSolver,
+            _: Making,
+        ) -> Result<GpuCondenser<'a>, GpuError> {
             match gpu.none {}
         }
 

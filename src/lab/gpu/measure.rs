@@ -102,7 +102,7 @@ pub fn body_kernels(
     let Some((key, bodies)) = groups.into_values().max_by_key(|(_, bodies)| size(bodies)) else {
         return Ok(Vec::new());
     };
-    let kernels = Kernels::new(gpu, precision, INVOCATIONS)?;
+    let kernels = Kernels::new(gpu, precision, INVOCATIONS, Making::Trusted)?;
     let topology = Topology::new(&kernels, &key, &bodies[0])?;
     let mut times: Vec<KernelTime> =
         eliminated(&kernels, &topology.layout, &key, &bodies)?.into_iter().collect();

@@ -5,7 +5,7 @@ use std::time::Instant;
 use foldhash::HashMap;
 
 use super::context::{GpuDevice, GpuError};
-use super::kernels::Precision;
+use super::kernels::{Making, Precision};
 use super::solver::GpuCondenser;
 use crate::engine::backend::Device;
 use crate::engine::backend::device_solver::DeviceSolver;
@@ -52,7 +52,8 @@ pub fn measure(
     solves_joints: SolvedJoints,
 ) -> Result<Rates, GpuError> {
     let started = Instant::now();
-    let mut condenser = GpuCondenser::new(gpu, precision, solver)?.solving_joints(solves_joints);
+    let mut condenser =
+        GpuCondenser::new(gpu, precision, solver, Making::Trusted)?.solving_joints(solves_joints);
     for name_and_ratios in MEASURED {
         condense(&mut condenser, &requests(name_and_ratios, 1))?;
     }

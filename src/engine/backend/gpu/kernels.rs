@@ -15,6 +15,7 @@ use super::kernel_texts::{
     ASSEMBLE, CONDENSE, ELIMINATE, KernelFile, NARROW, PCG, REFINE, Sums, Variant, WORKS,
 };
 use super::shared_data::{SharedData, SharedPlace};
+pub use crate::engine::backend::making::Making;
 pub use crate::engine::backend::precision::Precision;
 
 impl Precision {
@@ -33,17 +34,6 @@ impl Precision {
             _ => bytemuck::pod_collect_to_vec(bytes),
         }
     }
-}
-
-/// How the text of a file becomes pipelines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Making {
-    /// As it is.
-    Trusted,
-    /// Every index and every loop is watched at run time, and memory begins with zeros: slower, for tests.
-    Checked,
-    /// Its entry points do nothing, and no body has works: what is left is what a processor does around them.
-    Empty,
 }
 
 /// Pipelines of one file, in the order of its entry points.
@@ -74,9 +64,14 @@ pub struct Kernels<'a> {
 
 impl<'a> Kernels<'a> {
     /// `invocations`: of a workgroup, a power of two.
-    pub fn new(gpu: &'a GpuDevice, precision: Precision, invocations: u32) -> Result<Kernels<'a>, GpuError> {
+    pub fn new(
+        gpu: &'a GpuDevice,
+        precision: Precision,
+        invocations: u32,
+        making: Making,
+    ) -> Result<Kernels<'a>, GpuError> {
         let sums = if gpu.facts.features.subgroups { Sums::Subgroups } else { Sums::Tree };
-        Kernels::build(gpu, precision, invocations, sums, Making::Trusted)
+        Kernels::build(gpu, precision, invocations, sums, making)
     }
 
     /// With sums as the twins take them, to the bit.

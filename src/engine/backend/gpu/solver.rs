@@ -12,7 +12,7 @@ use super::elimination::Elimination;
 use super::front::FrontLayout;
 use super::front_topology::{FrontTopology, Job};
 use super::joint_kernel::JointKernel;
-use super::kernels::{Kernels, Precision};
+use super::kernels::{Kernels, Making, Precision};
 use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
@@ -98,8 +98,9 @@ impl<'a> GpuCondenser<'a> {
         device: &'a GpuDevice,
         precision: Precision,
         solver: DeviceSolver,
+        making: Making,
     ) -> Result<GpuCondenser<'a>, GpuError> {
-        Ok(GpuCondenser::with(Kernels::new(device, precision, INVOCATIONS)?, solver))
+        Ok(GpuCondenser::with(Kernels::new(device, precision, INVOCATIONS, making)?, solver))
     }
 
     /// By kernels that are there.
