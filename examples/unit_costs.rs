@@ -23,7 +23,7 @@ use jointsweep::internals::engine::refusal::is_bounded;
 use jointsweep::internals::engine::spaces::SpaceKey;
 use jointsweep::internals::engine::sweep::{self, Digest, SweepOptions};
 use jointsweep::internals::engine::unit_costs::{
-    Unit, batch, curve, design, interpolated_design, near_field_works, series, space, space_modes,
+    Unit, batch, curve, design, interpolated_design, near_field_works, row, series, space, space_modes,
     space_ring_modes, spread_modes, spread_ring_modes, topology,
 };
 use jointsweep::internals::mechanics::body::{Body, Side, annulus, block, cored_disc, half_disc};
@@ -331,12 +331,22 @@ fn exact_bodies() -> [Vec<Measured>; 2] {
     [of_series.collect(), of_near_fields.collect()]
 }
 
+/// What is done with designs: their bodies are interpolated or on meshes, their rows written or only counted.
+#[derive(Clone, Copy)]
+struct Kind {
+    is_interpolated: bool,
+    is_written: bool,
+}
+
+const ON_MESHES: Kind = Kind { is_interpolated: false, is_written: true };
+
 /// Designs on meshes with moduli of their own, and bodies of one shape or of many.
-fn study(designs: usize, rows: usize, is_interpolated: bool) -> Study {
-    let [core, outer, interpolation] = match is_interpolated {
+fn study(designs: usize, rows: usize, kind: Kind) -> Study {
+    let [core, outer, interpolation] = match kind.is_interpolated {
         true => ["{ from = 0.05, to = 0.6 }", "{ from = 1.2, to = 50, spacing = \"log\" }", "auto"],
         false => ["0.3", "3.0", "off"],
     };
+    let answers = if kind.is_written { "" } else { "[reduce]\nstatistics = [\"force\", \"peak_pressure\"]" };
     let text = format!(
         r#"
 [joint]
@@ -364,6 +374,7 @@ seed = 1
 method = "fe"
 accuracy = "1 %"
 interpolation = "{interpolation}"
+{answers}
 "#
     );
     Study::from_text(Path::new("unit_costs.toml"), text).expect("a config")
@@ -387,14 +398,15 @@ fn sweep_seconds(study: &Study) -> f64 {
 }
 
 /// What further designs of a sweep take, with few rows and with many; `known` are the times of units that were measured before.
-fn designs(is_interpolated: bool, known: &[(Unit, f64)]) -> Vec<Measured> {
-    let counts = if is_interpolated { [20_000, 50_000] } else { [2_000, 8_000] };
+fn designs(kind: Kind, known: &[(Unit, f64)]) -> Vec<Measured> {
+    let counts = if kind.is_interpolated { [20_000, 50_000] } else { [2_000, 8_000] };
     let more = (counts[1] - counts[0]) as f64;
     let of_rows = |rows: usize| {
-        let [few, many] = counts.map(|count| study(count, rows, is_interpolated));
+        let [few, many] = counts.map(|count| study(count, rows, kind));
         let mut seconds = (sweep_seconds(&many) - sweep_seconds(&few)) / more;
-        if is_interpolated {
-            return Measured::new(&[&interpolated_design(rows as f64).0], seconds);
+        let row = row(kind.is_written);
+        if kind.is_interpolated {
+            return Measured::new(&[&interpolated_design(rows as f64, row).0], seconds);
         }
         let case = many.cases().expect("designs").next().expect("a design").expect("a design");
         let plan = JointPlan::cheapest(&case, many.solve.method, many.solve.accuracy).expect("a plan");
@@ -404,7 +416,7 @@ fn designs(is_interpolated: bool, known: &[(Unit, f64)]) -> Vec<Measured> {
         for (unit, amount) in amounts.chain(curve(plan.space).0) {
             seconds -= amount * known.iter().find(|(own, _)| *own == unit).map_or(0.0, |(_, value)| *value);
         }
-        Measured::new(&[&design(rows as f64).0], seconds)
+        Measured::new(&[&design(rows as f64, row).0], seconds)
     };
     [2, 20].map(of_rows).into()
 }
@@ -413,7 +425,7 @@ fn designs(is_interpolated: bool, known: &[(Unit, f64)]) -> Vec<Measured> {
 fn laws() -> Vec<Measured> {
     let working = (1e-3, 0.1);
     let solve = SolveOptions { method: MethodChoice::Series, ..SolveOptions::default() };
-    let study = study(1, 2, false);
+    let study = study(1, 2, ON_MESHES);
     let case = study.cases().expect("designs").next().expect("a design").expect("a design");
     let case = law_case(&case, working);
     let answer = Ladder::new(solve).answers(std::slice::from_ref(&case)).remove(0);
@@ -433,7 +445,7 @@ fn process_seconds() -> f64 {
 
 fn main() {
     if std::env::args().nth(1).is_some_and(|argument| argument == SMALLEST) {
-        run_sweep(&study(1, 2, false));
+        run_sweep(&study(1, 2, ON_MESHES));
         black_box(Host::current());
         return;
     }
@@ -452,9 +464,14 @@ fn main() {
     let units = [Unit::SpreadNumber, Unit::SpreadMode, Unit::SpreadRingMode];
     known.extend(fit("spreads", &units, &spreads()));
     known.extend(fit("curves", &[Unit::CurveNode, Unit::CurvePair], &curves()));
-    let of_designs: Vec<Measured> =
-        [false, true].into_iter().flat_map(|is_interpolated| designs(is_interpolated, &known)).collect();
-    known.extend(fit("designs", &[Unit::Design, Unit::Row, Unit::InterpolatedDesign], &of_designs));
+    let interpolated = Kind { is_interpolated: true, ..ON_MESHES };
+    let kinds = [ON_MESHES, interpolated, Kind { is_written: false, ..interpolated }];
+    let of_designs: Vec<Measured> = kinds.into_iter().flat_map(|kind| designs(kind, &known)).collect();
+    known.extend(fit(
+        "designs",
+        &[Unit::Design, Unit::Row, Unit::AnsweredRow, Unit::InterpolatedDesign],
+        &of_designs,
+    ));
     known.extend(fit("laws", &[Unit::Laws], &laws()));
     let mut table = csv::Writer::from_writer(std::io::stdout());
     table.write_record(["name", "value", "unit"]).unwrap();

@@ -18,7 +18,7 @@ use crate::engine::plan::JointPlan;
 use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{
     Cost, Unit, batch, body_seconds, design, interpolated_design, joint_seconds, near_field_works,
-    reference_seconds, series, space, space_modes, space_ring_modes, topology,
+    reference_seconds, row, series, space, space_modes, space_ring_modes, topology,
 };
 use crate::error::Error;
 use crate::mechanics::compliance::near_field::{NearFieldClass, ReferenceMesh};
@@ -230,6 +230,8 @@ pub struct DesignParts {
     /// The same of interpolated bodies.
     pub interpolated: Part,
     pub others: f64,
+    /// What of `others` is rows of interpolated designs.
+    pub interpolated_rows: f64,
 }
 
 /// Some things, and what they take on the processor, s.
@@ -272,23 +274,24 @@ impl DesignCost<'_> {
 
     /// A further design, s, whatever it shares with others.
     pub fn seconds(&self, case: &DesignCase) -> f64 {
-        let DesignParts { bodies, on_meshes, interpolated, others } = self.parts(case);
+        let DesignParts { bodies, on_meshes, interpolated, others, .. } = self.parts(case);
         bodies.seconds + on_meshes.seconds + interpolated.seconds + others
     }
 
     /// The same by what a device may do of it.
     pub fn parts(&self, case: &DesignCase) -> DesignParts {
-        let rows = case.steps.len() as f64;
+        let (rows, row) = (case.steps.len() as f64, row(self.study.writes_table()));
         if self.interpolation.as_ref().is_some_and(|plan| plan.covers(&case.joint)) {
-            let joint = interpolated_design(0.0).seconds();
+            let of_rows = rows * row.seconds();
             return DesignParts {
-                interpolated: Part { count: 1.0, seconds: joint },
-                others: interpolated_design(rows).seconds() - joint,
+                interpolated: Part { count: 1.0, seconds: Unit::InterpolatedDesign.seconds() },
+                interpolated_rows: of_rows,
+                others: of_rows,
                 ..DesignParts::default()
             };
         }
         let without_meshes = |cost: Cost<2>| DesignParts { others: cost.seconds(), ..DesignParts::default() };
-        let of_rows = design(rows);
+        let of_rows = design(rows, row);
         let solve = self.study.solve;
         if solve.method == MethodChoice::ClosedForm {
             return without_meshes(of_rows);
@@ -321,6 +324,7 @@ impl DesignCost<'_> {
         let mut needs = Needs::default();
         let count = designs.end.min(study.design_count()).saturating_sub(designs.start);
         let rows = count.saturating_mul(study.steps_per_design());
+        let row = row(study.writes_table());
         let mut estimate = Estimate { designs: count, rows, ..Estimate::default() };
         for case in study.cases()?.skip(designs.start as usize).take(count as usize) {
             let case = case?;
@@ -345,7 +349,7 @@ impl DesignCost<'_> {
                 let case = law_case(&case, working_range_of(&case));
                 let unknowns = needs.unknowns;
                 if let Ok(first) = JointPlan::cheapest(&case, method, accuracy) {
-                    let of_design = joint_seconds(&first) + design(case.steps.len() as f64).seconds();
+                    let of_design = joint_seconds(&first) + design(case.steps.len() as f64, row).seconds();
                     needs.climb(&case, first, accuracy);
                     needs.seconds += of_design + Unit::Laws.seconds();
                 }
@@ -359,8 +363,8 @@ impl DesignCost<'_> {
         estimate.seconds = Unit::Process.seconds()
             + needs.total_seconds()
             + interpolation.as_ref().map_or(0.0, |plan| plan.seconds())
-            + (estimate.designs as f64 - interpolated - refused) * design(rows).seconds()
-            + interpolated * interpolated_design(rows).seconds();
+            + (estimate.designs as f64 - interpolated - refused) * design(rows, row).seconds()
+            + interpolated * interpolated_design(rows, row).seconds();
         Ok(estimate)
     }
 }

@@ -12,7 +12,7 @@ use crate::engine::interpolation::fit_plan::{FINEST_ACCURACY, InterpolationPlan}
 use crate::engine::joint_scale::JointScale;
 use crate::engine::plan::{JointPlan, first_level};
 use crate::engine::refusal::Refusal;
-use crate::engine::unit_costs::{Unit, body_seconds, design, interpolated_design, joint_seconds};
+use crate::engine::unit_costs::{Unit, body_seconds, design, interpolated_design, joint_seconds, row};
 use crate::error::Error;
 use crate::study::config::{MethodChoice, Study};
 use crate::study::design::DesignCase;
@@ -76,7 +76,7 @@ impl<'a> Explainer<'a> {
         let mut ruled_out = Vec::new();
         if method == MethodChoice::ClosedForm && Refusal::of_joint(case, method).is_none() {
             let why = "`method = \"closed-form\"` asks for Johnson's law".into();
-            return without_bodies("closed form", why, ruled_out, [1.0, rows * Unit::Row.seconds()]);
+            return without_bodies("closed form", why, ruled_out, [1.0, rows * self.row().seconds()]);
         }
         let mut rule_out = |what: &str, why: String| ruled_out.push((what.to_string(), why));
         rule_out("closed form", "knows nothing of the plate's extent: right to a factor of two".into());
@@ -84,10 +84,14 @@ impl<'a> Explainer<'a> {
             rule_out("interpolation across bodies", why);
         } else {
             let why = "the sweep has so many distinct bodies that fits of their compliances cost less".into();
-            let numbers = [self.study.solve.accuracy, interpolated_design(rows).seconds()];
+            let numbers = [self.study.solve.accuracy, interpolated_design(rows, self.row()).seconds()];
             return without_bodies("interpolated", why, ruled_out, numbers);
         }
         self.explain_bodies(case, ruled_out)
+    }
+
+    fn row(&self) -> Unit {
+        row(self.study.writes_table())
     }
 
     /// `None` where the bodies are interpolated.
@@ -175,7 +179,7 @@ impl<'a> Explainer<'a> {
             bodies: requests.iter().map(|request| describe(request, plan.space.terms)).collect(),
             ruled_out,
             error,
-            seconds: seconds + joint_seconds(&plan) + design(case.steps.len() as f64).seconds(),
+            seconds: seconds + joint_seconds(&plan) + design(case.steps.len() as f64, self.row()).seconds(),
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::engine::backend::rates::Rates;
 use crate::engine::cost::{DesignCost, DesignParts, Part};
 use crate::engine::distinct::distinct_among;
 use crate::engine::interpolation::fit_plan::picks;
+use crate::engine::question::Question;
 use crate::study::config::Study;
 
 /// What the designs of a sweep need, on one thread of the processor, s by `unit_costs`; as in `DesignParts`.
@@ -18,6 +19,8 @@ pub struct Demand {
     pub on_meshes: Part,
     pub interpolated: Part,
     pub others: f64,
+    /// What of `others` a device does that solves these interpolated joints: it counts their rows where none is written.
+    pub counted: f64,
 }
 
 /// How long a sweep takes, s.
@@ -73,6 +76,7 @@ impl Demand {
             sum.on_meshes += parts.on_meshes;
             sum.interpolated += parts.interpolated;
             sum.others += parts.others;
+            sum.interpolated_rows += parts.interpolated_rows;
             seen += 1.0;
             if parts.bodies.count > 0.0 {
                 on_meshes += 1.0;
@@ -94,6 +98,7 @@ impl Demand {
             on_meshes: sum.on_meshes * of_all,
             interpolated: sum.interpolated * of_all,
             others: sum.others * of_all,
+            counted: Question::of(study).map_or(0.0, |_| sum.interpolated_rows * of_all),
         })
     }
 
@@ -107,6 +112,7 @@ impl Demand {
                 Some(rates) => {
                     on_device += rates.device * joints.seconds;
                     host += rates.host * joints.count;
+                    on_threads -= if is_on_meshes { 0.0 } else { self.counted };
                 }
                 None => on_threads += joints.seconds,
             }
@@ -180,6 +186,22 @@ mod tests {
         let demand = Demand::worth_a_device(&interpolated(3_000_000), 1).unwrap();
         assert!((demand.interpolated.count / 3e6 - 1.0).abs() < 0.05, "{demand:?}");
         assert!(demand.interpolated.seconds > 10.0 * demand.bodies.seconds, "{demand:?}");
+        assert_eq!(demand.counted, 0.0);
+    }
+
+    /// Where answers are all that is asked for, rows of interpolated designs may be the device's; to the processor they are less than written ones.
+    #[test]
+    fn counted_rows_are_the_devices() {
+        let of = |output: &str| {
+            let all =
+                study(3_000_000, "interpolation = \"off\"", &format!("interpolation = \"auto\"\n{output}"));
+            Demand::worth_a_device(&all, 1).unwrap()
+        };
+        let [written, answered] = ["", "[reduce]\nstatistics = [\"force\"]"].map(of);
+        assert_eq!(answered.interpolated, written.interpolated);
+        assert_eq!(written.counted, 0.0);
+        assert!(answered.counted > 0.5 * answered.others, "{answered:?}");
+        assert!(answered.others < written.others, "{answered:?}");
     }
 
     /// Bodies that come again are condensed once, on either side of the joint.
@@ -235,6 +257,7 @@ mod tests {
             on_meshes: part(1e6, 0.0),
             interpolated: part(0.0, 0.0),
             others: 16.0,
+            counted: 0.0,
         };
         let Forecast { processor, device } = demand.forecast(&RATES, 2);
         assert_eq!((processor, device), (38.0, 1.0 + 10.0));
@@ -260,7 +283,13 @@ mod tests {
     fn joints_go_where_they_are_solved() {
         let part = |count, seconds| Part { count, seconds };
         let none = part(0.0, 0.0);
-        let on_meshes = Demand { bodies: none, on_meshes: part(1e6, 40.0), interpolated: none, others: 4.0 };
+        let on_meshes = Demand {
+            bodies: none,
+            on_meshes: part(1e6, 40.0),
+            interpolated: none,
+            others: 4.0,
+            counted: 0.0,
+        };
         let interpolated = Demand { on_meshes: none, interpolated: part(1e6, 40.0), ..on_meshes };
         let joints = |on_meshes| JointRates { device: 0.2, host: 2e-6, on_meshes };
         // On the device 8 s of contact, on threads 4 of all else and 2 for its joints; or all of it.
@@ -275,6 +304,13 @@ mod tests {
                 let Forecast { processor, device } = demand.forecast(&rates, 1);
                 assert_eq!((processor, device), (44.0, expected), "{joints:?}");
             }
+        }
+        // Rows that the device counts with interpolated joints are nothing to the threads.
+        let counting = Demand { counted: 3.0, ..interpolated };
+        let swift = JointRates { device: 0.05, ..joints(true) };
+        for (joints, expected) in [(Some(swift), 3.0), (None, 44.0)] {
+            let rates = Rates { start: 0.0, joints, ..RATES };
+            assert_eq!(counting.forecast(&rates, 1).device, expected, "{joints:?}");
         }
     }
 }

@@ -70,6 +70,8 @@ units! {
     Design = "design",
     /// A row of the table.
     Row = "row",
+    /// A row of which answers are all that is kept.
+    AnsweredRow = "answered row",
     /// A design whose bodies are interpolated, its curve included.
     InterpolatedDesign = "interpolated design",
     /// The fit of all laws to the states of a design.
@@ -171,14 +173,19 @@ pub fn curve(SpaceKey { terms, nodes, .. }: SpaceKey) -> Cost<2> {
     Cost([(Unit::CurveNode, nodes), (Unit::CurvePair, nodes * packed_count(terms) as f64)])
 }
 
-/// Of a design with so many rows, besides its bodies and its curve.
-pub fn design(rows: f64) -> Cost<2> {
-    Cost([(Unit::Design, 1.0), (Unit::Row, rows)])
+/// Of a row, in a table or not.
+pub fn row(is_written: bool) -> Unit {
+    if is_written { Unit::Row } else { Unit::AnsweredRow }
 }
 
-/// Of a design with so many rows whose bodies are interpolated, its curve included.
-pub fn interpolated_design(rows: f64) -> Cost<2> {
-    Cost([(Unit::InterpolatedDesign, 1.0), (Unit::Row, rows)])
+/// Of a design with so many rows of a kind, besides its bodies and its curve.
+pub fn design(rows: f64, row: Unit) -> Cost<2> {
+    Cost([(Unit::Design, 1.0), (row, rows)])
+}
+
+/// Of a design with so many rows of a kind whose bodies are interpolated, its curve included.
+pub fn interpolated_design(rows: f64, row: Unit) -> Cost<2> {
+    Cost([(Unit::InterpolatedDesign, 1.0), (row, rows)])
 }
 
 /// Of one body among many of its kind, s; what they share is left out.

@@ -13,7 +13,7 @@ use crate::engine::interpolation::family::{
 };
 use crate::engine::plan::first_level;
 use crate::engine::spaces::SpaceKey;
-use crate::engine::unit_costs::{body_seconds, curve, design, interpolated_design, spread_seconds};
+use crate::engine::unit_costs::{Unit, body_seconds, curve, spread_seconds};
 use crate::mechanics::body::{Body, BodyKey};
 use crate::study::config::{MethodChoice, SolveOptions, Study};
 use crate::study::design::{JointDesign, Part};
@@ -145,7 +145,7 @@ impl InterpolationPlan {
             let [pin, plate] = of_pair.each_ref().map(|members| &members.example);
             let space = SpaceKey::coarsest(pin, plate, solve.accuracy, 0.0);
             let mut saved = designs
-                * (curve(space).seconds() + design(0.0).seconds() - interpolated_design(0.0).seconds());
+                * (curve(space).seconds() + Unit::Design.seconds() - Unit::InterpolatedDesign.seconds());
             let mut cost = 0.0;
             for (key, members) in [both.0, both.1].iter().zip(of_pair) {
                 let Some(family) = families.get(key) else { continue };
