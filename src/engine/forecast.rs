@@ -107,12 +107,14 @@ impl Demand {
         let threads = threads as f64;
         let [mut on_threads, mut on_device] = [self.others, self.bodies.seconds * rates.device];
         let mut host = rates.host * self.bodies.count;
-        for (joints, is_on_meshes) in [(self.on_meshes, true), (self.interpolated, false)] {
+        for (joints, counted, is_on_meshes) in
+            [(self.on_meshes, 0.0, true), (self.interpolated, self.counted, false)]
+        {
             match rates.joints.filter(|joints| joints.on_meshes || !is_on_meshes) {
                 Some(rates) => {
                     on_device += rates.device * joints.seconds;
                     host += rates.host * joints.count;
-                    on_threads -= if is_on_meshes { 0.0 } else { self.counted };
+                    on_threads -= counted;
                 }
                 None => on_threads += joints.seconds,
             }

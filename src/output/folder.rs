@@ -175,8 +175,8 @@ impl ResultFolder {
         })
     }
 
-    /// A complete result of which some files have their own names and others not yet, and where each file is. It is being given
-    /// them, or who did so was killed.
+    /// A complete result whose files do not all have their own names yet, and where each file is: it is being given them, or
+    /// who did so was killed.
     pub fn unnamed(&self) -> Option<(Origin, Vec<PathBuf>)> {
         let text = std::fs::read_to_string(partial(&self.manifest())).ok()?;
         let origin = Origin::of(&text).filter(|origin| origin.state == Some(State::Complete))?;

@@ -14,8 +14,8 @@ use crate::engine::backend::adapter::GpuError;
 use crate::engine::backend::choice::joints_in;
 use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::backend::gpu::context::GpuDevice;
-use crate::engine::backend::gpu::kernels::{Kernels, Making};
-use crate::engine::backend::gpu::solver::{GpuCondenser, INVOCATIONS};
+use crate::engine::backend::gpu::kernels::Making;
+use crate::engine::backend::gpu::solver::GpuCondenser;
 use crate::engine::backend::joints::{BatchedJoint, ENDED, JointBatch, STATE_NUMBERS, SolvedJoints};
 use crate::engine::backend::precision::Precision;
 use crate::engine::backend::{Counts, Device, Works};
@@ -61,11 +61,11 @@ impl HostCost {
         batch_size: usize,
     ) -> Result<HostCost, GpuError> {
         let (seen, plan) = (Mutex::default(), InterpolationPlan::of_study(study));
-        let kernels = Kernels::with_tree(gpu, precision, INVOCATIONS, Making::Empty)?;
         // As on a device that is no software.
         let solves_joints = joints_in(precision);
         let condenser = EmptyCondenser {
-            condenser: GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(solves_joints),
+            condenser: GpuCondenser::new(gpu, precision, DeviceSolver::Auto, Making::Empty)?
+                .solving_joints(solves_joints),
             works: HashMap::default(),
             stand_ins: VecDeque::new(),
             stand_in_states: VecDeque::new(),
