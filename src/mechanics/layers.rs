@@ -1,5 +1,7 @@
 //! How the way from the ring to the far boundary is divided into layers that grow.
 
+use crate::mechanics::real::Bodies;
+
 /// How the way from the ring to the far boundary is divided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layers {
@@ -32,7 +34,7 @@ impl Layers {
     }
 
     /// Of what its growth makes it.
-    fn part(self, layer: usize) -> f64 {
+    pub fn part(self, layer: usize) -> f64 {
         let ahead = self.count - 1 - layer;
         SHRINK.powi(self.shrinking.saturating_sub(ahead) as i32)
     }
@@ -42,30 +44,39 @@ impl Layers {
         self.thicknesses(growth).sum()
     }
 
-    /// The one factor by which layers grow to be `depth` in all, searched from a guess (> 0). Newton's steps in the
+    /// The one factor by which layers grow to be `depth` in all, searched from a guess (> 0).
+    pub fn growth(self, depth: f64, guess: f64) -> f64 {
+        self.growth_from(self.first, depth, guess)
+    }
+
+    /// The same of bodies abreast, each with its own thickness of the layer at the ring. Newton's steps in the
     /// logarithms, in which the depth is nearly a power of the factor, kept in a bracket; the root of that power is taken by
     /// a rational function, which every step makes as good as it must be.
-    pub fn growth(self, depth: f64, guess: f64) -> f64 {
-        let (mut low, mut high) = (0.0, STEEPEST);
+    #[inline(always)]
+    pub fn growth_from<T: Bodies>(self, first: T, depth: T, guess: T) -> T {
+        let (zero, half, one, two) = (T::zero(), T::from_f64(0.5), T::from_f64(1.0), T::from_f64(2.0));
+        let (steepest, tolerance, outside) =
+            (T::from_f64(STEEPEST), T::from_f64(TOLERANCE), T::from_f64(-1.0));
+        let (mut low, mut high) = (zero, steepest);
         let mut growth = guess;
+        // 1 in the lanes that still search, else 0.
+        let mut searching = one;
         for _ in 0..MOST_STEPS {
-            let (reached, power) = self.depth_and_power(growth);
-            if reached < depth {
-                low = growth
-            } else {
-                high = growth
-            }
+            let (reached, power) = self.depth_and_power(first, growth);
+            low = reached.if_less(depth, growth, low);
+            high = reached.if_less(depth, high, growth);
             let ratio = depth / reached;
-            let over = (power + 1.0) * ratio + power - 1.0;
-            let under = (power - 1.0) * ratio + power + 1.0;
-            let mut next = if under > 0.0 { growth * over / under } else { -1.0 };
-            if next < low || next > high {
-                next = if high < STEEPEST { 0.5 * (low + high) } else { 2.0 * growth };
-            }
-            let step = (next - growth).abs();
-            growth = next;
+            let over = (power + one) * ratio + power - one;
+            let under = (power - one) * ratio + power + one;
+            let mut next = zero.if_less(under, growth * over / under, outside);
+            let inside = high.if_less(steepest, half * (low + high), two * growth);
+            next = next.if_less(low, inside, high.if_less(next, inside, next));
+            let step = (next - growth).size();
+            growth = zero.if_less(searching, next, growth);
             // At an end of the bracket once more: no number is better.
-            if step <= TOLERANCE * growth || next == low || next == high {
+            let is_between = low.if_less(next, next.if_less(high, one, zero), zero);
+            searching = (tolerance * growth).if_less(step, is_between, zero) * searching;
+            if !searching.any_positive() {
                 break;
             }
         }
@@ -73,18 +84,19 @@ impl Layers {
     }
 
     /// `depth` with d ln depth/d ln growth: only layers below the thickest grow with the factor.
-    fn depth_and_power(self, growth: f64) -> (f64, f64) {
-        let (mut depth, mut moment) = (0.0, 0.0);
-        let (mut grown, mut part) = (self.first, 1.0);
+    #[inline(always)]
+    fn depth_and_power<T: Bodies>(self, first: T, growth: T) -> (T, T) {
+        let (zero, thickest) = (T::zero(), T::from_f64(self.thickest));
+        let (mut depth, mut moment) = (zero, zero);
+        let (mut grown, mut part) = (first, 1.0);
         for layer in 0..self.count {
             if self.count - layer <= self.shrinking {
                 part *= SHRINK;
             }
-            depth += part * grown;
-            if grown < self.thickest {
-                moment += layer as f64 * part * grown;
-            }
-            grown = (grown * growth).min(self.thickest);
+            depth += T::from_f64(part) * grown;
+            let more = T::from_f64(layer as f64 * part) * grown;
+            moment += grown.if_less(thickest, more, zero);
+            grown = (grown * growth).at_most(thickest);
         }
         (depth, moment / depth)
     }

@@ -84,10 +84,45 @@ pub trait Bodies: Real {
 
     fn lane(&self, lane: usize) -> f64;
     fn set_lane(&mut self, lane: usize, value: f64);
+    /// Without signs.
+    fn size(self) -> Self;
+    /// Lane by lane x where it is less than `other`, else y.
+    fn if_less(self, other: Self, x: Self, y: Self) -> Self;
+
+    /// `of` each lane.
+    #[inline(always)]
+    fn of_lanes(mut of: impl FnMut(usize) -> f64) -> Self {
+        let mut all = Self::zero();
+        for lane in 0..Self::COUNT {
+            all.set_lane(lane, of(lane));
+        }
+        all
+    }
+
+    /// But no more than `most`, which it also is in place of NaN.
+    #[inline(always)]
+    fn at_most(self, most: Self) -> Self {
+        self.if_less(most, self, most)
+    }
+
+    /// Whether it is above zero in some lane.
+    #[inline(always)]
+    fn any_positive(&self) -> bool {
+        (0..Self::COUNT).any(|lane| self.lane(lane) > 0.0)
+    }
 }
 
 impl<const WIDTH: usize> Bodies for Lanes<WIDTH> {
     const COUNT: usize = LANES;
+
+    #[inline(always)]
+    fn size(self) -> Self {
+        Lanes(registers::size::<WIDTH, LANES>(self.0))
+    }
+    #[inline(always)]
+    fn if_less(self, other: Self, x: Self, y: Self) -> Self {
+        Lanes(registers::if_less::<WIDTH, LANES>(self.0, other.0, x.0, y.0))
+    }
 
     #[inline(always)]
     fn lane(&self, lane: usize) -> f64 {
@@ -246,6 +281,36 @@ impl<const WIDTH: usize> Bodies for Alone<WIDTH> {
     #[inline(always)]
     fn set_lane(&mut self, _: usize, value: f64) {
         self.0 = value;
+    }
+    #[inline(always)]
+    fn size(self) -> Self {
+        Alone(self.0.abs())
+    }
+    #[inline(always)]
+    fn if_less(self, other: Self, x: Self, y: Self) -> Self {
+        if self.0 < other.0 { x } else { y }
+    }
+}
+
+/// One body alone, in code for any processor.
+impl Bodies for f64 {
+    const COUNT: usize = 1;
+
+    #[inline(always)]
+    fn lane(&self, _: usize) -> f64 {
+        *self
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, _: usize, value: f64) {
+        *self = value;
+    }
+    #[inline(always)]
+    fn size(self) -> Self {
+        self.abs()
+    }
+    #[inline(always)]
+    fn if_less(self, other: Self, x: Self, y: Self) -> Self {
+        if self < other { x } else { y }
     }
 }
 

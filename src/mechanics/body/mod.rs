@@ -161,6 +161,11 @@ impl Body {
         (rest, last.radius_ratio)
     }
 
+    /// The radius of the outermost interface over the ring's: 1 without any.
+    pub fn beyond_lining_radius(&self) -> f64 {
+        self.lining.list().last().map_or(1.0, |last| last.radius_ratio)
+    }
+
     /// Of a concentric body, the radius of the circle that is held over the ring's: its outer or its core radius ratio.
     pub fn fixed_radius_ratio(&self) -> Option<f64> {
         self.shape.concentric.then_some(self.parameters[0])

@@ -12,7 +12,7 @@ use crate::mechanics::element::stiffness::{
     Elasticity, ElementRule, ElementStiffness, element_stiffness_in_room, stiffness_operations,
 };
 use crate::mechanics::material::Idealization;
-use crate::mechanics::mesh::{Grading, RingTopology, coordinates};
+use crate::mechanics::mesh::{Grading, RingTopology, coordinates_abreast};
 use crate::mechanics::real::{Alone, Bodies, LANES, Lanes, Real};
 use crate::mechanics::solve::band::{BandStructure, TILE, Tile};
 
@@ -169,28 +169,12 @@ impl Condense<'_> {
         works
     }
 
-    /// The stiffness of every body in its lane, and its least Jacobian; lanes without a body, or with one of the same outlines, repeat the one
-    /// before.
+    /// The stiffness of every body in its lane, and its least Jacobian; lanes without a body repeat the one before.
     #[inline(always)]
     fn assemble<T: Bodies>(&self, tiles: &mut [Tile<T>]) -> T {
         let CondensationPlan { grading, topology, structure, rule, .. } = self.plan;
         let zero = T::zero();
-        let mut nodes = vec![[zero; 2]; topology.node_count];
-        for lane in 0..T::COUNT {
-            let own = self.bodies.get(lane);
-            let is_new = |body: &&Body| lane == 0 || !body.has_outlines_of(&self.bodies[lane - 1]);
-            if let Some(body) = own.filter(is_new) {
-                let points = coordinates(body, grading, topology);
-                for (node, point) in nodes.iter_mut().zip(points) {
-                    node[0].set_lane(lane, point[0]);
-                    node[1].set_lane(lane, point[1]);
-                }
-            } else {
-                for value in nodes.as_flattened_mut() {
-                    value.set_lane(lane, value.lane(lane - 1));
-                }
-            }
-        }
+        let nodes: Vec<[T; 2]> = coordinates_abreast(self.bodies, grading, topology);
         let materials: Vec<Elasticity<T>> =
             (0..=self.bodies[0].lining.list().len()).map(|material| self.elasticity(material)).collect();
         let count = topology.element.node_count();
