@@ -33,7 +33,7 @@ impl Measured {
     /// On each arc up to the neat fit. The library has solved the requests.
     pub fn arcs(&self, library: &BodyLibrary, spaces: &mut Spaces) -> Vec<OfArc> {
         let key = SpaceKey::coarsest(&self.body, &self.body, 1e-6, PI);
-        let solved: Vec<_> = self.requests().map(|request| &*library.solved(&request).compliance).collect();
+        let solved: Vec<_> = self.requests().map(|request| &library.solved(&request).compliance).collect();
         spaces.prepare(solved.iter().map(|body| (key, *body)));
         let space = &spaces.get(key).pressures;
         let Some((exact, meshes)) = solved.split_last() else { return Vec::new() };

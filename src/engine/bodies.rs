@@ -1,17 +1,18 @@
 //! The distinct bodies of a sweep: each is solved once, in batches of one topology, and kept while it is in use.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use foldhash::{HashMap, HashSet};
+use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::backend::adapter::GpuError;
 use crate::engine::backend::joints::{JointBatch, SolvedJoints};
 use crate::engine::backend::{Device, Works};
-use crate::engine::body_request::{BodyRequest, Fidelity, Group, RequestKey, TopologyKey, concentric};
+use crate::engine::body_request::{
+    Around, BodyHandle, BodyRequest, Fidelity, Group, Meshed, TopologyKey, concentric,
+};
 use crate::engine::hashed::Hashed;
 use crate::engine::near_fields::NearFieldLibrary;
 use crate::engine::outcome::BackendKind;
@@ -21,7 +22,7 @@ use crate::engine::stopwatch::Stopwatch;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::lined_reference::LinedReference;
-use crate::mechanics::compliance::near_field::{LoadedRing, NearFieldClass, ReferenceMesh};
+use crate::mechanics::compliance::near_field::{LoadedRing, NearField, NearFieldClass, ReferenceMesh};
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
 use crate::mechanics::real::LANES;
@@ -32,11 +33,15 @@ pub struct BodyLibrary<'a> {
     ring_loads: RingLoads,
     near_fields: NearFieldLibrary,
     plans: HashMap<TopologyKey, CondensationPlan>,
-    solved: HashMap<RequestKey, SolvedBody>,
+    /// Those that were asked for and are kept.
+    known: HashMap<RequestKey, BodyHandle>,
+    /// By their handles; nothing where one is not solved, or its handle is free.
+    solved: Vec<Option<SolvedBody>>,
+    free: Vec<BodyHandle>,
     /// What the solved bodies take, in bytes.
     solved_bytes: usize,
-    /// What was asked and not answered, in order.
-    begun: VecDeque<Begun>,
+    /// What was asked and had no answer, in order.
+    begun: VecDeque<Vec<Portion>>,
     device: Option<Box<dyn Device + 'a>>,
     /// Why the device was given up: it is only asked what it has done.
     lost: Option<GpuError>,
@@ -44,27 +49,42 @@ pub struct BodyLibrary<'a> {
     pub times: BodyTimes,
 }
 
+/// A request with its hash.
+pub type RequestKey = Hashed<BodyRequest>;
+
+/// The bodies of a joint, the pin first: each on its own mesh, and on the next coarser one where the change since then is what tells its error.
+#[derive(Clone, Copy, Debug)]
+pub struct JointBodies {
+    pub own: [BodyHandle; 2],
+    pub coarser: [Option<BodyHandle>; 2],
+}
+
+impl JointBodies {
+    pub fn all(&self) -> impl Iterator<Item = BodyHandle> {
+        self.own.into_iter().chain(self.coarser.into_iter().flatten())
+    }
+}
+
 /// So many requests, or designs, at least are worth a thread where only little is done for each.
 pub(super) const MANY: usize = 64;
 
 /// A body with what has condensed it.
-#[derive(Clone)]
 pub struct SolvedBody {
-    pub compliance: Arc<BodyCompliance>,
+    pub compliance: BodyCompliance,
     pub backend: BackendKind,
 }
 
 /// To be kept: made by all threads, so that one has little left to do.
-struct Keyed {
-    key: RequestKey,
+struct Handled {
+    handle: BodyHandle,
     body: SolvedBody,
     bytes: usize,
 }
 
-impl Keyed {
-    fn new(key: RequestKey, compliance: BodyCompliance, backend: BackendKind) -> Keyed {
+impl Handled {
+    fn new(handle: BodyHandle, compliance: BodyCompliance, backend: BackendKind) -> Handled {
         let bytes = compliance.bytes();
-        Keyed { key, body: SolvedBody { compliance: Arc::new(compliance), backend }, bytes }
+        Handled { handle, body: SolvedBody { compliance, backend }, bytes }
     }
 }
 
@@ -128,58 +148,85 @@ impl<'a> BodyLibrary<'a> {
 
     /// Forgets solved bodies, but not what they share.
     pub fn forget(&mut self) {
-        self.solved.clear();
-        self.solved_bytes = 0;
+        self.drop_all_but(std::iter::empty());
     }
 
     /// A solved body. Every request has an answer from the end of its `solve` or `finish` up to the next `solve` or `keep_used`.
     pub fn solved(&self, request: &BodyRequest) -> &SolvedBody {
-        &self.solved[&request.key()]
+        self.body(self.known[&Hashed::new(request.clone())])
+    }
+
+    /// The same by its handle.
+    pub fn body(&self, handle: BodyHandle) -> &SolvedBody {
+        let solved = self.solved[handle.place()].as_ref();
+        solved.unwrap_or_else(|| unreachable!("a body is asked for that was not solved"))
     }
 
     /// Solves the requests that have no answer yet, where no others are begun.
     pub fn solve(&mut self, requests: &[BodyRequest]) {
-        self.keep_used(requests);
-        self.begin(requests);
+        let keyed = |request: &BodyRequest| Hashed::new(request.clone());
+        let requests: Vec<RequestKey> = requests.par_iter().with_min_len(MANY).map(keyed).collect();
+        self.solve_keyed(&requests);
+    }
+
+    /// The same, with their handles.
+    pub fn solve_keyed(&mut self, requests: &[RequestKey]) -> Vec<BodyHandle> {
+        self.keep_used(requests.iter());
+        let handles = self.begin(requests);
         self.finish();
+        handles
     }
 
     /// Drops solved bodies, where there are many, but for those of these requests.
-    pub fn keep_used(&mut self, requests: &[BodyRequest]) {
+    pub fn keep_used<'b>(&mut self, requests: impl Iterator<Item = &'b RequestKey>) {
         if self.solved_bytes > KEPT_BODIES {
-            let used: Vec<RequestKey> =
-                requests.par_iter().with_min_len(MANY).map(BodyRequest::key).collect();
-            let used: HashSet<RequestKey> = used.into_iter().collect();
-            let unused: Vec<_> = self.solved.extract_if(|key, _| !used.contains(key)).collect();
-            // By any thread, when it has nothing better to do.
-            rayon::spawn(move || drop(unused));
-            self.solved_bytes = self.solved.values().map(|body| body.compliance.bytes()).sum();
+            self.drop_all_but(requests);
         }
     }
 
-    /// Solves exact bodies, and gives the device the others that have no answer yet.
-    pub fn begin(&mut self, requests: &[BodyRequest]) {
-        let keys: Vec<RequestKey> = requests.par_iter().with_min_len(MANY).map(BodyRequest::key).collect();
-        let mut missing: Vec<BodyRequest> = Vec::new();
-        let mut asked = HashSet::with_capacity_and_hasher(requests.len(), Default::default());
-        for (request, key) in requests.iter().zip(keys) {
-            let is_missing =
-                !self.solved.contains_key(&key) && !self.begun.iter().any(|begun| begun.asked.contains(&key));
-            if asked.insert(key) && is_missing {
-                missing.push(request.clone());
-            }
+    fn drop_all_but<'b>(&mut self, requests: impl Iterator<Item = &'b RequestKey>) {
+        let mut are_used = vec![false; self.solved.len()];
+        for handle in requests.filter_map(|request| self.known.get(request)) {
+            are_used[handle.place()] = true;
         }
-        if missing.is_empty() {
-            return self.begun.push_back(Begun { asked, portions: Vec::new() });
+        // Those that are begun are still to be solved.
+        let is_dropped = |handle: &BodyHandle| {
+            let place = handle.place();
+            !are_used[place] && self.solved[place].is_some()
+        };
+        let dropped: Vec<BodyHandle> =
+            self.known.extract_if(|_, handle| is_dropped(handle)).map(|(_, handle)| handle).collect();
+        let bodies: Vec<Option<SolvedBody>> =
+            dropped.iter().map(|handle| self.solved[handle.place()].take()).collect();
+        let bytes = |body: &SolvedBody| body.compliance.bytes();
+        self.free.extend(dropped);
+        self.solved_bytes = self.solved.iter().flatten().map(bytes).sum();
+        // By any thread, when it has nothing better to do.
+        rayon::spawn(move || drop(bodies));
+    }
+
+    /// Solves exact bodies, and gives the device the others that have no answer yet. Handles are in the order of the requests.
+    pub fn begin(&mut self, requests: &[RequestKey]) -> Vec<BodyHandle> {
+        let mut missing: Vec<(BodyHandle, &BodyRequest)> = Vec::new();
+        let mut handles = Vec::with_capacity(requests.len());
+        for request in requests {
+            handles.push(*self.known.entry(request.clone()).or_insert_with(|| {
+                let handle = self.free.pop().unwrap_or_else(|| {
+                    self.solved.push(None);
+                    BodyHandle::of(self.solved.len() - 1)
+                });
+                missing.push((handle, &request.key));
+                handle
+            }));
         }
-        let (series, meshed): (Vec<BodyRequest>, Vec<BodyRequest>) =
-            missing.into_iter().partition(|request| request.fidelity == Fidelity::Series);
-        let exact: Vec<(Keyed, Duration)> = series
+        let (series, meshed): (Vec<_>, Vec<_>) =
+            missing.into_iter().partition(|(_, request)| request.fidelity == Fidelity::Series);
+        let exact: Vec<(Handled, Duration)> = series
             .into_par_iter()
-            .map(|request| {
+            .map(|(handle, request)| {
                 let started = Stopwatch::start();
                 let compliance = concentric(&request.body).compliance();
-                (Keyed::new(request.key(), compliance, BackendKind::Cpu), started.elapsed())
+                (Handled::new(handle, compliance, BackendKind::Cpu), started.elapsed())
             })
             .collect();
         for (solved, time) in exact {
@@ -190,13 +237,14 @@ impl<'a> BodyLibrary<'a> {
         let mut portions = portions(meshed);
         self.times.shared += started.elapsed();
         portions.iter_mut().for_each(|portion| self.give_device(portion));
-        self.begun.push_back(Begun { asked, portions });
+        self.begun.push_back(portions);
+        handles
     }
 
     /// Answers all requests that were begun before all others.
     pub fn finish(&mut self) {
         let begun = self.begun.pop_front();
-        begun.into_iter().flat_map(|begun| begun.portions).for_each(|portion| self.solve_meshed(portion));
+        begun.into_iter().flatten().for_each(|portion| self.solve_meshed(portion));
     }
 
     /// The bodies without layers, as long as there is a device.
@@ -217,12 +265,13 @@ impl<'a> BodyLibrary<'a> {
         }
     }
 
-    fn keep(&mut self, Keyed { key, body, bytes }: Keyed) {
+    fn keep(&mut self, Handled { handle, body, bytes }: Handled) {
         self.solved_bytes += bytes;
-        self.solved.insert(key, body);
+        self.solved[handle.place()] = Some(body);
     }
 
-    fn solve_meshed(&mut self, Portion { mut groups, on_device, near_fields: classes }: Portion) {
+    fn solve_meshed(&mut self, portion: Portion) {
+        let Portion { mut groups, on_device, near_fields: classes } = portion;
         let started = Stopwatch::start();
         let of_near_fields = classes.iter().filter(|class| !self.near_fields.has(class));
         let of_bodies = groups
@@ -249,27 +298,27 @@ impl<'a> BodyLibrary<'a> {
         let BodyLibrary { near_fields, plans, ring_loads, .. } = self;
         let prepare = || {
             let started = Stopwatch::start();
-            near_fields.prepare(classes.into_iter(), ring_loads);
+            near_fields.prepare(classes.iter().copied(), ring_loads);
             started.elapsed()
         };
         let condense = |group| condense_group(plans, ring_loads, group, &room);
         let (near_field_time, mut condensed): (_, Vec<CondensedGroup>) =
             rayon::join(prepare, || groups.into_par_iter().map(condense).collect());
         self.times.shared += near_field_time;
+        let around = near_fields.all(&classes);
         let correct = |key: &TopologyKey, works: Vec<Condensed>| {
             let started = Stopwatch::start();
-            let solve = |(request, works): Condensed| {
-                let key_of_request = request.key();
-                let compliance = match references.get(&key_of_request) {
-                    Some((reference, own)) => reference.compliance(&request.body, works, own),
-                    None => self.corrected(key, &request.body, works),
+            let solve = |(Meshed { handle, body, around: own }, works): Condensed| {
+                let compliance = match references.get(&handle) {
+                    Some((reference, own)) => reference.compliance(&body, works, own),
+                    None => corrected(&around, own, key, &body, works),
                 };
-                Keyed::new(key_of_request, compliance, BackendKind::Cpu)
+                Handled::new(handle, compliance, BackendKind::Cpu)
             };
-            let solved: Vec<Keyed> = works.into_iter().map(solve).collect();
+            let solved: Vec<Handled> = works.into_iter().map(solve).collect();
             (solved, started.elapsed())
         };
-        let corrected: Vec<(Vec<Keyed>, Duration)> = condensed
+        let corrected: Vec<(Vec<Handled>, Duration)> = condensed
             .par_iter_mut()
             .flat_map(|group| {
                 let batches = std::mem::take(&mut group.batches).into_par_iter();
@@ -280,7 +329,6 @@ impl<'a> BodyLibrary<'a> {
                 })
             })
             .collect();
-        self.solved.reserve(corrected.iter().map(|(solved, _)| solved.len()).sum());
         for (solved, time) in corrected {
             self.times.condense += time;
             solved.into_iter().for_each(|solved| self.keep(solved));
@@ -292,13 +340,13 @@ impl<'a> BodyLibrary<'a> {
     }
 
     /// Waits for a portion that the device was given; gives back what it has left.
-    fn take_from_device(&mut self, groups: Vec<Group>, classes: &HashSet<NearFieldClass>) -> Vec<Group> {
+    fn take_from_device(&mut self, groups: Vec<Group>, classes: &[NearFieldClass]) -> Vec<Group> {
         let Some(device) = self.device.as_mut().filter(|_| self.lost.is_none()) else { return groups };
         let started = Stopwatch::start();
         self.near_fields.prepare(classes.iter().copied(), &self.ring_loads);
         self.times.shared += started.elapsed();
         match device.finish() {
-            Ok(works) => self.take(groups, works),
+            Ok(works) => self.take(groups, works, classes),
             Err(error) => {
                 self.lost = Some(error);
                 groups
@@ -307,29 +355,28 @@ impl<'a> BodyLibrary<'a> {
     }
 
     /// Takes what a device has condensed; gives back what it has left.
-    fn take(&mut self, groups: Vec<Group>, works: Works) -> Vec<Group> {
-        let this = &*self;
-        let of_body = |key: &TopologyKey, (request, works): (BodyRequest, Option<Vec<f64>>)| match works {
+    fn take(&mut self, groups: Vec<Group>, works: Works, classes: &[NearFieldClass]) -> Vec<Group> {
+        let around = self.near_fields.all(classes);
+        let of_body = |key: &TopologyKey, (meshed, works): (Meshed, Option<Vec<f64>>)| match works {
             Some(works) => {
-                let compliance = this.corrected(key, &request.body, works);
-                Ok(Keyed::new(request.key(), compliance, BackendKind::Gpu))
+                let compliance = corrected(&around, meshed.around, key, &meshed.body, works);
+                Ok(Handled::new(meshed.handle, compliance, BackendKind::Gpu))
             }
-            None => Err(request),
+            None => Err(meshed),
         };
         let of_group = |((key, group), works): (Group, Vec<Option<Vec<f64>>>)| {
             let bodies = group.into_par_iter().with_min_len(MANY).zip(works);
-            let taken: Vec<Result<Keyed, BodyRequest>> = bodies.map(|body| of_body(&key, body)).collect();
+            let taken: Vec<Result<Handled, Meshed>> = bodies.map(|body| of_body(&key, body)).collect();
             (key, taken)
         };
         let taken: Vec<_> = groups.into_par_iter().zip(works).map(of_group).collect();
-        self.solved.reserve(taken.iter().map(|(_, taken)| taken.len()).sum());
         let mut left = Vec::new();
         for (key, taken) in taken {
             let mut of_group = Vec::new();
             for body in taken {
                 match body {
                     Ok(solved) => self.keep(solved),
-                    Err(request) => of_group.push(request),
+                    Err(meshed) => of_group.push(meshed),
                 }
             }
             if !of_group.is_empty() {
@@ -338,12 +385,19 @@ impl<'a> BodyLibrary<'a> {
         }
         left
     }
+}
 
-    /// From condensed works to the compliance of a body.
-    fn corrected(&self, key: &TopologyKey, body: &Body, mut works: Vec<f64>) -> BodyCompliance {
-        self.near_fields.correct(body, key.class, &mut works);
-        BodyCompliance::new(body, Boundary::RingModes(RingModes::of(&key.class), works))
-    }
+/// From condensed works to the compliance of a body, by the near fields of its portion.
+fn corrected(
+    near_fields: &[&NearField],
+    Around { classes, between }: Around,
+    key: &TopologyKey,
+    body: &Body,
+    mut works: Vec<f64>,
+) -> BodyCompliance {
+    let around = classes.map(|place| near_fields[place as usize]);
+    NearField::correct(around, between, body, &mut works);
+    BodyCompliance::new(body, Boundary::RingModes(RingModes::of(&key.class), works))
 }
 
 /// Bodies of one topology; a plan that is new is kept while there is `room` for it, in bytes.
@@ -364,9 +418,9 @@ fn condense_group(
         }
     };
     let plan_time = started.elapsed();
-    let condense = |batch: &[BodyRequest]| {
+    let condense = |batch: &[Meshed]| {
         let started = Stopwatch::start();
-        let bodies: Vec<Body> = batch.iter().map(|request| request.body.clone()).collect();
+        let bodies: Vec<Body> = batch.iter().map(|meshed| meshed.body.clone()).collect();
         let works = batch.iter().cloned().zip(plan.condense(&bodies)).collect();
         (works, started.elapsed())
     };
@@ -379,7 +433,7 @@ fn condense_group(
 }
 
 /// A body with its works, without its near field.
-type Condensed = (BodyRequest, Vec<f64>);
+type Condensed = (Meshed, Vec<f64>);
 
 struct CondensedGroup {
     key: TopologyKey,
@@ -393,20 +447,20 @@ struct CondensedGroup {
 fn condensed_references(
     ring_loads: &RingLoads,
     groups: &[Group],
-) -> HashMap<RequestKey, (LinedReference, Vec<f64>)> {
-    let mut on_meshes: HashMap<ReferenceMesh, Vec<(RequestKey, LinedReference)>> = HashMap::default();
+) -> HashMap<BodyHandle, (LinedReference, Vec<f64>)> {
+    let mut on_meshes: HashMap<ReferenceMesh, Vec<(BodyHandle, LinedReference)>> = HashMap::default();
     for (key, group) in groups.iter().filter(|(key, _)| key.class.is_lined()) {
-        for request in group {
-            let reference = LinedReference::of(&request.body, key.class);
-            on_meshes.entry(reference.mesh).or_default().push((request.key(), reference));
+        for meshed in group {
+            let reference = LinedReference::of(&meshed.body, key.class);
+            on_meshes.entry(reference.mesh).or_default().push((meshed.handle, reference));
         }
     }
-    let condense = |(mesh, references): (ReferenceMesh, Vec<(RequestKey, LinedReference)>)| {
+    let condense = |(mesh, references): (ReferenceMesh, Vec<(BodyHandle, LinedReference)>)| {
         let plan = mesh.plan(&references[0].1.body, &ring_loads.of(&mesh.ring()));
         let bodies: Vec<Body> = references.iter().map(|(_, reference)| reference.body.clone()).collect();
         let works: Vec<Vec<f64>> =
             bodies.par_chunks(LANES).flat_map_iter(|bodies| plan.condense(bodies)).collect();
-        let with_works = |((key, reference), works)| (key, (reference, works));
+        let with_works = |((handle, reference), works)| (handle, (reference, works));
         references.into_iter().zip(works).map(with_works).collect::<Vec<_>>()
     };
     on_meshes.into_par_iter().flat_map_iter(condense).collect()
@@ -414,17 +468,11 @@ fn condensed_references(
 
 /// The groups in lanes, each of which has its own elasticity: fewer, and fuller.
 fn of_either_idealization(groups: Vec<Group>) -> Vec<Group> {
-    let mut joined: HashMap<TopologyKey, Vec<BodyRequest>> = HashMap::default();
+    let mut joined: HashMap<TopologyKey, Vec<Meshed>> = HashMap::default();
     for (key, group) in groups {
         joined.entry(key.of_either_idealization()).or_default().extend(group);
     }
     joined.into_iter().collect()
-}
-
-/// Requests that were begun: all of them, and those that had no answer.
-struct Begun {
-    asked: HashSet<RequestKey>,
-    portions: Vec<Portion>,
 }
 
 /// Bodies that are solved at a time, with the near fields they need.
@@ -433,36 +481,65 @@ struct Portion {
     groups: Vec<Group>,
     /// Those that a device was given, which are not among `groups`.
     on_device: Vec<Group>,
-    near_fields: HashSet<NearFieldClass>,
+    near_fields: Vec<NearFieldClass>,
 }
 
 /// The requests by topology, in portions each of which ends where it needs more than `PORTION` near fields.
-fn portions(requests: Vec<BodyRequest>) -> Vec<Portion> {
-    let classed = |request: BodyRequest| {
-        let key = TopologyKey::of(&request);
+fn portions(requests: Vec<(BodyHandle, &BodyRequest)>) -> Vec<Portion> {
+    let classed = |(_, request): &(BodyHandle, &BodyRequest)| {
+        let key = TopologyKey::of(request);
         // Lined bodies have references of their own.
-        let around = (!key.class.is_lined()).then(|| NearFieldClass::around(&request.body, key.class).0);
-        (Hashed::new(key), request, around.map(|around| around.map(Hashed::new)))
+        let around = (!key.class.is_lined()).then(|| NearFieldClass::around(&request.body, key.class));
+        (Hashed::new(key), around.map(|(classes, between)| (classes.map(Hashed::new), between)))
     };
-    let classed: Vec<_> = requests.into_par_iter().with_min_len(MANY).map(classed).collect();
-    type Needs = (Vec<BodyRequest>, HashSet<Hashed<NearFieldClass>>);
-    let mut groups: HashMap<Hashed<TopologyKey>, Needs> = HashMap::default();
-    for (key, request, around) in classed {
-        let (group, near_fields) = groups.entry(key).or_default();
-        group.push(request);
-        near_fields.extend(around.into_iter().flatten());
+    let classed: Vec<_> = requests.par_iter().with_min_len(MANY).map(classed).collect();
+    let mut groups: HashMap<Hashed<TopologyKey>, OfTopology> = HashMap::default();
+    for ((handle, request), (key, around)) in requests.into_iter().zip(classed) {
+        let OfTopology { bodies, places, classes } = groups.entry(key).or_default();
+        let place = |class: Hashed<NearFieldClass>| {
+            let next = classes.len() as u32;
+            *places.entry(class).or_insert_with_key(|class| {
+                classes.push(class.key);
+                next
+            })
+        };
+        let around = around
+            .map_or_else(Around::default, |(around, between)| Around { classes: around.map(place), between });
+        bodies.push(Meshed { handle, body: request.body.clone(), around });
     }
-    let mut portions = Vec::new();
-    let mut portion = Portion::default();
-    for (key, (group, near_fields)) in groups {
-        portion.groups.push((key.key, group));
-        portion.near_fields.extend(near_fields.into_iter().map(|class| class.key));
-        if portion.near_fields.len() > PORTION {
-            portions.push(std::mem::take(&mut portion));
+    let mut portions = vec![Portion::default()];
+    let mut places: HashMap<NearFieldClass, u32> = HashMap::default();
+    for (key, OfTopology { mut bodies, classes, .. }) in groups {
+        let mut portion = portions.len() - 1;
+        if portions[portion].near_fields.len() > PORTION {
+            portions.push(Portion::default());
+            places.clear();
+            portion += 1;
         }
+        let Portion { groups, near_fields, .. } = &mut portions[portion];
+        let of_class = |class: &NearFieldClass| {
+            *places.entry(*class).or_insert_with(|| {
+                near_fields.push(*class);
+                near_fields.len() as u32 - 1
+            })
+        };
+        let of_classes: Vec<u32> = classes.iter().map(of_class).collect();
+        if !of_classes.is_empty() {
+            bodies.iter_mut().for_each(|body| {
+                body.around.classes = body.around.classes.map(|own| of_classes[own as usize])
+            });
+        }
+        groups.push((key.key, bodies));
     }
-    portions.push(portion);
     portions
+}
+
+/// Bodies of one topology, with the near fields they need.
+#[derive(Default)]
+struct OfTopology {
+    bodies: Vec<Meshed>,
+    places: HashMap<Hashed<NearFieldClass>, u32>,
+    classes: Vec<NearFieldClass>,
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! What is asked of a body: how finely, and what it then shares with others.
 
-use crate::engine::hashed::Hashed;
-use crate::mechanics::body::{Body, BodyKey};
+use crate::mechanics::body::Body;
 use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::grading::GradingClass;
@@ -17,20 +16,11 @@ pub enum Fidelity {
     Mesh { level: usize },
 }
 
-/// A body to solve.
-#[derive(Clone, Debug)]
+/// A body to solve. Equal ones have the same answer.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct BodyRequest {
     pub body: Body,
     pub fidelity: Fidelity,
-}
-
-/// Equal for requests with the same answer.
-pub type RequestKey = Hashed<(BodyKey, Fidelity)>;
-
-impl BodyRequest {
-    pub fn key(&self) -> RequestKey {
-        Hashed::new((self.body.key(), self.fidelity))
-    }
 }
 
 /// The elements of every mesh: the error of a compliance is of fourth order with Q8, of second with Q4 (tests/mechanics/lame.rs).
@@ -74,8 +64,39 @@ pub struct TopologyKey {
     pub class: GradingClass,
 }
 
+/// A body that a library was asked for. Equal requests have the same one, as long as the library keeps it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BodyHandle(u32);
+
+impl BodyHandle {
+    pub fn of(place: usize) -> BodyHandle {
+        BodyHandle(place as u32)
+    }
+
+    pub fn place(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// The two near fields between which that of a body lies, by their places among those of its portion, and how far from the first to the
+/// second (0 to 1).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Around {
+    pub classes: [u32; 2],
+    pub between: f64,
+}
+
+/// A body to be solved on a mesh.
+#[derive(Clone, Debug)]
+pub struct Meshed {
+    pub handle: BodyHandle,
+    pub body: Body,
+    /// Of bare bodies.
+    pub around: Around,
+}
+
 /// Bodies of one topology.
-pub type Group = (TopologyKey, Vec<BodyRequest>);
+pub type Group = (TopologyKey, Vec<Meshed>);
 
 impl TopologyKey {
     /// Of a body on a mesh.

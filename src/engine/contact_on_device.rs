@@ -5,10 +5,9 @@ use crate::engine::accuracy::{Estimate, Want};
 use crate::engine::backend::joints::{Amplitudes, BodyTables, DeviceBody, DeviceJoint, JointTables, states};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::device_joints::{Given, errors_of_bodies};
-use crate::engine::joint_contact::{judged, own_error};
+use crate::engine::joint_contact::{SolvedPlan, judged, own_error};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind};
-use crate::engine::plan::JointPlan;
 use crate::engine::row::Solving;
 use crate::engine::spaces::Spaces;
 use crate::mechanics::contact::compliance_rows::ModeMembers;
@@ -19,7 +18,7 @@ use crate::study::design::DesignCase;
 pub fn given<'a, 'b>(
     library: &BodyLibrary,
     spaces: &'a Spaces,
-    plan: &JointPlan,
+    SolvedPlan { plan, bodies }: SolvedPlan,
     cases: impl Iterator<Item = &'b DesignCase> + Clone,
     numbers: &mut Vec<f32>,
 ) -> Option<Given<'a, f64>> {
@@ -29,7 +28,7 @@ pub fn given<'a, 'b>(
     if plan.estimate != Estimate::Known || parts.iter().any(|(request, _)| !request.body.lining.is_empty()) {
         return None;
     }
-    let solved = parts.map(|(request, _)| &*library.solved(request).compliance);
+    let solved = bodies.own.map(|handle| &library.body(handle).compliance);
     let members = |side: usize| ModeMembers::of(parts[side].0.body.shape.side, solved[side]);
     let members = [members(0)?, members(1)?];
     let space = (plan.space, spaces.get(plan.space));
@@ -52,16 +51,16 @@ pub fn given<'a, 'b>(
 pub fn judged_designs<'a>(
     library: &BodyLibrary,
     spaces: &Spaces,
-    plan: &JointPlan,
+    SolvedPlan { plan, bodies }: SolvedPlan,
     cases: impl Iterator<Item = &'a DesignCase> + Clone,
     accuracy: f64,
     (even, found): (f64, &[f32]),
 ) -> Option<Vec<(Answer, Want)>> {
     let outlines = JointScale::of(&cases.clone().next()?.joint).outlines;
     let (of_curve, mut states) = states(found, even, &outlines)?;
-    let errors = [&plan.pin, &plan.plate].map(|request| {
-        let solved = library.solved(request);
-        own_error(request, &solved.compliance, true)
+    let errors = [0, 1].map(|side| {
+        let request = [&plan.pin, &plan.plate][side];
+        own_error(request, &library.body(bodies.own[side]).compliance, true)
     });
     let limit = outlines.of_hole(spaces.get(plan.space).limit);
     let solving = Solving { backend: BackendKind::Gpu, method: plan.method(), limit, accuracy };

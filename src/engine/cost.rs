@@ -110,8 +110,8 @@ struct Needs {
 impl Needs {
     /// Adds a body as it is solved `times` a design, less than once where only some designs come to it.
     fn add(&mut self, request: &BodyRequest, times: f64) {
-        self.bodies.insert(self.hasher.hash_one(request.body.key()));
-        if !self.solved.insert(self.hasher.hash_one(request.key())) {
+        self.bodies.insert(self.hasher.hash_one(&request.body));
+        if !self.solved.insert(self.hasher.hash_one(request)) {
             return;
         }
         let Fidelity::Mesh { level } = request.fidelity else {
@@ -146,7 +146,7 @@ impl Needs {
 
     /// Adds the contact of a joint as it is solved `times` a design.
     fn add_joint(&mut self, plan: &JointPlan, case: &DesignCase, times: f64) {
-        if !self.joints.insert(self.hasher.hash_one(joint_key(plan, case))) {
+        if !self.joints.insert(self.hasher.hash_one(joint_key([&plan.pin, &plan.plate], plan, case))) {
             return;
         }
         let contact = times * joint_seconds(plan);
@@ -332,7 +332,7 @@ impl DesignCost<'_> {
             if interpolation.as_ref().is_some_and(|plan| plan.covers(joint)) {
                 estimate.interpolated += 1;
                 for part in [&joint.pin, &joint.plate] {
-                    needs.bodies.insert(needs.hasher.hash_one(joint.body(part).key()));
+                    needs.bodies.insert(needs.hasher.hash_one(joint.body(part)));
                 }
                 continue;
             }

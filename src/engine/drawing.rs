@@ -151,7 +151,7 @@ pub fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
 fn met(cases: impl Iterator<Item = Result<DesignCase, Error>>, bodies: &mut Distinct) -> Drawn {
     let meet = |case: &Result<DesignCase, Error>| {
         if let Ok(DesignCase { joint, .. }) = case {
-            [&joint.pin, &joint.plate].into_iter().for_each(|part| bodies.meet(&joint.body(part).key()));
+            [&joint.pin, &joint.plate].into_iter().for_each(|part| bodies.meet(&joint.body(part)));
         }
     };
     cases.inspect(meet).collect()

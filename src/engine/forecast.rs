@@ -81,8 +81,8 @@ impl Demand {
             if parts.bodies.count > 0.0 {
                 on_meshes += 1.0;
                 let joint = &case.joint;
-                pins.insert(joint.body(&joint.pin).key());
-                plates.insert(joint.body(&joint.plate).key());
+                pins.insert(joint.body(&joint.pin));
+                plates.insert(joint.body(&joint.plate));
             }
         }
         if seen == 0.0 {

@@ -1,11 +1,13 @@
 //! The contact of designs with one joint, its bodies being solved: their states, how good they are, and what they want.
 
+use std::hash::Hash;
+
 use crate::engine::accuracy::body_errors::{BodyErrors, JudgedBody, OwnError};
 use crate::engine::accuracy::geometry_error::{OutlineError, WIDEST_CLEARANCE};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, ForceError, Want};
-use crate::engine::bodies::BodyLibrary;
-use crate::engine::body_request::{BodyRequest, Fidelity, RequestKey};
+use crate::engine::bodies::{BodyLibrary, JointBodies};
+use crate::engine::body_request::{BodyRequest, Fidelity};
 use crate::engine::hashed::Hashed;
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind, Method};
@@ -21,26 +23,33 @@ use crate::mechanics::contact::outlines::Outlines;
 use crate::mechanics::contact::state::ContactState;
 use crate::study::design::{DesignCase, JointDesign, Part};
 
-/// Joints with one of these have a curve in common: sizes and loads are left.
-pub type JointKey = Hashed<(RequestKey, RequestKey, [u64; 3], SpaceKey, Estimate)>;
+/// Joints with one of these have a curve in common, their bodies being told by `B`: sizes and loads are left.
+pub type JointKey<B> = Hashed<([B; 2], [u64; 3], SpaceKey, Estimate)>;
 
-/// Of a design with its plan.
-pub fn joint_key(plan: &JointPlan, case: &DesignCase) -> JointKey {
+/// Of a design with its plan and bodies.
+pub fn joint_key<B: Hash>(bodies: [B; 2], plan: &JointPlan, case: &DesignCase) -> JointKey<B> {
     let [pin, plate] =
         [&case.joint.pin, &case.joint.plate].map(|part| part.contact_material().youngs_modulus);
     let numbers = [pin, plate, JointScale::of(&case.joint).outlines.radial_clearance].map(f64::to_bits);
-    Hashed::new((plan.pin.key(), plan.plate.key(), numbers, plan.space, plan.estimate))
+    Hashed::new((bodies, numbers, plan.space, plan.estimate))
 }
 
-/// The curve of a joint, where it has one. Bodies and space of the plan were prepared.
+/// A plan with its bodies, which were solved.
+#[derive(Clone, Copy)]
+pub struct SolvedPlan<'a> {
+    pub plan: &'a JointPlan,
+    pub bodies: JointBodies,
+}
+
+/// The curve of a joint, where it has one. The space of the plan was prepared.
 pub fn with_curve<T>(
     library: &BodyLibrary,
     spaces: &Spaces,
-    plan: &JointPlan,
+    plan: SolvedPlan,
     joint: &JointDesign,
     ask: impl FnOnce(&ContactCurve) -> T,
 ) -> Option<T> {
-    let space = spaces.get(plan.space);
+    let space = spaces.get(plan.plan.space);
     let outlines = JointScale::of(joint).outlines;
     let (bodies, _) = judged_bodies(library, space, plan, joint, &outlines);
     ContactCurve::new(space, &bodies.each_ref().map(|body| &body.part), outlines).map(|curve| ask(&curve))
@@ -50,21 +59,20 @@ pub fn with_curve<T>(
 fn judged_bodies<'a>(
     library: &'a BodyLibrary,
     space: &CurveSpace,
-    plan: &'a JointPlan,
+    SolvedPlan { plan, bodies }: SolvedPlan<'a>,
     joint: &JointDesign,
     outlines: &Outlines,
 ) -> ([JudgedBody<'a>; 2], BackendKind) {
     let mut backend = BackendKind::Cpu;
-    let parts = [(&plan.pin, &joint.pin), (&plan.plate, &joint.plate)];
-    let bodies = parts.map(|(request, part)| {
-        let solved = library.solved(request);
+    let parts = [(0, &plan.pin, &joint.pin), (1, &plan.plate, &joint.plate)];
+    let bodies = parts.map(|(place, request, part)| {
+        let solved = library.body(bodies.own[place]);
         if solved.backend == BackendKind::Gpu {
             backend = BackendKind::Gpu;
         }
-        let (compliance, share) = (&*solved.compliance, 1.0 / part.contact_material().youngs_modulus);
-        let coarser = plan.coarser(request);
-        let change =
-            coarser.map(|coarser| [(compliance, share), (&*library.solved(&coarser).compliance, -share)]);
+        let (compliance, share) = (&solved.compliance, 1.0 / part.contact_material().youngs_modulus);
+        let coarser = bodies.coarser[place].map(|coarser| &library.body(coarser).compliance);
+        let change = coarser.map(|coarser| [(compliance, share), (coarser, -share)]);
         let own = own_error(request, compliance, change.is_none());
         let part = space.part(request.body.shape.side, &[(compliance, share)], outlines);
         JudgedBody { body: &request.body, own, change, part }
@@ -81,25 +89,26 @@ pub fn own_error<'a>(request: &'a BodyRequest, compliance: &BodyCompliance, is_k
     }
 }
 
-/// The answers to designs of one `JointKey`, on one rung, and what each wants of the next. Bodies and space of the plan were
-/// prepared.
+/// The answers to designs of one `JointKey`, on one rung, and what each wants of the next. The space of the plan was prepared.
 pub fn solve_designs<'a>(
     library: &BodyLibrary,
     spaces: &Spaces,
-    plan: &JointPlan,
+    solved: SolvedPlan,
     cases: impl Iterator<Item = &'a DesignCase> + Clone,
     accuracy: f64,
+    room: &mut CurveRoom,
 ) -> Vec<(Answer, Want)> {
     let Some(first) = cases.clone().next() else { return Vec::new() };
+    let plan = solved.plan;
     let space = spaces.get(plan.space);
     let outlines = JointScale::of(&first.joint).outlines;
-    let (members, backend) = judged_bodies(library, space, plan, &first.joint, &outlines);
+    let (members, backend) = judged_bodies(library, space, solved, &first.joint, &outlines);
     let solving = Solving { backend, method: plan.method(), limit: outlines.of_hole(space.limit), accuracy };
     let trust = match plan.estimate {
         Estimate::Change(trust) => Some((trust, plan.level)),
         Estimate::Exact | Estimate::Known => None,
     };
-    solve_joint(space, &members, outlines, trust, solving, cases, &mut CurveRoom::default())
+    solve_joint(space, &members, outlines, trust, solving, cases, room)
 }
 
 /// Of what rounding leaves of interpolated bodies, where searches of their loads end.

@@ -2,14 +2,15 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::engine::joint_contact::{solve_designs, with_curve};
+use crate::engine::bodies::JointBodies;
+use crate::engine::joint_contact::{SolvedPlan, solve_designs, with_curve};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::ladder::Ladder;
 use crate::engine::outcome::StepOutcome;
 use crate::engine::plan::JointPlan;
 use crate::engine::status::Failure;
 use crate::mechanics::contact::arc_pressure::ArcPressure;
-use crate::mechanics::contact::curve::ContactCurve;
+use crate::mechanics::contact::curve::{ContactCurve, CurveRoom};
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::{DesignCase, JointDesign, Load};
 
@@ -19,6 +20,7 @@ pub struct JointCurve {
     accuracy: f64,
     ladder: Ladder<'static>,
     plan: JointPlan,
+    bodies: JointBodies,
 }
 
 /// Indentations that the resolution is chosen for, over the clearance.
@@ -52,16 +54,30 @@ impl JointCurve {
             before.map_or_else(|| Ladder::new(options), |curve| curve.ladder.with_options(options));
         let settled = ladder.climb(&[case], vec![(0, plan.clone())]).pop();
         let plan = settled.map_or(plan, |(_, plan, _)| plan);
-        Ok(JointCurve { joint: joint.clone(), accuracy, ladder, plan })
+        Ok(JointCurve::prepared(joint, accuracy, ladder, plan))
+    }
+
+    /// With its bodies solved.
+    fn prepared(
+        joint: &JointDesign,
+        accuracy: f64,
+        mut ladder: Ladder<'static>,
+        plan: JointPlan,
+    ) -> JointCurve {
+        let bodies = ladder.prepare(&[(0, plan.clone())]).remove(0);
+        JointCurve { joint: joint.clone(), accuracy, ladder, plan, bodies }
+    }
+
+    fn solved(&self) -> SolvedPlan<'_> {
+        SolvedPlan { plan: &self.plan, bodies: self.bodies }
     }
 
     /// The curve of another joint of the same shapes, on the same meshes and nodes: its values differ by what the joints differ by, not by what
     /// the resolution leaves.
     pub fn of_other(self, joint: &JointDesign) -> JointCurve {
-        let JointCurve { accuracy, mut ladder, plan, .. } = self;
+        let JointCurve { accuracy, ladder, plan, .. } = self;
         let plan = plan.of_other(joint);
-        ladder.prepare(&[(0, plan.clone())]);
-        JointCurve { joint: joint.clone(), accuracy, ladder, plan }
+        JointCurve::prepared(joint, accuracy, ladder, plan)
     }
 
     pub fn joint(&self) -> &JointDesign {
@@ -77,7 +93,9 @@ impl JointCurve {
     pub fn answers(&self, loads: &[Load]) -> Vec<StepOutcome> {
         let case = DesignCase { index: 0, joint: self.joint.clone(), steps: loads.to_vec() };
         let Ladder { library, spaces, .. } = &self.ladder;
-        let answers = solve_designs(library, spaces, &self.plan, std::iter::once(&case), self.accuracy);
+        let cases = std::iter::once(&case);
+        let room = &mut CurveRoom::default();
+        let answers = solve_designs(library, spaces, self.solved(), cases, self.accuracy, room);
         answers.into_iter().next().map_or(Vec::new(), |(answer, _)| answer.steps)
     }
 
@@ -103,7 +121,7 @@ impl JointCurve {
     }
 
     fn with_curve<T>(&self, ask: impl FnOnce(&ContactCurve) -> T) -> Option<T> {
-        with_curve(&self.ladder.library, &self.ladder.spaces, &self.plan, &self.joint, ask)
+        with_curve(&self.ladder.library, &self.ladder.spaces, self.solved(), &self.joint, ask)
     }
 
     /// Asks with the contact half angle, rad, the pressure and what it is per unit of, MPa; `None` where the load has no state.

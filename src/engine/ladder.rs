@@ -2,6 +2,8 @@
 //! on the next one until it is good enough or there is no more. Rungs are bodies interpolated between others, then plans of
 //! ever finer meshes and pressure spaces; whatever condenses the bodies.
 
+use std::collections::VecDeque;
+use std::ops::Range;
 use std::time::Duration;
 
 use foldhash::HashMap;
@@ -10,13 +12,14 @@ use rayon::prelude::*;
 use crate::engine::accuracy::Want;
 use crate::engine::backend::joints::SolvedJoints;
 use crate::engine::backend::{Device, IN_FLIGHT};
-use crate::engine::bodies::{BodyLibrary, MANY};
-use crate::engine::body_request::BodyRequest;
+use crate::engine::bodies::{BodyLibrary, JointBodies, MANY, RequestKey};
+use crate::engine::body_request::BodyHandle;
 use crate::engine::contact_on_device::{given, judged_designs};
 use crate::engine::device_joints::{Underway, gathered};
+use crate::engine::hashed::Hashed;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::interpolation::interpolated::Interpolation;
-use crate::engine::joint_contact::{JointKey, joint_key, solve_designs};
+use crate::engine::joint_contact::{JointKey, SolvedPlan, joint_key, solve_designs};
 use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::engine::plan::JointPlan;
 use crate::engine::question::Asker;
@@ -24,6 +27,7 @@ use crate::engine::question::counted::{Counted, Verdict};
 use crate::engine::row::{closed_form, refused};
 use crate::engine::spaces::Spaces;
 use crate::engine::stopwatch::Stopwatch;
+use crate::mechanics::contact::curve::CurveRoom;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
 
@@ -34,19 +38,40 @@ const TOGETHER: usize = 64;
 const PORTIONS: usize = 4;
 const FEWEST: usize = 1024;
 
-/// An attempt, with the place of its design among those tried together.
-type Placed = (usize, (Answer, Want));
-
 /// The answers to the designs of a joint, and what they have taken.
 type Timed = (Vec<(Answer, Want)>, Duration);
 
 /// Designs whose bodies are solved, on their way to an attempt.
 struct Attempt<'a> {
     open: &'a [(usize, JointPlan)],
-    /// Those with a joint in common, by their places: no more to a joint than a thread solves.
-    joints: Vec<Vec<usize>>,
+    bodies: Vec<JointBodies>,
+    /// Their places, those side by side that have a joint in common.
+    places: Vec<u32>,
+    /// Of each joint its part of them: no more than a thread solves.
+    joints: Vec<Range<u32>>,
     /// Of each joint what is kept while a device has it, where one solves joints.
     on_device: Option<Underway<f64>>,
+}
+
+impl Attempt<'_> {
+    /// Of a joint its plan, with its bodies.
+    fn plan(&self, joint: &Range<u32>) -> SolvedPlan<'_> {
+        let place = self.places[joint.start as usize] as usize;
+        SolvedPlan { plan: &self.open[place].1, bodies: self.bodies[place] }
+    }
+
+    fn places(&self, joint: &Range<u32>) -> &[u32] {
+        &self.places[joint.start as usize..joint.end as usize]
+    }
+
+    /// The designs of a joint.
+    fn cases<'b>(
+        &'b self,
+        cases: &'b [DesignCase],
+        joint: &Range<u32>,
+    ) -> impl Iterator<Item = &'b DesignCase> + Clone {
+        self.places(joint).iter().map(|place| &cases[self.open[*place as usize].0])
+    }
 }
 
 /// Designs whose rows a device counts.
@@ -56,8 +81,9 @@ pub struct Counting {
     are_there: Vec<bool>,
 }
 
-/// Joints that a thread takes at a time.
+/// Joints that a thread takes at a time, to give them to a device or to judge what that has found, and to solve them.
 const JOINTS_TOGETHER: usize = 16;
+const SOLVED_TOGETHER: usize = 4;
 
 /// Solves batches of designs; keeps the bodies it has met.
 pub struct Ladder<'a> {
@@ -196,20 +222,26 @@ impl<'a> Ladder<'a> {
     /// judges those of one more, or solves them.
     fn attempts(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
         if self.library.device().is_none() || self.library.lost().is_some() {
-            self.prepare(open);
-            let attempt = self.begin_attempt(cases, open);
+            let bodies = self.prepare(open);
+            let attempt = self.begin_attempt(cases, open, bodies);
             return self.finish_attempt(cases, attempt);
         }
-        self.library.keep_used(&requests(open));
         let portion = open.len().div_ceil(PORTIONS).max(FEWEST);
-        let mut ahead = open.chunks(portion);
-        ahead.by_ref().take(IN_FLIGHT).for_each(|portion| self.library.begin(&requests(portion)));
+        let requested: Vec<Vec<RequestKey>> = open.chunks(portion).map(requests).collect();
+        self.library.keep_used(requested.iter().flatten());
+        let mut ahead = requested.iter();
+        let begin = |requests: &Vec<RequestKey>| self.library.begin(requests);
+        let mut handles: VecDeque<Vec<BodyHandle>> = ahead.by_ref().take(IN_FLIGHT).map(begin).collect();
         let mut solved = Vec::with_capacity(open.len());
         let mut begun: Option<Attempt> = None;
         for portion in open.chunks(portion) {
-            self.solve_bodies(portion, BodyLibrary::finish);
-            let attempt = self.begin_attempt(cases, portion);
-            ahead.next().into_iter().for_each(|portion| self.library.begin(&requests(portion)));
+            let own = handles.pop_front().unwrap_or_default();
+            let bodies = self.solve_bodies(portion, |library| {
+                library.finish();
+                own
+            });
+            let attempt = self.begin_attempt(cases, portion, bodies);
+            handles.extend(ahead.next().map(|requests| self.library.begin(requests)));
             let before = begun.replace(attempt);
             solved.extend(before.into_iter().flat_map(|attempt| self.finish_attempt(cases, attempt)));
         }
@@ -218,83 +250,104 @@ impl<'a> Ladder<'a> {
     }
 
     /// Solves the bodies of plans and makes their spaces.
-    pub fn prepare(&mut self, open: &[(usize, JointPlan)]) {
-        self.solve_bodies(open, |library| library.solve(&requests(open)));
+    pub fn prepare(&mut self, open: &[(usize, JointPlan)]) -> Vec<JointBodies> {
+        let requests = requests(open);
+        self.solve_bodies(open, |library| library.solve_keyed(&requests))
     }
 
-    fn solve_bodies(&mut self, open: &[(usize, JointPlan)], solve: impl FnOnce(&mut BodyLibrary<'a>) + Send) {
+    /// `solve` gives back the handles of the bodies, in the order in which the plans request them.
+    fn solve_bodies(
+        &mut self,
+        open: &[(usize, JointPlan)],
+        solve: impl FnOnce(&mut BodyLibrary<'a>) -> Vec<BodyHandle> + Send,
+    ) -> Vec<JointBodies> {
         let Ladder { library, spaces, .. } = self;
         let make_spaces = || {
             let started = Stopwatch::start();
             spaces.make(open.iter().map(|(_, plan)| plan.space));
             started.elapsed()
         };
-        let ((), time) = rayon::join(|| solve(library), make_spaces);
+        let (handles, time) = rayon::join(|| solve(library), make_spaces);
         self.times.spaces += time;
         let started = Stopwatch::start();
-        let in_space = |(_, plan): &(usize, JointPlan)| {
-            let solved = |request| (plan.space, &*library.solved(&request).compliance);
-            plan.requests().map(solved).collect::<Vec<_>>()
-        };
-        let bodies: Vec<_> = open.par_iter().with_min_len(MANY).flat_map_iter(in_space).collect();
-        spaces.prepare(bodies.into_iter());
+        let mut handles = handles.into_iter();
+        let bodies: Vec<JointBodies> =
+            open.iter().filter_map(|(_, plan)| plan.bodies(&mut handles)).collect();
+        let library = &*library;
+        let in_spaces = open.iter().zip(&bodies).flat_map(|((_, plan), bodies)| {
+            bodies.all().map(|handle| (plan.space, &library.body(handle).compliance))
+        });
+        spaces.prepare(in_spaces);
         self.times.spaces += started.elapsed();
+        bodies
     }
 
     /// Finds which designs have a joint in common, by their numbers and plans, and gives a device those that it solves.
-    fn begin_attempt<'b>(&mut self, cases: &[DesignCase], open: &'b [(usize, JointPlan)]) -> Attempt<'b> {
-        let mut joints: HashMap<JointKey, Vec<usize>> = HashMap::default();
-        let key = |(index, plan): &(usize, JointPlan)| joint_key(plan, &cases[*index]);
-        let keys: Vec<JointKey> = open.par_iter().with_min_len(MANY).map(key).collect();
-        for (place, key) in keys.into_iter().enumerate() {
-            joints.entry(key).or_default().push(place);
-        }
-        let (few, many): (Vec<_>, Vec<_>) = joints.into_values().partition(|places| places.len() <= TOGETHER);
-        let mut joints: Vec<Vec<usize>> = few;
-        joints.extend(many.iter().flat_map(|places| places.chunks(TOGETHER).map(<[usize]>::to_vec)));
-        if self.library.solves_joints() < SolvedJoints::All {
-            return Attempt { open, joints, on_device: None };
-        }
-        let (library, spaces) = (&self.library, &self.spaces);
-        let give = |places: &Vec<usize>, numbers: &mut Vec<f32>| {
-            given(library, spaces, &open[places[0]].1, cases_of(cases, open, places), numbers)
+    fn begin_attempt<'b>(
+        &mut self,
+        cases: &[DesignCase],
+        open: &'b [(usize, JointPlan)],
+        bodies: Vec<JointBodies>,
+    ) -> Attempt<'b> {
+        let key = |((index, plan), bodies): (&(usize, JointPlan), &JointBodies)| {
+            joint_key(bodies.own, plan, &cases[*index])
         };
-        let (batch, underway) = gathered(&joints, JOINTS_TOGETHER, give);
-        self.library.begin_joints(&batch);
-        Attempt { open, joints, on_device: Some(underway) }
+        let keys = open.par_iter().with_min_len(MANY).zip(&bodies).map(key);
+        let keys: Vec<JointKey<BodyHandle>> = keys.collect();
+        let (places, joints) = alike(keys);
+        let mut attempt = Attempt { open, bodies, places, joints, on_device: None };
+        if self.library.solves_joints() == SolvedJoints::All {
+            let (library, spaces) = (&self.library, &self.spaces);
+            let give = |joint: &Range<u32>, numbers: &mut Vec<f32>| {
+                given(library, spaces, attempt.plan(joint), attempt.cases(cases, joint), numbers)
+            };
+            let (batch, underway) = gathered(&attempt.joints, JOINTS_TOGETHER, give);
+            self.library.begin_joints(&batch);
+            attempt.on_device = Some(underway);
+        }
+        attempt
     }
 
     /// The answers of an attempt, those first that a device has.
-    fn finish_attempt(
-        &mut self,
-        cases: &[DesignCase],
-        Attempt { open, joints, on_device }: Attempt,
-    ) -> Vec<(Answer, Want)> {
-        let found = on_device.and_then(|underway| Some((underway, self.library.finish_joints()?)));
+    fn finish_attempt(&mut self, cases: &[DesignCase], mut attempt: Attempt) -> Vec<(Answer, Want)> {
+        let underway = attempt.on_device.take();
+        let found = underway.and_then(|underway| Some((underway, self.library.finish_joints()?)));
         let (library, spaces, accuracy) = (&self.library, &self.spaces, self.options.accuracy);
-        let judge = |places: &Vec<usize>, even: f64, found: &[f32]| {
-            let (started, own) = (Stopwatch::start(), cases_of(cases, open, places));
-            let found = (even, found);
-            let judged = judged_designs(library, spaces, &open[places[0]].1, own, accuracy, found)?;
+        let (attempt, joints) = (&attempt, &attempt.joints[..]);
+        let judge = |joint: &Range<u32>, even: f64, found: &[f32]| {
+            let started = Stopwatch::start();
+            let (plan, own) = (attempt.plan(joint), attempt.cases(cases, joint));
+            let judged = judged_designs(library, spaces, plan, own, accuracy, (even, found))?;
             Some((judged, started.elapsed()))
         };
-        let judged = found.map_or(vec![None; joints.len()], |(underway, found)| {
-            underway.judged(&joints, JOINTS_TOGETHER, &found, judge)
+        let mut judged: Vec<Option<Timed>> = found.map_or_else(Vec::new, |(underway, found)| {
+            underway.judged(joints, JOINTS_TOGETHER, &found, judge)
         });
-        let solve = |(places, judged): (&Vec<usize>, Option<Timed>)| {
-            let (solved, time) = judged.unwrap_or_else(|| {
-                let (started, own) = (Stopwatch::start(), cases_of(cases, open, places));
-                let solved = solve_designs(library, spaces, &open[places[0]].1, own, accuracy);
-                (solved, started.elapsed())
-            });
-            let placed: Vec<Placed> = places.iter().copied().zip(solved).collect();
-            (placed, time)
-        };
-        let solved: Vec<_> = joints.par_iter().with_min_len(4).zip(judged).map(solve).collect();
+        judged.resize_with(joints.len(), || None);
+        // Of some joints the answers, in their order, and what these have taken.
+        let solve =
+            |room: &mut CurveRoom, (joints, judged): (&[Range<u32>], &mut [Option<Timed>])| -> Timed {
+                let started = Stopwatch::start();
+                let mut answers = Vec::with_capacity(joints.iter().map(Range::len).sum());
+                let mut before = Duration::ZERO;
+                for (joint, judged) in joints.iter().zip(judged) {
+                    if let Some((own, time)) = judged.take() {
+                        before += time;
+                        answers.extend(own);
+                        continue;
+                    }
+                    let (plan, own) = (attempt.plan(joint), attempt.cases(cases, joint));
+                    answers.extend(solve_designs(library, spaces, plan, own, accuracy, room));
+                }
+                (answers, started.elapsed() + before)
+            };
+        let portions = joints.par_chunks(SOLVED_TOGETHER).zip(judged.par_chunks_mut(SOLVED_TOGETHER));
+        let solved: Vec<Timed> = portions.map_init(CurveRoom::default, solve).collect();
         self.times.contact += solved.iter().map(|(_, time)| *time).sum::<Duration>();
-        let mut in_order: Vec<Option<(Answer, Want)>> = vec![None; open.len()];
-        for (place, solved) in solved.into_iter().flat_map(|(solved, _)| solved) {
-            in_order[place] = Some(solved);
+        let mut in_order: Vec<Option<(Answer, Want)>> = vec![None; attempt.open.len()];
+        let places = joints.iter().flat_map(|joint| attempt.places(joint));
+        for (place, answer) in places.zip(solved.into_iter().flat_map(|(answers, _)| answers)) {
+            in_order[*place as usize] = Some(answer);
         }
         in_order.into_iter().flatten().collect()
     }
@@ -320,16 +373,71 @@ impl<'a> Ladder<'a> {
     }
 }
 
-/// The designs at some places.
-fn cases_of<'a>(
-    cases: &'a [DesignCase],
-    open: &'a [(usize, JointPlan)],
-    places: &'a [usize],
-) -> impl Iterator<Item = &'a DesignCase> + Clone {
-    places.iter().map(|place| &cases[open[*place].0])
+/// Places of equal keys side by side, in the order in which these are first met, and where those of each begin and end: no more than
+/// `TOGETHER`.
+fn alike(keys: Vec<JointKey<BodyHandle>>) -> (Vec<u32>, Vec<Range<u32>>) {
+    let mut numbers: HashMap<JointKey<BodyHandle>, usize> = HashMap::default();
+    let mut counts: Vec<u32> = Vec::with_capacity(keys.len());
+    let number_of = |key: JointKey<BodyHandle>| {
+        let number = *numbers.entry(key).or_insert(counts.len());
+        if number == counts.len() {
+            counts.push(0);
+        }
+        counts[number] += 1;
+        number
+    };
+    let of_places: Vec<usize> = keys.into_iter().map(number_of).collect();
+    let mut joints = Vec::with_capacity(counts.len());
+    let mut next = 0;
+    // From here on where the next place of each goes.
+    for count in &mut counts {
+        let end = next + *count;
+        joints.extend((next..end).step_by(TOGETHER).map(|start| start..end.min(start + TOGETHER as u32)));
+        *count = std::mem::replace(&mut next, end);
+    }
+    let mut places = vec![0; of_places.len()];
+    for (place, number) in (0..).zip(of_places) {
+        places[counts[number] as usize] = place;
+        counts[number] += 1;
+    }
+    (places, joints)
 }
 
-/// The bodies of plans.
-fn requests(open: &[(usize, JointPlan)]) -> Vec<BodyRequest> {
-    open.iter().flat_map(|(_, plan)| plan.requests()).collect()
+/// The bodies of plans, in their order.
+fn requests(open: &[(usize, JointPlan)]) -> Vec<RequestKey> {
+    let plans = open.par_iter().with_min_len(MANY);
+    plans.flat_map_iter(|(_, plan)| plan.requests().map(Hashed::new)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::accuracy::Estimate;
+    use crate::engine::spaces::SpaceKey;
+
+    /// Every place is there once, beside those of its key, and no joint has too many.
+    #[test]
+    fn places_of_one_joint_come_together() {
+        let key = |place: usize| {
+            // Of seven keys one has half of the places.
+            let number = if place.is_multiple_of(2) { 0 } else { place % 7 };
+            let bodies = [number, 0].map(BodyHandle::of);
+            Hashed::new((bodies, [0; 3], SpaceKey::of_press_fits(0.1), Estimate::Exact))
+        };
+        let count = 5 * TOGETHER;
+        let (places, joints) = alike((0..count).map(key).collect());
+        let mut all = places.clone();
+        all.sort_unstable();
+        assert!(all.into_iter().eq(0..count as u32));
+        assert_eq!(joints.iter().map(Range::len).sum::<usize>(), count);
+        let mut end = 0;
+        for joint in &joints {
+            let own = &places[joint.start as usize..joint.end as usize];
+            assert!(joint.start == end && !own.is_empty() && own.len() <= TOGETHER, "{joint:?}");
+            assert!(own.is_sorted() && own.iter().all(|place| key(*place as usize) == key(own[0] as usize)));
+            end = joint.end;
+        }
+        // Half of the places and a seventh of the others need three joints of `TOGETHER`, six sevenths one each.
+        assert_eq!(joints.len(), 3 + 6);
+    }
 }

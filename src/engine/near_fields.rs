@@ -30,6 +30,11 @@ impl NearFieldLibrary {
         NearField::correct(around, between, body, works);
     }
 
+    /// Those of classes, which were prepared.
+    pub fn all(&self, classes: &[NearFieldClass]) -> Vec<&NearField> {
+        classes.iter().map(|class| &self.near_fields[class]).collect()
+    }
+
     /// What the near fields take.
     pub fn bytes(&self) -> usize {
         self.near_fields.values().map(NearField::bytes).sum()

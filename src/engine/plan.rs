@@ -3,7 +3,8 @@
 use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, Want};
-use crate::engine::body_request::{BodyRequest, Fidelity};
+use crate::engine::bodies::JointBodies;
+use crate::engine::body_request::{BodyHandle, BodyRequest, Fidelity};
 use crate::engine::expected_contact::ExpectedContact;
 use crate::engine::outcome::Method;
 use crate::engine::refusal::{Refusal, is_bounded};
@@ -176,16 +177,31 @@ impl JointPlan {
         [&self.pin, &self.plate].into_iter().filter(|request| request.fidelity != Fidelity::Series)
     }
 
-    /// The bodies to solve.
+    /// The bodies to solve: each on its own mesh and then, where that is what tells the error, on the next coarser one; the pin first.
     pub fn requests(&self) -> impl Iterator<Item = BodyRequest> {
         let with_coarser = |request: &BodyRequest| [Some(request.clone()), self.coarser(request)];
         [&self.pin, &self.plate].into_iter().flat_map(with_coarser).flatten()
     }
 
+    /// Those of its requests, in their order.
+    pub fn bodies(&self, requested: &mut impl Iterator<Item = BodyHandle>) -> Option<JointBodies> {
+        let mut of = |request: &BodyRequest| {
+            let own = requested.next()?;
+            let coarser = if self.has_coarser(request) { Some(requested.next()?) } else { None };
+            Some((own, coarser))
+        };
+        let [(pin, coarser_pin), (plate, coarser_plate)] = [of(&self.pin)?, of(&self.plate)?];
+        Some(JointBodies { own: [pin, plate], coarser: [coarser_pin, coarser_plate] })
+    }
+
+    fn has_coarser(&self, request: &BodyRequest) -> bool {
+        request.fidelity != Fidelity::Series && matches!(self.estimate, Estimate::Change(_))
+    }
+
     /// The body on the next coarser mesh, where the change since then is what tells the error.
     pub fn coarser(&self, request: &BodyRequest) -> Option<BodyRequest> {
-        match (request.fidelity, self.estimate) {
-            (Fidelity::Mesh { level }, Estimate::Change(_)) => {
+        match request.fidelity {
+            Fidelity::Mesh { level } if self.has_coarser(request) => {
                 Some(BodyRequest { fidelity: Fidelity::Mesh { level: level - 1 }, ..request.clone() })
             }
             _ => None,

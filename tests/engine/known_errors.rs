@@ -26,7 +26,7 @@ fn errors(library: &mut BodyLibrary, body: &Body) -> Vec<(usize, f64, f64)> {
     let levels = (0..KNOWN_LEVELS).filter(|level| known_error(body, *level, 0.0).is_some());
     let meshes: Vec<BodyRequest> = levels.map(|level| request(Fidelity::Mesh { level })).collect();
     library.solve(&[&meshes[..], std::slice::from_ref(&judge)].concat());
-    let compliance = |request: &BodyRequest| &*library.solved(request).compliance;
+    let compliance = |request: &BodyRequest| &library.solved(request).compliance;
     let mut spaces = Spaces::default();
     spaces.prepare(meshes.iter().chain([&judge]).map(|request| (key, compliance(request))));
     let space = &spaces.get(key).pressures;

@@ -32,7 +32,7 @@ fn differences(library: &mut BodyLibrary, requests: &[BodyRequest]) -> Vec<Vec<f
     let key = SpaceKey::coarsest(body, body, 1e-6, PI);
     library.solve(requests);
     let solved: Vec<&BodyCompliance> =
-        requests.iter().map(|request| &*library.solved(request).compliance).collect();
+        requests.iter().map(|request| &library.solved(request).compliance).collect();
     let mut spaces = Spaces::default();
     spaces.prepare(solved.iter().map(|body| (key, *body)));
     let space = &spaces.get(key).pressures;

@@ -18,7 +18,7 @@ use jointsweep::internals::lab::tradeoff::errors::{Errors, force_error};
 use jointsweep::internals::lab::tradeoff::families::{named, planner, trial_pressures};
 use jointsweep::internals::lab::tradeoff::joints::{Terms, least_contact_angle};
 use jointsweep::internals::lab::tradeoff::oracle::Oracle;
-use jointsweep::internals::mechanics::body::BodyKey;
+use jointsweep::internals::mechanics::body::Body;
 use jointsweep::internals::mechanics::compliance::arc::packed_count;
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
 use jointsweep::internals::mechanics::compliance::ring_modes::RingModes;
@@ -112,7 +112,7 @@ fn the_planner_has_the_errors_that_are_recorded_of_it() {
 /// Counts the operations that bodies take, once for each.
 #[derive(Default)]
 struct Work {
-    of_meshes: HashMap<(BodyKey, GradingClass), u64>,
+    of_meshes: HashMap<(Body, GradingClass), u64>,
 }
 
 impl Work {
@@ -127,7 +127,7 @@ impl Work {
         let modes = RingModes::of(&class);
         let grading = class.grading(body.shape.end_angle);
         let count = || CondensationPlan::new(body, grading, modes).operations().total();
-        let of_mesh = *self.of_meshes.entry((body.key(), class)).or_insert_with(count);
+        let of_mesh = *self.of_meshes.entry((body.clone(), class)).or_insert_with(count);
         of_mesh + (2 * modes.count * at_nodes) as u64
     }
 

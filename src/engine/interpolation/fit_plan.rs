@@ -14,7 +14,7 @@ use crate::engine::interpolation::family::{
 use crate::engine::plan::first_level;
 use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{Unit, body_seconds, curve, spread_seconds};
-use crate::mechanics::body::{Body, BodyKey};
+use crate::mechanics::body::Body;
 use crate::study::config::{MethodChoice, SolveOptions, Study};
 use crate::study::design::{JointDesign, Part};
 
@@ -65,7 +65,7 @@ struct Members {
     example: Body,
     low: Point,
     high: Point,
-    distinct: HashSet<BodyKey>,
+    distinct: HashSet<Body>,
     seen: u64,
 }
 
@@ -81,7 +81,7 @@ impl Members {
             self.low[i] = self.low[i].min(point[i]);
             self.high[i] = self.high[i].max(point[i]);
         }
-        self.distinct.insert(body.key());
+        self.distinct.insert(body.clone());
         self.seen += 1;
     }
 

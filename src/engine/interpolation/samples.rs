@@ -63,7 +63,7 @@ impl Family {
                 .map(|point| BodyRequest { body: body_at(&self.example, point), fidelity })
                 .collect();
             library.solve(&requests);
-            solved.extend(basis.numbers(requests.iter().map(|request| &*library.solved(request).compliance)));
+            solved.extend(basis.numbers(requests.iter().map(|request| &library.solved(request).compliance)));
         }
         solved
     }

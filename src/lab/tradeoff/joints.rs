@@ -6,7 +6,7 @@ use std::hash::Hash;
 
 use crate::engine::expected_contact::half_angle;
 use crate::engine::spaces::SpaceKey;
-use crate::mechanics::body::{Body, BodyKey, Side};
+use crate::mechanics::body::{Body, Side};
 use crate::mechanics::laws::HertzContact;
 use crate::study::columns::side_name;
 use crate::study::design::{DesignCase, JointDesign, Load};
@@ -23,14 +23,14 @@ impl<K: Copy + Eq + Hash> Joints<K> {
     /// `key` is what the body of one side of a joint depends on besides itself.
     pub fn new(cases: &[DesignCase], key: impl Fn(&JointDesign, Side) -> K) -> Joints<K> {
         let mut bodies = Vec::new();
-        let mut known: HashMap<(BodyKey, K), usize> = HashMap::new();
+        let mut known: HashMap<(Body, K), usize> = HashMap::new();
         let of_case = cases
             .iter()
             .map(|case| {
                 [&case.joint.pin, &case.joint.plate].map(|part| {
                     let key = key(&case.joint, part.shape.side);
                     let body = case.joint.body(part);
-                    *known.entry((body.key(), key)).or_insert_with(|| {
+                    *known.entry((body.clone(), key)).or_insert_with(|| {
                         bodies.push((body, key));
                         bodies.len() - 1
                     })

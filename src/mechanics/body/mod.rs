@@ -3,6 +3,8 @@
 //! In two dimensions a body's compliance times Young's modulus depends on nothing else, so `Body` is the key
 //! under which a sweep solves each distinct body once. A new shape is one new file and one line in `SHAPES`.
 
+use std::hash::{Hash, Hasher};
+
 use lining::Lining;
 
 use crate::mechanics::material::Idealization;
@@ -114,8 +116,31 @@ pub struct Body {
     pub all_around: bool,
 }
 
-/// A body as bits: equal for equal bodies, usable as the key of a map.
-pub type BodyKey = (&'static str, [u64; MAX_PARAMETERS], usize, u64, Idealization, Lining, bool);
+impl Body {
+    /// What tells it from others, as bits.
+    fn bits(&self) -> ([u64; MAX_PARAMETERS], usize, u64, Idealization, bool) {
+        let parameters = self.parameters.map(f64::to_bits);
+        (parameters, self.support, self.poissons_ratio.to_bits(), self.idealization, self.all_around)
+    }
+}
+
+/// Equal to the bit.
+impl PartialEq for Body {
+    fn eq(&self, other: &Body) -> bool {
+        std::ptr::eq(self.shape, other.shape) && self.bits() == other.bits() && self.lining == other.lining
+    }
+}
+
+impl Eq for Body {}
+
+impl Hash for Body {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        // Names of shapes differ in length, and hashes may be alike.
+        self.shape.name.len().hash(state);
+        self.bits().hash(state);
+        self.lining.hash(state);
+    }
+}
 
 impl Body {
     /// A bare one between its ring and a concentric circle that is held, of a radius over the ring's.
@@ -186,20 +211,7 @@ impl Body {
 
     /// Whether only Poisson's ratio and the plane state may differ.
     pub fn has_outlines_of(&self, other: &Body) -> bool {
-        let of = |body: &Body| (body.shape.name, body.parameters.map(f64::to_bits), body.support);
-        of(self) == of(other) && self.lining == other.lining
-    }
-
-    pub fn key(&self) -> BodyKey {
-        let bits = self.parameters.map(f64::to_bits);
-        (
-            self.shape.name,
-            bits,
-            self.support,
-            self.poissons_ratio.to_bits(),
-            self.idealization,
-            self.lining.clone(),
-            self.all_around,
-        )
+        let of = |body: &Body| (body.parameters.map(f64::to_bits), body.support);
+        std::ptr::eq(self.shape, other.shape) && of(self) == of(other) && self.lining == other.lining
     }
 }

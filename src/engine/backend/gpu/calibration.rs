@@ -14,7 +14,7 @@ use crate::engine::backend::joints::{
     states,
 };
 use crate::engine::backend::rates::{JointRates, Rates};
-use crate::engine::body_request::{BodyRequest, Fidelity, Group, TopologyKey};
+use crate::engine::body_request::{Around, BodyHandle, BodyRequest, Fidelity, Group, Meshed, TopologyKey};
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::engine::unit_costs::{body_seconds, curve, spread_seconds};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, SHAPES};
@@ -106,9 +106,11 @@ fn requests((name, ratios): (&str, [f64; MAX_PARAMETERS]), count: usize) -> Vec<
 }
 
 fn groups(requests: &[BodyRequest]) -> Vec<Group> {
-    let mut groups: HashMap<TopologyKey, Vec<BodyRequest>> = HashMap::default();
-    for request in requests {
-        groups.entry(TopologyKey::of(request)).or_default().push(request.clone());
+    let mut groups: HashMap<TopologyKey, Vec<Meshed>> = HashMap::default();
+    for (place, request) in requests.iter().enumerate() {
+        let meshed =
+            Meshed { handle: BodyHandle::of(place), body: request.body.clone(), around: Around::default() };
+        groups.entry(TopologyKey::of(request)).or_default().push(meshed);
     }
     groups.into_iter().collect()
 }
@@ -238,7 +240,7 @@ fn on_processor(name_and_ratios: (&str, [f64; MAX_PARAMETERS])) -> f64 {
     let requests = requests(name_and_ratios, LANES * BATCHES);
     let mut fastest = f64::INFINITY;
     for (key, group) in groups(&requests) {
-        let bodies: Vec<Body> = group.into_iter().map(|request| request.body).collect();
+        let bodies: Vec<Body> = group.into_iter().map(|meshed| meshed.body).collect();
         let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), RingModes::of(&key.class));
         for batch in bodies.chunks_exact(LANES) {
             let started = Instant::now();

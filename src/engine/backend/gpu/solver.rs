@@ -138,7 +138,7 @@ impl Device for GpuCondenser<'_> {
         for (key, requests) in groups {
             works.push(match self.topologies.get_mut(key) {
                 Some(OnDevice::Iterated(topology)) => {
-                    let bodies: Vec<Body> = requests.iter().map(|request| request.body.clone()).collect();
+                    let bodies: Vec<Body> = requests.iter().map(|meshed| meshed.body.clone()).collect();
                     condense(&self.kernels, topology, &bodies, &mut self.report)?
                 }
                 _ => vec![None; requests.len()],
@@ -233,7 +233,7 @@ impl GpuCondenser<'_> {
                 let numbers = requests
                     .par_iter()
                     .with_min_len(64)
-                    .flat_map_iter(|request| mesh.body_numbers(&request.body));
+                    .flat_map_iter(|meshed| mesh.body_numbers(&meshed.body));
                 jobs.push((place, Job { topology: topology.clone(), numbers: numbers.collect() }));
                 self.report.bodies += requests.len() as u64;
             }

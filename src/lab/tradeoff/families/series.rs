@@ -43,7 +43,7 @@ pub fn solve_bodies(terms: Terms, fidelity: impl Fn(&Body) -> Fidelity, cases: &
     let mut library = BodyLibrary::default();
     library.solve(&joints.bodies.iter().map(request).collect::<Vec<_>>());
     let with_bodies = solved.iter().zip(&joints.of_case).map(|(case, bodies)| {
-        let compliance = |number: usize| &*library.solved(&request(&joints.bodies[number])).compliance;
+        let compliance = |number: usize| &library.solved(&request(&joints.bodies[number])).compliance;
         (case, terms.space(&case.joint), bodies.map(compliance))
     });
     let of_spaces = Instant::now();
