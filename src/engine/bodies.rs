@@ -390,13 +390,15 @@ impl<'a> BodyLibrary<'a> {
 /// From condensed works to the compliance of a body, by the near fields of its portion.
 fn corrected(
     near_fields: &[&NearField],
-    Around { classes, between }: Around,
+    around: Option<Around>,
     key: &TopologyKey,
     body: &Body,
     mut works: Vec<f64>,
 ) -> BodyCompliance {
-    let around = classes.map(|place| near_fields[place as usize]);
-    NearField::correct(around, between, body, &mut works);
+    if let Some(Around { classes, between }) = around {
+        let around = classes.map(|place| near_fields[place as usize]);
+        NearField::correct(around, between, body, &mut works);
+    }
     BodyCompliance::new(body, Boundary::RingModes(RingModes::of(&key.class), works))
 }
 
@@ -486,30 +488,17 @@ struct Portion {
 
 /// The requests by topology, in portions each of which ends where it needs more than `PORTION` near fields.
 fn portions(requests: Vec<(BodyHandle, &BodyRequest)>) -> Vec<Portion> {
-    let classed = |(_, request): &(BodyHandle, &BodyRequest)| {
-        let key = TopologyKey::of(request);
-        // Lined bodies have references of their own.
-        let around = (!key.class.is_lined()).then(|| NearFieldClass::around(&request.body, key.class));
-        (Hashed::new(key), around.map(|(classes, between)| (classes.map(Hashed::new), between)))
-    };
-    let classed: Vec<_> = requests.par_iter().with_min_len(MANY).map(classed).collect();
-    let mut groups: HashMap<Hashed<TopologyKey>, OfTopology> = HashMap::default();
-    for ((handle, request), (key, around)) in requests.into_iter().zip(classed) {
-        let OfTopology { bodies, places, classes } = groups.entry(key).or_default();
-        let place = |class: Hashed<NearFieldClass>| {
-            let next = classes.len() as u32;
-            *places.entry(class).or_insert_with_key(|class| {
-                classes.push(class.key);
-                next
-            })
-        };
-        let around = around
-            .map_or_else(Around::default, |(around, between)| Around { classes: around.map(place), between });
-        bodies.push(Meshed { handle, body: request.body.clone(), around });
+    let keys = requests.par_iter().with_min_len(MANY);
+    let keys: Vec<_> = keys.map(|(_, request)| Hashed::new(TopologyKey::of(request))).collect();
+    let mut groups: HashMap<Hashed<TopologyKey>, Vec<(BodyHandle, &BodyRequest)>> = HashMap::default();
+    for (request, key) in requests.into_iter().zip(keys) {
+        groups.entry(key).or_default().push(request);
     }
+    let groups: Vec<_> =
+        groups.into_par_iter().map(|(key, bodies)| OfTopology::new(key.key, bodies)).collect();
     let mut portions = vec![Portion::default()];
     let mut places: HashMap<NearFieldClass, u32> = HashMap::default();
-    for (key, OfTopology { mut bodies, classes, .. }) in groups {
+    for OfTopology { key, mut bodies, classes } in groups {
         let mut portion = portions.len() - 1;
         if portions[portion].near_fields.len() > PORTION {
             portions.push(Portion::default());
@@ -524,22 +513,50 @@ fn portions(requests: Vec<(BodyHandle, &BodyRequest)>) -> Vec<Portion> {
             })
         };
         let of_classes: Vec<u32> = classes.iter().map(of_class).collect();
-        if !of_classes.is_empty() {
-            bodies.iter_mut().for_each(|body| {
-                body.around.classes = body.around.classes.map(|own| of_classes[own as usize])
-            });
+        for Around { classes, .. } in bodies.iter_mut().filter_map(|body| body.around.as_mut()) {
+            *classes = classes.map(|own| of_classes[own as usize]);
         }
-        groups.push((key.key, bodies));
+        groups.push((key, bodies));
     }
     portions
 }
 
 /// Bodies of one topology, with the near fields they need.
-#[derive(Default)]
 struct OfTopology {
+    key: TopologyKey,
     bodies: Vec<Meshed>,
-    places: HashMap<Hashed<NearFieldClass>, u32>,
     classes: Vec<NearFieldClass>,
+}
+
+impl OfTopology {
+    fn new(key: TopologyKey, requests: Vec<(BodyHandle, &BodyRequest)>) -> OfTopology {
+        let meshed = |&(handle, request): &(BodyHandle, &BodyRequest)| Meshed {
+            handle,
+            body: request.body.clone(),
+            around: None,
+        };
+        let mut bodies: Vec<Meshed> = requests.iter().map(meshed).collect();
+        let mut classes: Vec<NearFieldClass> = Vec::new();
+        // Lined bodies have references of their own.
+        if !key.class.is_lined() {
+            let around =
+                NearFieldClass::around_each(requests.iter().map(|(_, request)| &request.body), key.class);
+            let mut place = |class: NearFieldClass| {
+                // Of bodies of one topology there are few.
+                let known = classes
+                    .iter()
+                    .position(|known| (known.range, known.growth) == (class.range, class.growth));
+                known.unwrap_or_else(|| {
+                    classes.push(class);
+                    classes.len() - 1
+                }) as u32
+            };
+            for (body, (around, between)) in bodies.iter_mut().zip(around) {
+                body.around = Some(Around { classes: around.map(&mut place), between });
+            }
+        }
+        OfTopology { key, bodies, classes }
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What is asked of a body: how finely, and what it then shares with others.
 
-use crate::mechanics::body::Body;
+use crate::mechanics::body::{Body, Shape};
 use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::grading::GradingClass;
@@ -57,7 +57,7 @@ pub fn mesh_size(body: &Body, level: usize) -> MeshSize {
 /// Bodies with one of these share their topology, and can fill one batch.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct TopologyKey {
-    shape: &'static str,
+    shape: &'static Shape,
     /// `None` where each body brings its own.
     idealization: Option<Idealization>,
     held: Vec<bool>,
@@ -80,7 +80,7 @@ impl BodyHandle {
 
 /// The two near fields between which that of a body lies, by their places among those of its portion, and how far from the first to the
 /// second (0 to 1).
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Around {
     pub classes: [u32; 2],
     pub between: f64,
@@ -91,8 +91,8 @@ pub struct Around {
 pub struct Meshed {
     pub handle: BodyHandle,
     pub body: Body,
-    /// Of bare bodies.
-    pub around: Around,
+    /// Of a bare one.
+    pub around: Option<Around>,
 }
 
 /// Bodies of one topology.
@@ -113,7 +113,7 @@ impl TopologyKey {
         } else {
             held_columns(body, &class.grading(body.shape.end_angle))
         };
-        TopologyKey { shape: body.shape.name, idealization: Some(body.idealization), held, class }
+        TopologyKey { shape: body.shape, idealization: Some(body.idealization), held, class }
     }
 
     /// The topology of bodies that are like these but for plane stress and plane strain.

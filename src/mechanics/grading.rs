@@ -129,10 +129,8 @@ impl GradingClass {
             class.lining = LiningDivision::of(body, class.layers(), growth, thickest_first).rows;
             class.layer_count += class.lining.total();
         }
-        let growth = LEVELS[level].growth;
-        while class.layers_of(body).depth(growth) < greatest && class.layer_count < MOST_LAYERS {
-            class.layer_count += 1;
-        }
+        class.layer_count =
+            class.layers_of(body).fewest(greatest, LEVELS[level].growth, MOST_LAYERS) + class.lining.total();
         class
     }
 

@@ -44,6 +44,29 @@ impl Layers {
         self.thicknesses(growth).sum()
     }
 
+    /// How many layers that grow by a factor reach a depth: as many as there are at least, and so many at most.
+    pub fn fewest(self, depth: f64, growth: f64, most: usize) -> usize {
+        let mut layers = self;
+        let is_enough = |layers: Layers| layers.count >= most || layers.depth(growth) >= depth;
+        if self.shrinking > 0 {
+            while !is_enough(layers) {
+                layers.count += 1;
+            }
+            return layers.count;
+        }
+        // One sum for all counts.
+        let mut reached = 0.0;
+        let mut count = 0;
+        for thickness in layer_thicknesses(self.first, self.thickest, growth) {
+            reached += thickness;
+            count += 1;
+            if count >= self.count && (reached >= depth || count >= most) {
+                break;
+            }
+        }
+        count
+    }
+
     /// The one factor by which layers grow to be `depth` in all, searched from a guess (> 0).
     pub fn growth(self, depth: f64, guess: f64) -> f64 {
         self.growth_from(self.first, depth, guess)

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::engine::csv_rows::rows;
 use crate::engine::spaces::THIN;
-use crate::mechanics::body::{Body, annulus, block, cored_disc, half_disc};
+use crate::mechanics::body::{Body, Shape, annulus, block, cored_disc, half_disc};
 use crate::mechanics::material::Compressibility;
 
 /// Levels that are known of any shape, coarsest first.
@@ -78,12 +78,12 @@ impl Group {
 
     /// `None` for shapes that were not measured.
     fn of(body: &Body) -> Option<Group> {
-        let is = |name: &str| body.shape.name == name;
-        if is(annulus::SHAPE.name) || is(cored_disc::SHAPE.name) {
+        let is = |shape: &Shape| body.shape == shape;
+        if is(&annulus::SHAPE) || is(&cored_disc::SHAPE) {
             Some(Group::Concentric)
-        } else if is(half_disc::SHAPE.name) {
+        } else if is(&half_disc::SHAPE) {
             Some(Group::HalfDisc)
-        } else if is(block::SHAPE.name) {
+        } else if is(&block::SHAPE) {
             Some(if body.support == 0 { Group::BlockOnBase } else { Group::BlockHeldAround })
         } else {
             None

@@ -83,6 +83,22 @@ pub struct Shape {
     pub thinnest_meshed: f64,
 }
 
+/// Each is there once.
+impl PartialEq for Shape {
+    fn eq(&self, other: &Shape) -> bool {
+        std::ptr::eq(self, other)
+    }
+}
+
+impl Eq for Shape {}
+
+impl Hash for Shape {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        // Names differ in length, and hashes may be alike.
+        self.name.len().hash(state);
+    }
+}
+
 /// The thinnest ring that modes and meshes carry, |ln r|: thinner ones would need more than a thousand modes, and their compliance
 /// is not interpolated well between half angles. `series` takes them for Winkler beds (`compliance::thin_wall`).
 pub const THINNEST_RING: f64 = 0.0198;
@@ -127,7 +143,7 @@ impl Body {
 /// Equal to the bit.
 impl PartialEq for Body {
     fn eq(&self, other: &Body) -> bool {
-        std::ptr::eq(self.shape, other.shape) && self.bits() == other.bits() && self.lining == other.lining
+        self.shape == other.shape && self.bits() == other.bits() && self.lining == other.lining
     }
 }
 
@@ -135,8 +151,7 @@ impl Eq for Body {}
 
 impl Hash for Body {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        // Names of shapes differ in length, and hashes may be alike.
-        self.shape.name.len().hash(state);
+        self.shape.hash(state);
         self.bits().hash(state);
         self.lining.hash(state);
     }
@@ -212,6 +227,6 @@ impl Body {
     /// Whether only Poisson's ratio and the plane state may differ.
     pub fn has_outlines_of(&self, other: &Body) -> bool {
         let of = |body: &Body| (body.parameters.map(f64::to_bits), body.support);
-        std::ptr::eq(self.shape, other.shape) && of(self) == of(other) && self.lining == other.lining
+        self.shape == other.shape && of(self) == of(other) && self.lining == other.lining
     }
 }

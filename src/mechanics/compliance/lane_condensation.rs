@@ -269,10 +269,14 @@ impl Condense<'_> {
         let count = self.plan.modes.count;
         let mut blocks = Vec::with_capacity(count / BLOCK);
         for first in (0..count).step_by(BLOCK) {
-            let mut block = vec![[[T::zero(); BLOCK]; TILE]; self.plan.rows()];
-            for (row, loads) in block.iter_mut().flatten().zip(loads.chunks_exact(count)) {
-                for (value, load) in row.iter_mut().zip(&loads[first..]) {
-                    *value = T::from_f64(*load);
+            let mut block = Vec::with_capacity(self.plan.rows());
+            for loads in loads.chunks_exact(TILE * count) {
+                block.push([[T::zero(); BLOCK]; TILE]);
+                let own = block.len() - 1;
+                for i in 0..TILE {
+                    for (value, load) in block[own][i].iter_mut().zip(&loads[i * count + first..]) {
+                        *value = T::from_f64(*load);
+                    }
                 }
             }
             if ABREAST == 1 {

@@ -23,6 +23,7 @@ use super::series::ConcentricBody;
 use crate::mechanics::body::lining::Lining;
 use crate::mechanics::body::{Body, Shape, Side};
 use crate::mechanics::grading::GradingClass;
+use crate::mechanics::layers::Layers;
 use crate::mechanics::lining_rows::LiningRows;
 use crate::mechanics::material::{Compressibility, Idealization};
 use crate::mechanics::mesh::Grading;
@@ -44,6 +45,9 @@ pub enum PoissonRange {
     /// Plane strain close to 1/2, nearly incompressible.
     Incompressible,
 }
+
+/// The most nodes of a range.
+const MOST_NODES: usize = 8;
 
 /// The first mesh level of which more is asked than 1 %.
 const FINE: usize = 2;
@@ -82,7 +86,7 @@ impl PoissonRange {
     fn node_count(self, level: usize) -> usize {
         match self {
             PoissonRange::Auxetic | PoissonRange::Positive if level < FINE => 6,
-            _ => 8,
+            _ => MOST_NODES,
         }
     }
 
@@ -119,9 +123,27 @@ impl NearFieldClass {
     /// The two between which the near field of a body lies, by the growth of its layers where contact begins, and how far
     /// from the first to the second (0 to 1); of a shape whose bodies all grow alike, its own twice.
     pub fn around(body: &Body, grading: GradingClass) -> ([NearFieldClass; 2], f64) {
-        let Body { shape, parameters, poissons_ratio, idealization, .. } = body;
-        let depth = (shape.depth)(parameters, 0.0);
-        let own = grading.layers().growth(depth, 1.0);
+        NearFieldClass::of_growth(body, grading, grading.layers().growth(depth_at_contact(body), 1.0))
+    }
+
+    /// The same of each of some bodies of one class, as many growths at a time as there are lanes.
+    pub fn around_each<'a>(
+        bodies: impl ExactSizeIterator<Item = &'a Body> + Clone,
+        grading: GradingClass,
+    ) -> Vec<([NearFieldClass; 2], f64)> {
+        let mut growths = Vec::with_capacity(bodies.len() + LANES);
+        let mut depths = bodies.clone().map(depth_at_contact);
+        while growths.len() < bodies.len() {
+            // In lanes without a body a depth that is soon found.
+            let own = std::array::from_fn(|_| depths.next().unwrap_or(1.0));
+            growths.extend(in_lanes(Growths { layers: grading.layers(), depths: own }));
+        }
+        bodies.zip(growths).map(|(body, own)| NearFieldClass::of_growth(body, grading, own)).collect()
+    }
+
+    /// For the growth of a body's layers where contact begins.
+    fn of_growth(body: &Body, grading: GradingClass, own: f64) -> ([NearFieldClass; 2], f64) {
+        let Body { shape, poissons_ratio, idealization, .. } = body;
         // A reference needs layers.
         let steps = own.max(GROWTH_STEP) / GROWTH_STEP;
         let around = if shape.parameters.is_empty() {
@@ -166,6 +188,28 @@ impl NearFieldClass {
             let (idealization, poissons_ratio) = Idealization::of_shear_to_bulk(coordinate.exp());
             ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization, lining: Lining::NONE }
         })
+    }
+}
+
+/// Of a body's far boundary where contact begins.
+fn depth_at_contact(body: &Body) -> f64 {
+    (body.shape.depth)(&body.parameters, 0.0)
+}
+
+/// By how much layers grow to reach depths.
+struct Growths {
+    layers: Layers,
+    depths: [f64; LANES],
+}
+
+impl LaneWork for Growths {
+    type Output = [f64; LANES];
+
+    #[inline(always)]
+    fn run<const WIDTH: usize>(self) -> [f64; LANES] {
+        let Growths { layers, depths } = self;
+        let (first, guess) = (Lanes::<WIDTH>::from_f64(layers.first), Lanes::from_f64(1.0));
+        layers.growth_from(first, Lanes(depths), guess).0
     }
 }
 
@@ -250,16 +294,18 @@ impl NearField {
         classes.iter().map(near_field).collect()
     }
 
-    /// Shares of the nodes in the near field of a body; they sum to one.
-    fn shares(&self, body: &Body) -> Vec<f64> {
+    /// Shares of the nodes in the near field of a body; they sum to one, and there are as many as nodes.
+    fn shares(&self, body: &Body) -> [f64; MOST_NODES] {
         let [low, high] = self.ends;
         let coordinate = body.idealization.shear_to_bulk(body.poissons_ratio).ln().clamp(low, high);
+        let mut shares = [0.0; MOST_NODES];
+        let own = shares.iter_mut().zip(&self.nodes);
         if self.nodes.iter().any(|(node, _)| *node == coordinate) {
-            return self.nodes.iter().map(|(node, _)| f64::from(*node == coordinate)).collect();
+            own.for_each(|(share, (node, _))| *share = f64::from(*node == coordinate));
+            return shares;
         }
-        let mut shares: Vec<f64> =
-            self.nodes.iter().map(|(node, weight)| weight / (coordinate - node)).collect();
-        let sum: f64 = shares.iter().sum();
+        own.for_each(|(share, (node, weight))| *share = weight / (coordinate - node));
+        let sum: f64 = shares[..self.nodes.len()].iter().sum();
         shares.iter_mut().for_each(|share| *share /= sum);
         shares
     }
@@ -269,11 +315,15 @@ impl NearField {
     pub fn correct(around: [&NearField; 2], between: f64, body: &Body, works: &mut [f64]) {
         let shares = around[0].shares(body);
         let scale = 1.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio);
-        let parts = around.into_iter().zip([1.0 - between, between]);
-        let rows = parts.flat_map(|(near_field, part)| {
-            shares.iter().zip(&near_field.works).map(move |(share, works)| (scale * part * share, &works[..]))
-        });
-        in_lanes(AddRows { rows: &rows.collect::<Vec<_>>(), sums: works });
+        let mut rows = [(0.0, &[][..]); 2 * MOST_NODES];
+        let mut count = 0;
+        for (near_field, part) in around.into_iter().zip([1.0 - between, between]) {
+            for (share, works) in shares.iter().zip(&near_field.works) {
+                rows[count] = (scale * part * share, &works[..]);
+                count += 1;
+            }
+        }
+        in_lanes(AddRows { rows: &rows[..count], sums: works });
     }
 
     /// What it takes.

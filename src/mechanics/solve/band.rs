@@ -168,8 +168,13 @@ impl BandStructure {
     }
 
     /// Tiles of a stiffness without elements: zero but for the padding's diagonal.
+    #[inline(always)]
     pub fn empty<T: Real>(&self) -> Vec<Tile<T>> {
-        let mut tiles = vec![[[T::zero(); TILE]; TILE]; self.tile_count];
+        // One by one: a tile that is there to be copied takes longer.
+        let mut tiles = Vec::with_capacity(self.tile_count);
+        for _ in 0..self.tile_count {
+            tiles.push([[T::zero(); TILE]; TILE]);
+        }
         for &position in &self.padding {
             let at = position % TILE;
             tiles[self.tile(position / TILE, position / TILE)][at][at] = T::from_f64(1.0);

@@ -14,7 +14,7 @@ use crate::engine::backend::joints::{
     states,
 };
 use crate::engine::backend::rates::{JointRates, Rates};
-use crate::engine::body_request::{Around, BodyHandle, BodyRequest, Fidelity, Group, Meshed, TopologyKey};
+use crate::engine::body_request::{BodyHandle, BodyRequest, Fidelity, Group, Meshed, TopologyKey};
 use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::engine::unit_costs::{body_seconds, curve, spread_seconds};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, SHAPES};
@@ -108,8 +108,7 @@ fn requests((name, ratios): (&str, [f64; MAX_PARAMETERS]), count: usize) -> Vec<
 fn groups(requests: &[BodyRequest]) -> Vec<Group> {
     let mut groups: HashMap<TopologyKey, Vec<Meshed>> = HashMap::default();
     for (place, request) in requests.iter().enumerate() {
-        let meshed =
-            Meshed { handle: BodyHandle::of(place), body: request.body.clone(), around: Around::default() };
+        let meshed = Meshed { handle: BodyHandle::of(place), body: request.body.clone(), around: None };
         groups.entry(TopologyKey::of(request)).or_default().push(meshed);
     }
     groups.into_iter().collect()
