@@ -60,7 +60,7 @@ pub struct TopologyKey {
     shape: &'static Shape,
     /// `None` where each body brings its own.
     idealization: Option<Idealization>,
-    held: Vec<bool>,
+    held: Option<Box<[bool]>>,
     pub class: GradingClass,
 }
 
@@ -109,9 +109,9 @@ impl TopologyKey {
         let class = mesh_class(body, level);
         // Only where the far boundary is partly held does the topology depend on the body's own ratios.
         let held = if body.shape.sides.is_empty() {
-            Vec::new()
+            None
         } else {
-            held_columns(body, &class.grading(body.shape.end_angle))
+            Some(held_columns(body, &class.grading(body.shape.end_angle)).into())
         };
         TopologyKey { shape: body.shape, idealization: Some(body.idealization), held, class }
     }

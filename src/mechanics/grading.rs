@@ -210,7 +210,9 @@ impl GradingClass {
         let thinness = (self.class_depth() / THICK).clamp(1.0 / 3.0, 1.0);
         let evenness = if self.ends_held { thinness.min(WIDEST_ENDS_HELD) } else { thinness };
         let widest = evenness * widest.to_radians();
-        let mut angles = vec![0.0];
+        // Room for those of most rings.
+        let mut angles = Vec::with_capacity(16);
+        angles.push(0.0);
         let mut reached = 0.0;
         while reached < end_angle - 1e-9 {
             reached += (reached / spread).max(self.first_layer()).min(widest);

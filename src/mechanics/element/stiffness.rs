@@ -143,15 +143,12 @@ pub fn element_stiffness_in_room<T: Real>(
     ElementStiffness { values, smallest_jacobian }: &mut ElementStiffness<T>,
 ) {
     let count = rule.kind.node_count();
-    for (i, row) in values[..2 * count].iter_mut().enumerate() {
-        row[i..2 * count].fill(T::zero());
-        // The diagonal's blocks of Q8 have one entry below it.
-        row[i & !1] = T::zero();
-    }
     let mean = gradients(&rule.centre, nodes, count).0;
     let half = T::from_f64(0.5);
     *smallest_jacobian = T::from_f64(f64::INFINITY);
-    for shape in &rule.points {
+    for (point, shape) in rule.points.iter().enumerate() {
+        // The first one finds nothing there.
+        let before = |value: T| if point == 0 { T::zero() } else { value };
         let (gradient, determinant) = gradients(shape, nodes, count);
         *smallest_jacobian = smallest_jacobian.least(determinant);
         let minus = -determinant;
@@ -167,7 +164,7 @@ pub fn element_stiffness_in_room<T: Real>(
                     let added = [[[dx, sy], [cy, sx]], [[sy, cx], [sx, dy]]];
                     for (row, added) in values[2 * i..].iter_mut().zip(added) {
                         for (value, [of_x, of_y]) in row[2 * j..].iter_mut().zip(added) {
-                            *value = value.minus_product(p, of_x).minus_product(q, of_y);
+                            *value = before(*value).minus_product(p, of_x).minus_product(q, of_y);
                         }
                     }
                 }
@@ -185,6 +182,7 @@ pub fn element_stiffness_in_room<T: Real>(
                 let [xx, yy, xy] = strain[j];
                 let stress = [direct * xx + cross * yy, cross * xx + direct * yy, shear * xy];
                 for (i, row) in strain.iter().enumerate().take(j + 1) {
+                    values[i][j] = before(values[i][j]);
                     for (row, stress) in row.iter().zip(stress) {
                         values[i][j] = values[i][j].minus_product(*row, stress);
                     }
