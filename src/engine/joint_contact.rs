@@ -17,7 +17,7 @@ use crate::engine::spaces::{SpaceKey, Spaces};
 use crate::mechanics::compliance::body_fit::ROUNDED;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
 use crate::mechanics::contact::curve::{ContactCurve, CurveRoom};
-use crate::mechanics::contact::curve_space::CurveSpace;
+use crate::mechanics::contact::curve_space::{CurveSpace, PartRoom};
 use crate::mechanics::contact::load::NoState;
 use crate::mechanics::contact::outlines::Outlines;
 use crate::mechanics::contact::state::ContactState;
@@ -51,7 +51,8 @@ pub fn with_curve<T>(
 ) -> Option<T> {
     let space = spaces.get(plan.plan.space);
     let outlines = JointScale::of(joint).outlines;
-    let (bodies, _) = judged_bodies(library, space, plan, joint, &outlines);
+    let mut rooms = Default::default();
+    let (bodies, _) = judged_bodies(library, space, plan, joint, &outlines, &mut rooms);
     ContactCurve::new(space, &bodies.each_ref().map(|body| &body.part), outlines).map(|curve| ask(&curve))
 }
 
@@ -62,10 +63,12 @@ fn judged_bodies<'a>(
     SolvedPlan { plan, bodies }: SolvedPlan<'a>,
     joint: &JointDesign,
     outlines: &Outlines,
+    rooms: &'a mut [PartRoom; 2],
 ) -> ([JudgedBody<'a>; 2], BackendKind) {
     let mut backend = BackendKind::Cpu;
-    let parts = [(0, &plan.pin, &joint.pin), (1, &plan.plate, &joint.plate)];
-    let bodies = parts.map(|(place, request, part)| {
+    let [of_pin, of_plate] = rooms;
+    let parts = [(0, &plan.pin, &joint.pin, of_pin), (1, &plan.plate, &joint.plate, of_plate)];
+    let bodies = parts.map(|(place, request, part, room)| {
         let solved = library.body(bodies.own[place]);
         if solved.backend == BackendKind::Gpu {
             backend = BackendKind::Gpu;
@@ -74,7 +77,7 @@ fn judged_bodies<'a>(
         let coarser = bodies.coarser[place].map(|coarser| &library.body(coarser).compliance);
         let change = coarser.map(|coarser| [(compliance, share), (coarser, -share)]);
         let own = own_error(request, compliance, change.is_none());
-        let part = space.part(request.body.shape.side, &[(compliance, share)], outlines);
+        let part = space.part_in(request.body.shape.side, &[(compliance, share)], outlines, room);
         JudgedBody { body: &request.body, own, change, part }
     });
     (bodies, backend)
@@ -89,6 +92,14 @@ pub fn own_error<'a>(request: &'a BodyRequest, compliance: &BodyCompliance, is_k
     }
 }
 
+/// What the contact of a joint takes, to be taken again by that of another one.
+#[derive(Default)]
+pub struct ContactRoom {
+    /// Of the pin and the plate.
+    parts: [PartRoom; 2],
+    curve: CurveRoom,
+}
+
 /// The answers to designs of one `JointKey`, on one rung, and what each wants of the next. The space of the plan was prepared.
 pub fn solve_designs<'a>(
     library: &BodyLibrary,
@@ -96,19 +107,19 @@ pub fn solve_designs<'a>(
     solved: SolvedPlan,
     cases: impl Iterator<Item = &'a DesignCase> + Clone,
     accuracy: f64,
-    room: &mut CurveRoom,
+    ContactRoom { parts, curve }: &mut ContactRoom,
 ) -> Vec<(Answer, Want)> {
     let Some(first) = cases.clone().next() else { return Vec::new() };
     let plan = solved.plan;
     let space = spaces.get(plan.space);
     let outlines = JointScale::of(&first.joint).outlines;
-    let (members, backend) = judged_bodies(library, space, solved, &first.joint, &outlines);
+    let (members, backend) = judged_bodies(library, space, solved, &first.joint, &outlines, parts);
     let solving = Solving { backend, method: plan.method(), limit: outlines.of_hole(space.limit), accuracy };
     let trust = match plan.estimate {
         Estimate::Change(trust) => Some((trust, plan.level)),
         Estimate::Exact | Estimate::Known => None,
     };
-    solve_joint(space, &members, outlines, trust, solving, cases, room)
+    solve_joint(space, &members, outlines, trust, solving, cases, curve)
 }
 
 /// Of what rounding leaves of interpolated bodies, where searches of their loads end.

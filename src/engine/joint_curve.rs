@@ -3,14 +3,14 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::engine::bodies::JointBodies;
-use crate::engine::joint_contact::{SolvedPlan, solve_designs, with_curve};
+use crate::engine::joint_contact::{ContactRoom, SolvedPlan, solve_designs, with_curve};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::ladder::Ladder;
 use crate::engine::outcome::StepOutcome;
 use crate::engine::plan::JointPlan;
 use crate::engine::status::Failure;
 use crate::mechanics::contact::arc_pressure::ArcPressure;
-use crate::mechanics::contact::curve::{ContactCurve, CurveRoom};
+use crate::mechanics::contact::curve::ContactCurve;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::{DesignCase, JointDesign, Load};
 
@@ -94,7 +94,7 @@ impl JointCurve {
         let case = DesignCase { index: 0, joint: self.joint.clone(), steps: loads.to_vec() };
         let Ladder { library, spaces, .. } = &self.ladder;
         let cases = std::iter::once(&case);
-        let room = &mut CurveRoom::default();
+        let room = &mut ContactRoom::default();
         let answers = solve_designs(library, spaces, self.solved(), cases, self.accuracy, room);
         answers.into_iter().next().map_or(Vec::new(), |(answer, _)| answer.steps)
     }

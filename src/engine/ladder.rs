@@ -19,7 +19,7 @@ use crate::engine::device_joints::{Underway, gathered};
 use crate::engine::hashed::Hashed;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::interpolation::interpolated::Interpolation;
-use crate::engine::joint_contact::{JointKey, SolvedPlan, joint_key, solve_designs};
+use crate::engine::joint_contact::{ContactRoom, JointKey, SolvedPlan, joint_key, solve_designs};
 use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::engine::plan::JointPlan;
 use crate::engine::question::Asker;
@@ -27,7 +27,6 @@ use crate::engine::question::counted::{Counted, Verdict};
 use crate::engine::row::{closed_form, refused};
 use crate::engine::spaces::Spaces;
 use crate::engine::stopwatch::Stopwatch;
-use crate::mechanics::contact::curve::CurveRoom;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
 
@@ -326,7 +325,7 @@ impl<'a> Ladder<'a> {
         judged.resize_with(joints.len(), || None);
         // Of some joints the answers, in their order, and what these have taken.
         let solve =
-            |room: &mut CurveRoom, (joints, judged): (&[Range<u32>], &mut [Option<Timed>])| -> Timed {
+            |room: &mut ContactRoom, (joints, judged): (&[Range<u32>], &mut [Option<Timed>])| -> Timed {
                 let started = Stopwatch::start();
                 let mut answers = Vec::with_capacity(joints.iter().map(Range::len).sum());
                 let mut before = Duration::ZERO;
@@ -342,7 +341,7 @@ impl<'a> Ladder<'a> {
                 (answers, started.elapsed() + before)
             };
         let portions = joints.par_chunks(SOLVED_TOGETHER).zip(judged.par_chunks_mut(SOLVED_TOGETHER));
-        let solved: Vec<Timed> = portions.map_init(CurveRoom::default, solve).collect();
+        let solved: Vec<Timed> = portions.map_init(ContactRoom::default, solve).collect();
         self.times.contact += solved.iter().map(|(_, time)| *time).sum::<Duration>();
         let mut in_order: Vec<Option<(Answer, Want)>> = vec![None; attempt.open.len()];
         let places = joints.iter().flat_map(|joint| attempt.places(joint));

@@ -88,7 +88,7 @@ pub struct SweepOptions<'a> {
 }
 
 /// Designs of a batch on the processor: enough to fill the lanes of many topologies, few enough to stay small.
-const BATCH: usize = 1024;
+const BATCH: usize = 2048;
 
 /// The same where bodies are interpolated: of the few that are not there are enough to fill lanes and threads.
 const INTERPOLATED_BATCH: usize = 16_384;

@@ -128,10 +128,23 @@ impl PressureSpace {
     /// The compliance of bodies with their shares: 1/E of one body of a joint, the negative for a difference; of pins under such a
     /// tilt. Every body was prepared for.
     pub fn joint(&self, bodies: &[(&BodyCompliance, f64)], tilt: Tilt) -> JointCompliance<'static> {
+        let mut values = Vec::new();
+        let JointCompliance { even, bed, .. } = self.joint_in(bodies, tilt, &mut values);
+        JointCompliance { even, bed, values: values.into() }
+    }
+
+    /// The same in the room of another one, which is overwritten.
+    pub fn joint_in<'a>(
+        &self,
+        bodies: &[(&BodyCompliance, f64)],
+        tilt: Tilt,
+        values: &'a mut Vec<f64>,
+    ) -> JointCompliance<'a> {
         let sum = |of: fn(&BodyCompliance) -> f64| bodies.iter().map(|(body, share)| share * of(body)).sum();
         let (even, odd, bed): (f64, f64, f64) =
             (sum(|body| body.even), sum(|body| body.odd), sum(|body| body.bed));
-        let mut values = in_lanes(OfInfinite { space: self, even, odd, bed, tilt });
+        values.resize(self.kernels.even.len(), 0.0);
+        in_lanes(OfInfinite { space: self, even, odd, bed, tilt, values });
         for (body, share) in bodies {
             let (tilted, bands);
             let mut second = if tilt.second == 0.0 { &[][..] } else { &body.second };
@@ -160,10 +173,10 @@ impl PressureSpace {
                 parts[2] = Some((&self.modes, Works::Bands(second, tilt.second)));
             }
             for (moments, works) in parts.into_iter().flatten() {
-                in_lanes_with_terms(self.terms, Add { moments, works, share: *share, values: &mut values });
+                in_lanes_with_terms(self.terms, Add { moments, works, share: *share, values });
             }
         }
-        JointCompliance { even, bed, values: values.into() }
+        JointCompliance { even, bed, values: values[..].into() }
     }
 }
 
@@ -174,15 +187,17 @@ struct OfInfinite<'a> {
     odd: f64,
     bed: f64,
     tilt: Tilt,
+    /// What was there is overwritten.
+    values: &'a mut [f64],
 }
 
 impl LaneWork for OfInfinite<'_> {
-    type Output = Vec<f64>;
+    type Output = ();
 
     #[inline(always)]
-    fn run<const WIDTH: usize>(self) -> Vec<f64> {
-        let OfInfinite { space: PressureSpace { kernels, bed: of_bed, .. }, even, odd, bed, tilt } = self;
-        let mut values = vec![0.0; kernels.even.len()];
+    fn run<const WIDTH: usize>(self) {
+        let OfInfinite { space: PressureSpace { kernels, bed: of_bed, .. }, even, odd, bed, tilt, values } =
+            self;
         for (chunk, to) in values.chunks_exact_mut(LANES).enumerate() {
             let at = chunk * LANES;
             let mut value = pair::<WIDTH>((even, &kernels.even), (odd, &kernels.odd), at);
@@ -199,7 +214,6 @@ impl LaneWork for OfInfinite<'_> {
             }
             to.copy_from_slice(&value.0);
         }
-        values
     }
 }
 

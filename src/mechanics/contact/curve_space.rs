@@ -133,12 +133,25 @@ impl CurveSpace {
         bodies: &[(&BodyCompliance, f64)],
         outlines: &Outlines,
     ) -> JointCompliance<'static> {
+        let mut room = PartRoom::default();
+        let part = self.part_in(side, bodies, outlines, &mut room);
+        JointCompliance { values: part.values.into_owned().into(), ..part }
+    }
+
+    /// The same in the room of another one.
+    pub fn part_in<'a>(
+        &self,
+        side: Side,
+        bodies: &[(&BodyCompliance, f64)],
+        outlines: &Outlines,
+        PartRoom { values, moved }: &'a mut PartRoom,
+    ) -> JointCompliance<'a> {
         match side {
-            Side::Pin => self.pressures.joint(bodies, outlines.tilt()),
+            Side::Pin => self.pressures.joint_in(bodies, outlines.tilt(), values),
             Side::Plate => {
-                let (plate, mut moved) = (self.pressures.joint(bodies, Tilt::NONE), Vec::new());
-                self.to_hole(&plate, outlines, &mut moved);
-                JointCompliance { values: moved.into(), ..plate }
+                let plate = self.pressures.joint_in(bodies, Tilt::NONE, values);
+                self.to_hole(&plate, outlines, moved);
+                JointCompliance { values: moved[..].into(), ..plate }
             }
         }
     }
@@ -151,7 +164,7 @@ impl CurveSpace {
             return;
         }
         let count = self.arcs().len();
-        moved.clear();
+        // All of it is overwritten.
         moved.resize(plate.values.len(), 0.0);
         if plate.bed == 0.0 {
             in_lanes(OnHole { space: self, ratio: outlines.ratio(), values: &plate.values, moved });
@@ -257,6 +270,13 @@ impl CurveSpace {
             Variable::Gap => FRAC_PI_2 * even,
         }
     }
+}
+
+/// What the part of a body takes, to be taken again by that of another one.
+#[derive(Default)]
+pub struct PartRoom {
+    values: Vec<f64>,
+    moved: Vec<f64>,
 }
 
 /// Of a press fit that has opened by so much, from 0, nowhere, to 1, as far as its curve goes.
