@@ -47,12 +47,14 @@ impl TimedSweeps<'_> {
         let study = measured.study(designs, false)?;
         let (mut found, mut expected) = (Vec::new(), Vec::new());
         let gpu = GpuChoice::new(self.gpu, precision);
-        let statistics = self.sweep(&study, Some(gpu), &mut |outcome| {
+        let on_gpu = SweepOptions { gpu: Some(gpu), ..self.options() };
+        let statistics = self.sweep(&study, &on_gpu, &mut |outcome| {
             found.push(outcome);
             ControlFlow::Continue(())
         })?;
         self.is_measured(&statistics.1, precision)?;
-        self.sweep(&study, None, &mut |outcome| {
+        let in_double = SweepOptions { in_double: true, ..self.options() };
+        self.sweep(&study, &in_double, &mut |outcome| {
             expected.push(outcome);
             ControlFlow::Continue(())
         })?;
@@ -71,7 +73,8 @@ impl TimedSweeps<'_> {
     /// A sweep on the GPU whose outcomes nobody keeps; nothing where time runs out.
     pub fn dropped(&self, study: &Study, gpu: GpuChoice) -> Result<Option<GpuSweep>, Error> {
         let kernels = self.gpu.making_kernels();
-        let (seconds, statistics) = self.sweep(study, Some(gpu), &mut |_| self.goes_on())?;
+        let (seconds, statistics) =
+            self.sweep(study, &SweepOptions { gpu: Some(gpu), ..self.options() }, &mut |_| self.goes_on())?;
         if statistics.interrupted {
             return Ok(None);
         }
@@ -122,7 +125,7 @@ impl TimedSweeps<'_> {
         let sinks = recorder.sinks();
         let asking = sinks.asking();
         let asker = asking.as_ref().map(|asking| asking as &dyn Asker);
-        let options = SweepOptions { threads: self.threads, gpu, asker, ..SweepOptions::default() };
+        let options = SweepOptions { gpu, asker, ..self.options() };
         let digest = Digest { designs: sinks.portion(), make: &|solved| sinks.rows(solved) };
         let statistics = sweep::run_digested(study, &options, &digest, &mut |rows| {
             recorder.write(&rows)?;
@@ -141,20 +144,24 @@ impl TimedSweeps<'_> {
 
     /// Wall time of a sweep on the processor, s; nothing where time runs out.
     pub fn on_cpu(&self, study: &Study) -> Result<Option<f64>, Error> {
-        let (seconds, statistics) = self.sweep(study, None, &mut |_| self.goes_on())?;
+        let (seconds, statistics) = self.sweep(study, &self.options(), &mut |_| self.goes_on())?;
         Ok((!statistics.interrupted).then_some(seconds))
     }
 
-    /// Wall time of a sweep, s; on the processor without a GPU.
+    /// Of a sweep on the processor.
+    fn options(&self) -> SweepOptions<'static> {
+        SweepOptions { threads: self.threads, ..SweepOptions::default() }
+    }
+
+    /// Wall time of a sweep, s.
     fn sweep(
         &self,
         study: &Study,
-        gpu: Option<GpuChoice>,
+        options: &SweepOptions,
         receive: &mut dyn FnMut(DesignOutcome) -> ControlFlow<()>,
     ) -> Result<(f64, Statistics), Error> {
-        let options = SweepOptions { threads: self.threads, gpu, ..SweepOptions::default() };
         let started = Instant::now();
-        let statistics = sweep::run(study, &options, &mut |outcome| Ok(receive(outcome)))?;
+        let statistics = sweep::run(study, options, &mut |outcome| Ok(receive(outcome)))?;
         Ok((started.elapsed().as_secs_f64(), statistics))
     }
 

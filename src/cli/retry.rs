@@ -48,6 +48,7 @@ pub fn retry(args: &RunArgs, study: &Study, folder: &ResultFolder) -> Result<End
         notify: Some(&say),
         asker: None,
         designs: Chosen::Listed(designs),
+        ..SweepOptions::default()
     };
     let count = failed.len() as u64;
     let mut rewriter = Rewriter::new(&claim, &results, failed)?;

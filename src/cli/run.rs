@@ -125,7 +125,14 @@ pub fn record(
     let Conditions { threads, gpu, .. } = *conditions;
     let asking = sinks.asking();
     let asker = asking.as_ref().map(|asking| asking as &dyn Asker);
-    let options = SweepOptions { threads, gpu, notify: Some(&say), asker, designs: Chosen::Range(designs) };
+    let options = SweepOptions {
+        threads,
+        gpu,
+        notify: Some(&say),
+        asker,
+        designs: Chosen::Range(designs),
+        ..SweepOptions::default()
+    };
     let digest = Digest { designs: sinks.portion(), make: &|solved| sinks.rows(solved) };
     let outcome = sweep::run_digested(study, &options, &digest, &mut |rows| {
         match recorder.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {

@@ -7,6 +7,7 @@ use std::time::Duration;
 use foldhash::HashMap;
 use rayon::prelude::*;
 
+use crate::engine::accuracy::single_precision::bears_singles;
 use crate::engine::backend::adapter::GpuError;
 use crate::engine::backend::joints::{JointBatch, SolvedJoints};
 use crate::engine::backend::{Device, Works};
@@ -26,6 +27,7 @@ use crate::mechanics::compliance::near_field::{LoadedRing, NearField, NearFieldC
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
 use crate::mechanics::real::LANES;
+use crate::mechanics::singles::SINGLES;
 
 /// Solves bodies and remembers them, with everything that many bodies share.
 #[derive(Default)]
@@ -45,6 +47,8 @@ pub struct BodyLibrary<'a> {
     device: Option<Box<dyn Device + 'a>>,
     /// Why the device was given up: it is only asked what it has done.
     lost: Option<GpuError>,
+    /// Whether all bodies are condensed in double precision, those on coarse meshes, too.
+    pub in_double: bool,
     /// Time spent in each stage, summed over threads.
     pub times: BodyTimes,
 }
@@ -295,13 +299,13 @@ impl<'a> BodyLibrary<'a> {
         let room = AtomicUsize::new(KEPT_PLANS / 2);
         let groups = of_either_idealization(groups);
         // Where there are few bodies, their near fields are made beside them.
-        let BodyLibrary { near_fields, plans, ring_loads, .. } = self;
+        let BodyLibrary { near_fields, plans, ring_loads, in_double, .. } = self;
         let prepare = || {
             let started = Stopwatch::start();
             near_fields.prepare(classes.iter().copied(), ring_loads);
             started.elapsed()
         };
-        let condense = |group| condense_group(plans, ring_loads, group, &room);
+        let condense = |group| condense_group(plans, ring_loads, group, !*in_double, &room);
         let (near_field_time, mut condensed): (_, Vec<CondensedGroup>) =
             rayon::join(prepare, || groups.into_par_iter().map(condense).collect());
         self.times.shared += near_field_time;
@@ -407,6 +411,7 @@ fn condense_group(
     plans: &HashMap<TopologyKey, CondensationPlan>,
     ring_loads: &RingLoads,
     (key, group): Group,
+    may_be_in_singles: bool,
     room: &AtomicUsize,
 ) -> CondensedGroup {
     let started = Stopwatch::start();
@@ -420,13 +425,15 @@ fn condense_group(
         }
     };
     let plan_time = started.elapsed();
+    let in_singles = may_be_in_singles && bears_singles(&group[0].body, &key.class);
     let condense = |batch: &[Meshed]| {
         let started = Stopwatch::start();
         let bodies: Vec<Body> = batch.iter().map(|meshed| meshed.body.clone()).collect();
-        let works = batch.iter().cloned().zip(plan.condense(&bodies)).collect();
+        let works = if in_singles { plan.condense_in_singles(&bodies) } else { plan.condense(&bodies) };
+        let works = batch.iter().cloned().zip(works).collect();
         (works, started.elapsed())
     };
-    let batches = group.par_chunks(LANES).map(condense).collect();
+    let batches = group.par_chunks(if in_singles { SINGLES } else { LANES }).map(condense).collect();
     let fits = |plan: &CondensationPlan| {
         let take = |left: usize| left.checked_sub(plan.bytes());
         room.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok()

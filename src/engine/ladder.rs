@@ -131,7 +131,14 @@ impl<'a> Ladder<'a> {
 
     /// With bodies condensed on a device as long as that lasts.
     pub fn on(self, device: Box<dyn Device + 'a>) -> Ladder<'a> {
-        Ladder { library: BodyLibrary::on(device), ..self }
+        let in_double = self.library.in_double;
+        Ladder { library: BodyLibrary::on(device), ..self }.in_double(in_double)
+    }
+
+    /// With all bodies that the processor condenses in double precision, or those on coarse meshes in single precision.
+    pub fn in_double(mut self, in_double: bool) -> Ladder<'a> {
+        self.library.in_double = in_double;
+        self
     }
 
     /// Outcomes of `cases`, in their order.

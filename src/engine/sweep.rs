@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::engine::backend::Counts;
 use crate::engine::backend::choice::GpuChoice;
+use crate::engine::backend::precision::Precision;
 use crate::engine::cost::DesignCost;
 use crate::engine::drawing::{Chosen, Drawer, Drawn, FIRST_BATCH, joined};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
@@ -84,6 +85,8 @@ pub struct SweepOptions<'a> {
     pub notify: Option<&'a (dyn Fn(&str) + Sync)>,
     /// Who asks for nothing but what all rows come to: a GPU may count them.
     pub asker: Option<&'a dyn Asker>,
+    /// Whether the processor condenses all bodies in double precision, those on coarse meshes, too: as it does beside a GPU that does.
+    pub in_double: bool,
     pub designs: Chosen,
 }
 
@@ -216,7 +219,8 @@ fn solve_all(
     solved: &SyncSender<Solved>,
 ) -> Statistics {
     let mut fallback = None;
-    let ladder = Ladder::new(study.solve).interpolating(plan).asked_by(options.asker);
+    let in_double = options.in_double || options.gpu.is_some_and(|gpu| gpu.precision != Precision::F32);
+    let ladder = Ladder::new(study.solve).in_double(in_double).interpolating(plan).asked_by(options.asker);
     let mut ladder = match options.gpu.map(|gpu| gpu.condenser()) {
         None => ladder,
         Some(Ok(condenser)) => ladder.on(Box::new(condenser)),

@@ -1,4 +1,5 @@
 pub mod registers;
+pub mod singles;
 pub mod real;
 pub mod material;
 pub mod body;

@@ -16,6 +16,7 @@ mod common {
 mod batches;
 mod shaders;
 mod known_errors;
+mod single_precision;
 mod explain;
 mod planner;
 mod oracle;

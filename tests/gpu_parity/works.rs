@@ -4,7 +4,9 @@ use jointsweep::internals::engine::backend::Device;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::backend::gpu::works::{BodyWorks, ModeLoads};
-use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity, Group, TopologyKey};
+use jointsweep::internals::engine::body_request::{
+    BodyHandle, BodyRequest, Fidelity, Group, Meshed, TopologyKey,
+};
 use jointsweep::internals::mechanics::compliance::RingCompliance;
 use jointsweep::internals::mechanics::compliance::arc::packed_count;
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
@@ -251,10 +253,15 @@ fn groups() -> Vec<Group> {
         .filter(|(name, _)| !name.starts_with("block"))
         .map(|(_, bodies)| {
             let fidelity = Fidelity::Mesh { level: bodies.level };
-            let requests: Vec<BodyRequest> =
-                bodies.bodies.iter().map(|body| BodyRequest { body: body.clone(), fidelity }).collect();
-            assert!(requests.iter().all(|request| TopologyKey::of(request) == TopologyKey::of(&requests[0])));
-            (TopologyKey::of(&requests[0]), requests)
+            let key = |body: &Body| TopologyKey::of(&BodyRequest { body: body.clone(), fidelity });
+            let own = key(&bodies.bodies[0]);
+            assert!(bodies.bodies.iter().all(|body| key(body) == own));
+            let meshed = |(place, body): (usize, &Body)| Meshed {
+                handle: BodyHandle::of(place),
+                body: body.clone(),
+                around: None,
+            };
+            (own, bodies.bodies.iter().enumerate().map(meshed).collect())
         })
         .collect();
     assert_eq!(groups.len(), 3);
@@ -278,16 +285,16 @@ fn how_bodies_are_cut_into_batches_changes_no_bit() {
             (works, condenser.report)
         };
         let (together, report) = condense(device(), &groups);
-        let ring = |request: &BodyRequest| {
-            let key = TopologyKey::of(request);
-            let layout = MeshLayout::new(&request.body, &key.grading(&request.body)).unwrap();
-            layout.systems.ring_count() as u64
+        let ring = |(key, group): &Group| {
+            let body = &group[0].body;
+            let layout = MeshLayout::new(body, &key.grading(body)).unwrap();
+            (group.len() * layout.systems.ring_count()) as u64
         };
-        let columns: u64 = groups.iter().flat_map(|(_, group)| group).map(ring).sum();
+        let columns: u64 = groups.iter().map(ring).sum();
         assert_eq!((report.bodies, report.solves), (9, columns));
         assert!(report.worst_residual > 0.0 && report.worst_residual <= precision.settings().goal);
-        for ((key, requests), works) in groups.iter().zip(&together) {
-            let bodies: Vec<Body> = requests.iter().map(|request| request.body.clone()).collect();
+        for ((key, group), works) in groups.iter().zip(&together) {
+            let bodies: Vec<Body> = group.iter().map(|meshed| meshed.body.clone()).collect();
             let modes = RingModes::of(&key.class);
             let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), modes);
             for (found, expected) in works.iter().zip(plan.condense(&bodies)) {

@@ -95,6 +95,50 @@ fn company_does_not_matter() {
 
 /// A body too thin for the mesh of its company, whose lines then cut the ring, is told by NaN where the general path
 /// refuses it, be its stiffness positive definite or not; the others are not hurt.
+/// In single precision works are those of double precision but for its rounding; each body comes to the same bits in any company, and one that
+/// would lose too many digits to those of double precision.
+#[test]
+fn single_precision_rounds_works_and_keeps_what_it_cannot() {
+    let (mut rounded, mut kept) = (0, 0);
+    for (name, ratios, most) in [
+        ("annulus", &[2.5][..], 5e-5),
+        ("annulus", &[1.03][..], 3e-4),
+        ("annulus", &[40.0][..], 1e-4),
+        ("rigid-core", &[0.3][..], 2e-5),
+        ("rigid-core", &[0.01][..], 1e-4),
+        ("rigid-midplane", &[][..], 6e-5),
+    ] {
+        for level in 0..2 {
+            let own = |place: usize| {
+                let ratio = -0.999 + 1.4989 * place as f64 / 20.0;
+                body(name, ratios, [Idealization::PlaneStress, Idealization::PlaneStrain][place % 2], ratio)
+            };
+            let bodies: Vec<Body> = (0..21).map(own).collect();
+            let class = GradingClass::of(&bodies[0], ElementKind::Quad8, level);
+            let plan = plan(&bodies[0], &class);
+            let (together, expected) = (plan.condense_in_singles(&bodies), plan.condense(&bodies));
+            let mut worst = 0.0_f64;
+            for (body, (together, expected)) in bodies.iter().zip(together.iter().zip(&expected)) {
+                assert_eq!(
+                    plan.condense_in_singles(std::slice::from_ref(body)),
+                    [together.clone()],
+                    "{body:?}"
+                );
+                let all = greatest(expected.iter().copied());
+                let difference =
+                    greatest(together.iter().zip(expected).map(|(one, other)| one - other)) / all;
+                worst = worst.max(difference);
+                if together == expected { kept += 1 } else { rounded += 1 }
+            }
+            println!("{name} {ratios:?} on level {level}: {worst:.1e}");
+            // Twice what is seen; forces feel a tenth of it.
+            assert!(worst < most, "{name} {ratios:?} on level {level}: {worst:e}");
+        }
+    }
+    println!("{rounded} rounded, {kept} kept");
+    assert!(rounded > 200 && kept > 0, "{rounded} and {kept}");
+}
+
 #[test]
 fn a_mesh_turned_inside_out_is_told() {
     let block = |half_width: f64| body("block", &[half_width, 3.0, 2.0], Idealization::PlaneStress, 0.3);

@@ -1,6 +1,7 @@
 //! How good a force is: every source of its error, and the sum of them.
 
 pub mod known_errors;
+pub mod single_precision;
 pub mod mesh_change;
 pub mod fit_bound;
 pub mod geometry_error;

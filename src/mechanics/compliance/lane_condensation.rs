@@ -11,9 +11,9 @@ use crate::mechanics::element::MAX_NODES;
 use crate::mechanics::element::stiffness::{
     Elasticity, ElementRule, ElementStiffness, element_stiffness_in_room, stiffness_operations,
 };
-use crate::mechanics::material::Idealization;
 use crate::mechanics::mesh::{Grading, RingTopology, coordinates_abreast};
 use crate::mechanics::real::{Alone, Bodies, LANES, Lanes, Real};
+use crate::mechanics::singles::{SINGLES, Single, Singles};
 use crate::mechanics::solve::band::{BandStructure, TILE, Tile};
 
 /// What bodies of one topology share: mesh, order of elimination, loads of the ring modes.
@@ -119,6 +119,27 @@ impl CondensationPlan {
         bodies.chunks(LANES).flat_map(together).collect()
     }
 
+    /// The same in single precision, but for bodies that lose too many digits so. What a body comes to does not hang on the others.
+    pub fn condense_in_singles(&self, bodies: &[Body]) -> Vec<Vec<f64>> {
+        let condense = |bodies: &[Body]| in_lanes(InSingles(Condense { plan: self, bodies }));
+        let together = |bodies: &[Body]| -> Vec<Vec<f64>> {
+            match bodies.len() {
+                ..=FEW => bodies.chunks(1).flat_map(condense).collect(),
+                _ => condense(bodies),
+            }
+        };
+        let mut works: Vec<Vec<f64>> = bodies.chunks(SINGLES).flat_map(together).collect();
+        let is_lost = |works: &Vec<f64>| works[0].is_nan();
+        let lost: Vec<usize> = (0..works.len()).filter(|place| is_lost(&works[*place])).collect();
+        if !lost.is_empty() {
+            let bodies: Vec<Body> = lost.iter().map(|place| bodies[*place].clone()).collect();
+            for (place, found) in lost.into_iter().zip(self.condense(&bodies)) {
+                works[place] = found;
+            }
+        }
+        works
+    }
+
     /// One body, to the same bits, in a fraction of the memory that lanes take.
     pub fn condense_alone(&self, body: &Body) -> Vec<f64> {
         in_lanes(Condense { plan: self, bodies: std::slice::from_ref(body) }).swap_remove(0)
@@ -147,12 +168,109 @@ impl LaneWork for Condense<'_> {
     }
 }
 
+/// In single precision: NaN for a body that loses too many digits.
+struct InSingles<'a>(Condense<'a>);
+
+/// The most that a pivot may lose of its diagonal in single precision (`BandStructure::factorise_with_loss`). What bodies that lose no more
+/// are off by is held by `tests/mechanics/condensation.rs`.
+const MOST_LOSS: f64 = 100.0;
+
+impl LaneWork for InSingles<'_> {
+    type Output = Vec<Vec<f64>>;
+
+    #[inline(always)]
+    fn run<const WIDTH: usize>(self) -> Vec<Vec<f64>> {
+        if self.0.bodies.len() == 1 {
+            self.0.works::<Single<WIDTH>, 4>()
+        } else if WIDTH >= LANES {
+            self.0.works::<Singles<WIDTH>, 4>()
+        } else {
+            self.0.works::<Singles<WIDTH>, 1>()
+        }
+    }
+}
+
+/// Numbers that bodies are condensed in. Where nodes are is told in double precision, so that small elements keep their shape.
+trait Working: Bodies {
+    /// A coordinate of a node of each body.
+    type Place: Copy;
+    /// Whether digits may be lost.
+    const MAY_LOSE: bool;
+
+    fn nodes(bodies: &[Body], grading: &Grading, topology: &RingTopology) -> Vec<[Self::Place; 2]>;
+
+    /// A coordinate within an element, which may begin at one of its nodes.
+    fn within(place: Self::Place, origin: Self::Place) -> Self;
+}
+
+macro_rules! in_double {
+    ($numbers:ident) => {
+        impl<const WIDTH: usize> Working for $numbers<WIDTH> {
+            type Place = Self;
+            const MAY_LOSE: bool = false;
+
+            #[inline(always)]
+            fn nodes(bodies: &[Body], grading: &Grading, topology: &RingTopology) -> Vec<[Self; 2]> {
+                coordinates_abreast(bodies, grading, topology)
+            }
+            #[inline(always)]
+            fn within(place: Self, _: Self) -> Self {
+                place
+            }
+        }
+    };
+}
+in_double!(Lanes);
+in_double!(Alone);
+
+impl<const WIDTH: usize> Working for Single<WIDTH> {
+    type Place = Alone<WIDTH>;
+    const MAY_LOSE: bool = true;
+
+    #[inline(always)]
+    fn nodes(bodies: &[Body], grading: &Grading, topology: &RingTopology) -> Vec<[Alone<WIDTH>; 2]> {
+        coordinates_abreast(bodies, grading, topology)
+    }
+    #[inline(always)]
+    fn within(place: Alone<WIDTH>, origin: Alone<WIDTH>) -> Self {
+        Single((place.0 - origin.0) as f32)
+    }
+}
+
+impl<const WIDTH: usize> Working for Singles<WIDTH> {
+    type Place = [Lanes<WIDTH>; 2];
+    const MAY_LOSE: bool = true;
+
+    #[inline(always)]
+    fn nodes(bodies: &[Body], grading: &Grading, topology: &RingTopology) -> Vec<[Self::Place; 2]> {
+        let (first, others) = bodies.split_at(bodies.len().min(LANES));
+        // Of lanes without a body nobody asks.
+        let others = if others.is_empty() { &first[first.len() - 1..] } else { others };
+        let first: Vec<[Lanes<WIDTH>; 2]> = coordinates_abreast(first, grading, topology);
+        let others: Vec<[Lanes<WIDTH>; 2]> = coordinates_abreast(others, grading, topology);
+        let mut nodes = Vec::with_capacity(first.len());
+        for (one, other) in first.iter().zip(&others) {
+            nodes.push([[one[0], other[0]], [one[1], other[1]]]);
+        }
+        nodes
+    }
+    #[inline(always)]
+    fn within(place: Self::Place, origin: Self::Place) -> Self {
+        Singles::rounded(place[0] - origin[0], place[1] - origin[1])
+    }
+}
+
 impl Condense<'_> {
     #[inline(always)]
-    fn works<T: Bodies, const ABREAST: usize>(&self) -> Vec<Vec<f64>> {
+    fn works<T: Working, const ABREAST: usize>(&self) -> Vec<Vec<f64>> {
         let mut tiles = self.plan.structure.empty::<T>();
         let smallest_jacobian = self.assemble(&mut tiles);
-        self.plan.structure.factorise::<T, ABREAST>(&mut tiles);
+        let loss = if T::MAY_LOSE {
+            self.plan.structure.factorise_with_loss::<T, ABREAST>(&mut tiles)
+        } else {
+            self.plan.structure.factorise::<T, ABREAST>(&mut tiles);
+            T::zero()
+        };
         let CondensationPlan { modes: RingModes { count, .. }, loads, .. } = self.plan;
         let mut works = vec![vec![0.0; loads.len() * packed_count(*count)]; self.bodies.len()];
         if count.is_multiple_of(BLOCKS[0]) {
@@ -162,7 +280,8 @@ impl Condense<'_> {
         }
         for (lane, works) in works.iter_mut().enumerate() {
             let smallest = smallest_jacobian.lane(lane);
-            if smallest.is_nan() || smallest <= 0.0 {
+            let loss = loss.lane(lane);
+            if smallest.is_nan() || smallest <= 0.0 || loss.is_nan() || loss > MOST_LOSS {
                 works.fill(f64::NAN);
             }
         }
@@ -171,10 +290,10 @@ impl Condense<'_> {
 
     /// The stiffness of every body in its lane, and its least Jacobian; lanes without a body repeat the one before.
     #[inline(always)]
-    fn assemble<T: Bodies>(&self, tiles: &mut [Tile<T>]) -> T {
+    fn assemble<T: Working>(&self, tiles: &mut [Tile<T>]) -> T {
         let CondensationPlan { grading, topology, structure, rule, .. } = self.plan;
         let zero = T::zero();
-        let nodes: Vec<[T; 2]> = coordinates_abreast(self.bodies, grading, topology);
+        let nodes = T::nodes(self.bodies, grading, topology);
         let materials: Vec<Elasticity<T>> =
             (0..=self.bodies[0].lining.list().len()).map(|material| self.elasticity(material)).collect();
         let count = topology.element.node_count();
@@ -182,8 +301,11 @@ impl Condense<'_> {
         let mut stiffness = ElementStiffness::room();
         for (element, connectivity) in topology.connectivity.chunks_exact(count).enumerate() {
             let mut corners = [[zero; 2]; MAX_NODES];
+            let origin = nodes[connectivity[0] as usize];
             for (corner, node) in corners.iter_mut().zip(connectivity) {
-                *corner = nodes[*node as usize];
+                for axis in 0..2 {
+                    corner[axis] = T::within(nodes[*node as usize][axis], origin[axis]);
+                }
             }
             let elasticity = &materials[topology.material(element)];
             element_stiffness_in_room(rule, elasticity, &corners, &mut stiffness);
@@ -196,23 +318,17 @@ impl Condense<'_> {
     /// Of a material of every body in its lane, 0 that at the ring: bodies in plane stress and in plane strain share a topology.
     #[inline(always)]
     fn elasticity<T: Bodies>(&self, material: usize) -> Elasticity<T> {
-        let body = |lane: usize| &self.bodies[lane.min(self.bodies.len() - 1)];
-        let mut poissons_ratio = T::zero();
-        let mut modulus = T::from_f64(1.0);
+        let mut all = Elasticity { direct: T::zero(), cross: T::zero(), shear: T::zero() };
         for lane in 0..T::COUNT {
-            let [own, ratio] = body(lane).material(material);
-            modulus.set_lane(lane, own);
-            poissons_ratio.set_lane(lane, ratio);
+            let body = &self.bodies[lane.min(self.bodies.len() - 1)];
+            let [modulus, poissons_ratio] = body.material(material);
+            let own = Elasticity::new(body.idealization, poissons_ratio);
+            let Elasticity { direct, cross, shear } = if material > 0 { own.times(modulus) } else { own };
+            all.direct.set_lane(lane, direct);
+            all.cross.set_lane(lane, cross);
+            all.shear.set_lane(lane, shear);
         }
-        let mut elasticity = Elasticity::new(Idealization::PlaneStress, poissons_ratio);
-        let plane_strain = Elasticity::new(Idealization::PlaneStrain, poissons_ratio);
-        for lane in 0..T::COUNT {
-            if body(lane).idealization == Idealization::PlaneStrain {
-                elasticity.direct.set_lane(lane, plane_strain.direct.lane(lane));
-                elasticity.cross.set_lane(lane, plane_strain.cross.lane(lane));
-            }
-        }
-        if material > 0 { elasticity.times(modulus) } else { elasticity }
+        all
     }
 
     /// Products of L^-1 f, in blocks of so many modes.

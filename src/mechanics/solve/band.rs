@@ -198,6 +198,19 @@ impl BandStructure {
     /// `ABREAST` columns of a tile are summed at a time.
     #[inline(always)]
     pub fn factorise<T: Real, const ABREAST: usize>(&self, tiles: &mut [Tile<T>]) {
+        self.eliminate::<T, ABREAST, false>(tiles);
+    }
+
+    /// The same; tells the greatest of what a pivot's diagonal was over what was left of it: so many times more than the stiffness
+    /// itself its condensation feels rounding. NaN where the stiffness is not positive definite.
+    #[inline(always)]
+    pub fn factorise_with_loss<T: Real, const ABREAST: usize>(&self, tiles: &mut [Tile<T>]) -> T {
+        self.eliminate::<T, ABREAST, true>(tiles)
+    }
+
+    #[inline(always)]
+    fn eliminate<T: Real, const ABREAST: usize, const TELLS: bool>(&self, tiles: &mut [Tile<T>]) -> T {
+        let mut minus_loss = T::from_f64(-1.0);
         for row in 0..self.rows.len() {
             let (first, offset) = self.rows[row];
             let (done, current) = tiles.split_at_mut(offset);
@@ -212,9 +225,21 @@ impl BandStructure {
                 divide_by_lower_transposed(tile, &done[column_offset + column - column_first]);
             }
             let (left, right) = current.split_at_mut(row - first);
-            subtract_products::<T, ABREAST>(&mut right[0], left, left);
-            factorise_tile(&mut right[0]);
+            let tile = &mut right[0];
+            let mut before = [T::zero(); TILE];
+            for place in 0..TILE {
+                before[place] = tile[place][place];
+            }
+            subtract_products::<T, ABREAST>(tile, left, left);
+            factorise_tile(tile);
+            if TELLS {
+                for place in 0..TILE {
+                    let inverse = tile[place][place];
+                    minus_loss = minus_loss.least(-(before[place] * inverse * inverse));
+                }
+            }
         }
+        -minus_loss
     }
 
     /// L^-1 of the ring's block applied to `columns` right-hand sides, in place, from tile row `start` (counted from
