@@ -7,7 +7,7 @@ use std::time::Duration;
 use foldhash::HashMap;
 use rayon::prelude::*;
 
-use crate::engine::accuracy::single_precision::bears_singles;
+use crate::engine::accuracy::single_precision::{OF_SINGLES, body_bears_singles};
 use crate::engine::backend::adapter::GpuError;
 use crate::engine::backend::joints::{JointBatch, SolvedJoints};
 use crate::engine::backend::{Device, Works};
@@ -47,8 +47,8 @@ pub struct BodyLibrary<'a> {
     device: Option<Box<dyn Device + 'a>>,
     /// Why the device was given up: it is only asked what it has done.
     lost: Option<GpuError>,
-    /// Whether all bodies are condensed in double precision, those on coarse meshes, too.
-    pub in_double: bool,
+    /// Whether those bodies that bear it are condensed in single precision.
+    pub in_singles: bool,
     /// Time spent in each stage, summed over threads.
     pub times: BodyTimes,
 }
@@ -76,6 +76,8 @@ pub(super) const MANY: usize = 64;
 pub struct SolvedBody {
     pub compliance: BodyCompliance,
     pub backend: BackendKind,
+    /// What its condensation in single precision leaves of a force, relative.
+    pub rounding: f64,
 }
 
 /// To be kept: made by all threads, so that one has little left to do.
@@ -88,7 +90,12 @@ struct Handled {
 impl Handled {
     fn new(handle: BodyHandle, compliance: BodyCompliance, backend: BackendKind) -> Handled {
         let bytes = compliance.bytes();
-        Handled { handle, body: SolvedBody { compliance, backend }, bytes }
+        Handled { handle, body: SolvedBody { compliance, backend, rounding: 0.0 }, bytes }
+    }
+
+    fn with_rounding(mut self, rounding: f64) -> Handled {
+        self.body.rounding = rounding;
+        self
     }
 }
 
@@ -299,25 +306,25 @@ impl<'a> BodyLibrary<'a> {
         let room = AtomicUsize::new(KEPT_PLANS / 2);
         let groups = of_either_idealization(groups);
         // Where there are few bodies, their near fields are made beside them.
-        let BodyLibrary { near_fields, plans, ring_loads, in_double, .. } = self;
+        let BodyLibrary { near_fields, plans, ring_loads, in_singles, .. } = self;
         let prepare = || {
             let started = Stopwatch::start();
             near_fields.prepare(classes.iter().copied(), ring_loads);
             started.elapsed()
         };
-        let condense = |group| condense_group(plans, ring_loads, group, !*in_double, &room);
+        let condense = |group| condense_group(plans, ring_loads, group, *in_singles, &room);
         let (near_field_time, mut condensed): (_, Vec<CondensedGroup>) =
             rayon::join(prepare, || groups.into_par_iter().map(condense).collect());
         self.times.shared += near_field_time;
         let around = near_fields.all(&classes);
-        let correct = |key: &TopologyKey, works: Vec<Condensed>| {
+        let correct = |key: &TopologyKey, rounding: f64, works: Vec<Condensed>| {
             let started = Stopwatch::start();
             let solve = |(Meshed { handle, body, around: own }, works): Condensed| {
                 let compliance = match references.get(&handle) {
                     Some((reference, own)) => reference.compliance(&body, works, own),
                     None => corrected(&around, own, key, &body, works),
                 };
-                Handled::new(handle, compliance, BackendKind::Cpu)
+                Handled::new(handle, compliance, BackendKind::Cpu).with_rounding(rounding)
             };
             let solved: Vec<Handled> = works.into_iter().map(solve).collect();
             (solved, started.elapsed())
@@ -326,9 +333,9 @@ impl<'a> BodyLibrary<'a> {
             .par_iter_mut()
             .flat_map(|group| {
                 let batches = std::mem::take(&mut group.batches).into_par_iter();
-                let key = &group.key;
+                let (key, rounding) = (&group.key, if group.in_singles { OF_SINGLES } else { 0.0 });
                 batches.map(move |(works, time)| {
-                    let (solved, more) = correct(key, works);
+                    let (solved, more) = correct(key, rounding, works);
                     (solved, time + more)
                 })
             })
@@ -425,7 +432,7 @@ fn condense_group(
         }
     };
     let plan_time = started.elapsed();
-    let in_singles = may_be_in_singles && bears_singles(&group[0].body, &key.class);
+    let in_singles = may_be_in_singles && body_bears_singles(&group[0].body, &key.class);
     let condense = |batch: &[Meshed]| {
         let started = Stopwatch::start();
         let bodies: Vec<Body> = batch.iter().map(|meshed| meshed.body.clone()).collect();
@@ -438,7 +445,7 @@ fn condense_group(
         let take = |left: usize| left.checked_sub(plan.bytes());
         room.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok()
     };
-    CondensedGroup { plan: new.filter(fits), key, plan_time, batches }
+    CondensedGroup { plan: new.filter(fits), key, in_singles, plan_time, batches }
 }
 
 /// A body with its works, without its near field.
@@ -446,6 +453,7 @@ type Condensed = (Meshed, Vec<f64>);
 
 struct CondensedGroup {
     key: TopologyKey,
+    in_singles: bool,
     /// To be kept.
     plan: Option<CondensationPlan>,
     plan_time: Duration,

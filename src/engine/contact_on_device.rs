@@ -60,7 +60,7 @@ pub fn judged_designs<'a>(
     let (of_curve, mut states) = states(found, even, &outlines)?;
     let errors = [0, 1].map(|side| {
         let request = [&plan.pin, &plan.plate][side];
-        own_error(request, &library.body(bodies.own[side]).compliance, true)
+        own_error(request, library.body(bodies.own[side]), true)
     });
     let limit = outlines.of_hole(spaces.get(plan.space).limit);
     let solving = Solving { backend: BackendKind::Gpu, method: plan.method(), limit, accuracy };

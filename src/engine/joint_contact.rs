@@ -6,7 +6,7 @@ use crate::engine::accuracy::body_errors::{BodyErrors, JudgedBody, OwnError};
 use crate::engine::accuracy::geometry_error::{OutlineError, WIDEST_CLEARANCE};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, ForceError, Want};
-use crate::engine::bodies::{BodyLibrary, JointBodies};
+use crate::engine::bodies::{BodyLibrary, JointBodies, SolvedBody};
 use crate::engine::body_request::{BodyRequest, Fidelity};
 use crate::engine::hashed::Hashed;
 use crate::engine::joint_scale::JointScale;
@@ -14,8 +14,8 @@ use crate::engine::outcome::{Answer, BackendKind, Method};
 use crate::engine::plan::JointPlan;
 use crate::engine::row::Solving;
 use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::mechanics::compliance::Boundary;
 use crate::mechanics::compliance::body_fit::ROUNDED;
-use crate::mechanics::compliance::{BodyCompliance, Boundary};
 use crate::mechanics::contact::curve::{ContactCurve, CurveRoom};
 use crate::mechanics::contact::curve_space::{CurveSpace, PartRoom};
 use crate::mechanics::contact::load::NoState;
@@ -76,7 +76,7 @@ fn judged_bodies<'a>(
         let (compliance, share) = (&solved.compliance, 1.0 / part.contact_material().youngs_modulus);
         let coarser = bodies.coarser[place].map(|coarser| &library.body(coarser).compliance);
         let change = coarser.map(|coarser| [(compliance, share), (coarser, -share)]);
-        let own = own_error(request, compliance, change.is_none());
+        let own = own_error(request, solved, change.is_none());
         let part = space.part_in(request.body.shape.side, &[(compliance, share)], outlines, room);
         JudgedBody { body: &request.body, own, change, part }
     });
@@ -84,10 +84,11 @@ fn judged_bodies<'a>(
 }
 
 /// What is known of a solved body; of a mesh only where that `is_known`.
-pub fn own_error<'a>(request: &'a BodyRequest, compliance: &BodyCompliance, is_known: bool) -> OwnError<'a> {
+pub fn own_error<'a>(request: &'a BodyRequest, solved: &SolvedBody, is_known: bool) -> OwnError<'a> {
+    let is_bed = matches!(solved.compliance.boundary, Boundary::Nothing);
     match request.fidelity {
-        Fidelity::Series if matches!(compliance.boundary, Boundary::Nothing) => OwnError::Bed(&request.body),
-        Fidelity::Mesh { level } if is_known => OwnError::of_mesh(&request.body, level),
+        Fidelity::Series if is_bed => OwnError::Bed(&request.body),
+        Fidelity::Mesh { level } if is_known => OwnError::of_mesh(&request.body, level, solved.rounding),
         _ => OwnError::of_layers(&request.body),
     }
 }

@@ -10,6 +10,7 @@ use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
+use crate::engine::accuracy::single_precision::accuracy_bears_singles;
 use crate::engine::backend::joints::SolvedJoints;
 use crate::engine::backend::{Device, IN_FLIGHT};
 use crate::engine::bodies::{BodyLibrary, JointBodies, MANY, RequestKey};
@@ -104,9 +105,11 @@ struct LadderTimes {
 
 impl<'a> Ladder<'a> {
     pub fn new(options: SolveOptions) -> Ladder<'a> {
+        let mut library = BodyLibrary::default();
+        library.in_singles = accuracy_bears_singles(options.accuracy);
         Ladder {
             options,
-            library: BodyLibrary::default(),
+            library,
             spaces: Spaces::default(),
             interpolation: None,
             asker: None,
@@ -114,8 +117,13 @@ impl<'a> Ladder<'a> {
         }
     }
 
-    /// For other answers, with the bodies it has met.
-    pub fn with_options(self, options: SolveOptions) -> Ladder<'a> {
+    /// For other answers, with the bodies it has met, where these are good enough.
+    pub fn with_options(mut self, options: SolveOptions) -> Ladder<'a> {
+        let in_singles = accuracy_bears_singles(options.accuracy);
+        if in_singles != self.library.in_singles {
+            self.library.forget();
+            self.library.in_singles = in_singles;
+        }
         Ladder { options, ..self }
     }
 
@@ -131,13 +139,14 @@ impl<'a> Ladder<'a> {
 
     /// With bodies condensed on a device as long as that lasts.
     pub fn on(self, device: Box<dyn Device + 'a>) -> Ladder<'a> {
-        let in_double = self.library.in_double;
-        Ladder { library: BodyLibrary::on(device), ..self }.in_double(in_double)
+        let mut library = BodyLibrary::on(device);
+        library.in_singles = self.library.in_singles;
+        Ladder { library, ..self }
     }
 
-    /// With all bodies that the processor condenses in double precision, or those on coarse meshes in single precision.
-    pub fn in_double(mut self, in_double: bool) -> Ladder<'a> {
-        self.library.in_double = in_double;
+    /// With all bodies that the processor condenses in double precision.
+    pub fn in_double(mut self) -> Ladder<'a> {
+        self.library.in_singles = false;
         self
     }
 

@@ -220,7 +220,11 @@ fn solve_all(
 ) -> Statistics {
     let mut fallback = None;
     let in_double = options.in_double || options.gpu.is_some_and(|gpu| gpu.precision != Precision::F32);
-    let ladder = Ladder::new(study.solve).in_double(in_double).interpolating(plan).asked_by(options.asker);
+    let mut ladder = Ladder::new(study.solve);
+    if in_double {
+        ladder = ladder.in_double();
+    }
+    let ladder = ladder.interpolating(plan).asked_by(options.asker);
     let mut ladder = match options.gpu.map(|gpu| gpu.condenser()) {
         None => ladder,
         Some(Ok(condenser)) => ladder.on(Box::new(condenser)),

@@ -607,9 +607,9 @@ fn joints_that_a_device_leaves_are_solved() {
     let interpolating = || {
         let plan = InterpolationPlan::new(&options, 1_000_000, &joints);
         assert!(plan.is_some());
-        Ladder::new(options).in_double(true).interpolating(plan)
+        Ladder::new(options).in_double().interpolating(plan)
     };
-    let on_meshes = || Ladder::new(options).in_double(true);
+    let on_meshes = || Ladder::new(options).in_double();
     let rows = |outcomes: Vec<DesignOutcome>| -> Vec<String> {
         outcomes.iter().map(|outcome| format!("{:?}", outcome.steps)).collect()
     };
@@ -647,14 +647,14 @@ fn a_device_that_gives_up_loses_no_design() {
         DesignCase { index, ..case(joint(pin, plate), &[Load::Indentation(0.01)]) }
     };
     let cases: Vec<DesignCase> = (0..8).map(design).collect();
-    let mut ladder = Ladder::new(options).in_double(true).on(Box::new(GivesUp::at(2)));
+    let mut ladder = Ladder::new(options).in_double().on(Box::new(GivesUp::at(2)));
     assert!(ladder.library.lost().is_none());
     let mut outcomes = ladder.solve(&cases[..4]);
     assert!(ladder.library.lost().is_none());
     outcomes.extend(ladder.solve(&cases[4..6]));
     assert_eq!(ladder.library.lost(), Some(&GpuError::NoAdapter));
     outcomes.extend(ladder.solve(&cases[6..]));
-    let expected = Ladder::new(options).in_double(true).solve(&cases);
+    let expected = Ladder::new(options).in_double().solve(&cases);
     assert_eq!((outcomes.len(), expected.len()), (cases.len(), cases.len()));
     let mut of_device = 0;
     for (index, (outcome, expected)) in outcomes.iter().zip(&expected).enumerate() {
@@ -679,12 +679,12 @@ fn two_portions_are_on_the_device_at_a_time() {
     let mut cases = draw(17, 2200, concentric);
     cases.extend_from_within(1100..1500);
     (0..).zip(&mut cases).for_each(|(index, case)| case.index = index);
-    let expected = Ladder::new(options).in_double(true).solve(&cases);
+    let expected = Ladder::new(options).in_double().solve(&cases);
     let mut of_device = Vec::new();
     for at in [Some(1), Some(2), Some(3), Some(4), Some(5), None] {
         let device = GivesUp { at, ..GivesUp::default() };
         let (most_begun, asked) = (Arc::clone(&device.most_begun), Arc::clone(&device.asked));
-        let mut ladder = Ladder::new(options).in_double(true).on(Box::new(device));
+        let mut ladder = Ladder::new(options).in_double().on(Box::new(device));
         let outcomes = ladder.solve(&cases);
         assert_eq!((ladder.library.lost().is_some(), outcomes.len()), (at.is_some(), cases.len()));
         assert_eq!(most_begun.load(Ordering::Relaxed), if at == Some(1) { 1 } else { 2 });
@@ -710,9 +710,9 @@ fn a_device_leaves_lined_bodies_to_the_processor() {
         DesignCase { index, ..case(joint(pin, plate), &[Load::Indentation(0.01)]) }
     };
     let cases: Vec<DesignCase> = (0..6).map(design).collect();
-    let mut ladder = Ladder::new(options).in_double(true).on(Box::new(GivesUp::at(2)));
+    let mut ladder = Ladder::new(options).in_double().on(Box::new(GivesUp::at(2)));
     let outcomes = ladder.solve(&cases);
-    let expected = Ladder::new(options).in_double(true).solve(&cases);
+    let expected = Ladder::new(options).in_double().solve(&cases);
     assert_eq!((outcomes.len(), expected.len()), (cases.len(), cases.len()));
     for (index, (outcome, expected)) in outcomes.iter().zip(&expected).enumerate() {
         assert_eq!(outcome.steps, expected.steps);

@@ -30,7 +30,7 @@ fn by(
     let condenser = GpuChoice { solver, ..GpuChoice::new(gpu, precision) }.condenser().unwrap();
     // Joints as on a device that is no software.
     let condenser = condenser.solving_joints(joints_in(precision));
-    let mut ladder = Ladder::new(options).in_double(true).on(Box::new(condenser));
+    let mut ladder = Ladder::new(options).in_double().on(Box::new(condenser));
     let outcomes = ladder.solve(cases);
     assert_eq!(ladder.library.lost(), None);
     outcomes
@@ -78,7 +78,7 @@ fn a_thousand_random_designs_of_each_kind() {
         ("half disc in annulus", draw(72, 1000, half_disc_in_annulus)),
         ("disc in block", draw(73, 1000, disc_in_block)),
     ] {
-        let expected = Ladder::new(options).in_double(true).solve(&cases);
+        let expected = Ladder::new(options).in_double().solve(&cases);
         for (precision, _) in precisions() {
             let found = by(DeviceSolver::Eliminate, device(), precision, options, &cases);
             let (worst, count) = compare(&found, &expected, BackendKind::Gpu);
@@ -111,9 +111,9 @@ fn a_thousand_random_designs_of_few_bodies_by_iteration() {
         })
         .collect();
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
-    let expected = Ladder::new(options).in_double(true).solve(&cases);
+    let expected = Ladder::new(options).in_double().solve(&cases);
     // Negative control: forces of another mesh are not those of this one.
-    let finer = Ladder::new(SolveOptions { accuracy: 1e-3, ..options }).in_double(true).solve(&cases[..50]);
+    let finer = Ladder::new(SolveOptions { accuracy: 1e-3, ..options }).in_double().solve(&cases[..50]);
     let force = |outcome: &DesignOutcome| outcome.steps[0].response.unwrap().force;
     let other = greatest(expected[..50].iter().zip(&finer).map(|(a, b)| force(a) / force(b) - 1.0));
     assert!(finer.len() == 50 && other > 3.0 * allowed(Precision::F32), "{other:e}");
@@ -159,7 +159,7 @@ fn designs_of_every_kind_in_every_precision() {
         [(MethodChoice::Auto, 3e-3, [24, 44]), (MethodChoice::Fe, 0.01, [0, 68])]
     {
         let options = SolveOptions { accuracy, method };
-        let expected = Ladder::new(options).in_double(true).solve(&cases);
+        let expected = Ladder::new(options).in_double().solve(&cases);
         for (precision, _) in precisions() {
             let found = on_device(device(), precision, options, &cases);
             // What `auto` needs no mesh for stays with the processor.
@@ -197,7 +197,7 @@ fn designs_of_every_kind_in_every_precision() {
 fn what_the_device_cannot_hold_the_processor_solves() {
     let cases = draw(41, 4, half_disc_in_annulus);
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
-    let expected = Ladder::new(options).in_double(true).solve(&cases);
+    let expected = Ladder::new(options).in_double().solve(&cases);
     let mut small = device().clone();
     // Not even for the mesh of one body.
     small.facts.limits.binding_bytes = 2_000;
@@ -224,7 +224,7 @@ fn what_f32_cannot_solve_the_processor_does() {
         joint.plate.material.poissons_ratio = 0.49999;
     }
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
-    let expected = Ladder::new(options).in_double(true).solve(&cases);
+    let expected = Ladder::new(options).in_double().solve(&cases);
     let found = on_device(device(), Precision::F32, options, &cases);
     assert_eq!(compare(&found, &expected, BackendKind::Cpu), (0.0, 1));
 }
@@ -240,12 +240,12 @@ fn a_device_that_is_lost_loses_no_design() {
 fn lose_a_device(solver: DeviceSolver) {
     let cases = draw(51, 6, concentric);
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
-    let expected = Ladder::new(options).in_double(true).solve(&cases);
+    let expected = Ladder::new(options).in_double().solve(&cases);
     // Not the one that the other tests share.
     let own = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap();
     let choice = GpuChoice { solver, ..GpuChoice::new(&own, Precision::F32) };
     let condenser = choice.condenser().unwrap();
-    let mut ladder = Ladder::new(options).in_double(true).on(Box::new(condenser));
+    let mut ladder = Ladder::new(options).in_double().on(Box::new(condenser));
     let first = ladder.solve(&cases[..2]);
     assert_eq!(ladder.library.lost(), None);
     let (worst, count) = compare(&first, &expected[..2], BackendKind::Gpu);

@@ -52,9 +52,10 @@ impl OwnError<'_> {
         }
     }
 
-    /// Of a mesh of a level.
-    pub fn of_mesh(body: &Body, level: usize) -> OwnError<'static> {
-        OwnError::Mesh(known_errors(body, level).copied().unwrap_or([f64::INFINITY; _]))
+    /// Of a mesh of a level, and what rounding leaves.
+    pub fn of_mesh(body: &Body, level: usize, rounding: f64) -> OwnError<'static> {
+        let known = known_errors(body, level).copied().unwrap_or([f64::INFINITY; _]);
+        OwnError::Mesh(known.map(|known| known + rounding))
     }
 }
 

@@ -8,7 +8,6 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::accuracy::single_precision::error_of_singles;
 use crate::engine::csv_rows::rows;
 use crate::engine::spaces::THIN;
 use crate::mechanics::body::{Body, Shape, annulus, block, cored_disc, half_disc};
@@ -145,8 +144,7 @@ static TABLES: LazyLock<Vec<Option<Table>>> = LazyLock::new(|| {
     for (group, stiffness, least, level, errors) in rows::<Row>(include_str!("known_errors.csv")) {
         let depth = DEPTHS.iter().filter(|depth| **depth < least).count();
         let table: &mut Option<Table> = &mut tables[Kind { group, stiffness, depth }.number()];
-        table.get_or_insert([[f64::NAN; COLUMNS.len() + 1]; KNOWN_LEVELS])[level] =
-            errors.map(|error| error + error_of_singles(group, level));
+        table.get_or_insert([[f64::NAN; COLUMNS.len() + 1]; KNOWN_LEVELS])[level] = errors;
     }
     tables
 });

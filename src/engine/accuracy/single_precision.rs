@@ -1,25 +1,24 @@
-//! What single precision leaves of a force, and which meshes are condensed in it.
+//! Which bodies are condensed in single precision, and what that leaves of a force.
 
-use crate::engine::accuracy::known_errors::Group;
 use crate::mechanics::body::Body;
 use crate::mechanics::grading::GradingClass;
 
-/// Mesh levels that are condensed in single precision: the coarsest, whose own errors are mostly far greater.
+/// From this accuracy on, relative, of the force.
+const COARSE: f64 = 1e-2;
+
+/// On these mesh levels, the coarsest: their own errors are mostly far greater.
 const LEVELS: usize = 2;
 
 /// Relative, of the force, at most (`tests/engine/single_precision.rs`).
-const OF_SINGLES: f64 = 3e-5;
+pub const OF_SINGLES: f64 = 3e-5;
 
-/// Whether a body on a mesh of a class is condensed in single precision: where it is bare, pressed at the load line, and its far boundary round.
-/// Blocks lose up to 1e-4 of the force.
-pub fn bears_singles(body: &Body, class: &GradingClass) -> bool {
-    class.level < LEVELS && !class.is_lined() && !class.all_around && body.shape.sides.is_empty()
+/// Whether an accuracy of the force bears it.
+pub fn accuracy_bears_singles(accuracy: f64) -> bool {
+    accuracy >= COARSE
 }
 
-/// What it leaves of a force, of meshes of a level.
-pub fn error_of_singles(group: Group, level: usize) -> f64 {
-    match group {
-        Group::Concentric | Group::HalfDisc if level < LEVELS => OF_SINGLES,
-        _ => 0.0,
-    }
+/// Whether a body on a mesh of a class does: where it is bare, pressed at the load line, and its far boundary round. Blocks lose up to 1e-4 of the
+/// force.
+pub fn body_bears_singles(body: &Body, class: &GradingClass) -> bool {
+    class.level < LEVELS && !class.is_lined() && !class.all_around && body.shape.sides.is_empty()
 }
