@@ -56,19 +56,6 @@ pub struct BodyLibrary<'a> {
 /// A request with its hash.
 pub type RequestKey = Hashed<BodyRequest>;
 
-/// The bodies of a joint, the pin first: each on its own mesh, and on the next coarser one where the change since then is what tells its error.
-#[derive(Clone, Copy, Debug)]
-pub struct JointBodies {
-    pub own: [BodyHandle; 2],
-    pub coarser: [Option<BodyHandle>; 2],
-}
-
-impl JointBodies {
-    pub fn all(&self) -> impl Iterator<Item = BodyHandle> {
-        self.own.into_iter().chain(self.coarser.into_iter().flatten())
-    }
-}
-
 /// So many requests, or designs, at least are worth a thread where only little is done for each.
 pub(super) const MANY: usize = 64;
 

@@ -78,6 +78,19 @@ impl BodyHandle {
     }
 }
 
+/// The bodies of a joint, the pin first: each on its own mesh, and on the next coarser one where the change since then is what tells its error.
+#[derive(Clone, Copy, Debug)]
+pub struct JointBodies {
+    pub own: [BodyHandle; 2],
+    pub coarser: [Option<BodyHandle>; 2],
+}
+
+impl JointBodies {
+    pub fn all(&self) -> impl Iterator<Item = BodyHandle> {
+        self.own.into_iter().chain(self.coarser.into_iter().flatten())
+    }
+}
+
 /// The two near fields between which that of a body lies, by their places among those of its portion, and how far from the first to the
 /// second (0 to 1).
 #[derive(Clone, Copy, Debug)]

@@ -8,6 +8,7 @@ use foldhash::{HashMap, HashSet};
 
 use crate::engine::accuracy::Estimate as HowKnown;
 use crate::engine::accuracy::mesh_change::Trust;
+use crate::engine::accuracy::single_precision::{accuracy_bears_singles, body_bears_singles};
 use crate::engine::body_request::{
     BodyRequest, Fidelity, MeshSize, TopologyKey, concentric, mesh_class, mesh_size,
 };
@@ -26,6 +27,7 @@ use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::laws::calibrated::samples::RANGE;
 use crate::mechanics::real::LANES;
+use crate::mechanics::singles::SINGLES;
 use crate::study::config::{MethodChoice, Study};
 use crate::study::design::{DesignCase, Load};
 
@@ -68,13 +70,15 @@ struct Group {
     size: MeshSize,
     modes: usize,
     bodies: f64,
+    /// That a batch takes.
+    lanes: usize,
     /// Whether they have layers.
     is_lined: bool,
 }
 
 impl Group {
     fn seconds(&self) -> f64 {
-        let batches = (self.bodies / LANES as f64).ceil();
+        let batches = (self.bodies / self.lanes as f64).ceil();
         let of_batches = batches * batch(self.size).seconds();
         likely(self.bodies) * (topology(self.size, self.modes).seconds() + of_batches)
     }
@@ -89,6 +93,8 @@ fn likely(bodies: f64) -> f64 {
 #[derive(Default)]
 struct Needs {
     hasher: RandomState,
+    /// Whether bodies that bear it are condensed in single precision.
+    in_singles: bool,
     // Hashes, not keys: 8 bytes a body keep a million designs small.
     bodies: HashSet<u64>,
     solved: HashSet<u64>,
@@ -108,6 +114,10 @@ struct Needs {
 }
 
 impl Needs {
+    fn of_accuracy(accuracy: f64) -> Needs {
+        Needs { in_singles: accuracy_bears_singles(accuracy), ..Needs::default() }
+    }
+
     /// Adds a body as it is solved `times` a design, less than once where only some designs come to it.
     fn add(&mut self, request: &BodyRequest, times: f64) {
         self.bodies.insert(self.hasher.hash_one(&request.body));
@@ -122,6 +132,8 @@ impl Needs {
         let topology = TopologyKey::of(request);
         let group = self.groups.entry(self.hasher.hash_one(&topology)).or_default();
         (group.size, group.modes) = (size, RingModes::of(&topology.class).count);
+        let in_singles = self.in_singles && body_bears_singles(&request.body, &topology.class);
+        group.lanes = if in_singles { SINGLES } else { LANES };
         group.bodies += times;
         if times == 1.0 {
             self.unknowns += size.unknowns;
@@ -299,7 +311,7 @@ impl DesignCost<'_> {
         let Ok(first) = JointPlan::cheapest(case, solve.method, solve.accuracy) else {
             return without_meshes(of_rows);
         };
-        let mut needs = Needs::default();
+        let mut needs = Needs::of_accuracy(solve.accuracy);
         needs.climb(case, first, solve.accuracy);
         let mut parts = DesignParts {
             on_meshes: needs.for_devices,
@@ -307,7 +319,7 @@ impl DesignCost<'_> {
             ..DesignParts::default()
         };
         for group in needs.groups.values() {
-            let in_lanes = group.bodies * batch(group.size).seconds() / LANES as f64;
+            let in_lanes = group.bodies * batch(group.size).seconds() / group.lanes as f64;
             if group.is_lined {
                 parts.others += in_lanes;
             } else {
@@ -321,7 +333,7 @@ impl DesignCost<'_> {
     pub fn estimate(&self, designs: Range<u64>) -> Result<Estimate, Error> {
         let DesignCost { study, interpolation } = self;
         let (method, accuracy) = (study.solve.method, study.solve.accuracy);
-        let mut needs = Needs::default();
+        let mut needs = Needs::of_accuracy(accuracy);
         let count = designs.end.min(study.design_count()).saturating_sub(designs.start);
         let rows = count.saturating_mul(study.steps_per_design());
         let row = row(study.writes_table());

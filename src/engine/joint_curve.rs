@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::engine::bodies::JointBodies;
+use crate::engine::body_request::JointBodies;
 use crate::engine::joint_contact::{ContactRoom, SolvedPlan, solve_designs, with_curve};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::ladder::Ladder;

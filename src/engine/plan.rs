@@ -3,8 +3,7 @@
 use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, Want};
-use crate::engine::bodies::JointBodies;
-use crate::engine::body_request::{BodyHandle, BodyRequest, Fidelity};
+use crate::engine::body_request::{BodyHandle, BodyRequest, Fidelity, JointBodies};
 use crate::engine::expected_contact::ExpectedContact;
 use crate::engine::outcome::Method;
 use crate::engine::refusal::{Refusal, is_bounded};

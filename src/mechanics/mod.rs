@@ -1,6 +1,6 @@
 pub mod registers;
-pub mod singles;
 pub mod real;
+pub mod singles;
 pub mod material;
 pub mod body;
 pub mod element;
