@@ -2,8 +2,8 @@
 //! `cargo bench --bench condense`.
 //!
 //! First a table a mesh level: unknowns, counted floating-point operations a body (`CondensationPlan::operations`), the
-//! median time a body, GFLOP/s and their share of the peak, which a loop of independent multiply-adds measures. Then
-//! divan's figures of the same batches.
+//! median time a body, GFLOP/s and their share of the peak, which a loop of independent multiply-adds measures; `single`: in single
+//! precision, twice as many bodies against twice the peak. Then divan's figures of the same batches.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -14,6 +14,7 @@ use jointsweep::internals::mechanics::element::ElementKind;
 use jointsweep::internals::mechanics::grading::{GradingClass, LEVEL_COUNT};
 use jointsweep::internals::mechanics::material::Idealization;
 use jointsweep::internals::mechanics::real::LANES;
+use jointsweep::internals::mechanics::singles::SINGLES;
 
 #[path = "common/peak.rs"]
 mod peak;
@@ -21,11 +22,11 @@ mod peak;
 use peak::{median, peak};
 
 /// Plates of ratio 3 and a little less: one class, one topology.
-fn bodies() -> [Body; LANES] {
+fn bodies<const COUNT: usize>() -> [Body; COUNT] {
     std::array::from_fn(|lane| {
         let mut parameters = [0.0; MAX_PARAMETERS];
-        parameters[0] = 3.0 - 0.01 * lane as f64;
-        let poissons_ratio = 0.2 + 0.03 * lane as f64;
+        parameters[0] = 3.0 - 0.01 * (lane % LANES) as f64;
+        let poissons_ratio = 0.2 + 0.015 * lane as f64;
         let idealization = Idealization::PlaneStress;
         Body {
             shape: &annulus::SHAPE,
@@ -40,7 +41,7 @@ fn bodies() -> [Body; LANES] {
 }
 
 fn plan(level: usize) -> CondensationPlan {
-    let body = &bodies()[0];
+    let body = &bodies::<1>()[0];
     let class = GradingClass::of(body, ElementKind::Quad8, level);
     CondensationPlan::new(body, class.grading(body.shape.end_angle), RingModes::of(&class))
 }
@@ -48,15 +49,23 @@ fn plan(level: usize) -> CondensationPlan {
 fn main() {
     let peak = peak();
     println!("peak {:.1} GFLOP/s", peak / 1e9);
-    println!("level  unknowns   elements  factorise      modes  FLOP/body   us/body  GFLOP/s  of peak");
-    let bodies = bodies();
-    for level in 0..LEVEL_COUNT {
+    println!(
+        "level             unknowns   elements  factorise      modes  FLOP/body   us/body  GFLOP/s  of peak"
+    );
+    let (bodies, twice_as_many) = (bodies::<LANES>(), bodies::<SINGLES>());
+    let double = (0..LEVEL_COUNT).map(|level| (level, "double"));
+    for (level, precision) in double.chain([(0, "single"), (1, "single")]) {
         let plan = plan(level);
         let operations = plan.operations();
-        let seconds = median(101, || _ = black_box(plan.condense(&bodies))) / LANES as f64;
+        let in_double = || _ = black_box(plan.condense(&bodies));
+        let in_singles = || _ = black_box(plan.condense_in_singles(&twice_as_many));
+        let (seconds, peak) = match precision {
+            "double" => (median(101, in_double) / LANES as f64, peak),
+            _ => (median(101, in_singles) / SINGLES as f64, 2.0 * peak),
+        };
         let rate = operations.total() as f64 / seconds;
         println!(
-            "{level:>5} {:>9} {:>10} {:>10} {:>10} {:>10} {:>9.2} {:>8.1} {:>7.0} %",
+            "{level:>5} {precision:>9} {:>9} {:>10} {:>10} {:>10} {:>10} {:>9.2} {:>8.1} {:>7.0} %",
             plan.unknown_count(),
             operations.elements,
             operations.factorise,
@@ -73,6 +82,6 @@ fn main() {
 /// Items are bodies.
 #[divan::bench(args = 0..LEVEL_COUNT)]
 fn condense(bencher: Bencher, level: usize) {
-    let (plan, bodies) = (plan(level), bodies());
+    let (plan, bodies) = (plan(level), bodies::<LANES>());
     bencher.counter(ItemsCount::new(LANES)).bench_local(|| plan.condense(black_box(&bodies)));
 }
