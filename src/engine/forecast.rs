@@ -159,13 +159,13 @@ mod tests {
     /// What is looked at stands for all: twice the designs need twice as much, and as `DesignCost` has it.
     #[test]
     fn a_sweep_needs_what_its_designs_need() {
-        let all = study(400_000, "", "");
+        let all = study(800_000, "", "");
         let demand = Demand::worth_a_device(&all, 1).unwrap();
         let cost = DesignCost::of_study(&all);
         let sum: f64 = all.cases().unwrap().take(2000).map(|case| cost.seconds(&case.unwrap())).sum();
         let told = demand.for_devices() + demand.others;
-        assert!((told / (200.0 * sum) - 1.0).abs() < 0.05, "{told} {sum}");
-        let twice = Demand::worth_a_device(&study(800_000, "", ""), 1).unwrap();
+        assert!((told / (400.0 * sum) - 1.0).abs() < 0.05, "{told} {sum}");
+        let twice = Demand::worth_a_device(&study(1_600_000, "", ""), 1).unwrap();
         for (twice, once) in [(twice.bodies, demand.bodies), (twice.on_meshes, demand.on_meshes)] {
             assert!((twice.seconds / once.seconds - 2.0).abs() < 0.1, "{twice:?} {once:?}");
             assert!((twice.count / once.count - 2.0).abs() < 0.1, "{twice:?} {once:?}");
@@ -183,8 +183,8 @@ mod tests {
     fn sweeps_with_little_to_solve_ask_no_device() {
         assert_eq!(Demand::worth_a_device(&study(1000, "", ""), 1), None);
         let interpolated = |count| study(count, "interpolation = \"off\"", "interpolation = \"auto\"");
-        assert!(Demand::worth_a_device(&study(400_000, "", ""), 1).is_some());
-        assert_eq!(Demand::worth_a_device(&interpolated(400_000), 1), None);
+        assert!(Demand::worth_a_device(&study(800_000, "", ""), 1).is_some());
+        assert_eq!(Demand::worth_a_device(&interpolated(800_000), 1), None);
         let demand = Demand::worth_a_device(&interpolated(3_000_000), 1).unwrap();
         assert!((demand.interpolated.count / 3e6 - 1.0).abs() < 0.05, "{demand:?}");
         assert!(demand.interpolated.seconds > 10.0 * demand.bodies.seconds, "{demand:?}");

@@ -367,10 +367,13 @@ mod tests {
     /// NaN are alike.
     #[test]
     fn registers_do_what_single_numbers_do() {
-        const NUMBERS: [f32; 12] = [
+        const NUMBERS: [f32; 14] = [
             0.0,
             -0.0,
             1.0,
+            // The product of these is no number.
+            1.000_000_1,
+            1.000_000_2,
             -1.5,
             3.7e-5,
             1e30,
