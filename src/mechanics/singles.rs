@@ -6,7 +6,9 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use std::arch::x86_64::*;
 
 use crate::mechanics::real::{Bodies, Lanes, Real};
-use crate::mechanics::registers::{ANY, AVX2, AVX512};
+use crate::mechanics::registers::ANY;
+#[cfg(target_arch = "x86_64")]
+use crate::mechanics::registers::{AVX2, AVX512};
 
 /// One 512-bit register of `f32`.
 pub const SINGLES: usize = 16;
