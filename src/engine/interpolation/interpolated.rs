@@ -51,6 +51,8 @@ impl Interpolation {
             return;
         }
         let started = Stopwatch::start();
+        // A fit takes the rounding of its samples for what is left of it.
+        let in_singles = std::mem::replace(&mut library.in_singles, false);
         let mut fitted = HashMap::default();
         for (number, (family, budget)) in self.plan.families.iter().enumerate() {
             if let Some(mut fit) = family.fit(self.plan.accuracy, *budget, library, spaces) {
@@ -61,6 +63,7 @@ impl Interpolation {
                 fitted.insert(family.key, fit);
             }
         }
+        library.in_singles = in_singles;
         self.fitted = Some(fitted);
         self.fit_time += started.elapsed();
     }
