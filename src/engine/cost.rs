@@ -235,8 +235,10 @@ fn working_range_of(case: &DesignCase) -> (f64, f64) {
 /// What a design takes, s.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DesignParts {
-    /// Bodies that a device may condense, and their condensation on the processor.
+    /// Bodies that a device may condense, and their condensation on the processor in double precision.
     pub bodies: Part,
+    /// What the processor saves of that by single precision.
+    pub saved: f64,
     /// Joints of bodies on meshes that a device may solve, and their contact on the processor.
     pub on_meshes: Part,
     /// The same of interpolated bodies.
@@ -286,8 +288,8 @@ impl DesignCost<'_> {
 
     /// A further design, s, whatever it shares with others.
     pub fn seconds(&self, case: &DesignCase) -> f64 {
-        let DesignParts { bodies, on_meshes, interpolated, others, .. } = self.parts(case);
-        bodies.seconds + on_meshes.seconds + interpolated.seconds + others
+        let DesignParts { bodies, saved, on_meshes, interpolated, others, .. } = self.parts(case);
+        bodies.seconds - saved + on_meshes.seconds + interpolated.seconds + others
     }
 
     /// The same by what a device may do of it.
@@ -319,11 +321,13 @@ impl DesignCost<'_> {
             ..DesignParts::default()
         };
         for group in needs.groups.values() {
-            let in_lanes = group.bodies * batch(group.size).seconds() / group.lanes as f64;
+            let of_lanes = |lanes: usize| group.bodies * batch(group.size).seconds() / lanes as f64;
+            let in_double = of_lanes(LANES);
             if group.is_lined {
-                parts.others += in_lanes;
+                parts.others += in_double;
             } else {
-                parts.bodies += Part { count: group.bodies, seconds: in_lanes };
+                parts.bodies += Part { count: group.bodies, seconds: in_double };
+                parts.saved += in_double - of_lanes(group.lanes);
             }
         }
         parts

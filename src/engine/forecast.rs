@@ -16,6 +16,7 @@ use crate::study::config::Study;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Demand {
     pub bodies: Part,
+    pub saved: f64,
     pub on_meshes: Part,
     pub interpolated: Part,
     pub others: f64,
@@ -62,7 +63,7 @@ impl Demand {
 
     /// What a device may do of it.
     fn for_devices(&self) -> f64 {
-        self.bodies.seconds + self.on_meshes.seconds + self.interpolated.seconds
+        self.bodies.seconds - self.saved + self.on_meshes.seconds + self.interpolated.seconds
     }
 
     /// By designs that stand for all.
@@ -73,6 +74,7 @@ impl Demand {
             let case = case.ok()?;
             let parts = cost.parts(&case);
             sum.bodies += parts.bodies;
+            sum.saved += parts.saved;
             sum.on_meshes += parts.on_meshes;
             sum.interpolated += parts.interpolated;
             sum.others += parts.others;
@@ -95,6 +97,7 @@ impl Demand {
         let once = distinct.iter().sum::<f64>() / (2.0 * on_meshes).max(1.0);
         Some(Demand {
             bodies: sum.bodies * once,
+            saved: sum.saved * once,
             on_meshes: sum.on_meshes * of_all,
             interpolated: sum.interpolated * of_all,
             others: sum.others * of_all,
@@ -173,6 +176,7 @@ mod tests {
         // A joint has two bodies.
         assert!((demand.bodies.count / demand.on_meshes.count - 2.0).abs() < 0.1, "{demand:?}");
         assert_eq!(demand.interpolated, Part::default());
+        assert!(demand.saved > 0.3 * demand.bodies.seconds, "{demand:?}");
         // More threads are through with it in no time.
         assert!(demand.for_devices() > WORTH);
         assert_eq!(Demand::worth_a_device(&all, (demand.for_devices() / WORTH) as usize + 1), None);
@@ -256,6 +260,7 @@ mod tests {
         let part = |count, seconds| Part { count, seconds };
         let demand = Demand {
             bodies: part(2e6, 60.0),
+            saved: 0.0,
             on_meshes: part(1e6, 0.0),
             interpolated: part(0.0, 0.0),
             others: 16.0,
@@ -263,6 +268,9 @@ mod tests {
         };
         let Forecast { processor, device } = demand.forecast(&RATES, 2);
         assert_eq!((processor, device), (38.0, 1.0 + 10.0));
+        // Single precision is the processor's.
+        let saving = Demand { saved: 30.0, ..demand }.forecast(&RATES, 2);
+        assert_eq!(saving, Forecast { processor: 23.0, device });
         let of = |rates: Rates, threads: usize| demand.forecast(&rates, threads).prefers_device();
         assert!(of(RATES, 2) && of(RATES, 16));
         for (is_taken, rates) in [
@@ -287,6 +295,7 @@ mod tests {
         let none = part(0.0, 0.0);
         let on_meshes = Demand {
             bodies: none,
+            saved: 0.0,
             on_meshes: part(1e6, 40.0),
             interpolated: none,
             others: 4.0,
