@@ -226,7 +226,7 @@ struct Layering<'a, T> {
     layers: Layers,
     /// Of the layer next to the lining, in the shape's measure.
     first: T,
-    /// Zero where no shape reaches the centre.
+    /// Of a shape that reaches the centre: what takes lines there (`centre_pull`), and its greatest depth.
     centre_pull: Option<(T, T)>,
     /// Of the last line, in the shape's measure; NaN before the first.
     depth: T,

@@ -78,23 +78,31 @@ fn loads_of_a_ring_are_those_of_its_bodies() {
 /// The works on a body do not depend on what fills the other lanes, in plane stress or in plane strain, nor on how many bodies there are.
 #[test]
 fn company_does_not_matter() {
-    let one = |i: usize| {
-        let idealization = Idealization::ALL[i % 3 % 2];
-        body("annulus", &[2.8 + 0.02 * i as f64], idealization, 0.1 + 0.03 * i as f64)
-    };
-    let bodies: Vec<Body> = (0..11).map(one).collect();
-    let class = GradingClass::of(&bodies[0], ElementKind::Quad8, 1);
-    assert!(bodies.iter().all(|body| GradingClass::of(body, ElementKind::Quad8, 1) == class));
-    let plan = plan(&bodies[0], &class);
-    let together = plan.condense(&bodies);
-    assert_eq!(together.len(), bodies.len());
-    for (body, works) in bodies.iter().zip(&together) {
-        assert_eq!(plan.condense(std::slice::from_ref(body))[0], *works);
+    type Ratios = fn(f64) -> Vec<f64>;
+    let shapes: [(&str, Ratios); 4] = [
+        ("annulus", |i| vec![2.8 + 0.02 * i]),
+        ("rigid-core", |i| vec![0.3 - 0.001 * i]),
+        ("rigid-midplane", |_| vec![]),
+        // Each line of each has a depth of its own.
+        ("block", |i| vec![2.0 + 0.002 * i, 3.0, 1.6]),
+    ];
+    for (name, ratios) in shapes {
+        let one = |i: usize| {
+            let idealization = Idealization::ALL[i % 3 % 2];
+            body(name, &ratios(i as f64), idealization, 0.1 + 0.03 * i as f64)
+        };
+        let bodies: Vec<Body> = (0..11).map(one).collect();
+        let class = GradingClass::of(&bodies[0], ElementKind::Quad8, 1);
+        assert!(bodies.iter().all(|body| GradingClass::of(body, ElementKind::Quad8, 1) == class), "{name}");
+        let plan = plan(&bodies[0], &class);
+        let together = plan.condense(&bodies);
+        assert_eq!(together.len(), bodies.len());
+        for (body, works) in bodies.iter().zip(&together) {
+            assert_eq!(plan.condense(std::slice::from_ref(body))[0], *works, "{name}");
+        }
     }
 }
 
-/// A body too thin for the mesh of its company, whose lines then cut the ring, is told by NaN where the general path
-/// refuses it, be its stiffness positive definite or not; the others are not hurt.
 /// In single precision works are those of double precision but for its rounding; each body comes to the same bits in any company, and one that
 /// would lose too many digits to those of double precision.
 #[test]
