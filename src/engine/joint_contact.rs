@@ -45,14 +45,14 @@ pub struct SolvedPlan<'a> {
 pub fn with_curve<T>(
     library: &BodyLibrary,
     spaces: &Spaces,
-    plan: SolvedPlan,
+    solved: SolvedPlan,
     joint: &JointDesign,
     ask: impl FnOnce(&ContactCurve) -> T,
 ) -> Option<T> {
-    let space = spaces.get(plan.plan.space);
+    let space = spaces.get(solved.plan.space);
     let outlines = JointScale::of(joint).outlines;
     let mut rooms = Default::default();
-    let (bodies, _) = judged_bodies(library, space, plan, joint, &outlines, &mut rooms);
+    let (bodies, _) = judged_bodies(library, space, solved, joint, &outlines, &mut rooms);
     ContactCurve::new(space, &bodies.each_ref().map(|body| &body.part), outlines).map(|curve| ask(&curve))
 }
 

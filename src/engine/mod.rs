@@ -21,6 +21,7 @@ pub mod row;
 pub mod question;
 pub mod unit_costs;
 pub mod backend;
+pub mod body_portions;
 pub mod bodies;
 mod device_joints;
 pub mod joint_contact;

@@ -7,6 +7,7 @@ pub mod element;
 pub mod layers;
 pub mod lining_rows;
 pub mod mesh;
+pub mod lines;
 pub mod grading;
 pub mod contact_grading;
 pub mod assembly;

@@ -5,7 +5,8 @@ use jointsweep::internals::mechanics::body::Body;
 use jointsweep::internals::mechanics::compliance::RingCompliance;
 use jointsweep::internals::mechanics::compliance::condense::by_cholesky;
 use jointsweep::internals::mechanics::element::stiffness::Elasticity;
-use jointsweep::internals::mechanics::mesh::{Grading, RingTopology, coordinates};
+use jointsweep::internals::mechanics::lines::coordinates;
+use jointsweep::internals::mechanics::mesh::{Grading, RingTopology};
 use jointsweep::internals::mechanics::solve::cholesky::CholeskyAnalysis;
 
 /// A body with its mesh.

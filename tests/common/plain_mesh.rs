@@ -10,8 +10,9 @@ use jointsweep::internals::mechanics::element::quadrature::gauss_legendre;
 use jointsweep::internals::mechanics::element::stiffness::{Elasticity, ElementRule, element_stiffness};
 use jointsweep::internals::mechanics::element::{ElementKind, MAX_NODES, side_functions};
 use jointsweep::internals::mechanics::layers::{Layers, layer_thicknesses};
+use jointsweep::internals::mechanics::lines::coordinates;
 use jointsweep::internals::mechanics::lining_rows::LiningDivision;
-use jointsweep::internals::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
+use jointsweep::internals::mechanics::mesh::{Grading, RingTopology, SUPPORTED};
 use jointsweep::internals::mechanics::solve::band::{BandStructure, TILE, Tile};
 use jointsweep::internals::study::design::JointDesign;
 

@@ -17,8 +17,8 @@ pub fn accuracy_bears_singles(accuracy: f64) -> bool {
     accuracy >= COARSE
 }
 
-/// Whether a body on a mesh of a class does: where it is bare, pressed at the load line, and its far boundary round. Blocks lose up to 1e-4 of the
-/// force.
+/// Whether a body on a mesh of a class does: where it is bare, pressed at the load line, and its far boundary round: blocks lose
+/// more.
 pub fn body_bears_singles(body: &Body, class: &GradingClass) -> bool {
     class.level < LEVELS && !class.is_lined() && !class.all_around && body.shape.sides.is_empty()
 }

@@ -11,7 +11,8 @@ use crate::mechanics::element::MAX_NODES;
 use crate::mechanics::element::stiffness::{
     Elasticity, ElementRule, ElementStiffness, element_stiffness_in_room, stiffness_operations,
 };
-use crate::mechanics::mesh::{Grading, RingTopology, coordinates_abreast};
+use crate::mechanics::lines::coordinates_abreast;
+use crate::mechanics::mesh::{Grading, RingTopology};
 use crate::mechanics::real::{Alone, Bodies, LANES, Lanes, Real};
 use crate::mechanics::singles::{SINGLES, Single, Singles};
 use crate::mechanics::solve::band::{BandStructure, TILE, Tile};

@@ -22,7 +22,8 @@ use crate::mechanics::element::quadrature::TWO_POINT;
 use crate::mechanics::element::stiffness::{Elasticity, strain};
 use crate::mechanics::element::{ElementKind, MAX_NODES, ShapeFunctions};
 use crate::mechanics::grading::GradingClass;
-use crate::mechanics::mesh::{Grading, RingTopology, SUPPORTED, coordinates};
+use crate::mechanics::lines::coordinates;
+use crate::mechanics::mesh::{Grading, RingTopology, SUPPORTED};
 use crate::mechanics::solve::cholesky::CholeskyAnalysis;
 
 /// What a body has on a circle beyond its reference.

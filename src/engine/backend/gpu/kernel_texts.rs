@@ -21,7 +21,7 @@ use crate::mechanics::contact::edge::{SLOWEST, TENSION};
 use crate::mechanics::contact::reduced::{DECISIVE, FUNCTIONS, OF_LOAD};
 use crate::mechanics::contact::search::MOST_OF_POLYNOMIALS;
 use crate::mechanics::layers::{MOST_STEPS, SHRINK, STEEPEST, TOLERANCE};
-use crate::mechanics::mesh::{CROWDING, LEEWAY, THICK_WALL};
+use crate::mechanics::lines::{CROWDING, LEEWAY, THICK_WALL};
 
 /// How a kernel uses what it is bound to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,10 +11,9 @@ use crate::mechanics::assembly::Assembly;
 use crate::mechanics::body::Body;
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::element::stiffness::ElementRule;
+use crate::mechanics::lines::centre_pull;
 use crate::mechanics::material::Idealization;
-use crate::mechanics::mesh::{
-    Grading, RingTopology, centre_pull, corner_columns, holding_changes, polar, ring_points,
-};
+use crate::mechanics::mesh::{Grading, RingTopology, corner_columns, holding_changes, polar, ring_points};
 
 /// What `assemble` is told of the bodies of a topology. `_at`: the elements before those of the topology in a buffer that others share.
 #[repr(C)]
