@@ -202,13 +202,38 @@ impl<const WIDTH: usize, const COUNT: usize> Real for Lanes<WIDTH, COUNT> {
     }
 }
 
-/// One number of one body, which comes to the same bits as in a lane of `Lanes`.
+/// A number of the language.
+pub trait Scalar: Real + PartialOrd + Into<f64> {
+    /// `self - a * b` with one rounding.
+    fn minus_fused_product(self, a: Self, b: Self) -> Self;
+    /// Without its sign.
+    fn magnitude(self) -> Self;
+}
+
+macro_rules! scalar {
+    ($scalar:ty) => {
+        impl Scalar for $scalar {
+            #[inline(always)]
+            fn minus_fused_product(self, a: Self, b: Self) -> Self {
+                (-a).mul_add(b, self)
+            }
+            #[inline(always)]
+            fn magnitude(self) -> Self {
+                self.abs()
+            }
+        }
+    };
+}
+scalar!(f64);
+scalar!(f32);
+
+/// One number of one body, which comes to the same bits as in a lane of `Lanes`, in single precision of `Singles`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Alone<const WIDTH: usize>(pub f64);
+pub struct Alone<const WIDTH: usize, S = f64>(pub S);
 
 macro_rules! alone {
     ($trait:ident, $method:ident) => {
-        impl<const WIDTH: usize> $trait for Alone<WIDTH> {
+        impl<const WIDTH: usize, S: Scalar> $trait for Alone<WIDTH, S> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
@@ -222,21 +247,21 @@ alone!(Sub, sub);
 alone!(Mul, mul);
 alone!(Div, div);
 
-impl<const WIDTH: usize> AddAssign for Alone<WIDTH> {
+impl<const WIDTH: usize, S: Scalar> AddAssign for Alone<WIDTH, S> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         self.0 += other.0;
     }
 }
 
-impl<const WIDTH: usize> SubAssign for Alone<WIDTH> {
+impl<const WIDTH: usize, S: Scalar> SubAssign for Alone<WIDTH, S> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         self.0 -= other.0;
     }
 }
 
-impl<const WIDTH: usize> Neg for Alone<WIDTH> {
+impl<const WIDTH: usize, S: Scalar> Neg for Alone<WIDTH, S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -244,10 +269,10 @@ impl<const WIDTH: usize> Neg for Alone<WIDTH> {
     }
 }
 
-impl<const WIDTH: usize> Real for Alone<WIDTH> {
+impl<const WIDTH: usize, S: Scalar> Real for Alone<WIDTH, S> {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
-        Alone(value)
+        Alone(S::from_f64(value))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -263,28 +288,28 @@ impl<const WIDTH: usize> Real for Alone<WIDTH> {
     }
     #[inline(always)]
     fn is_positive(self) -> bool {
-        self.0 > 0.0
+        self.0.is_positive()
     }
     #[inline(always)]
     fn minus_product(self, a: Self, b: Self) -> Self {
-        Alone(if WIDTH == ANY { self.0 - a.0 * b.0 } else { (-a.0).mul_add(b.0, self.0) })
+        Alone(if WIDTH == ANY { self.0 - a.0 * b.0 } else { self.0.minus_fused_product(a.0, b.0) })
     }
 }
 
-impl<const WIDTH: usize> Bodies for Alone<WIDTH> {
+impl<const WIDTH: usize, S: Scalar> Bodies for Alone<WIDTH, S> {
     const COUNT: usize = 1;
 
     #[inline(always)]
     fn lane(&self, _: usize) -> f64 {
-        self.0
+        self.0.into()
     }
     #[inline(always)]
     fn set_lane(&mut self, _: usize, value: f64) {
-        self.0 = value;
+        self.0 = S::from_f64(value);
     }
     #[inline(always)]
     fn size(self) -> Self {
-        Alone(self.0.abs())
+        Alone(self.0.magnitude())
     }
     #[inline(always)]
     fn if_less(self, other: Self, x: Self, y: Self) -> Self {

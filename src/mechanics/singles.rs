@@ -1,11 +1,11 @@
-//! Bodies side by side in single precision, twice as many as in double, or one alone: as `Lanes` and `Alone` are in double.
+//! Bodies side by side in single precision, twice as many as in double: as `Lanes` are.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 
-use crate::mechanics::real::{Bodies, Lanes, Real};
+use crate::mechanics::real::{Alone, Bodies, Lanes, Real};
 use crate::mechanics::registers::ANY;
 #[cfg(target_arch = "x86_64")]
 use crate::mechanics::registers::{AVX2, AVX512};
@@ -213,95 +213,8 @@ impl<const WIDTH: usize> Singles<WIDTH> {
     }
 }
 
-/// One number of one body, which comes to the same bits as in a lane of `Singles`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Single<const WIDTH: usize>(pub f32);
-
-macro_rules! alone {
-    ($trait:ident, $method:ident) => {
-        impl<const WIDTH: usize> $trait for Single<WIDTH> {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                Single(self.0.$method(other.0))
-            }
-        }
-    };
-}
-alone!(Add, add);
-alone!(Sub, sub);
-alone!(Mul, mul);
-alone!(Div, div);
-
-impl<const WIDTH: usize> AddAssign for Single<WIDTH> {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        self.0 += other.0;
-    }
-}
-
-impl<const WIDTH: usize> SubAssign for Single<WIDTH> {
-    #[inline(always)]
-    fn sub_assign(&mut self, other: Self) {
-        self.0 -= other.0;
-    }
-}
-
-impl<const WIDTH: usize> Neg for Single<WIDTH> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Single(-self.0)
-    }
-}
-
-impl<const WIDTH: usize> Real for Single<WIDTH> {
-    #[inline(always)]
-    fn from_f64(value: f64) -> Self {
-        Single(value as f32)
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Single(self.0.sqrt())
-    }
-    #[inline(always)]
-    fn exp(self) -> Self {
-        Single(self.0.exp())
-    }
-    #[inline(always)]
-    fn least(self, other: Self) -> Self {
-        Single(self.0.least(other.0))
-    }
-    #[inline(always)]
-    fn is_positive(self) -> bool {
-        self.0 > 0.0
-    }
-    #[inline(always)]
-    fn minus_product(self, a: Self, b: Self) -> Self {
-        Single(if WIDTH == ANY { self.0 - a.0 * b.0 } else { (-a.0).mul_add(b.0, self.0) })
-    }
-}
-
-impl<const WIDTH: usize> Bodies for Single<WIDTH> {
-    const COUNT: usize = 1;
-
-    #[inline(always)]
-    fn lane(&self, _: usize) -> f64 {
-        f64::from(self.0)
-    }
-    #[inline(always)]
-    fn set_lane(&mut self, _: usize, value: f64) {
-        self.0 = value as f32;
-    }
-    #[inline(always)]
-    fn size(self) -> Self {
-        Single(self.0.abs())
-    }
-    #[inline(always)]
-    fn if_less(self, other: Self, x: Self, y: Self) -> Self {
-        if self.0 < other.0 { x } else { y }
-    }
-}
+/// One number of one body, which comes to the same bits as in a lane.
+pub type Single<const WIDTH: usize> = Alone<WIDTH, f32>;
 
 #[cfg(test)]
 mod tests {
@@ -338,7 +251,7 @@ mod tests {
     /// The same number by number.
     fn alone<const WIDTH: usize>([a, b, c]: [f32; 3]) -> Vec<f32> {
         let rounded = Single::<WIDTH>::from_f64(f64::from(a) / 3.0);
-        let [a, b, c] = [a, b, c].map(Single::<WIDTH>);
+        let [a, b, c] = [a, b, c].map(Alone::<WIDTH, f32>);
         let results = [
             a + b,
             a - b,

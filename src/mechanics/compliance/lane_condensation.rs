@@ -234,7 +234,7 @@ impl<const WIDTH: usize> Working for Single<WIDTH> {
     }
     #[inline(always)]
     fn within(place: Alone<WIDTH>, origin: Alone<WIDTH>) -> Self {
-        Single((place.0 - origin.0) as f32)
+        Alone((place.0 - origin.0) as f32)
     }
 }
 
