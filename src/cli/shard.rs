@@ -61,14 +61,16 @@ pub fn run(args: &RunArgs, study: &Study, part: Part, started: SystemTime) -> Re
     // A merged result of the same sweep says nothing of this shard; one of another sweep is in the way.
     whole.check(study, permissions)?;
     if let Some(origin) = complete(study, &shard, dir, permissions)? {
+        remove_rest(&shard.folder(dir))?;
         return already_done(args, &shard.file(dir), &origin);
     }
     let chosen = backend::choose(&args.backend, study)?;
     let gpu = backend::gpu(&chosen);
     let conditions = Conditions { gpu, threads: threads(args.threads), started };
-    let claim = claim(args, &shard.folder(dir))?;
+    let mut claim = claim(args, &shard.folder(dir))?;
     // While this one waited another may have made it.
     if let Some(origin) = complete(study, &shard, dir, permissions)? {
+        claim.remove()?;
         return already_done(args, &shard.file(dir), &origin);
     }
     let begun = match shard.folder(dir).check(study, permissions)? {
@@ -109,6 +111,18 @@ fn complete(
         // It is made anew.
         Err(Error::DamagedShard { .. }) => Ok(None),
         Err(error) => Err(error),
+    }
+}
+
+/// Removes the folder of a complete shard, which a run leaves that is killed before it can.
+fn remove_rest(folder: &ResultFolder) -> Result<(), Error> {
+    if !folder.dir().exists() {
+        return Ok(());
+    }
+    match folder.claim("that removes what is left of a shard") {
+        // It is being made anew.
+        Err(Error::FolderInUse { .. }) => Ok(()),
+        claim => claim?.remove(),
     }
 }
 

@@ -25,15 +25,20 @@ pub struct Claim {
 impl ResultFolder {
     /// Creates the folder and takes its lock; `what` is to be said of the holder to others.
     pub fn claim(&self, what: &str) -> Result<Claim, Error> {
-        let created = self.create()?;
-        match FolderLock::take(self.dir(), what) {
-            Ok(lock) => {
-                self.settle()?;
-                Ok(Claim { folder: self.clone(), created, lock: Some(lock), is_to_go: false })
-            }
-            Err(error) => {
-                remove_empty(&created);
-                Err(error)
+        loop {
+            let created = self.create()?;
+            match FolderLock::take(self.dir(), what) {
+                Ok(lock) => {
+                    self.settle()?;
+                    return Ok(Claim { folder: self.clone(), created, lock: Some(lock), is_to_go: false });
+                }
+                // Who had it before has just removed it.
+                Err(Error::Io { source, .. })
+                    if source.kind() == ErrorKind::NotFound && !self.dir().exists() => {}
+                Err(error) => {
+                    remove_empty(&created);
+                    return Err(error);
+                }
             }
         }
     }

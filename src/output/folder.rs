@@ -149,7 +149,9 @@ impl ResultFolder {
         let text = match std::fs::read(manifest) {
             Ok(text) => String::from_utf8_lossy(&text).into_owned(),
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
-                let left = self.files().map(name).find(|path| path.exists());
+                // A run that is killed when it has made its files and not yet its manifest leaves them empty.
+                let is_something = |path: &PathBuf| path.metadata().is_ok_and(|file| file.len() > 0);
+                let left = self.files().map(name).find(is_something);
                 return Ok(left.map_or(Occupant::Nobody, |path| {
                     let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                     Occupant::Other(format!("a {file} without a {MANIFEST}"))

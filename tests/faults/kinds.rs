@@ -1,12 +1,12 @@
 //! Answers and every kind of table, in shards and killed: the bytes are those of a run in one piece.
 
-use std::process::Command;
-use std::time::Duration;
+use std::time::Instant;
 
-use crate::common::workdir::{Ended, Workdir};
+use crate::common::workdir::Workdir;
 use crate::config;
+use crate::kills::{done, killed_after, killed_beyond};
 
-const DESIGNS: usize = 8_000;
+const DESIGNS: usize = 16_000;
 
 const ANSWERS: &str = r#"
 [select]
@@ -57,10 +57,11 @@ fn shards_and_kills_leave_no_trace_in_answers_and_tables() {
         (table("parquet"), 1),
         (kept, 1),
     ];
-    let mut went_on = 0;
     for (more, files) in kinds {
         work.write("sweep.toml", &format!("{}{more}", config(DESIGNS)));
+        let started = Instant::now();
         work.run(&["run", "sweep.toml", "--out", "whole"]).expect(0);
+        let whole_run = started.elapsed().as_secs_f64();
         let whole = results(&work, "whole");
         assert_eq!(whole.len(), files);
         assert!(whole.iter().all(|(_, bytes)| bytes.len() > 100));
@@ -73,20 +74,20 @@ fn shards_and_kills_leave_no_trace_in_answers_and_tables() {
         for key in ["rows", "kept_rows", "statuses"] {
             assert_eq!(counts("parts")[key], counts("whole")[key], "{key}");
         }
-        for delay in [0.1, 0.2, 0.3, 0.4, 0.2, 0.1] {
-            let child = work.start(&["run", "sweep.toml", "--out", "killed"]);
-            std::thread::sleep(Duration::from_secs_f64(delay));
-            let _ = Command::new("kill").args(["-KILL", &child.id().to_string()]).status();
-            let ended = Ended::new(child.wait_with_output().unwrap());
-            went_on += u64::from(ended.stderr.contains("were done before; going on"));
+        let run = ["run", "sweep.toml", "--out", "killed"];
+        // The first is killed in the middle, the others at any moment.
+        let mut killed = vec![killed_beyond(&work, 0, "killed", &run)];
+        assert!(killed[0].code.is_none() && done(&work, "killed") > 0, "{}", killed[0].stderr);
+        killed.extend([0.5, 0.2, 0.8].map(|share| killed_after(&work, share * whole_run, &run)));
+        for ended in &killed {
             assert!(!ended.stderr.contains("warning"), "{}", ended.stderr);
         }
+        let went_on = killed.iter().filter(|ended| ended.stderr.contains("were done before; going on"));
+        assert!(went_on.count() > 0, "none went on");
         work.run(&["run", "sweep.toml", "--out", "killed"]).expect(0);
         assert_alike(&work, "killed", &whole);
         for folder in ["whole", "parts", "killed"] {
             std::fs::remove_dir_all(work.path(folder)).unwrap();
         }
     }
-    println!("went on {went_on} times");
-    assert!(went_on >= 6, "went on {went_on} times only");
 }

@@ -1,19 +1,14 @@
 //! Two runs in one folder, one of them killed at any moment.
 
-use std::process::{Child, Command};
 use std::time::Duration;
 
 use crate::common::random::Random;
 use crate::common::workdir::{Ended, Workdir};
 use crate::config;
+use crate::kills::{end, send};
 
 /// Of each kind of ending.
 const TIMES: u64 = 10;
-
-fn kill(child: &Child, signal: &str) {
-    // It may have ended before.
-    let _ = Command::new("kill").args([signal, &child.id().to_string()]).status();
-}
 
 /// What one meeting came to.
 struct Meeting {
@@ -30,8 +25,7 @@ fn meet(work: &Workdir, random: &mut Random, more: &[&str], signal: &str) -> Mee
     let second = work.start(&arguments);
     std::thread::sleep(Duration::from_secs_f64(random.linear(0.0, 0.6)));
     let (killed, other) = if random.unit() < 0.7 { (first, second) } else { (second, first) };
-    kill(&killed, signal);
-    let end = |child: Child| Ended::new(child.wait_with_output().unwrap());
+    send(signal, &killed);
     let (killed, other) = (end(killed), end(other));
     let manifest = work.path("result/manifest.json").exists().then(|| work.json("result/manifest.json"));
     for name in ["result/manifest.json", "result/manifest.json.partial"] {

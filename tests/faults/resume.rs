@@ -1,28 +1,14 @@
 //! A run that was killed goes on where it stopped, and nothing tells the result from that of a run in one piece.
 
-use std::process::Command;
 use std::time::{Duration, SystemTime};
 
 use crate::common::random::Random;
-use crate::common::workdir::{Ended, Workdir};
+use crate::common::workdir::Workdir;
 use crate::config;
+use crate::kills::{done, killed_after, killed_beyond};
 
 /// Some seconds of a machine with two cores, in a table of many megabytes.
 const DESIGNS: usize = 20_000;
-
-/// Kills a run after so long, and says how it ended.
-fn killed_after(work: &Workdir, seconds: f64, arguments: &[&str]) -> Ended {
-    let child = work.start(arguments);
-    std::thread::sleep(Duration::from_secs_f64(seconds));
-    let _ = Command::new("kill").args(["-KILL", &child.id().to_string()]).status();
-    Ended::new(child.wait_with_output().unwrap())
-}
-
-/// Designs of the unfinished result, as its manifest says.
-fn done(work: &Workdir, folder: &str) -> u64 {
-    let path = format!("{folder}/manifest.json.partial");
-    if work.path(&path).exists() { work.json(&path)["counts"]["designs"].as_u64().unwrap() } else { 0 }
-}
 
 #[test]
 fn a_run_killed_at_any_moments_ends_with_the_bytes_of_one_in_a_piece() {
@@ -86,17 +72,14 @@ const MANY: usize = 50_000;
 /// An unfinished result with some rows in it.
 fn unfinished(work: &Workdir) {
     work.write("sweep.toml", &config(MANY));
-    kill_until(work, |designs| designs >= 1000);
+    leave_beyond(work, 0);
 }
 
-/// Kills runs, each a little later, until so many designs are done.
-fn kill_until(work: &Workdir, is_enough: impl Fn(u64) -> bool) {
-    let mut seconds = 0.3;
-    while !is_enough(done(work, "result")) {
-        let ended = killed_after(work, seconds, &["run", "sweep.toml", "--out", "result", "--threads", "1"]);
-        assert_eq!(ended.code, None, "{}", ended.stderr);
-        seconds += 0.1;
-    }
+/// Leaves an unfinished result of more than `designs` designs.
+fn leave_beyond(work: &Workdir, designs: u64) {
+    let ended =
+        killed_beyond(work, designs, "result", &["run", "sweep.toml", "--out", "result", "--threads", "1"]);
+    assert_eq!(ended.code, None, "{}", ended.stderr);
 }
 
 #[test]
@@ -160,6 +143,16 @@ fn a_run_that_was_killed_before_its_first_mark_is_no_damage() {
     let ended = work.run(&["run", "sweep.toml", "--out", "result"]).expect(0);
     assert!(!ended.stderr.contains("warning"), "{}", ended.stderr);
     assert_eq!(work.read("result/table.csv"), table);
+    // And killed when its files were there and not yet its manifest: they are empty.
+    std::fs::remove_dir_all(work.path("result")).unwrap();
+    std::fs::create_dir(work.path("result")).unwrap();
+    work.write("result/table.csv.partial", "");
+    work.run(&["run", "sweep.toml", "--out", "result"]).expect(0);
+    assert_eq!(work.read("result/table.csv"), table);
+    std::fs::remove_dir_all(work.path("result")).unwrap();
+    std::fs::create_dir(work.path("result")).unwrap();
+    work.write("result/table.csv.partial", "d");
+    work.run(&["run", "sweep.toml", "--out", "result"]).expect(1);
 }
 
 /// When the machine goes down, what was last written may be lost: the manifest of a safer moment tells where to go on.
@@ -171,7 +164,7 @@ fn rows_that_never_reached_the_disk_are_made_again_from_the_last_safe_moment_on(
     work.write("result/manifest.safe.json.partial", &safe);
     let designs = done(&work, "result");
     let bytes = work.json("result/manifest.json.partial")["files"][0]["bytes"].as_u64().unwrap() as usize;
-    kill_until(&work, |done| done > designs);
+    leave_beyond(&work, designs);
     let rows = std::fs::read(work.path("result/table.csv.partial")).unwrap();
     assert!(rows.len() > bytes);
     std::fs::write(work.path("result/table.csv.partial"), &rows[..bytes + 100]).unwrap();
@@ -217,7 +210,7 @@ fn a_list_that_was_changed_in_between_is_another_sweep() {
     let rows: String = (0..60_000).map(|i| row(0.01 + 1e-6 * f64::from(i))).collect();
     work.write("list.csv", &format!("{header}{rows}"));
     work.write("sweep.toml", "[designs]\nfile = \"list.csv\"\n[solve]\nmethod = \"series\"\n");
-    kill_until(&work, |designs| designs > 0);
+    leave_beyond(&work, 0);
     work.write("list.csv", &format!("{header}{}", rows.replacen("0.010001", "0.010002", 1)));
     let ended = work.run(&["run", "sweep.toml", "--out", "result"]).expect(1);
     assert!(ended.stderr.contains("for another list of designs"), "{}", ended.stderr);

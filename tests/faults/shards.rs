@@ -1,10 +1,8 @@
 //! Shards that are killed, made twice, damaged, missing or of something else.
 
-use std::process::Command;
-use std::time::Duration;
-
 use crate::common::workdir::{Ended, Workdir};
 use crate::config;
+use crate::kills::{done, end, killed_beyond};
 
 const SHARDS: u64 = 5;
 
@@ -149,21 +147,12 @@ fn shards_of_different_sweeps_are_not_mixed() {
 #[test]
 fn a_shard_that_is_started_twice_or_killed_is_made_once() {
     let work = Workdir::new("shards-twice");
-    work.write("sweep.toml", &config(30_000));
+    let few_columns = "[output]\ncolumns = [\"design\", \"force_n\", \"status\"]\n";
+    work.write("sweep.toml", &format!("{}{few_columns}", config(60_000)));
     work.run(&["run", "sweep.toml", "--out", "whole"]).expect(0);
     let table = work.read("whole/table.csv");
-    let arguments = |number: u64| {
-        ["run", "sweep.toml", "--out", "shards", "--shard"]
-            .map(String::from)
-            .into_iter()
-            .chain([format!("{number}/{SHARDS}")])
-    };
-    let start = |number: u64| {
-        let arguments: Vec<String> = arguments(number).collect();
-        work.start(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
-    };
-    let (first, second) = (start(1), start(1));
-    let ended = [first, second].map(|child| Ended::new(child.wait_with_output().unwrap()));
+    let first = ["run", "sweep.toml", "--out", "shards", "--shard", "1/5"];
+    let ended = [work.start(&first), work.start(&first)].map(end);
     let said: String = ended.iter().map(|ended| ended.stdout.clone()).collect();
     assert!(
         ended.iter().all(|ended| matches!(ended.code, Some(0 | 2))),
@@ -172,21 +161,53 @@ fn a_shard_that_is_started_twice_or_killed_is_made_once() {
         ended[1].stderr
     );
     assert!(said.contains("written:") && said.contains("already complete"), "{said}");
-    let mut kills = 0;
     for number in 2..=SHARDS {
-        for _ in 0..3 {
-            let child = start(number);
-            std::thread::sleep(Duration::from_millis(150));
-            let _ = Command::new("kill").args(["-KILL", &child.id().to_string()]).status();
-            kills += u64::from(child.wait_with_output().unwrap().status.code().is_none());
-        }
+        let folder = format!("shards/shard-{number}-of-{SHARDS}.partial");
+        let part = format!("{number}/{SHARDS}");
+        // Some designs are done when it is killed; of the second time it may be all.
+        let arguments = ["run", "sweep.toml", "--out", "shards", "--threads", "1", "--shard", &part];
+        let ended = killed_beyond(&work, 0, &folder, &arguments);
+        assert_eq!(ended.code, None, "{}", ended.stderr);
+        killed_beyond(&work, done(&work, &folder), &folder, &arguments);
         assert!(matches!(shard(&work, number, &[]).code, Some(0 | 2)));
     }
-    assert!(kills >= 4, "{kills} kills");
     work.run(&["merge", "shards"]);
     assert!(work.read("shards/table.csv") == table);
     let left: Vec<String> = work.files().into_iter().filter(|name| name.contains("partial")).collect();
     assert!(left.is_empty(), "{left:?}");
+}
+
+/// Killed when all its rows were there and its file was not: nothing is computed again. Killed when its file was there, too:
+/// the folder of its rows goes.
+#[test]
+fn a_shard_that_is_killed_at_its_very_end_leaves_nothing_behind() {
+    const DESIGNS: u64 = 20_000;
+    let work = Workdir::new("shards-end");
+    work.write("sweep.toml", &config(DESIGNS as usize));
+    work.run(&["run", "sweep.toml", "--out", "whole"]).expect(0);
+    let arguments = ["run", "sweep.toml", "--out", "shards", "--shard", "1/1"];
+    let (folder, kept) = (work.path("shards/shard-1-of-1.partial"), work.path("kept"));
+    let mut tries = 0;
+    while done(&work, "shards/shard-1-of-1.partial") < DESIGNS {
+        assert!(tries < 20, "it is never killed between its rows and its file");
+        tries += 1;
+        let _ = std::fs::remove_dir_all(work.path("shards"));
+        killed_beyond(&work, DESIGNS - 1, "shards/shard-1-of-1.partial", &arguments);
+    }
+    std::fs::create_dir(&kept).unwrap();
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let entry = entry.unwrap();
+        std::fs::copy(entry.path(), kept.join(entry.file_name())).unwrap();
+    }
+    let ended = work.run(&arguments).expect(0);
+    let told = format!("{DESIGNS} of {DESIGNS} designs were done before; going on");
+    assert!(ended.stderr.contains(&told), "{}", ended.stderr);
+    std::fs::rename(&kept, &folder).unwrap();
+    let ended = work.run(&arguments).expect(0);
+    assert!(ended.stdout.contains("already complete"), "{}", ended.stdout);
+    assert!(!folder.exists());
+    work.run(&["merge", "shards"]).expect(0);
+    assert!(work.read("shards/table.csv") == work.read("whole/table.csv"));
 }
 
 /// Failed rows are done again, and nothing else.
