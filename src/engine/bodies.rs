@@ -61,7 +61,7 @@ pub type RequestKey = Hashed<BodyRequest>;
 pub struct SolvedBody {
     pub compliance: BodyCompliance,
     pub backend: BackendKind,
-    /// What its condensation in single precision leaves of a force, relative.
+    /// What its condensation in single precision leaves of a force, relative, at most.
     pub rounding: f64,
 }
 
@@ -315,8 +315,8 @@ impl<'a> BodyLibrary<'a> {
             .par_iter_mut()
             .flat_map(|group| {
                 let batches = std::mem::take(&mut group.batches).into_par_iter();
-                let (key, rounding) = (&group.key, if group.in_singles { OF_SINGLES } else { 0.0 });
-                batches.map(move |(works, time)| {
+                let key = &group.key;
+                batches.map(move |CondensedBatch { works, rounding, time }| {
                     let (solved, more) = correct(key, rounding, works);
                     (solved, time + more)
                 })
@@ -338,8 +338,9 @@ impl<'a> BodyLibrary<'a> {
         let started = Stopwatch::start();
         self.near_fields.prepare(classes.iter().copied(), &self.ring_loads);
         self.times.shared += started.elapsed();
+        let rounding = device.rounding();
         match device.finish() {
-            Ok(works) => self.take(groups, works, classes),
+            Ok(works) => self.take(groups, works, rounding, classes),
             Err(error) => {
                 self.lost = Some(error);
                 groups
@@ -348,12 +349,18 @@ impl<'a> BodyLibrary<'a> {
     }
 
     /// Takes what a device has condensed; gives back what it has left.
-    fn take(&mut self, groups: Vec<Group>, works: Works, classes: &[NearFieldClass]) -> Vec<Group> {
+    fn take(
+        &mut self,
+        groups: Vec<Group>,
+        works: Works,
+        rounding: f64,
+        classes: &[NearFieldClass],
+    ) -> Vec<Group> {
         let around = self.near_fields.all(classes);
         let of_body = |key: &TopologyKey, (meshed, works): (Meshed, Option<Vec<f64>>)| match works {
             Some(works) => {
                 let compliance = corrected(&around, meshed.around, key, &meshed.body, works);
-                Ok(Handled::new(meshed.handle, compliance, BackendKind::Gpu))
+                Ok(Handled::new(meshed.handle, compliance, BackendKind::Gpu).with_rounding(rounding))
             }
             None => Err(meshed),
         };
@@ -399,7 +406,7 @@ fn corrected(
 fn condense_group(
     plans: &HashMap<TopologyKey, CondensationPlan>,
     ring_loads: &RingLoads,
-    (key, group): Group,
+    (key, mut group): Group,
     may_be_in_singles: bool,
     room: &AtomicUsize,
 ) -> CondensedGroup {
@@ -414,20 +421,35 @@ fn condense_group(
         }
     };
     let plan_time = started.elapsed();
-    let in_singles = may_be_in_singles && body_bears_singles(&group[0].body, &key.class);
-    let condense = |batch: &[Meshed]| {
+    let condense = |batch: &[Meshed], rounding: f64| {
         let started = Stopwatch::start();
         let bodies: Vec<Body> = batch.iter().map(|meshed| meshed.body.clone()).collect();
-        let works = if in_singles { plan.condense_in_singles(&bodies) } else { plan.condense(&bodies) };
+        let works = if rounding > 0.0 { plan.condense_in_singles(&bodies) } else { plan.condense(&bodies) };
         let works = batch.iter().cloned().zip(works).collect();
-        (works, started.elapsed())
+        CondensedBatch { works, rounding, time: started.elapsed() }
     };
-    let batches = group.par_chunks(if in_singles { SINGLES } else { LANES }).map(condense).collect();
+    let in_singles = |meshed: &Meshed| may_be_in_singles && body_bears_singles(&meshed.body, &key.class);
+    let (in_singles, in_double) = parted(&mut group, in_singles);
+    let in_singles = in_singles.par_chunks(SINGLES).map(|batch| condense(batch, OF_SINGLES));
+    let in_double = in_double.par_chunks(LANES).map(|batch| condense(batch, 0.0));
+    let batches = in_singles.chain(in_double).collect();
     let fits = |plan: &CondensationPlan| {
         let take = |left: usize| left.checked_sub(plan.bytes());
         room.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok()
     };
-    CondensedGroup { plan: new.filter(fits), key, in_singles, plan_time, batches }
+    CondensedGroup { plan: new.filter(fits), key, plan_time, batches }
+}
+
+/// Those that are, and the others.
+fn parted<T>(all: &mut [T], is: impl Fn(&T) -> bool) -> (&[T], &[T]) {
+    let mut count = 0;
+    for place in 0..all.len() {
+        if is(&all[place]) {
+            all.swap(count, place);
+            count += 1;
+        }
+    }
+    all.split_at(count)
 }
 
 /// A body with its works, without its near field.
@@ -435,11 +457,18 @@ type Condensed = (Meshed, Vec<f64>);
 
 struct CondensedGroup {
     key: TopologyKey,
-    in_singles: bool,
     /// To be kept.
     plan: Option<CondensationPlan>,
     plan_time: Duration,
-    batches: Vec<(Vec<Condensed>, Duration)>,
+    batches: Vec<CondensedBatch>,
+}
+
+/// Bodies that were condensed abreast.
+struct CondensedBatch {
+    works: Vec<Condensed>,
+    /// What that leaves of a force, relative.
+    rounding: f64,
+    time: Duration,
 }
 
 /// Of each lined body its reference, with the works of that.

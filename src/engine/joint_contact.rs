@@ -83,12 +83,13 @@ fn judged_bodies<'a>(
     (bodies, backend)
 }
 
-/// What is known of a solved body; of a mesh only where that `is_known`.
+/// What is known of a solved body; of a mesh only where that `is_known`, else what rounding leaves alone.
 pub fn own_error<'a>(request: &'a BodyRequest, solved: &SolvedBody, is_known: bool) -> OwnError<'a> {
     let is_bed = matches!(solved.compliance.boundary, Boundary::Nothing);
     match request.fidelity {
         Fidelity::Series if is_bed => OwnError::Bed(&request.body),
         Fidelity::Mesh { level } if is_known => OwnError::of_mesh(&request.body, level, solved.rounding),
+        Fidelity::Mesh { .. } if solved.rounding > 0.0 => OwnError::Mesh([solved.rounding; _]),
         _ => OwnError::of_layers(&request.body),
     }
 }

@@ -67,6 +67,11 @@ pub trait Device: Send + Sync {
     /// Waits for what was begun before all else that is not finished.
     fn finish(&mut self) -> Result<Works, GpuError>;
 
+    /// What the rounding of its works leaves of a force, relative, at most.
+    fn rounding(&self) -> f64 {
+        0.0
+    }
+
     /// Which joints it has a kernel for.
     fn solves_joints(&self) -> SolvedJoints {
         SolvedJoints::None

@@ -16,6 +16,7 @@ use super::kernels::{Kernels, Making, Precision};
 use super::layout::MeshLayout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
+use crate::engine::accuracy::single_precision::OF_SINGLES;
 use crate::engine::backend::device_solver::DeviceSolver;
 use crate::engine::backend::joints::{JointBatch, SolvedJoints};
 use crate::engine::backend::{Counts, Device, Works};
@@ -124,6 +125,10 @@ impl<'a> GpuCondenser<'a> {
 }
 
 impl Device for GpuCondenser<'_> {
+    fn rounding(&self) -> f64 {
+        if self.kernels.precision == Precision::F32 { OF_SINGLES } else { 0.0 }
+    }
+
     fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
         if self.topologies.values().map(OnDevice::bytes).sum::<u64>() > KEPT_BYTES {
             self.topologies.clear();
