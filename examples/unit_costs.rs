@@ -13,7 +13,7 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity, concentric, mesh_class, mesh_size};
 use jointsweep::internals::engine::ladder::Ladder;
@@ -36,8 +36,10 @@ use jointsweep::internals::mechanics::contact::curve_space::{CurveSpace, Variabl
 use jointsweep::internals::mechanics::contact::outlines::Outlines;
 use jointsweep::internals::mechanics::material::Idealization;
 use jointsweep::internals::mechanics::real::LANES;
+use jointsweep::internals::output::folder::ResultFolder;
 use jointsweep::internals::output::host::{Host, processor_seconds};
-use jointsweep::internals::output::sinks::Sinks;
+use jointsweep::internals::output::manifest::Conditions;
+use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
 
 /// Runs of which the median is taken, and the least time of each, s.
@@ -380,12 +382,19 @@ interpolation = "{interpolation}"
     Study::from_text(Path::new("unit_costs.toml"), text).expect("a config")
 }
 
-/// A sweep on one thread with the text of its table.
+/// A sweep on one thread, with what a run writes.
 fn run_sweep(study: &Study) {
+    let folder = std::env::temp_dir().join(format!("jointsweep-unit-costs-{}", std::process::id()));
+    let claim = ResultFolder::of_run(Some(&folder), study).claim("of unit costs").expect("a folder");
+    let conditions = Conditions { gpu: None, threads: 1, started: SystemTime::now() };
+    let mut recorder = Recorder::new(claim, study, &conditions).expect("a recorder");
     let options = SweepOptions { threads: 1, ..SweepOptions::default() };
-    let sinks = Sinks::of(study);
-    let digest = Digest { designs: sinks.portion(), make: &|outcomes| sinks.rows(outcomes) };
-    sweep::run_digested(study, &options, &digest, &mut |_| Ok(ControlFlow::Continue(()))).expect("a sweep");
+    let sinks = recorder.sinks();
+    let digest = Digest { designs: sinks.portion(), make: &|solved| sinks.rows(solved) };
+    let mut receive = |rows| recorder.write(&rows).map(|()| ControlFlow::Continue(()));
+    let statistics = sweep::run_digested(study, &options, &digest, &mut receive).expect("a sweep");
+    recorder.finish(&statistics).expect("a result");
+    std::fs::remove_dir_all(&folder).expect("a folder");
 }
 
 /// Its processor time, s.
