@@ -153,4 +153,22 @@ mod tests {
             assert!(beyond > 1.0 && beyond.is_finite(), "{layers:?}: {beyond}");
         }
     }
+
+    /// Of all counts that are allowed the least that is deep enough, or the greatest.
+    #[test]
+    fn as_many_layers_as_a_depth_asks() {
+        for (thickest, count, shrinking) in [(0.5, 3, 0), (f64::INFINITY, 1, 0), (0.5, 4, 2), (0.02, 12, 5)] {
+            let layers = Layers { first: 0.01, thickest, count, shrinking };
+            for growth in [0.5, 1.0, 1.3, 2.0] {
+                for (depth, most) in
+                    [(1e-4, 30), (0.05, 30), (0.3, 30), (2.0, 30), (2.0, 5), (1e9, 30), (1e9, 2)]
+                {
+                    let is_deep = |count: &usize| Layers { count: *count, ..layers }.depth(growth) >= depth;
+                    let expected = (count..most).find(is_deep).unwrap_or(most.max(count));
+                    let found = layers.fewest(depth, growth, most);
+                    assert_eq!(found, expected, "{layers:?} {growth} {depth} {most}");
+                }
+            }
+        }
+    }
 }
