@@ -1,19 +1,22 @@
 //! The distinct bodies of a sweep: each is solved once, in batches of one topology, and kept while it is in use.
 
 use std::collections::VecDeque;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
 use foldhash::HashMap;
 use rayon::prelude::*;
 
-use crate::engine::accuracy::single_precision::{OF_SINGLES, body_bears_singles};
 use crate::engine::backend::adapter::GpuError;
 use crate::engine::backend::joints::{JointBatch, SolvedJoints};
 use crate::engine::backend::{Device, Works};
+use crate::engine::body_condensation::{
+    Condensed, CondensedBatch, CondensedGroup, condense_group, condensed_references, corrected,
+    of_either_idealization,
+};
 use crate::engine::body_portions::{MANY, Portion, portions};
 use crate::engine::body_request::{
-    Around, BodyHandle, BodyRequest, Fidelity, Group, Meshed, TopologyKey, concentric,
+    BodyHandle, BodyRequest, Fidelity, Group, Meshed, TopologyKey, concentric,
 };
 use crate::engine::hashed::Hashed;
 use crate::engine::near_fields::NearFieldLibrary;
@@ -21,14 +24,9 @@ use crate::engine::outcome::BackendKind;
 use crate::engine::question::counted::Told;
 use crate::engine::ring_loads::RingLoads;
 use crate::engine::stopwatch::Stopwatch;
-use crate::mechanics::body::Body;
+use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
-use crate::mechanics::compliance::lined_reference::LinedReference;
-use crate::mechanics::compliance::near_field::{LoadedRing, NearField, NearFieldClass, ReferenceMesh};
-use crate::mechanics::compliance::ring_modes::RingModes;
-use crate::mechanics::compliance::{BodyCompliance, Boundary};
-use crate::mechanics::real::LANES;
-use crate::mechanics::singles::SINGLES;
+use crate::mechanics::compliance::near_field::{LoadedRing, NearFieldClass};
 
 /// Solves bodies and remembers them, with everything that many bodies share.
 #[derive(Default)]
@@ -73,14 +71,9 @@ struct Handled {
 }
 
 impl Handled {
-    fn new(handle: BodyHandle, compliance: BodyCompliance, backend: BackendKind) -> Handled {
+    fn new(handle: BodyHandle, compliance: BodyCompliance, backend: BackendKind, rounding: f64) -> Handled {
         let bytes = compliance.bytes();
-        Handled { handle, body: SolvedBody { compliance, backend, rounding: 0.0 }, bytes }
-    }
-
-    fn with_rounding(mut self, rounding: f64) -> Handled {
-        self.body.rounding = rounding;
-        self
+        Handled { handle, body: SolvedBody { compliance, backend, rounding }, bytes }
     }
 }
 
@@ -219,7 +212,7 @@ impl<'a> BodyLibrary<'a> {
             .map(|(handle, request)| {
                 let started = Stopwatch::start();
                 let compliance = concentric(&request.body).compliance();
-                (Handled::new(handle, compliance, BackendKind::Cpu), started.elapsed())
+                (Handled::new(handle, compliance, BackendKind::Cpu, 0.0), started.elapsed())
             })
             .collect();
         for (solved, time) in exact {
@@ -306,7 +299,7 @@ impl<'a> BodyLibrary<'a> {
                     Some((reference, own)) => reference.compliance(&body, works, own),
                     None => corrected(&around, own, key, &body, works),
                 };
-                Handled::new(handle, compliance, BackendKind::Cpu).with_rounding(rounding)
+                Handled::new(handle, compliance, BackendKind::Cpu, rounding)
             };
             let solved: Vec<Handled> = works.into_iter().map(solve).collect();
             (solved, started.elapsed())
@@ -338,9 +331,8 @@ impl<'a> BodyLibrary<'a> {
         let started = Stopwatch::start();
         self.near_fields.prepare(classes.iter().copied(), &self.ring_loads);
         self.times.shared += started.elapsed();
-        let rounding = device.rounding();
         match device.finish() {
-            Ok(works) => self.take(groups, works, rounding, classes),
+            Ok(works) => self.take(groups, works, classes),
             Err(error) => {
                 self.lost = Some(error);
                 groups
@@ -349,18 +341,13 @@ impl<'a> BodyLibrary<'a> {
     }
 
     /// Takes what a device has condensed; gives back what it has left.
-    fn take(
-        &mut self,
-        groups: Vec<Group>,
-        works: Works,
-        rounding: f64,
-        classes: &[NearFieldClass],
-    ) -> Vec<Group> {
+    fn take(&mut self, groups: Vec<Group>, works: Works, classes: &[NearFieldClass]) -> Vec<Group> {
         let around = self.near_fields.all(classes);
+        let rounding = self.device().map_or(0.0, Device::rounding);
         let of_body = |key: &TopologyKey, (meshed, works): (Meshed, Option<Vec<f64>>)| match works {
             Some(works) => {
                 let compliance = corrected(&around, meshed.around, key, &meshed.body, works);
-                Ok(Handled::new(meshed.handle, compliance, BackendKind::Gpu).with_rounding(rounding))
+                Ok(Handled::new(meshed.handle, compliance, BackendKind::Gpu, rounding))
             }
             None => Err(meshed),
         };
@@ -387,125 +374,10 @@ impl<'a> BodyLibrary<'a> {
     }
 }
 
-/// From condensed works to the compliance of a body, by the near fields of its portion.
-fn corrected(
-    near_fields: &[&NearField],
-    around: Option<Around>,
-    key: &TopologyKey,
-    body: &Body,
-    mut works: Vec<f64>,
-) -> BodyCompliance {
-    if let Some(Around { classes, between }) = around {
-        let around = classes.map(|place| near_fields[place as usize]);
-        NearField::correct(around, between, body, &mut works);
-    }
-    BodyCompliance::new(body, Boundary::RingModes(RingModes::of(&key.class), works))
-}
-
-/// Bodies of one topology; a plan that is new is kept while there is `room` for it, in bytes.
-fn condense_group(
-    plans: &HashMap<TopologyKey, CondensationPlan>,
-    ring_loads: &RingLoads,
-    (key, mut group): Group,
-    may_be_in_singles: bool,
-    room: &AtomicUsize,
-) -> CondensedGroup {
-    let started = Stopwatch::start();
-    let mut new = None;
-    let plan = match plans.get(&key) {
-        Some(known) => known,
-        None => {
-            let (body, modes) = (&group[0].body, RingModes::of(&key.class));
-            let loads = ring_loads.of(&LoadedRing::of(body.shape, &key.class));
-            new.insert(CondensationPlan::with_loads(body, key.grading(body), modes, &loads))
-        }
-    };
-    let plan_time = started.elapsed();
-    let condense = |batch: &[Meshed], rounding: f64| {
-        let started = Stopwatch::start();
-        let bodies: Vec<Body> = batch.iter().map(|meshed| meshed.body.clone()).collect();
-        let works = if rounding > 0.0 { plan.condense_in_singles(&bodies) } else { plan.condense(&bodies) };
-        let works = batch.iter().cloned().zip(works).collect();
-        CondensedBatch { works, rounding, time: started.elapsed() }
-    };
-    let in_singles = |meshed: &Meshed| may_be_in_singles && body_bears_singles(&meshed.body, &key.class);
-    let (in_singles, in_double) = parted(&mut group, in_singles);
-    let in_singles = in_singles.par_chunks(SINGLES).map(|batch| condense(batch, OF_SINGLES));
-    let in_double = in_double.par_chunks(LANES).map(|batch| condense(batch, 0.0));
-    let batches = in_singles.chain(in_double).collect();
-    let fits = |plan: &CondensationPlan| {
-        let take = |left: usize| left.checked_sub(plan.bytes());
-        room.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok()
-    };
-    CondensedGroup { plan: new.filter(fits), key, plan_time, batches }
-}
-
-/// Those that are, and the others.
-fn parted<T>(all: &mut [T], is: impl Fn(&T) -> bool) -> (&[T], &[T]) {
-    let mut count = 0;
-    for place in 0..all.len() {
-        if is(&all[place]) {
-            all.swap(count, place);
-            count += 1;
-        }
-    }
-    all.split_at(count)
-}
-
-/// A body with its works, without its near field.
-type Condensed = (Meshed, Vec<f64>);
-
-struct CondensedGroup {
-    key: TopologyKey,
-    /// To be kept.
-    plan: Option<CondensationPlan>,
-    plan_time: Duration,
-    batches: Vec<CondensedBatch>,
-}
-
-/// Bodies that were condensed abreast.
-struct CondensedBatch {
-    works: Vec<Condensed>,
-    /// What that leaves of a force, relative.
-    rounding: f64,
-    time: Duration,
-}
-
-/// Of each lined body its reference, with the works of that.
-fn condensed_references(
-    ring_loads: &RingLoads,
-    groups: &[Group],
-) -> HashMap<BodyHandle, (LinedReference, Vec<f64>)> {
-    let mut on_meshes: HashMap<ReferenceMesh, Vec<(BodyHandle, LinedReference)>> = HashMap::default();
-    for (key, group) in groups.iter().filter(|(key, _)| key.class.is_lined()) {
-        for meshed in group {
-            let reference = LinedReference::of(&meshed.body, key.class);
-            on_meshes.entry(reference.mesh).or_default().push((meshed.handle, reference));
-        }
-    }
-    let condense = |(mesh, references): (ReferenceMesh, Vec<(BodyHandle, LinedReference)>)| {
-        let plan = mesh.plan(&references[0].1.body, &ring_loads.of(&mesh.ring()));
-        let bodies: Vec<Body> = references.iter().map(|(_, reference)| reference.body.clone()).collect();
-        let works: Vec<Vec<f64>> =
-            bodies.par_chunks(LANES).flat_map_iter(|bodies| plan.condense(bodies)).collect();
-        let with_works = |((handle, reference), works)| (handle, (reference, works));
-        references.into_iter().zip(works).map(with_works).collect::<Vec<_>>()
-    };
-    on_meshes.into_par_iter().flat_map_iter(condense).collect()
-}
-
-/// The groups in lanes, each of which has its own elasticity: fewer, and fuller.
-fn of_either_idealization(groups: Vec<Group>) -> Vec<Group> {
-    let mut joined: HashMap<TopologyKey, Vec<Meshed>> = HashMap::default();
-    for (key, group) in groups {
-        joined.entry(key.of_either_idealization()).or_default().extend(group);
-    }
-    joined.into_iter().collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::body::Body;
     use crate::mechanics::material::Idealization;
 
     /// Bodies of ever new topologies and near fields take no more memory the more there are, and each is answered.

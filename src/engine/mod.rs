@@ -22,6 +22,7 @@ pub mod question;
 pub mod unit_costs;
 pub mod backend;
 pub mod body_portions;
+mod body_condensation;
 pub mod bodies;
 mod device_joints;
 pub mod joint_contact;

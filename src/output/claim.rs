@@ -22,11 +22,16 @@ pub struct Claim {
     is_to_go: bool,
 }
 
+/// To have a folder that others remove again and again.
+const MOST_TRIES: usize = 1000;
+
 impl ResultFolder {
     /// Creates the folder and takes its lock; `what` is to be said of the holder to others.
     pub fn claim(&self, what: &str) -> Result<Claim, Error> {
+        let mut tries = 0;
         loop {
             let created = self.create()?;
+            tries += 1;
             match FolderLock::take(self.dir(), what) {
                 Ok(lock) => {
                     self.settle()?;
@@ -34,7 +39,7 @@ impl ResultFolder {
                 }
                 // Who had it before has just removed it.
                 Err(Error::Io { source, .. })
-                    if source.kind() == ErrorKind::NotFound && !self.dir().exists() => {}
+                    if source.kind() == ErrorKind::NotFound && tries < MOST_TRIES => {}
                 Err(error) => {
                     remove_empty(&created);
                     return Err(error);

@@ -1,9 +1,9 @@
 //! Ctrl-C, whatever a design is doing.
 
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 use crate::common::workdir::{Ended, Workdir};
+use crate::kills::{end, send};
 use crate::slow_config;
 
 /// The time from the signal to the end of the process, when it is sent so long after the start; and what the run said.
@@ -11,9 +11,9 @@ fn interrupted_after(work: &Workdir, delay: Duration, signal: &str) -> (Duration
     let child = work.start(&["run", "slow.toml", "--threads", "1"]);
     std::thread::sleep(delay);
     let sent = Instant::now();
-    assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    (sent.elapsed(), Ended::new(output))
+    send(signal, &child);
+    let ended = end(child);
+    (sent.elapsed(), ended)
 }
 
 /// The first batch takes ten seconds and more: no design ends by itself before the run does. Of three tries the shortest counts,

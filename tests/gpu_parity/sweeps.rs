@@ -109,6 +109,29 @@ fn a_thousand_random_designs_of_each_kind() {
     }
 }
 
+/// The error of bodies that are deeper than any that was measured is told by coarser meshes; what f32 leaves comes on top.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn unmeasured_bodies_say_their_rounding() {
+    let too_wide = |random: &mut Random| {
+        let (mut pin, mut ring) = concentric(random);
+        (pin.parameters[0], ring.parameters[0]) = (1e-3, 400.0);
+        (pin, ring)
+    };
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    let cases = draw(75, 300, too_wide);
+    let expected = Ladder::new(options).in_double().solve(&cases);
+    let found = by(DeviceSolver::Eliminate, device(), Precision::F32, options, &cases);
+    // Some round too much for a device.
+    let on_device = |(found, _): &(DesignOutcome, DesignOutcome)| found.backend == BackendKind::Gpu;
+    let (found, expected): (Vec<_>, Vec<_>) = found.into_iter().zip(expected).filter(on_device).unzip();
+    let (worst, count) = compare(&found, &expected, BackendKind::Gpu);
+    let said = more_error(&found, &expected);
+    println!("{count} forces, {worst:.1e}, {said:.2e} more is said");
+    assert!(count > 100 && worst < OF_SINGLES, "{count} {worst:e}");
+    assert!((said / OF_SINGLES - 1.0).abs() < 0.2, "{said:e}");
+}
+
 /// By conjugate gradients a thousand random designs of sixty pins and sixty plates, each with a clearance, moduli and a load of its own.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]

@@ -1,51 +1,28 @@
-"""Kills jointsweep at its first, second, ... call of each system call that changes files. Usage: kill_everywhere.py PROGRAM"""
+"""Kills jointsweep at its first, second, ... call of each system call that changes files. Usage: kill_everywhere.py PROGRAM CONFIG"""
 
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-PROGRAM = sys.argv[1]
+PROGRAM, CONFIG = sys.argv[1:]
 CALLS = "openat rename renameat unlink unlinkat write pwrite64 ftruncate fsync fdatasync mkdir rmdir flock".split()
 # No command makes so many calls of one kind.
 MOST = 1000
 
-ANSWERS = """
-[select]
-keep = "peak_pressure < 500 MPa"
-[reduce]
-statistics = ["force", "energy"]
-quantiles = [0.1, 0.5]
-pareto = { largest = "force", smallest = "peak_pressure" }
-"""
 # Some plates are too thin for a mesh: their rows fail. The few designs have laws, too.
-SWEEP = """
-[joint]
-idealization = "plane-stress"
-hole_radius = "10 mm"
-radial_clearance = "0.05 mm"
-thickness = "5 mm"
-[joint.pin]
-model = "rigid-core"
-core_radius_ratio = 0.2
-youngs_modulus = "210 GPa"
-poissons_ratio = 0.3
-[joint.plate]
-model = "annulus"
-outer_radius_ratio = { from = 1.00001, to = 1.3, count = 30 }
-youngs_modulus = "70 GPa"
-poissons_ratio = 0.33
-[load]
-indentation = { from = "0.001 mm", to = "0.01 mm", count = 10, spacing = "log" }
-[solve]
-accuracy = "5 %"
-interpolation = "off"
-"""
-SWEEPS = {
-    "csv": '[output]\nformat = "csv"\n',
-    "parquet": '[output]\nformat = "parquet"\ninputs = "varying"\n',
+SWEEP = ['solve.method="fe"', "joint.plate.outer_radius_ratio=[1.00001, 1.2, 3.0]"]
+ANSWERS = [
+    'select.keep="peak_pressure < 500 MPa"',
+    'reduce.statistics=["force", "energy"]',
+    "reduce.quantiles=[0.1, 0.5]",
+    'reduce.pareto={ largest = "force", smallest = "peak_pressure" }',
+]
+OUTPUTS = {
+    "csv": [],
+    "parquet": ['output.format="parquet"', 'output.inputs="varying"'],
     "answers": ANSWERS,
-    "both": ANSWERS + '[output]\ntable = true\ncolumns = ["design", "force_n", "status"]\n',
+    "both": [*ANSWERS, "output.table=true", 'output.columns=["design", "force_n", "status"]'],
 }
 FOLDER = Path("result")
 
@@ -111,10 +88,10 @@ def kills(prepare, command, again, expected):
 
 def main():
     count, problems = 0, []
-    for name, output in SWEEPS.items():
-        config, whole, shards = f"{name}.toml", Path(f"whole-{name}"), Path(f"shards-{name}")
-        Path(config).write_text(SWEEP + output)
-        command = ["run", config, "--out", str(FOLDER), "--threads", "1"]
+    for name, output in OUTPUTS.items():
+        whole, shards = Path(f"whole-{name}"), Path(f"shards-{name}")
+        settings = [argument for setting in SWEEP + output for argument in ("--set", setting)]
+        command = ["run", CONFIG, "--out", str(FOLDER), "--threads", "1", *settings]
         clear()
         assert finish(*command) is None
         expected = content(FOLDER)
