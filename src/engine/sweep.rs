@@ -102,6 +102,17 @@ const MOST_ROWS: u64 = 10 * INTERPOLATED_BATCH as u64;
 /// A sweep whose whole batches take no longer than this by the forecast, s, begins with one: lanes are filled better.
 const SOON: f64 = 0.25;
 
+/// Bytes. The greatest of what is made and dropped again and again: matrices of a lane batch.
+const KEPT_BLOCK: usize = 8 << 20;
+
+/// Lets the C library keep what is dropped for what is made next. It takes each block of more than 128 KiB from the system, with pages
+/// that all must be cleared, and gives it back, until a greater one has been dropped (`M_MMAP_THRESHOLD`, mallopt(3)).
+fn keep_blocks() {
+    if cfg!(target_env = "gnu") {
+        drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT_BLOCK)));
+    }
+}
+
 /// Runs designs of `study` and hands the outcomes over one by one.
 pub fn run(study: &Study, options: &SweepOptions, receive: Receive) -> Result<Statistics, Error> {
     let (mut received, mut steps, mut is_broken) = (0, 0, false);
@@ -131,6 +142,7 @@ pub fn run_digested<T: Send>(
     digest: &Digest<T>,
     receive: Receive<T>,
 ) -> Result<Statistics, Error> {
+    keep_blocks();
     let threads = match options.threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
         threads => threads,

@@ -220,7 +220,7 @@ impl FineBody {
             let elasticity = elasticity_at(body, &corners);
             structure.add(&mut tiles, index, &element_stiffness(&rule, &elasticity, &corners));
         }
-        structure.factorise::<_, 1>(&mut tiles);
+        structure.factorise::<_, 1, 1>(&mut tiles);
         FineBody { topology, structure, tiles }
     }
 

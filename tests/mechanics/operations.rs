@@ -110,7 +110,7 @@ fn the_factorisation_does_what_is_counted() {
     for level in 0..3 {
         let structure = structure(level);
         let mut tiles = structure.empty::<Counted>();
-        let done = operations(|| structure.factorise::<_, 1>(&mut tiles));
+        let done = operations(|| structure.factorise::<_, 1, 1>(&mut tiles));
         assert_eq!(structure.factorise_operations(), done, "level {level}");
     }
 }

@@ -21,6 +21,9 @@ const OVERSAMPLING_SHAPES: f64 = 1.2;
 /// Poisson's ratios of each shape sampled.
 const REPEATS: [usize; MOST_COORDINATES + 1] = [1, 1, 1, 4, 4];
 
+/// Where samples lie along a side of the unit box, besides those within.
+const SAMPLED_SIDES: [f64; 3] = [0.0, 0.5, 1.0];
+
 /// Bodies held out, besides those near corners, edges and sides.
 const HELD_OUT: usize = 60;
 
@@ -54,32 +57,33 @@ impl Family {
         unit.iter().zip(&self.ranges).map(|(unit, (low, high))| low + unit * (high - low)).collect()
     }
 
+    /// How many points there are with so many besides the grid.
+    pub(super) fn sample_points_with(&self, count: usize) -> usize {
+        self.grid(SAMPLED_SIDES).len() + count
+    }
+
     /// Where the samples are: on corners, edges and sides, where nothing holds polynomials, then points that are dense at the ends like Chebyshev's, and often on them.
     pub(super) fn sample_points(&self, count: usize) -> Vec<Vec<f64>> {
-        let inner = (0..count).map(|i| {
-            let dense = |unit: f64| to_ends(0.5 - 0.5 * (std::f64::consts::PI * unit).cos(), 0.03, 0.0);
-            self.spread(i, 0.5).into_iter().map(dense).collect::<Vec<f64>>()
-        });
-        self.grid([0.0, 0.5, 1.0]).into_iter().chain(inner).map(|unit| self.place(&unit)).collect()
+        let dense = |unit: f64| to_ends(0.5 - 0.5 * (std::f64::consts::PI * unit).cos(), 0.03, 0.0);
+        let inner = self.spread(count, 0.5).map(|unit| unit.into_iter().map(dense).collect::<Vec<f64>>());
+        self.grid(SAMPLED_SIDES).into_iter().chain(inner).map(|unit| self.place(&unit)).collect()
     }
 
     /// Where the fit is checked: near the corners, edges and sides, where it is at its worst, and everywhere else.
     pub(super) fn held_out_points(&self) -> Vec<Vec<f64>> {
         let near_ends = |unit: f64| to_ends(unit, 0.12, 0.01);
         let inner =
-            (0..HELD_OUT).map(|i| self.spread(i, 0.21).into_iter().map(near_ends).collect::<Vec<f64>>());
+            self.spread(HELD_OUT, 0.21).map(|unit| unit.into_iter().map(near_ends).collect::<Vec<f64>>());
         self.grid([0.01, 0.3, 0.99]).into_iter().chain(inner).map(|unit| self.place(&unit)).collect()
     }
 
-    /// Point number `index` of an evenly spread sequence in the unit box.
-    fn spread(&self, index: usize, offset: f64) -> Vec<f64> {
+    /// Points of an evenly spread sequence in the unit box.
+    fn spread(&self, count: usize, offset: f64) -> impl Iterator<Item = Vec<f64>> {
         let repeats = self.repeats();
-        if repeats == 1 {
-            return spread(index, self.ranges.len(), offset);
-        }
-        let mut point = spread(index / repeats, self.ranges.len() - 1, offset);
-        point.extend(spread(index, 1, offset));
-        point
+        let of_shapes = if repeats == 1 { self.ranges.len() } else { self.ranges.len() - 1 };
+        let shapes = Sequence::new(of_shapes, offset);
+        let repeated = Sequence::new(self.ranges.len() - of_shapes, offset);
+        (0..count).map(move |index| shapes.at(index / repeats).chain(repeated.at(index)).collect())
     }
 
     /// Corners, edges and sides of the unit box: all points with these on each coordinate; one without width has one.
@@ -105,19 +109,27 @@ fn to_ends(unit: f64, close: f64, margin: f64) -> f64 {
     }
 }
 
-/// Point number `index` of an evenly spread sequence in the unit box (multiples of the powers of the root of
-/// x^(d+1) = x + 1: M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018).
-fn spread(index: usize, dimensions: usize, offset: f64) -> Vec<f64> {
-    let mut root: f64 = 2.0;
-    for _ in 0..64 {
-        let next = (1.0 + root).powf(1.0 / (dimensions as f64 + 1.0));
-        if std::mem::replace(&mut root, next) == next {
-            break;
+/// An evenly spread sequence in the unit box: multiples of the powers of the root of x^(d+1) = x + 1
+/// (M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018).
+struct Sequence {
+    steps: Vec<f64>,
+    offset: f64,
+}
+
+impl Sequence {
+    fn new(dimensions: usize, offset: f64) -> Sequence {
+        let mut root: f64 = 2.0;
+        for _ in 0..64 {
+            let next = (1.0 + root).powf(1.0 / (dimensions as f64 + 1.0));
+            if std::mem::replace(&mut root, next) == next {
+                break;
+            }
         }
+        let steps = (0..dimensions).map(|dimension| root.powi(-(dimension as i32 + 1))).collect();
+        Sequence { steps, offset }
     }
-    let along = |dimension: usize| {
-        let step = root.powi(-(dimension as i32 + 1));
-        (offset + step * (index as f64 + 1.0)).fract()
-    };
-    (0..dimensions).map(along).collect()
+
+    fn at(&self, index: usize) -> impl Iterator<Item = f64> {
+        self.steps.iter().map(move |step| (self.offset + step * (index as f64 + 1.0)).fract())
+    }
 }

@@ -103,7 +103,7 @@ impl Family {
     pub fn least_seconds(&self, accuracy: f64) -> f64 {
         let Meshes { first: level, known } = self.meshes(accuracy);
         let free = self.free();
-        let samples = self.sample_points(self.sample_count(DEGREES[free][0])).len();
+        let samples = self.sample_points_with(self.sample_count(DEGREES[free][0]));
         let held_out = self.held_out_points().len() as f64;
         let coarse = if known { 0.0 } else { held_out * self.sample_seconds(level - 1) };
         let topologies = if self.exact { 0.0 } else { TOPOLOGIES[free] * self.topology_seconds(level) };

@@ -158,13 +158,14 @@ impl LaneWork for Condense<'_> {
     #[inline(always)]
     fn run<const WIDTH: usize>(self) -> Vec<Vec<f64>> {
         // As many sums at a time as stay in registers: all 16 of a tile where a register holds one in all lanes and there are 32, 4
-        // where it takes two and there are 16. Of a body alone a register holds several sums: all 16 take two to eight.
+        // where it takes two and there are 16. Of a body alone a register holds several sums: all 16 take two to eight,
+        // so few that each waits for the one before, unless two rows of tiles are summed at a time.
         if self.bodies.len() == 1 {
-            self.works::<Alone<WIDTH>, 4>()
+            self.works::<Alone<WIDTH>, 4, 2>()
         } else if WIDTH >= LANES {
-            self.works::<Lanes<WIDTH>, 4>()
+            self.works::<Lanes<WIDTH>, 4, 1>()
         } else {
-            self.works::<Lanes<WIDTH>, 1>()
+            self.works::<Lanes<WIDTH>, 1, 1>()
         }
     }
 }
@@ -182,11 +183,11 @@ impl LaneWork for InSingles<'_> {
     #[inline(always)]
     fn run<const WIDTH: usize>(self) -> Vec<Vec<f64>> {
         if self.0.bodies.len() == 1 {
-            self.0.works::<Single<WIDTH>, 4>()
+            self.0.works::<Single<WIDTH>, 4, 2>()
         } else if WIDTH >= LANES {
-            self.0.works::<Singles<WIDTH>, 4>()
+            self.0.works::<Singles<WIDTH>, 4, 1>()
         } else {
-            self.0.works::<Singles<WIDTH>, 1>()
+            self.0.works::<Singles<WIDTH>, 1, 1>()
         }
     }
 }
@@ -263,13 +264,13 @@ impl<const WIDTH: usize> Working for Singles<WIDTH> {
 
 impl Condense<'_> {
     #[inline(always)]
-    fn works<T: Working, const ABREAST: usize>(&self) -> Vec<Vec<f64>> {
+    fn works<T: Working, const ABREAST: usize, const ROWS: usize>(&self) -> Vec<Vec<f64>> {
         let mut tiles = self.plan.structure.empty::<T>();
         let smallest_jacobian = self.assemble(&mut tiles);
         let loss = if T::MAY_LOSE {
-            self.plan.structure.factorise_with_loss::<T, ABREAST>(&mut tiles)
+            self.plan.structure.factorise_with_loss::<T, ABREAST, ROWS>(&mut tiles)
         } else {
-            self.plan.structure.factorise::<T, ABREAST>(&mut tiles);
+            self.plan.structure.factorise::<T, ABREAST, ROWS>(&mut tiles);
             T::zero()
         };
         let CondensationPlan { modes: RingModes { count, .. }, loads, .. } = self.plan;

@@ -8,6 +8,8 @@
 //!
 //! Written over `Real`: with `Lanes` each tile holds `LANES` bodies; with `f64` it is checked against faer.
 
+use std::ops::Range;
+
 use crate::mechanics::element::MAX_NODES;
 use crate::mechanics::element::stiffness::ElementStiffness;
 use crate::mechanics::mesh::{RingTopology, SUPPORTED};
@@ -195,51 +197,128 @@ impl BandStructure {
 
     /// K = L L^T in place, tile row by tile row: each tile less the products of its row and its column, then divided
     /// by the column's diagonal tile. In place of the diagonal is its inverse. A lane that is not positive definite ends in NaN.
-    /// `ABREAST` columns of a tile are summed at a time.
+    /// `ABREAST` columns of a tile are summed at a time, in `ROWS` tile rows (1 or 2): the same bits whatever they are.
     #[inline(always)]
-    pub fn factorise<T: Real, const ABREAST: usize>(&self, tiles: &mut [Tile<T>]) {
-        self.eliminate::<T, ABREAST, false>(tiles);
+    pub fn factorise<T: Real, const ABREAST: usize, const ROWS: usize>(&self, tiles: &mut [Tile<T>]) {
+        self.eliminate::<T, ABREAST, ROWS, false>(tiles);
     }
 
     /// The same; tells the greatest of what a pivot's diagonal was over what was left of it: so many times more than the stiffness
     /// itself its condensation feels rounding. NaN where the stiffness is not positive definite.
     #[inline(always)]
-    pub fn factorise_with_loss<T: Real, const ABREAST: usize>(&self, tiles: &mut [Tile<T>]) -> T {
-        self.eliminate::<T, ABREAST, true>(tiles)
+    pub fn factorise_with_loss<T: Real, const ABREAST: usize, const ROWS: usize>(
+        &self,
+        tiles: &mut [Tile<T>],
+    ) -> T {
+        self.eliminate::<T, ABREAST, ROWS, true>(tiles)
     }
 
     #[inline(always)]
-    fn eliminate<T: Real, const ABREAST: usize, const TELLS: bool>(&self, tiles: &mut [Tile<T>]) -> T {
+    fn eliminate<T: Real, const ABREAST: usize, const ROWS: usize, const TELLS: bool>(
+        &self,
+        tiles: &mut [Tile<T>],
+    ) -> T {
+        const { assert!(ROWS == 1 || ROWS == 2) };
         let mut minus_loss = T::from_f64(-1.0);
-        for row in 0..self.rows.len() {
-            let (first, offset) = self.rows[row];
-            let (done, current) = tiles.split_at_mut(offset);
-            for column in first..row {
-                let (column_first, column_offset) = self.rows[column];
-                let start = first.max(column_first);
-                let (left, right) = current.split_at_mut(column - first);
-                let row_tiles = &left[start - first..];
-                let column_tiles = &done[column_offset + start - column_first..][..row_tiles.len()];
+        for rows in (0..self.rows.len()).step_by(ROWS) {
+            // Columns of this row alone, of the next one alone, then those of both.
+            let mut of_both = rows..rows;
+            if ROWS == 2 && rows + 1 < self.rows.len() {
+                let firsts = [self.rows[rows].0, self.rows[rows + 1].0];
+                of_both.start = firsts[0].max(firsts[1]).min(rows);
+                self.eliminate_columns::<T, ABREAST>(tiles, rows + 1, firsts[1]..of_both.start);
+            }
+            self.eliminate_columns::<T, ABREAST>(tiles, rows, self.rows[rows].0..of_both.start);
+            self.eliminate_columns_of_two::<T, ABREAST>(tiles, rows, of_both);
+            for row in rows..(rows + ROWS).min(self.rows.len()) {
+                if row > rows {
+                    self.eliminate_columns::<T, ABREAST>(tiles, row, rows.max(self.rows[row].0)..row);
+                }
+                let (first, offset) = self.rows[row];
+                let (left, right) = tiles[offset..].split_at_mut(row - first);
                 let tile = &mut right[0];
-                subtract_products::<T, ABREAST>(tile, row_tiles, column_tiles);
-                divide_by_lower_transposed(tile, &done[column_offset + column - column_first]);
-            }
-            let (left, right) = current.split_at_mut(row - first);
-            let tile = &mut right[0];
-            let mut before = [T::zero(); TILE];
-            for place in 0..TILE {
-                before[place] = tile[place][place];
-            }
-            subtract_products::<T, ABREAST>(tile, left, left);
-            factorise_tile(tile);
-            if TELLS {
+                let mut before = [T::zero(); TILE];
                 for place in 0..TILE {
-                    let inverse = tile[place][place];
-                    minus_loss = minus_loss.least(-(before[place] * inverse * inverse));
+                    before[place] = tile[place][place];
+                }
+                subtract_products::<T, ABREAST>(tile, left, left);
+                factorise_tile(tile);
+                if TELLS {
+                    for place in 0..TILE {
+                        let inverse = tile[place][place];
+                        minus_loss = minus_loss.least(-(before[place] * inverse * inverse));
+                    }
                 }
             }
         }
         -minus_loss
+    }
+
+    /// Some columns of a tile row, beside the diagonal; those before them are done.
+    #[inline(always)]
+    fn eliminate_columns<T: Real, const ABREAST: usize>(
+        &self,
+        tiles: &mut [Tile<T>],
+        row: usize,
+        columns: Range<usize>,
+    ) {
+        let (first, offset) = self.rows[row];
+        let (done, current) = tiles.split_at_mut(offset);
+        for column in columns {
+            let (column_first, column_offset) = self.rows[column];
+            let start = first.max(column_first);
+            let (left, right) = current.split_at_mut(column - first);
+            let row_tiles = &left[start - first..];
+            let column_tiles = &done[column_offset + start - column_first..][..row_tiles.len()];
+            let tile = &mut right[0];
+            subtract_products::<T, ABREAST>(tile, row_tiles, column_tiles);
+            divide_by_lower_transposed(tile, &done[column_offset + column - column_first]);
+        }
+    }
+
+    /// The same of a tile row and the next one.
+    #[inline(always)]
+    fn eliminate_columns_of_two<T: Real, const ABREAST: usize>(
+        &self,
+        tiles: &mut [Tile<T>],
+        row: usize,
+        columns: Range<usize>,
+    ) {
+        if columns.is_empty() {
+            return;
+        }
+        let [(first, offset), (next_first, next_offset)] = [self.rows[row], self.rows[row + 1]];
+        let (done, current) = tiles.split_at_mut(offset);
+        let (current, next) = current.split_at_mut(next_offset - offset);
+        for column in columns {
+            let (column_first, column_offset) = self.rows[column];
+            let of_column = &done[column_offset..][..column - column_first + 1];
+            let (left, right) = current.split_at_mut(column - first);
+            let (next_left, next_right) = next.split_at_mut(column - next_first);
+            let both = [&mut right[0], &mut next_right[0]];
+            // What either has alone, then what both have.
+            let [start, next_start] = [first, next_first].map(|first| first.max(column_first));
+            let common = start.max(next_start);
+            let [tile, next_tile] = both;
+            subtract_products::<T, ABREAST>(
+                tile,
+                &left[start - first..common - first],
+                &of_column[start - column_first..],
+            );
+            subtract_products::<T, ABREAST>(
+                next_tile,
+                &next_left[next_start - next_first..common - next_first],
+                &of_column[next_start - column_first..],
+            );
+            subtract_products_of_two::<T, ABREAST>(
+                [tile, next_tile],
+                [&left[common - first..], &next_left[common - next_first..]],
+                &of_column[common - column_first..],
+            );
+            let diagonal = &of_column[column - column_first];
+            divide_by_lower_transposed(tile, diagonal);
+            divide_by_lower_transposed(next_tile, diagonal);
+        }
     }
 
     /// L^-1 of the ring's block applied to `columns` right-hand sides, in place, from tile row `start` (counted from
@@ -324,6 +403,34 @@ fn subtract_products<T: Real, const ABREAST: usize>(tile: &mut Tile<T>, row: &[T
             }
         }
         *of_columns = sums;
+    }
+}
+
+/// The same of two tiles with the same column.
+#[inline(always)]
+fn subtract_products_of_two<T: Real, const ABREAST: usize>(
+    [one, other]: [&mut Tile<T>; 2],
+    [one_row, other_row]: [&[Tile<T>]; 2],
+    column: &[Tile<T>],
+) {
+    for first in (0..TILE).step_by(ABREAST) {
+        let [mut one_sums, mut other_sums] = [[[T::zero(); TILE]; ABREAST]; 2];
+        one_sums.copy_from_slice(&one[first..first + ABREAST]);
+        other_sums.copy_from_slice(&other[first..first + ABREAST]);
+        for ((one, other), b) in one_row.iter().zip(other_row).zip(column) {
+            for k in 0..TILE {
+                for j in 0..ABREAST {
+                    for i in 0..TILE {
+                        one_sums[j][i] = one_sums[j][i].minus_product(one[k][i], b[k][first + j]);
+                    }
+                    for i in 0..TILE {
+                        other_sums[j][i] = other_sums[j][i].minus_product(other[k][i], b[k][first + j]);
+                    }
+                }
+            }
+        }
+        one[first..first + ABREAST].copy_from_slice(&one_sums);
+        other[first..first + ABREAST].copy_from_slice(&other_sums);
     }
 }
 
