@@ -10,7 +10,7 @@ use crate::study::expression::Expression;
 use crate::study::fingerprint::Fingerprint;
 use crate::study::layers::LayerCounts;
 use crate::study::output_options::OutputOptions;
-use crate::study::recipe::Recipe;
+use crate::study::recipe::{JointValues, Recipe};
 use crate::study::reduce::{Reduce, read_select};
 use crate::study::sampling::{MAX_DESIGNS, Scheme};
 use crate::study::setting::Setting;
@@ -306,7 +306,9 @@ impl Study {
     /// The designs in their order, each made when it is asked for. From the start at every call.
     pub fn cases(&self) -> Result<Cases<'_>, Error> {
         Ok(match &self.designs {
-            Designs::Sampled { recipe, steps } => Cases(Kind::Sampled { recipe, steps, next: 0 }),
+            Designs::Sampled { recipe, steps } => {
+                Cases(Kind::Sampled(Box::new(Sampled { recipe, steps, next: 0, drawn: None })))
+            }
             Designs::Listed(file) => Cases(Kind::Listed(Box::new(file.rows()?))),
         })
     }
@@ -330,8 +332,41 @@ impl Study {
 pub struct Cases<'a>(Kind<'a>);
 
 enum Kind<'a> {
-    Sampled { recipe: &'a Recipe, steps: &'a [Load], next: u64 },
+    Sampled(Box<Sampled<'a>>),
     Listed(Box<Rows>),
+}
+
+/// Designs that are drawn at a time where they follow each other.
+const ABREAST: usize = 16;
+
+struct Sampled<'a> {
+    recipe: &'a Recipe,
+    steps: &'a [Load],
+    /// The number of the next design.
+    next: u64,
+    /// The values of some designs that follow each other, and the number of the first.
+    drawn: Option<(u64, JointValues<'a, ABREAST>)>,
+}
+
+impl Sampled<'_> {
+    fn nth(&mut self, skipped: u64) -> Option<DesignCase> {
+        let index = self.next.saturating_add(skipped);
+        self.next = index.saturating_add(1);
+        let last = self.recipe.sampler().design_count().checked_sub(1)?;
+        if index > last {
+            return None;
+        }
+        let is_drawn = |first: u64| index < first + ABREAST as u64;
+        if skipped == 0 && !self.drawn.as_ref().is_some_and(|(first, _)| is_drawn(*first)) {
+            let numbers = std::array::from_fn(|place| last.min(index + place as u64));
+            self.drawn = Some((index, self.recipe.values_of(&numbers)));
+        }
+        let joint = match &self.drawn {
+            Some((first, values)) if is_drawn(*first) => values.joint((index - first) as usize),
+            _ => self.recipe.joint(index),
+        };
+        Some(DesignCase { index, joint, steps: self.steps.to_vec() })
+    }
 }
 
 impl Iterator for Cases<'_> {
@@ -344,13 +379,7 @@ impl Iterator for Cases<'_> {
     fn nth(&mut self, skipped: usize) -> Option<Self::Item> {
         match &mut self.0 {
             Kind::Listed(rows) => rows.nth(skipped),
-            Kind::Sampled { recipe, steps, next } => {
-                let count = recipe.sampler().design_count();
-                let index = next.saturating_add(skipped as u64);
-                *next = index.saturating_add(1);
-                let case = || DesignCase { index, joint: recipe.joint(index), steps: steps.to_vec() };
-                (index < count).then(|| Ok(case()))
-            }
+            Kind::Sampled(sampled) => sampled.nth(skipped as u64).map(Ok),
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::study::reader::{Choice, Quantity, Reader};
 use crate::study::sampling::{Axis, Sampler, Scheme};
 use crate::study::source::{Item, Section};
 use crate::study::units::{Dimension, tidy};
-use crate::study::values::Pick;
+use crate::study::values::Picks;
 
 /// A joint with all the values it takes over a sweep.
 #[derive(Clone, Debug)]
@@ -25,6 +25,77 @@ pub struct Recipe {
     plate: PartRecipe,
     axes: Vec<Axis>,
     sampler: Sampler,
+}
+
+/// The values that several designs take.
+pub struct JointValues<'a, const N: usize> {
+    idealizations: [Idealization; N],
+    hole_radii: [f64; N],
+    radial_clearances: [f64; N],
+    thicknesses: [f64; N],
+    pins: PartValues<'a, N>,
+    plates: PartValues<'a, N>,
+}
+
+impl<const N: usize> JointValues<'_, N> {
+    /// The joint of one of them.
+    pub fn joint(&self, place: usize) -> JointDesign {
+        let (hole_radius, radial_clearance) = (self.hole_radii[place], self.radial_clearances[place]);
+        JointDesign {
+            idealization: self.idealizations[place],
+            hole_radius,
+            radial_clearance,
+            thickness: self.thicknesses[place],
+            pin: self.pins.part(place, hole_radius - radial_clearance),
+            plate: self.plates.part(place, hole_radius),
+        }
+    }
+}
+
+struct PartValues<'a, const N: usize> {
+    recipe: &'a PartRecipe,
+    parameters: [[f64; N]; MAX_PARAMETERS],
+    supports: [usize; N],
+    materials: [Material; N],
+    layers: Vec<LayerValues<'a, N>>,
+}
+
+impl<const N: usize> PartValues<'_, N> {
+    /// The part of one of them, with its radius at the contact, mm.
+    fn part(&self, place: usize, radius: f64) -> Part {
+        let mut depth = 0.0;
+        let layer = |values: &LayerValues<N>| {
+            let LayerRecipe { measure, yield_stress, .. } = values.recipe;
+            let told = values.told[place];
+            let thickness = match measure {
+                Measure::Length => told,
+                Measure::OfRadius => told * radius,
+                Measure::DownTo => tidy((1.0 - told) * radius - depth),
+            };
+            depth += thickness;
+            Layer {
+                thickness,
+                material: values.materials[place],
+                yield_stress: yield_stress.as_ref().map(|own| own.value),
+                is_tube: *measure == Measure::DownTo,
+            }
+        };
+        Part {
+            shape: self.recipe.shape,
+            parameters: std::array::from_fn(|slot| self.parameters[slot][place]),
+            support: self.supports[place],
+            material: self.materials[place],
+            yield_stress: self.recipe.yield_stress.as_ref().map(|own| own.value),
+            layers: Layers::new(self.layers.iter().map(layer).collect()),
+        }
+    }
+}
+
+struct LayerValues<'a, const N: usize> {
+    recipe: &'a LayerRecipe,
+    /// What its thickness is told by.
+    told: [f64; N],
+    materials: [Material; N],
 }
 
 impl Recipe {
@@ -107,15 +178,18 @@ impl Recipe {
 
     /// Design number `design` of the sweep.
     pub fn joint(&self, design: u64) -> JointDesign {
-        let hole_radius = self.value(&self.hole_radius, design);
-        let radial_clearance = self.value(&self.radial_clearance, design);
-        JointDesign {
-            idealization: self.option(&self.idealization, design),
-            hole_radius,
-            radial_clearance,
-            thickness: self.value(&self.thickness, design),
-            pin: self.part(&self.pin, hole_radius - radial_clearance, design),
-            plate: self.part(&self.plate, hole_radius, design),
+        self.values_of(&[design]).joint(0)
+    }
+
+    /// The values that designs of these numbers take.
+    pub fn values_of<const N: usize>(&self, designs: &[u64; N]) -> JointValues<'_, N> {
+        JointValues {
+            idealizations: self.options(&self.idealization, designs),
+            hole_radii: self.values(&self.hole_radius, designs),
+            radial_clearances: self.values(&self.radial_clearance, designs),
+            thicknesses: self.values(&self.thickness, designs),
+            pins: self.part_values(&self.pin, designs),
+            plates: self.part_values(&self.plate, designs),
         }
     }
 
@@ -193,55 +267,55 @@ impl Recipe {
         }
     }
 
-    /// A part with its radius at the contact, mm.
-    fn part(&self, part: &PartRecipe, radius: f64, design: u64) -> Part {
-        let mut parameters = [0.0; MAX_PARAMETERS];
-        for (slot, quantity) in parameters.iter_mut().zip(&part.parameters) {
-            *slot = self.value(quantity, design);
+    fn part_values<'a, const N: usize>(
+        &self,
+        recipe: &'a PartRecipe,
+        designs: &[u64; N],
+    ) -> PartValues<'a, N> {
+        let mut parameters = [[0.0; N]; MAX_PARAMETERS];
+        for (values, quantity) in parameters.iter_mut().zip(&recipe.parameters) {
+            *values = self.values(quantity, designs);
         }
-        let mut depth = 0.0;
-        let layer = |layer: &LayerRecipe| {
-            let told = self.value(&layer.thickness, design);
-            let thickness = match layer.measure {
-                Measure::Length => told,
-                Measure::OfRadius => told * radius,
-                Measure::DownTo => tidy((1.0 - told) * radius - depth),
-            };
-            depth += thickness;
-            let material = Material {
-                youngs_modulus: self.value(&layer.youngs_modulus, design),
-                poissons_ratio: self.value(&layer.poissons_ratio, design),
-            };
-            Layer {
-                thickness,
-                material,
-                yield_stress: layer.yield_stress.as_ref().map(|own| own.value),
-                is_tube: layer.measure == Measure::DownTo,
-            }
+        let of_layer = |layer: &'a LayerRecipe| LayerValues {
+            recipe: layer,
+            told: self.values(&layer.thickness, designs),
+            materials: self.materials(&layer.youngs_modulus, &layer.poissons_ratio, designs),
         };
-        Part {
-            shape: part.shape,
+        PartValues {
+            recipe,
             parameters,
-            support: self.option(&part.support, design),
-            material: Material {
-                youngs_modulus: self.value(&part.youngs_modulus, design),
-                poissons_ratio: self.value(&part.poissons_ratio, design),
-            },
-            yield_stress: part.yield_stress.as_ref().map(|own| own.value),
-            layers: Layers::new(part.layers.iter().map(layer).collect()),
+            supports: self.options(&recipe.support, designs),
+            materials: self.materials(&recipe.youngs_modulus, &recipe.poissons_ratio, designs),
+            layers: recipe.layers.iter().map(of_layer).collect(),
         }
     }
 
-    fn pick(&self, axis: Option<usize>, design: u64) -> Pick {
-        axis.map_or(Pick::Index(0), |axis| self.sampler.pick(design, axis))
+    fn materials<const N: usize>(
+        &self,
+        youngs_modulus: &Quantity,
+        poissons_ratio: &Quantity,
+        designs: &[u64; N],
+    ) -> [Material; N] {
+        let moduli = self.values(youngs_modulus, designs);
+        let ratios = self.values(poissons_ratio, designs);
+        std::array::from_fn(|place| Material { youngs_modulus: moduli[place], poissons_ratio: ratios[place] })
+    }
+
+    fn picks<const N: usize>(&self, axis: Option<usize>, designs: &[u64; N]) -> Picks<N> {
+        axis.map_or(Picks::Index([0; N]), |axis| self.sampler.picks(designs, axis))
     }
 
     fn value(&self, quantity: &Quantity, design: u64) -> f64 {
-        quantity.values.at(self.pick(quantity.axis, design))
+        self.values(quantity, &[design])[0]
     }
 
-    fn option<T: Copy>(&self, choice: &Choice<T>, design: u64) -> T {
-        choice.options[self.pick(choice.axis, design).of(choice.options.len())]
+    fn values<const N: usize>(&self, quantity: &Quantity, designs: &[u64; N]) -> [f64; N] {
+        quantity.values.at_each(&self.picks(quantity.axis, designs))
+    }
+
+    fn options<T: Copy, const N: usize>(&self, choice: &Choice<T>, designs: &[u64; N]) -> [T; N] {
+        let picks = self.picks(choice.axis, designs);
+        std::array::from_fn(|place| choice.options[picks.of(place).of(choice.options.len())])
     }
 
     /// Refuses a sweep in which some design has a clearance that leaves no pin, or an overlap as large.

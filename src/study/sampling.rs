@@ -1,7 +1,8 @@
 //! Which values design number i takes: grid, zip, latin hypercube, sobol, saltelli. Everything is computed from the number
 //! of the design alone, so a sweep of any length needs no memory and can start anywhere.
 
-use crate::study::values::Pick;
+use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
+use crate::study::values::{Pick, Picks};
 
 /// One quantity that sweeps. Axes are ordered as they are listed in the config.
 #[derive(Clone, Debug)]
@@ -126,18 +127,29 @@ impl Sampler {
 
     /// What design number `design` takes of axis number `axis`.
     pub fn pick(&self, design: u64, axis: usize) -> Pick {
+        self.picks(&[design], axis).of(0)
+    }
+
+    /// What designs of these numbers take of axis number `axis`.
+    pub fn picks<const N: usize>(&self, designs: &[u64; N], axis: usize) -> Picks<N> {
         let role = self.roles[axis];
         match self.scheme {
-            Scheme::Grid => Pick::Index(design / role.stride % role.count),
-            Scheme::Zip => Pick::Index(design),
-            Scheme::LatinHypercube { count, .. } => Pick::Fraction(slice(design, count, role.key)),
-            Scheme::Sobol { seed, .. } => Pick::Fraction(sobol(design, role.rank, seed)),
+            Scheme::Grid => Picks::Index(designs.map(|design| design / role.stride % role.count)),
+            Scheme::Zip => Picks::Index(*designs),
+            Scheme::LatinHypercube { count, .. } => {
+                Picks::Fraction(in_lanes(Slices { designs, count, key: role.key }))
+            }
+            Scheme::Sobol { seed, .. } => {
+                Picks::Fraction(designs.map(|design| sobol(design, role.rank, seed)))
+            }
             Scheme::Saltelli { seed, .. } => {
                 let axes = self.roles.len();
-                let (row, member) = (design / row_length(axes), design % row_length(axes));
-                let is_of_b = member == 1 || member == u64::from(role.rank) + 2;
-                let dimension = role.rank + if is_of_b { axes as u32 } else { 0 };
-                Pick::Fraction(sobol(row, dimension, seed))
+                Picks::Fraction(designs.map(|design| {
+                    let (row, member) = (design / row_length(axes), design % row_length(axes));
+                    let is_of_b = member == 1 || member == u64::from(role.rank) + 2;
+                    let dimension = role.rank + if is_of_b { axes as u32 } else { 0 };
+                    sobol(row, dimension, seed)
+                }))
             }
         }
     }
@@ -173,27 +185,61 @@ fn key(rank: u32, seed: u64) -> u64 {
     mix(mix(seed) ^ u64::from(rank))
 }
 
-/// A random point of the slice that design number `design` has on an axis with a key.
-fn slice(design: u64, count: u64, key: u64) -> f64 {
-    let jitter = (mix(key ^ mix(!design)) >> 11) as f64 / (1u64 << 53) as f64;
-    (permute(design, count, key) as f64 + jitter) / count as f64
+/// Random points of the slices that designs have on an axis with a key.
+struct Slices<'a, const N: usize> {
+    designs: &'a [u64; N],
+    count: u64,
+    key: u64,
 }
 
-/// Where a random permutation of 0..count takes `position`: a Feistel network over the next even number of bits,
+impl<const N: usize> LaneWork for Slices<'_, N> {
+    type Output = [f64; N];
+
+    #[inline(always)]
+    fn run<const WIDTH: usize>(self) -> [f64; N] {
+        let Slices { designs, count, key } = self;
+        let mut points = [0.0; N];
+        for (point, position) in points.iter_mut().zip(permuted(designs, count, key)) {
+            *point = position as f64;
+        }
+        for (point, design) in points.iter_mut().zip(designs) {
+            let jitter = (mix(key ^ mix(!design)) >> 11) as f64 / (1u64 << 53) as f64;
+            *point = (*point + jitter) / count as f64;
+        }
+        points
+    }
+}
+
+/// Where a random permutation of 0..count takes positions: a Feistel network over the next even number of bits,
 /// walked until it lands inside (Black & Rogaway, Ciphers with arbitrary finite domains, 2002).
-fn permute(position: u64, count: u64, key: u64) -> u64 {
+#[inline(always)]
+fn permuted<const N: usize>(positions: &[u64; N], count: u64, key: u64) -> [u64; N] {
     // At least 8 bits: smaller networks have few permutations to choose from.
     let half = (u64::BITS - count.leading_zeros()).div_ceil(2).max(4);
     let mask = (1u64 << half) - 1;
-    let mut current = position;
+    let mut current = *positions;
+    let mut landed = [u64::MAX; N];
     loop {
-        let (mut left, mut right) = (current >> half, current & mask);
-        for round in 0..6u64 {
-            (left, right) = (right, left ^ (mix(key ^ (round << 56) ^ right) & mask));
+        let [mut left, mut right] = [[0; N]; 2];
+        for lane in 0..N {
+            (left[lane], right[lane]) = (current[lane] >> half, current[lane] & mask);
         }
-        current = left << half | right;
-        if current < count {
-            return current;
+        for round in 0..6u64 {
+            for lane in 0..N {
+                (left[lane], right[lane]) =
+                    (right[lane], left[lane] ^ (mix(key ^ (round << 56) ^ right[lane]) & mask));
+            }
+        }
+        let mut is_open = false;
+        for lane in 0..N {
+            current[lane] = left[lane] << half | right[lane];
+            if landed[lane] == u64::MAX && current[lane] < count {
+                landed[lane] = current[lane];
+            }
+            is_open |= landed[lane] == u64::MAX;
+        }
+        if !is_open {
+            return landed;
         }
     }
 }
@@ -210,6 +256,7 @@ fn sobol(design: u64, rank: u32, seed: u64) -> f64 {
 }
 
 /// A hash of 64 bits to 64 bits: one step of SplitMix64 (Steele, Lea & Flood, 2014).
+#[inline(always)]
 pub fn mix(state: u64) -> u64 {
     let mut z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -221,6 +268,10 @@ pub fn mix(state: u64) -> u64 {
 mod tests {
     use super::*;
 
+    fn slice(design: u64, count: u64, key: u64) -> f64 {
+        in_lanes(Slices { designs: &[design], count, key })[0]
+    }
+
     fn axis(start: usize, count: Option<u64>) -> Axis {
         Axis { key: format!("axis {start}"), line: 1, start, count }
     }
@@ -229,7 +280,7 @@ mod tests {
     fn permutations_are_permutations() {
         for count in [1u64, 2, 3, 17, 255, 256, 257, 5000] {
             let mut seen: Vec<u64> =
-                (0..count).map(|position| permute(position, count, mix(count))).collect();
+                (0..count).map(|position| permuted(&[position], count, mix(count))[0]).collect();
             seen.sort_unstable();
             assert!(seen.into_iter().eq(0..count), "{count}");
         }

@@ -1,6 +1,7 @@
 //! What a swept quantity may be: one value, a list, or a range from one value to another.
 
 use crate::error::Error;
+use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::study::design::Limits;
 use crate::study::source::{Item, Section};
 use crate::study::units::{self, Dimension};
@@ -22,6 +23,22 @@ impl Pick {
             Pick::Fraction(fraction) => (fraction * count as f64) as usize,
         };
         position.min(count.saturating_sub(1))
+    }
+}
+
+/// Those of several designs, of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Picks<const N: usize> {
+    Index([u64; N]),
+    Fraction([f64; N]),
+}
+
+impl<const N: usize> Picks<N> {
+    pub fn of(&self, place: usize) -> Pick {
+        match self {
+            Picks::Index(indices) => Pick::Index(indices[place]),
+            Picks::Fraction(fractions) => Pick::Fraction(fractions[place]),
+        }
     }
 }
 
@@ -92,9 +109,17 @@ impl Values {
     }
 
     pub fn at(&self, pick: Pick) -> f64 {
+        let picks = match pick {
+            Pick::Index(index) => Picks::Index([index]),
+            Pick::Fraction(fraction) => Picks::Fraction([fraction]),
+        };
+        self.at_each(&picks)[0]
+    }
+
+    pub fn at_each<const N: usize>(&self, picks: &Picks<N>) -> [f64; N] {
         match self {
-            Values::List(values) => values[pick.of(values.len())],
-            Values::Range(range) => range.at(pick),
+            Values::List(values) => std::array::from_fn(|place| values[picks.of(place).of(values.len())]),
+            Values::Range(range) => range.at_each(picks),
         }
     }
 
@@ -173,34 +198,63 @@ impl Range {
         Range { from, to, count, roots }
     }
 
-    fn at(&self, pick: Pick) -> f64 {
-        let value = match pick {
-            Pick::Fraction(fraction) => self.along(fraction),
-            Pick::Index(index) => {
-                let last = self.count.unwrap_or(1).saturating_sub(1);
-                if index >= last { self.to } else { units::tidy(self.along(index as f64 / last as f64)) }
-            }
-        };
+    fn at_each<const N: usize>(&self, picks: &Picks<N>) -> [f64; N] {
+        let mut values =
+            match picks {
+                Picks::Fraction(fractions) => in_lanes(Along { range: self, fractions }),
+                Picks::Index(indices) => {
+                    let last = self.count.unwrap_or(1).saturating_sub(1);
+                    let along = in_lanes(Along {
+                        range: self,
+                        fractions: &indices.map(|index| index as f64 / last as f64),
+                    });
+                    std::array::from_fn(|place| {
+                        if indices[place] >= last { self.to } else { units::tidy(along[place]) }
+                    })
+                }
+            };
         // Rounding must not lead out of what has been checked.
-        value.clamp(self.from, self.to)
+        for value in &mut values {
+            *value = value.clamp(self.from, self.to);
+        }
+        values
     }
+}
 
-    /// The value at `fraction` of the way. Only operations that every machine rounds alike (no logarithm, no
-    /// power), so that a study has the same designs everywhere, to the last bit.
-    fn along(&self, fraction: f64) -> f64 {
-        let Some(roots) = &self.roots else {
-            return self.from * (1.0 - fraction) + self.to * fraction;
+/// The values at fractions of the way. Only operations that every machine rounds alike (no logarithm, no
+/// power), so that a study has the same designs everywhere, to the last bit.
+struct Along<'a, const N: usize> {
+    range: &'a Range,
+    fractions: &'a [f64; N],
+}
+
+impl<const N: usize> LaneWork for Along<'_, N> {
+    type Output = [f64; N];
+
+    #[inline(always)]
+    fn run<const WIDTH: usize>(self) -> [f64; N] {
+        let Along { range: Range { from, to, roots, .. }, fractions } = self;
+        let mut values = [*from; N];
+        let Some(roots) = roots else {
+            for (value, fraction) in values.iter_mut().zip(fractions) {
+                *value = from * (1.0 - fraction) + to * fraction;
+            }
+            return values;
         };
         // By the bits of the fraction that are set, the highest first. A fraction that was rounded up to 1 is the one before.
         const WHOLE: u64 = 1 << ROOTS;
-        let mut bits = ((fraction * WHOLE as f64) as u64).min(WHOLE - 1) << (u64::BITS as usize - ROOTS);
-        let mut value = self.from;
-        while bits != 0 {
-            let place = bits.leading_zeros();
-            value *= roots[place as usize];
-            bits &= !(1 << (u64::BITS - 1 - place));
+        let mut bits = [0; N];
+        for (bits, fraction) in bits.iter_mut().zip(fractions) {
+            *bits = ((fraction * WHOLE as f64) as u64).min(WHOLE - 1);
         }
-        value
+        for (place, root) in roots.iter().enumerate() {
+            let bit = WHOLE >> (place + 1);
+            for lane in 0..N {
+                let longer = values[lane] * root;
+                values[lane] = if bits[lane] & bit != 0 { longer } else { values[lane] };
+            }
+        }
+        values
     }
 }
 
@@ -226,8 +280,12 @@ fn scalar(item: &Item, dimension: Option<Dimension>, limits: Limits) -> Result<f
 mod tests {
     use super::*;
 
+    fn at(range: &Range, pick: Pick) -> f64 {
+        Values::Range(range.clone()).at(pick)
+    }
+
     fn counted(range: &Range) -> Vec<f64> {
-        (0..range.count.unwrap()).map(|index| range.at(Pick::Index(index))).collect()
+        (0..range.count.unwrap()).map(|index| at(range, Pick::Index(index))).collect()
     }
 
     #[test]
@@ -246,21 +304,21 @@ mod tests {
         for step in 0..1000 {
             let fraction = step as f64 / 1000.0 + 3e-4;
             let expected = 0.3 * (700.0f64 / 0.3).powf(fraction);
-            let value = range.at(Pick::Fraction(fraction));
+            let value = at(&range, Pick::Fraction(fraction));
             assert!((value / expected - 1.0).abs() < 1e-14, "{fraction}: {value} against {expected}");
         }
         // What was rounded up to the end is there.
-        assert!((range.at(Pick::Fraction(1.0)) / 700.0 - 1.0).abs() < 1e-14);
+        assert!((at(&range, Pick::Fraction(1.0)) / 700.0 - 1.0).abs() < 1e-14);
     }
 
     #[test]
     fn the_widest_range_stays_within_its_ends() {
         // The quotient of the ends is no number, the middle is.
-        let middle = Range::new(1e-300, 1e300, None, true).at(Pick::Fraction(0.5));
+        let middle = at(&Range::new(1e-300, 1e300, None, true), Pick::Fraction(0.5));
         assert!((middle - 1.0).abs() < 1e-14, "{middle}");
         let range = Range::new(5e-324, f64::MAX, None, true);
         for fraction in [0.0, 0.1, 0.5, 0.999, 1.0] {
-            let value = range.at(Pick::Fraction(fraction));
+            let value = at(&range, Pick::Fraction(fraction));
             assert!((5e-324..=f64::MAX).contains(&value), "{fraction}: {value}");
         }
     }
