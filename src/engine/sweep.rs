@@ -107,7 +107,7 @@ const KEPT_BLOCK: usize = 8 << 20;
 
 /// Lets the C library keep what is dropped for what is made next. It takes each block of more than 128 KiB from the system, with pages
 /// that all must be cleared, and gives it back, until a greater one has been dropped (`M_MMAP_THRESHOLD`, mallopt(3)).
-fn keep_blocks() {
+pub fn keep_blocks() {
     if cfg!(target_env = "gnu") {
         drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT_BLOCK)));
     }

@@ -1,4 +1,5 @@
-//! Which bodies the processor condenses in single precision, and what that leaves of a force, there and on a device.
+//! Which bodies the processor condenses in single precision, and what that leaves of a force, there and on a device, whose contact is in it,
+//! too.
 
 use crate::engine::accuracy::known_errors::known_errors;
 use crate::mechanics::body::Body;
@@ -13,6 +14,10 @@ const LEVELS: usize = 2;
 /// What single precision leaves of a body, relative, of the force, at most: on the processor (`tests/engine/single_precision.rs`), and
 /// on a device with its contact (`tests/gpu_parity/sweeps.rs`).
 pub const OF_SINGLES: f64 = 1e-4;
+
+/// What it leaves of a force, relative, at most, where a device solves the contact of interpolated bodies in it
+/// (`tests/gpu_parity/joints.rs`).
+pub const OF_CONTACT_IN_SINGLES: f64 = 1e-5;
 
 /// Whether an accuracy of the force bears it.
 pub fn accuracy_bears_singles(accuracy: f64) -> bool {

@@ -3,6 +3,7 @@
 
 use crate::engine::accuracy::Want;
 use crate::engine::accuracy::body_errors::OwnError;
+use crate::engine::accuracy::single_precision::OF_CONTACT_IN_SINGLES;
 use crate::engine::backend::joints::{AskedOfJoints, BodyTables, DeviceJoint, JointTables, states};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::device_joints::{Given, errors_of_bodies, gathered};
@@ -54,8 +55,8 @@ impl Interpolation {
             tables.extend(fit.bound.table().map(|number| number as f32));
         }
         let give = |case: &DesignCase, numbers: &mut Vec<f32>| {
-            let given = self.given(spaces, case, numbers)?;
-            let (MetJoint { members, fits, points, .. }, even) = &given.kept;
+            let Given { tables, load_count, kept } = self.given(spaces, case, numbers)?;
+            let (MetJoint { members, fits, points, .. }, even) = &kept;
             let errors = [0, 1].map(|side| {
                 (
                     OwnError::Fit(fits[side].error(&members[side].body, &points[side])),
@@ -63,6 +64,8 @@ impl Interpolation {
                 )
             });
             let errors = errors.each_ref().map(|(error, at)| (error, *at));
+            // No state comes back that would have to be judged.
+            let given = Given { tables, load_count, kept: () };
             standing.push_design(case, *even, errors, numbers).then_some(given)
         };
         let (mut batch, underway) = gathered(cases, TOGETHER, give);
@@ -103,7 +106,7 @@ impl Interpolation {
         let (of_curve, states) = states(found, *even, outlines)?;
         let states = states.map(|found| Ok((found.state, errors_of_bodies(&errors, &found))));
         let solving = self.solving(BackendKind::Gpu, outlines, spaces.get(*key));
-        let (answer, want) = judged(case, outlines, solving, of_curve, states);
+        let (answer, want) = judged(case, outlines, solving, of_curve + OF_CONTACT_IN_SINGLES, states);
         (want == Want::Nothing).then(|| whole(answer)).flatten()
     }
 }

@@ -25,6 +25,7 @@ use crate::engine::ladder::Ladder;
 use crate::engine::outcome::BackendKind;
 use crate::engine::question::Asker;
 use crate::engine::question::counted::{Told, Total, Verdict};
+use crate::engine::sweep::keep_blocks;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::output::host::processor_seconds;
@@ -60,6 +61,7 @@ impl HostCost {
         precision: Precision,
         batch_size: usize,
     ) -> Result<HostCost, GpuError> {
+        keep_blocks();
         let (seen, plan) = (Mutex::default(), InterpolationPlan::of_study(study));
         // As on a device that is no software.
         let solves_joints = joints_in(precision);
