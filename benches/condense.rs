@@ -3,7 +3,7 @@
 //!
 //! First a table a mesh level: unknowns, counted floating-point operations a body (`CondensationPlan::operations`), the
 //! median time a body, GFLOP/s and their share of the peak, which a loop of independent multiply-adds measures; `single`: in single
-//! precision, twice as many bodies against twice the peak. Then divan's figures of the same batches.
+//! precision, twice as many bodies against twice the peak; `alone`: one body after the other, in double precision. Then divan's figures of the same batches.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -54,13 +54,16 @@ fn main() {
     );
     let (bodies, twice_as_many) = (bodies::<LANES>(), bodies::<SINGLES>());
     let double = (0..LEVEL_COUNT).map(|level| (level, "double"));
-    for (level, precision) in double.chain([(0, "single"), (1, "single")]) {
+    let alone = (0..LEVEL_COUNT).map(|level| (level, "alone"));
+    for (level, precision) in double.chain([(0, "single"), (1, "single")]).chain(alone) {
         let plan = plan(level);
         let operations = plan.operations();
         let in_double = || _ = black_box(plan.condense(&bodies));
+        let in_turn = || bodies.iter().for_each(|body| _ = black_box(plan.condense_alone(body)));
         let in_singles = || _ = black_box(plan.condense_in_singles(&twice_as_many));
         let (seconds, peak) = match precision {
             "double" => (median(101, in_double) / LANES as f64, peak),
+            "alone" => (median(101, in_turn) / LANES as f64, peak),
             _ => (median(101, in_singles) / SINGLES as f64, 2.0 * peak),
         };
         let rate = operations.total() as f64 / seconds;
