@@ -45,8 +45,12 @@ impl Operations {
     }
 }
 
-/// So many bodies at most take no longer one after the other than in lanes.
-const FEW: usize = 4;
+/// So many bodies at most take no longer one after the other than in lanes, where the tiles of all lanes stay near the processor and where
+/// they do not (`cargo bench --bench condense`).
+const FEW: [usize; 2] = [2, 4];
+
+/// Bytes that stay near it.
+const NEAR: usize = 1 << 20;
 
 /// Modes that are substituted side by side: some blocks of them are a plan's.
 const BLOCKS: [usize; 2] = [12, 8];
@@ -113,9 +117,13 @@ impl CondensationPlan {
     /// The works of the ring modes on each body, packed, one way to push after the other; the order is kept. A body whose mesh is
     /// turned inside out or whose stiffness is not positive definite gives NaN.
     pub fn condense(&self, bodies: &[Body]) -> Vec<Vec<f64>> {
-        let together = |bodies: &[Body]| match bodies.len() {
-            ..=FEW => bodies.iter().map(|body| self.condense_alone(body)).collect(),
-            _ => in_lanes(Condense { plan: self, bodies }),
+        let few = self.few();
+        let together = |bodies: &[Body]| {
+            if bodies.len() <= few {
+                bodies.iter().map(|body| self.condense_alone(body)).collect()
+            } else {
+                in_lanes(Condense { plan: self, bodies })
+            }
         };
         bodies.chunks(LANES).flat_map(together).collect()
     }
@@ -123,11 +131,9 @@ impl CondensationPlan {
     /// The same in single precision, but for bodies that lose too many digits so. What a body comes to does not hang on the others.
     pub fn condense_in_singles(&self, bodies: &[Body]) -> Vec<Vec<f64>> {
         let condense = |bodies: &[Body]| in_lanes(InSingles(Condense { plan: self, bodies }));
+        let few = self.few();
         let together = |bodies: &[Body]| -> Vec<Vec<f64>> {
-            match bodies.len() {
-                ..=FEW => bodies.chunks(1).flat_map(condense).collect(),
-                _ => condense(bodies),
-            }
+            if bodies.len() <= few { bodies.chunks(1).flat_map(condense).collect() } else { condense(bodies) }
         };
         let mut works: Vec<Vec<f64>> = bodies.chunks(SINGLES).flat_map(together).collect();
         let is_lost = |works: &Vec<f64>| works[0].is_nan();
@@ -139,6 +145,12 @@ impl CondensationPlan {
             }
         }
         works
+    }
+
+    /// How many bodies are few.
+    fn few(&self) -> usize {
+        let bytes = self.structure.tile_count * size_of::<Tile<Lanes<1>>>();
+        FEW[usize::from(bytes > NEAR)]
     }
 
     /// One body, to the same bits, in a fraction of the memory that lanes take.
