@@ -146,7 +146,7 @@ impl PressureSpace {
         values.resize(self.kernels.even.len(), 0.0);
         in_lanes(OfInfinite { space: self, even, odd, bed, tilt, values });
         for (body, share) in bodies {
-            let (tilted, bands);
+            let bands;
             let mut second = if tilt.second == 0.0 { &[][..] } else { &body.second };
             let mut parts = [None, None, None];
             if let Some([normal, along]) = body.boundary.modes() {
@@ -160,14 +160,8 @@ impl PressureSpace {
             }
             if let Some((modes, works)) = body.boundary.ring_modes() {
                 let (normal, added) = works.split_at(packed_count(modes.count));
-                let works = if tilt.first == 0.0 {
-                    normal
-                } else {
-                    let sum = |(own, added): (&f64, &f64)| own + tilt.first * added;
-                    tilted = normal.iter().zip(added).map(sum).collect::<Vec<_>>();
-                    &tilted
-                };
-                parts[1] = Some((&self.ring_modes[modes], Works::Packed(works)));
+                let added = if tilt.first == 0.0 { None } else { Some((tilt.first, added)) };
+                parts[1] = Some((&self.ring_modes[modes], Works::Packed(normal, added)));
             }
             if !second.is_empty() {
                 parts[2] = Some((&self.modes, Works::Bands(second, tilt.second)));
@@ -317,8 +311,8 @@ enum Works<'a> {
     Alone(&'a [f64]),
     /// Of modes that do some on the next ones, times a factor.
     Bands(&'a [Bands], f64),
-    /// Packed.
-    Packed(&'a [f64]),
+    /// Packed; with as many that are added, times a factor.
+    Packed(&'a [f64], Option<(f64, &'a [f64])>),
 }
 
 /// values[jk] += share * sum over m, n of M_mj W_mn M_nk, for all arcs.
@@ -364,12 +358,16 @@ impl TermWork for Add<'_> {
                         add_symmetric(&mut matrix, own, &half);
                     }
                 }
-                Works::Packed(works) => {
+                Works::Packed(works, added) => {
                     for (m, own) in moments.iter().enumerate() {
                         // Half of the diagonal and all before it: the sum with its transpose is whole.
                         let mut half = [Lanes::<WIDTH>::zero(); TERMS];
-                        let row = &works[packed(m, 0)..=packed(m, m)];
-                        for (n, (work, other)) in row.iter().zip(moments).enumerate() {
+                        let row = packed(m, 0)..=packed(m, m);
+                        for (n, (at, other)) in row.zip(moments).enumerate() {
+                            let mut work = works[at];
+                            if let Some((tilt, added)) = added {
+                                work += tilt * added[at];
+                            }
                             let factor = Lanes::from_f64(if n == m { -0.5 * share } else { -share } * work);
                             for k in 0..TERMS {
                                 half[k] = half[k].minus_product(factor, Lanes(other[k]));

@@ -136,6 +136,11 @@ impl ConcentricBody {
         std::iter::once(self.near_layer()).chain(beyond).collect()
     }
 
+    /// What is made of its layers; a bare body's one needs no room of its own.
+    fn with_layers<T>(&self, make: impl FnOnce(&[Layer]) -> T) -> T {
+        if self.lining.is_empty() { make(&[self.near_layer()]) } else { make(&self.layers()) }
+    }
+
     /// c, the amplitude of the logarithmic kernel, for Young's modulus 1: 2/E'.
     pub fn amplitude(&self) -> f64 {
         amplitude(&self.near_layer())
@@ -144,7 +149,7 @@ impl ConcentricBody {
     /// The infinite body that the modes are told from, of the material at the ring; of first layers that are a bed that of the material
     /// beyond them.
     pub fn infinite(&self) -> Infinite {
-        let film = self.film(&self.layers());
+        let film = self.with_layers(|layers| self.film(layers));
         let layer = film.as_ref().map_or_else(|| self.near_layer(), |film| film.beyond);
         let (even, kappa) = (amplitude(&layer), layer.kolosov);
         let odd = self.side().outward() * even * (kappa - 1.0) / (kappa + 1.0);
@@ -356,7 +361,7 @@ impl ConcentricBody {
         let [normal, mut along] = self.boundary_modes();
         let mut second = Vec::new();
         match self.side() {
-            Side::Pin => second = self.bands(&normal, &along),
+            Side::Pin => second = self.with_layers(|layers| self.bands(layers, &normal, &along)),
             Side::Plate => along.clear(),
         }
         BodyCompliance { even, odd, bed, boundary: Boundary::Modes { normal, along }, second }
@@ -369,12 +374,16 @@ impl ConcentricBody {
 
     /// The first of those, so many.
     fn modes_below(&self, count: usize) -> [Vec<f64>; 2] {
-        let (taper, layers) = (self.taper(), self.layers());
-        let [mut normal, mut along] = self.finite_parts(&layers, count, PRESSURE);
+        self.with_layers(|layers| self.modes_of(layers, count))
+    }
+
+    fn modes_of(&self, layers: &[Layer], count: usize) -> [Vec<f64>; 2] {
+        let taper = self.taper();
+        let [mut normal, mut along] = in_lanes(FiniteParts { body: self, layers, count, stress: PRESSURE });
         for n in [0, 1] {
             [normal[n], along[n]] = self.boundary_mode(n);
         }
-        let film = self.film(&layers);
+        let film = self.film(layers);
         if let Some(Film { bed, beyond, .. }) = &film {
             normal[0] -= 0.5 * bed;
             for n in 1..count {
@@ -387,11 +396,6 @@ impl ConcentricBody {
         }
         along.iter_mut().enumerate().for_each(|(n, value)| *value *= taper(n));
         [normal, along]
-    }
-
-    /// `finite_part` of so many modes, two at least, from 2 on: of 0 and 1 nothing.
-    fn finite_parts(&self, layers: &[Layer], count: usize, stress: Stress) -> [Vec<f64>; 2] {
-        in_lanes(FiniteParts { body: self, layers, count, stress })
     }
 
     /// Of each mode 1, but where they end before they are negligible. There they fade out: an end of a sudden would make the
@@ -426,8 +430,10 @@ impl ConcentricBody {
         if self.is_bed() {
             return Vec::new();
         }
-        let [normal, along] = self.modes_below(self.second_order_count());
-        self.bands(&normal, &along)
+        self.with_layers(|layers| {
+            let [normal, along] = self.modes_of(layers, self.second_order_count());
+            self.bands(layers, &normal, &along)
+        })
     }
 
     /// As many as `second_order` has.
@@ -436,11 +442,10 @@ impl ConcentricBody {
         (((-NEGLIGIBLE_SECOND.ln() + 4.0) / decay).ceil() as usize + 2).min(MOST_MODES)
     }
 
-    fn bands(&self, normal: &[f64], along: &[f64]) -> Vec<Bands> {
+    fn bands(&self, layers: &[Layer], normal: &[f64], along: &[f64]) -> Vec<Bands> {
         let count = self.second_order_count();
-        let layers = self.layers();
-        let film = self.film(&layers);
-        let [_, mut shear] = self.finite_parts(&layers, count, SHEAR);
+        let film = self.film(layers);
+        let [mut shear] = in_lanes(FiniteParts { body: self, layers, count, stress: SHEAR });
         shear[1] = self.first_mode(SHEAR)[1] - self.amplitude();
         let taper = self.taper();
         for n in 1..count {
@@ -452,26 +457,32 @@ impl ConcentricBody {
     }
 }
 
-/// As `ConcentricBody::finite_parts`, as many modes abreast as there are lanes.
-struct FiniteParts<'a> {
+/// `finite_part` of so many modes, two at least, from 2 on: of 0 and 1 nothing. As many modes abreast as there are lanes.
+struct FiniteParts<'a, const PARTS: usize> {
     body: &'a ConcentricBody,
     layers: &'a [Layer],
     count: usize,
     stress: Stress,
 }
 
-impl LaneWork for FiniteParts<'_> {
-    type Output = [Vec<f64>; 2];
+/// Both parts, or that along the ring alone.
+impl<const PARTS: usize> LaneWork for FiniteParts<'_, PARTS> {
+    type Output = [Vec<f64>; PARTS];
 
     #[inline(always)]
-    fn run<const WIDTH: usize>(self) -> [Vec<f64>; 2] {
+    fn run<const WIDTH: usize>(self) -> [Vec<f64>; PARTS] {
         let FiniteParts { body, layers, count, stress } = self;
-        let mut parts = [0, 1].map(|_| Vec::with_capacity(count + LANES));
-        parts.iter_mut().for_each(|part| part.extend([0.0; 2]));
+        let mut parts = [const { Vec::new() }; PARTS];
+        for part in &mut parts {
+            part.reserve_exact(count + LANES);
+            part.extend([0.0; 2]);
+        }
         for first in (2..count).step_by(LANES) {
             let n = Lanes::<WIDTH>(std::array::from_fn(|lane| (first + lane) as f64));
             let own = body.finite_part(layers, n, stress);
-            parts.iter_mut().zip(&own).for_each(|(part, own)| part.extend_from_slice(&own.0));
+            for (part, own) in parts.iter_mut().rev().zip(own.iter().rev()) {
+                part.extend_from_slice(&own.0);
+            }
         }
         parts.iter_mut().for_each(|part| part.truncate(count));
         parts
