@@ -110,26 +110,31 @@ impl BandStructure {
         size_of_val(&self.scatter[..]) + size_of_val(&self.positions[..]) + size_of_val(&self.rows[..])
     }
 
-    /// Positions of an element's dofs, `None` where supported.
-    fn element_positions(&self, topology: &RingTopology, element: usize) -> Vec<Option<usize>> {
+    /// Positions of an element's dofs, `SUPPORTED` where they are; of no more dofs than there are.
+    fn element_positions(&self, topology: &RingTopology, element: usize) -> [u32; 2 * MAX_NODES] {
         let count = topology.element.node_count();
         let nodes = &topology.connectivity[element * count..(element + 1) * count];
-        let dofs = nodes.iter().flat_map(|&node| [2 * node as usize, 2 * node as usize + 1]);
-        dofs.map(|dof| match topology.unknowns[dof] {
-            SUPPORTED => None,
-            unknown => Some(self.positions[unknown as usize] as usize),
-        })
-        .collect()
+        let mut positions = [SUPPORTED; 2 * MAX_NODES];
+        for (own, node) in positions.as_chunks_mut::<2>().0.iter_mut().zip(nodes) {
+            for axis in 0..2 {
+                let unknown = topology.unknowns[2 * *node as usize + axis];
+                if unknown != SUPPORTED {
+                    own[axis] = self.positions[unknown as usize];
+                }
+            }
+        }
+        positions
     }
 
     fn set_band(&mut self, topology: &RingTopology) {
         let mut first: Vec<usize> = (0..self.size / TILE).collect();
         for element in 0..topology.element_count() {
             let positions = self.element_positions(topology, element);
-            let Some(least) = positions.iter().flatten().min() else { continue };
-            for position in positions.iter().flatten() {
-                let row = position / TILE;
-                first[row] = first[row].min(least / TILE);
+            let free = || positions.iter().filter(|position| **position != SUPPORTED);
+            let Some(least) = free().min() else { continue };
+            for position in free() {
+                let row = *position as usize / TILE;
+                first[row] = first[row].min(*least as usize / TILE);
             }
         }
         // The ring's block is dense.
@@ -147,10 +152,9 @@ impl BandStructure {
         self.scatter.reserve_exact(topology.element_count() * dofs * (dofs + 1) / 2);
         for element in 0..topology.element_count() {
             let positions = self.element_positions(topology, element);
-            for (i, position_i) in positions.iter().enumerate() {
-                for (j, position_j) in positions.iter().enumerate().skip(i) {
-                    let (Some(a), Some(b)) = (position_i, position_j) else { continue };
-                    let (row, column) = (*a.max(b), *a.min(b));
+            for (i, a) in positions.iter().enumerate().filter(|(_, a)| **a != SUPPORTED) {
+                for (j, b) in positions.iter().enumerate().skip(i).filter(|(_, b)| **b != SUPPORTED) {
+                    let (row, column) = (*a.max(b) as usize, *a.min(b) as usize);
                     self.scatter.push(Scatter {
                         from: (i as u8, j as u8),
                         to: ((row % TILE) as u8, (column % TILE) as u8),
