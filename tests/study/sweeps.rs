@@ -118,6 +118,44 @@ fn samplers_fill_their_ranges_and_repeat() {
     }
 }
 
+/// Designs are the same to the bit, whether one walks to them, which draws many at a time, or skips to each; wherever one begins to walk.
+#[test]
+fn designs_do_not_depend_on_the_way_to_them() {
+    let folder = Folder::new("ways");
+    let counted = [
+        (RADIUS, r#"hole_radius = { from = "1 mm", to = "1 m", count = 37, spacing = "log" }"#),
+        (CLEARANCE, r#"radial_clearance = { from = "1 um", to = "0.1 mm", count = 37 }"#),
+        (r#"thickness        = "1 mm""#, r#"thickness = ["7 mm"]"#),
+    ];
+    let drawn = [
+        (IDEALIZATION, r#"idealization = ["plane-stress", "plane-strain"]"#),
+        (RADIUS, r#"hole_radius = { from = "1 mm", to = "1 m", spacing = "log" }"#),
+        (CLEARANCE, r#"radial_clearance = { from = "1 um", to = "0.1 mm" }"#),
+    ];
+    for (sampling, lines, count) in [
+        ("method = \"grid\"", counted, 37 * 37),
+        ("method = \"zip\"", counted, 37),
+        ("method = \"latin-hypercube\"\ncount = 101\nseed = 5", drawn, 101),
+        ("method = \"sobol\"\ncount = 101\nseed = 5", drawn, 101),
+    ] {
+        let study = folder.study(&sampled(sampling, &lines));
+        let walked = all(&study);
+        assert!(walked.iter().map(|case| case.index).eq(0..count), "{sampling}");
+        for start in (0..count).step_by(7) {
+            let mut cases = study.cases().unwrap();
+            let first = cases.nth(start as usize).unwrap().unwrap();
+            assert_eq!((first.index, row(&first)), (start, row(&walked[start as usize])), "{sampling}");
+            for (found, expected) in cases.by_ref().zip(&walked[start as usize + 1..]).take(40) {
+                let found = found.unwrap();
+                assert_eq!((found.index, row(&found)), (expected.index, row(expected)), "{sampling}");
+            }
+        }
+        let every_third = study.cases_at((0..count).step_by(3)).unwrap();
+        assert!(every_third.map(|case| row(&case.unwrap())).eq(walked.iter().step_by(3).map(row)));
+        assert!(study.cases().unwrap().nth(count as usize).is_none());
+    }
+}
+
 /// A sweep far longer than memory is loaded and entered at once.
 #[test]
 fn long_sweeps_stream() {
