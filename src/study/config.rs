@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
+use crate::study::cases::Cases;
 use crate::study::columns::{Cell, Column, Extras};
 use crate::study::design::{DesignCase, Limits, Load};
-use crate::study::designs_file::{DesignsFile, Rows};
+use crate::study::designs_file::DesignsFile;
 use crate::study::expression::Expression;
 use crate::study::fingerprint::Fingerprint;
 use crate::study::layers::LayerCounts;
 use crate::study::output_options::OutputOptions;
-use crate::study::recipe::{JointValues, Recipe};
+use crate::study::recipe::Recipe;
 use crate::study::reduce::{Reduce, read_select};
 use crate::study::sampling::{MAX_DESIGNS, Scheme};
 use crate::study::setting::Setting;
@@ -306,10 +307,8 @@ impl Study {
     /// The designs in their order, each made when it is asked for. From the start at every call.
     pub fn cases(&self) -> Result<Cases<'_>, Error> {
         Ok(match &self.designs {
-            Designs::Sampled { recipe, steps } => {
-                Cases(Kind::Sampled(Box::new(Sampled { recipe, steps, next: 0, drawn: None })))
-            }
-            Designs::Listed(file) => Cases(Kind::Listed(Box::new(file.rows()?))),
+            Designs::Sampled { recipe, steps } => Cases::sampled(recipe, steps),
+            Designs::Listed(file) => Cases::listed(file.rows()?),
         })
     }
 
@@ -324,63 +323,6 @@ impl Study {
             next = number + 1;
             cases.nth(skipped as usize)
         }))
-    }
-}
-
-/// The designs of a study in their order. Sampled ones are skipped to in no time; errors can only come from a
-/// list of designs that has changed since it was checked.
-pub struct Cases<'a>(Kind<'a>);
-
-enum Kind<'a> {
-    Sampled(Box<Sampled<'a>>),
-    Listed(Box<Rows>),
-}
-
-/// Designs that are drawn at a time where they follow each other.
-const ABREAST: usize = 16;
-
-struct Sampled<'a> {
-    recipe: &'a Recipe,
-    steps: &'a [Load],
-    /// The number of the next design.
-    next: u64,
-    /// The values of some designs that follow each other, and the number of the first.
-    drawn: Option<(u64, JointValues<'a, ABREAST>)>,
-}
-
-impl Sampled<'_> {
-    fn nth(&mut self, skipped: u64) -> Option<DesignCase> {
-        let index = self.next.saturating_add(skipped);
-        self.next = index.saturating_add(1);
-        let last = self.recipe.sampler().design_count().checked_sub(1)?;
-        if index > last {
-            return None;
-        }
-        let is_drawn = |first: u64| index < first + ABREAST as u64;
-        if skipped == 0 && !self.drawn.as_ref().is_some_and(|(first, _)| is_drawn(*first)) {
-            let numbers = std::array::from_fn(|place| last.min(index + place as u64));
-            self.drawn = Some((index, self.recipe.values_of(&numbers)));
-        }
-        let joint = match &self.drawn {
-            Some((first, values)) if is_drawn(*first) => values.joint((index - first) as usize),
-            _ => self.recipe.joint(index),
-        };
-        Some(DesignCase { index, joint, steps: self.steps.to_vec() })
-    }
-}
-
-impl Iterator for Cases<'_> {
-    type Item = Result<DesignCase, Error>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        self.nth(0)
-    }
-
-    fn nth(&mut self, skipped: usize) -> Option<Self::Item> {
-        match &mut self.0 {
-            Kind::Listed(rows) => rows.nth(skipped),
-            Kind::Sampled(sampled) => sampled.nth(skipped as u64).map(Ok),
-        }
     }
 }
 

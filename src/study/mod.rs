@@ -19,5 +19,6 @@ mod model;
 mod recipe;
 pub mod designs_file;
 pub mod measured;
+pub mod cases;
 pub mod config;
 pub mod keys;

@@ -299,11 +299,10 @@ impl BandStructure {
             let of_column = &done[column_offset..][..column - column_first + 1];
             let (left, right) = current.split_at_mut(column - first);
             let (next_left, next_right) = next.split_at_mut(column - next_first);
-            let both = [&mut right[0], &mut next_right[0]];
+            let (tile, next_tile) = (&mut right[0], &mut next_right[0]);
             // What either has alone, then what both have.
             let [start, next_start] = [first, next_first].map(|first| first.max(column_first));
             let common = start.max(next_start);
-            let [tile, next_tile] = both;
             subtract_products::<T, ABREAST>(
                 tile,
                 &left[start - first..common - first],
