@@ -19,6 +19,7 @@ use crate::engine::body_request::{
     BodyHandle, BodyRequest, Fidelity, Group, Meshed, TopologyKey, concentric,
 };
 use crate::engine::hashed::Hashed;
+use crate::engine::known_bodies::{KnownBodies, RequestKey, SolvedBody};
 use crate::engine::near_fields::NearFieldLibrary;
 use crate::engine::outcome::BackendKind;
 use crate::engine::question::counted::Told;
@@ -34,13 +35,7 @@ pub struct BodyLibrary<'a> {
     ring_loads: RingLoads,
     near_fields: NearFieldLibrary,
     plans: HashMap<TopologyKey, CondensationPlan>,
-    /// Those that were asked for and are kept.
-    known: HashMap<RequestKey, BodyHandle>,
-    /// By their handles; nothing where one is not solved, or its handle is free.
-    solved: Vec<Option<SolvedBody>>,
-    free: Vec<BodyHandle>,
-    /// What the solved bodies take, in bytes.
-    solved_bytes: usize,
+    known: KnownBodies,
     /// What was asked and had no answer, in order.
     begun: VecDeque<Vec<Portion>>,
     device: Option<Box<dyn Device + 'a>>,
@@ -50,17 +45,6 @@ pub struct BodyLibrary<'a> {
     pub in_singles: bool,
     /// Time spent in each stage, summed over threads.
     pub times: BodyTimes,
-}
-
-/// A request with its hash.
-pub type RequestKey = Hashed<BodyRequest>;
-
-/// A body with what has condensed it.
-pub struct SolvedBody {
-    pub compliance: BodyCompliance,
-    pub backend: BackendKind,
-    /// What its condensation in single precision leaves of a force, relative, at most.
-    pub rounding: f64,
 }
 
 /// To be kept: made by all threads, so that one has little left to do.
@@ -139,13 +123,13 @@ impl<'a> BodyLibrary<'a> {
 
     /// A solved body. Every request has an answer from the end of its `solve` or `finish` up to the next `solve` or `keep_used`.
     pub fn solved(&self, request: &BodyRequest) -> &SolvedBody {
-        self.body(self.known[&Hashed::new(request.clone())])
+        let handle = self.known.find(&Hashed::new(request.clone()));
+        self.body(handle.unwrap_or_else(|| unreachable!("a body is asked for that was not requested")))
     }
 
     /// The same by its handle.
     pub fn body(&self, handle: BodyHandle) -> &SolvedBody {
-        let solved = self.solved[handle.place()].as_ref();
-        solved.unwrap_or_else(|| unreachable!("a body is asked for that was not solved"))
+        self.known.solved(handle).unwrap_or_else(|| unreachable!("a body is asked for that was not solved"))
     }
 
     /// Solves the requests that have no answer yet, where no others are begun.
@@ -165,30 +149,15 @@ impl<'a> BodyLibrary<'a> {
 
     /// Drops solved bodies, where there are many, but for those of these requests.
     pub fn keep_used<'b>(&mut self, requests: impl Iterator<Item = &'b RequestKey>) {
-        if self.solved_bytes > KEPT_BODIES {
+        if self.known.bytes() > KEPT_BODIES {
             self.drop_all_but(requests);
         }
     }
 
     fn drop_all_but<'b>(&mut self, requests: impl Iterator<Item = &'b RequestKey>) {
-        let mut are_used = vec![false; self.solved.len()];
-        for handle in requests.filter_map(|request| self.known.get(request)) {
-            are_used[handle.place()] = true;
-        }
-        // Those that are begun are still to be solved.
-        let is_dropped = |handle: &BodyHandle| {
-            let place = handle.place();
-            !are_used[place] && self.solved[place].is_some()
-        };
-        let dropped: Vec<BodyHandle> =
-            self.known.extract_if(|_, handle| is_dropped(handle)).map(|(_, handle)| handle).collect();
-        let bodies: Vec<Option<SolvedBody>> =
-            dropped.iter().map(|handle| self.solved[handle.place()].take()).collect();
-        let bytes = |body: &SolvedBody| body.compliance.bytes();
-        self.free.extend(dropped);
-        self.solved_bytes = self.solved.iter().flatten().map(bytes).sum();
+        let dropped = self.known.drop_all_but(requests);
         // By any thread, when it has nothing better to do.
-        rayon::spawn(move || drop(bodies));
+        rayon::spawn(move || drop(dropped));
     }
 
     /// Solves exact bodies, and gives the device the others that have no answer yet. Handles are in the order of the requests.
@@ -196,14 +165,11 @@ impl<'a> BodyLibrary<'a> {
         let mut missing: Vec<(BodyHandle, &BodyRequest)> = Vec::new();
         let mut handles = Vec::with_capacity(requests.len());
         for request in requests {
-            handles.push(*self.known.entry(request.clone()).or_insert_with(|| {
-                let handle = self.free.pop().unwrap_or_else(|| {
-                    self.solved.push(None);
-                    BodyHandle::of(self.solved.len() - 1)
-                });
+            let (handle, is_new) = self.known.handle(request);
+            if is_new {
                 missing.push((handle, &request.key));
-                handle
-            }));
+            }
+            handles.push(handle);
         }
         let (series, meshed): (Vec<_>, Vec<_>) =
             missing.into_iter().partition(|(_, request)| request.fidelity == Fidelity::Series);
@@ -252,8 +218,7 @@ impl<'a> BodyLibrary<'a> {
     }
 
     fn keep(&mut self, Handled { handle, body, bytes }: Handled) {
-        self.solved_bytes += bytes;
-        self.solved[handle.place()] = Some(body);
+        self.known.keep(handle, body, bytes);
     }
 
     fn solve_meshed(&mut self, portion: Portion) {

@@ -17,6 +17,12 @@ impl<K: Hash> Hashed<K> {
     }
 }
 
+impl<K> Hashed<K> {
+    pub fn own_hash(&self) -> u64 {
+        self.hash
+    }
+}
+
 impl<K> Hash for Hashed<K> {
     fn hash<H: Hasher>(&self, state: &mut H) {
         state.write_u64(self.hash);

@@ -13,7 +13,7 @@ use crate::engine::accuracy::Want;
 use crate::engine::accuracy::single_precision::accuracy_bears_singles;
 use crate::engine::backend::joints::SolvedJoints;
 use crate::engine::backend::{Device, IN_FLIGHT};
-use crate::engine::bodies::{BodyLibrary, RequestKey};
+use crate::engine::bodies::BodyLibrary;
 use crate::engine::body_portions::MANY;
 use crate::engine::body_request::{BodyHandle, JointBodies};
 use crate::engine::contact_on_device::{given, judged_designs};
@@ -22,12 +22,13 @@ use crate::engine::hashed::Hashed;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::interpolation::interpolated::Interpolation;
 use crate::engine::joint_contact::{ContactRoom, JointKey, SolvedPlan, joint_key, solve_designs};
+use crate::engine::known_bodies::RequestKey;
 use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::engine::plan::JointPlan;
 use crate::engine::question::Asker;
 use crate::engine::question::counted::{Counted, Verdict};
 use crate::engine::row::{closed_form, refused};
-use crate::engine::spaces::Spaces;
+use crate::engine::spaces::{Needs, Spaces};
 use crate::engine::stopwatch::Stopwatch;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
@@ -290,10 +291,11 @@ impl<'a> Ladder<'a> {
         let bodies: Vec<JointBodies> =
             open.iter().filter_map(|(_, plan)| plan.bodies(&mut handles)).collect();
         let library = &*library;
-        let in_spaces = open.iter().zip(&bodies).flat_map(|((_, plan), bodies)| {
-            bodies.all().map(|handle| (plan.space, &library.body(handle).compliance))
-        });
-        spaces.prepare(in_spaces);
+        let in_spaces =
+            open.par_iter().with_min_len(MANY).zip(&bodies).flat_map_iter(|((_, plan), bodies)| {
+                bodies.all().map(|handle| (plan.space, &library.body(handle).compliance))
+            });
+        spaces.meet(in_spaces.fold(Needs::default, Needs::with).reduce(Needs::default, Needs::and));
         self.times.spaces += started.elapsed();
         bodies
     }

@@ -23,6 +23,7 @@ pub mod unit_costs;
 pub mod backend;
 pub mod body_portions;
 mod body_condensation;
+pub mod known_bodies;
 pub mod bodies;
 mod device_joints;
 pub mod joint_contact;

@@ -141,6 +141,30 @@ pub struct Spaces {
     spaces: HashMap<SpaceKey, CurveSpace>,
 }
 
+/// What bodies need of spaces: modes so many, and these ring modes.
+#[derive(Default)]
+pub struct Needs(HashMap<SpaceKey, (usize, HashSet<RingModes>)>);
+
+impl Needs {
+    /// And a body.
+    pub fn with(mut self, (key, body): (SpaceKey, &BodyCompliance)) -> Needs {
+        let (mode_count, ring_modes) = self.0.entry(key).or_default();
+        *mode_count = body.mode_count().max(*mode_count);
+        ring_modes.extend(body.boundary.ring_modes().map(|(modes, _)| *modes));
+        self
+    }
+
+    /// And others.
+    pub fn and(mut self, others: Needs) -> Needs {
+        for (key, (more_modes, more_ring_modes)) in others.0 {
+            let (mode_count, ring_modes) = self.0.entry(key).or_default();
+            *mode_count = more_modes.max(*mode_count);
+            ring_modes.extend(more_ring_modes);
+        }
+        self
+    }
+}
+
 impl Spaces {
     /// A space that was prepared.
     pub fn get(&self, key: SpaceKey) -> &CurveSpace {
@@ -157,12 +181,11 @@ impl Spaces {
 
     /// Makes spaces with what these bodies need in them, as far as it is not there yet.
     pub fn prepare<'a>(&mut self, bodies: impl Iterator<Item = (SpaceKey, &'a BodyCompliance)>) {
-        let mut needs: HashMap<SpaceKey, (usize, HashSet<RingModes>)> = HashMap::default();
-        for (key, body) in bodies {
-            let (mode_count, ring_modes) = needs.entry(key).or_default();
-            *mode_count = body.mode_count().max(*mode_count);
-            ring_modes.extend(body.boundary.ring_modes().map(|(modes, _)| *modes));
-        }
+        self.meet(bodies.fold(Needs::default(), Needs::with));
+    }
+
+    /// The same by what bodies need.
+    pub fn meet(&mut self, Needs(mut needs): Needs) {
         self.make(needs.keys().copied());
         let open = self.spaces.iter_mut().filter_map(|(key, space)| Some((space, needs.remove(key)?)));
         open.collect::<Vec<_>>().into_par_iter().for_each(|(space, (mode_count, ring_modes))| {
