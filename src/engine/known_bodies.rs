@@ -35,8 +35,8 @@ pub struct KnownBodies {
     bytes: usize,
 }
 
-/// What was kept of bodies that are forgotten: it takes its time to be dropped.
-pub type Forgotten = (Vec<Option<RequestKey>>, Vec<Option<SolvedBody>>);
+/// Bodies that are no longer known: they take their time to be dropped.
+pub type Forgotten = Vec<Option<SolvedBody>>;
 
 impl KnownBodies {
     /// What the solved bodies take, in bytes.
@@ -89,15 +89,12 @@ impl KnownBodies {
     pub fn drop_all_but<'a>(&mut self, requests: impl Iterator<Item = &'a RequestKey>) -> Forgotten {
         let used: Vec<BodyHandle> = requests.filter_map(|request| self.find(request)).collect();
         if used.is_empty() && self.unsolved == 0 {
-            // As in a sweep of ever new bodies. The next ones are about as many.
+            // As in a sweep of ever new bodies.
             self.handles.clear();
             self.free.clear();
+            self.requests.clear();
             self.bytes = 0;
-            let count = self.requests.len();
-            return (
-                std::mem::replace(&mut self.requests, Vec::with_capacity(count)),
-                std::mem::replace(&mut self.solved, Vec::with_capacity(count)),
-            );
+            return self.solved.drain(..).collect();
         }
         let mut is_used = vec![false; self.requests.len()];
         used.iter().for_each(|handle| is_used[handle.place()] = true);
@@ -112,8 +109,8 @@ impl KnownBodies {
                 known.remove();
             }
             self.free.push(handle);
-            forgotten.0.push(self.requests[place].take());
-            forgotten.1.push(self.solved[place].take());
+            self.requests[place] = None;
+            forgotten.push(self.solved[place].take());
         }
         self.bytes = self.solved.iter().flatten().map(|body| body.compliance.bytes()).sum();
         forgotten
