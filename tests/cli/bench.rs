@@ -89,7 +89,9 @@ fn memory_does_not_grow_with_the_designs() {
         work.write("sweep.toml", &all_different(count));
         work.run(&["run", "sweep.toml", "--force", "--quiet", "--threads", "2"]).expect(0);
         let manifest = work.json("out/sweep/manifest.json");
-        assert_eq!(manifest["counts"]["distinct_bodies"], 2 * count);
+        // Of more than 260,000 the number is an estimate.
+        let distinct = manifest["counts"]["distinct_bodies"].as_f64().unwrap();
+        assert!((distinct / (2.0 * count as f64) - 1.0).abs() < 0.02, "{distinct}");
         manifest["peak_memory_bytes"].as_u64().unwrap()
     };
     let (few, many) = (peak(40_000), peak(400_000));
