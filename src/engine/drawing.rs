@@ -1,7 +1,6 @@
 //! The designs of a sweep, drawn in batches ahead of those who solve them.
 
 use std::ops::Range;
-use std::sync::mpsc::SyncSender;
 use std::thread::ScopedJoinHandle;
 
 use crate::engine::distinct::Distinct;
@@ -80,13 +79,13 @@ impl<'a> Drawer<'a> {
         Ok(Drawer { study, chosen, left, listed, bodies })
     }
 
-    /// Draws all in batches, up to the first that cannot be read; tells how many different bodies there were. The first batch is a small one,
+    /// Draws all in batches, up to the first that cannot be read or that nobody takes; tells how many different bodies there were. The first batch is a small one,
     /// unless a whole one `is_soon` solved.
     pub fn draw_all(
         &mut self,
         batch_size: usize,
         is_soon: impl Fn(&[DesignCase]) -> bool,
-        drawn: &SyncSender<Drawn>,
+        mut hand_over: impl FnMut(Drawn) -> bool,
     ) -> u64 {
         let mut first = self.draw(FIRST_BATCH.min(batch_size));
         if let Ok(designs) = &mut first
@@ -101,8 +100,7 @@ impl<'a> Drawer<'a> {
         loop {
             let is_last = batch.as_ref().is_ok_and(Vec::is_empty);
             let is_broken = batch.is_err();
-            // The solver is gone when the receiver has broken off.
-            if is_last || drawn.send(batch).is_err() || is_broken {
+            if is_last || !hand_over(batch) || is_broken {
                 break;
             }
             batch = self.draw(batch_size);
@@ -186,7 +184,11 @@ mod tests {
         let sizes = |is_soon: bool| -> Vec<usize> {
             let (sender, drawn) = sync_channel(10);
             let mut drawer = Drawer::new(&study, &Chosen::All, 1).unwrap();
-            drawer.draw_all(1024, |first| is_soon && first.len() == FIRST_BATCH, &sender);
+            drawer.draw_all(
+                1024,
+                |first| is_soon && first.len() == FIRST_BATCH,
+                |batch| sender.send(batch).is_ok(),
+            );
             drop(sender);
             let batches: Vec<Vec<DesignCase>> = drawn.iter().map(Result::unwrap).collect();
             assert!(batches.iter().flatten().map(|case| case.index).eq(0..2500));
@@ -204,8 +206,11 @@ mod tests {
         {
             let drawn = |threads: usize| {
                 let (sender, drawn) = sync_channel(10);
-                let bodies =
-                    Drawer::new(&study, &chosen, threads).unwrap().draw_all(2100, |_| false, &sender);
+                let bodies = Drawer::new(&study, &chosen, threads).unwrap().draw_all(
+                    2100,
+                    |_| false,
+                    |batch| sender.send(batch).is_ok(),
+                );
                 drop(sender);
                 let batches: Vec<Vec<DesignCase>> = drawn.iter().map(Result::unwrap).collect();
                 let numbers: Vec<u64> = batches.iter().flatten().map(|case| case.index).collect();

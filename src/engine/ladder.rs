@@ -129,6 +129,15 @@ impl<'a> Ladder<'a> {
         Ladder { options, ..self }
     }
 
+    /// Another one for other designs, with the spaces and fits that this one has made.
+    pub fn twin(&self) -> Ladder<'a> {
+        let mut library = BodyLibrary::default();
+        library.in_singles = self.library.in_singles;
+        let (options, asker, spaces) = (self.options, self.asker, self.spaces.clone());
+        let interpolation = self.interpolation.as_ref().map(Interpolation::twin);
+        Ladder { options, library, spaces, interpolation, asker, times: LadderTimes::default() }
+    }
+
     /// With bodies interpolated where there is a plan for it.
     pub fn interpolating(self, plan: Option<InterpolationPlan>) -> Ladder<'a> {
         Ladder { interpolation: plan.map(Interpolation::new), ..self }

@@ -136,7 +136,7 @@ const DEEP: f64 = 0.35;
 pub const THIN: f64 = 0.15;
 
 /// The spaces met so far.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Spaces {
     spaces: HashMap<SpaceKey, CurveSpace>,
 }

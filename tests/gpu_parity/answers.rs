@@ -149,6 +149,8 @@ const DESIGNS: u64 = 1200;
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn counted_answers_are_the_processors() {
     let (mut worst, mut more) = ([0.0_f64; 2], 0);
+    let batch_size = GpuChoice::new(device(), Precision::F32).batch_size() as u64;
+    let batches = 1 + (DESIGNS - 64).div_ceil(batch_size);
     for (loads, select) in [
         (
             "force = ['1 kN', '2 kN', '5 kN']",
@@ -184,13 +186,12 @@ fn counted_answers_are_the_processors() {
         for (own, theirs) in own.forces_n.unwrap().iter().zip(theirs.forces_n.unwrap()) {
             assert!((own / theirs - 1.0).abs() < 1e-4);
         }
-        // One submission and one wait a batch, and few that values far out have asked for.
-        let batches = 1 + (DESIGNS - 64).div_ceil(256);
+        // One submission and one wait a batch, and few that values far out have asked for: of large batches none may be left.
         let Asked { submits, waits, .. } = found.statistics.asked;
         assert!(submits == waits && (batches..batches + 2).contains(&waits), "{waits} of {batches}");
         more += waits - batches;
     }
-    assert!(more > 0);
+    assert!(more > 0 || batches < 5);
     println!("sums differ by {:.1e}, quantiles by {:.1e}", worst[0], worst[1]);
     // What is found in f32 differs by a few roundings.
     assert!(worst[0] < 3e-5, "{worst:?}");

@@ -83,9 +83,19 @@ fn checks_at_run_time_change_nothing() {
                 let works = works_of_eight(kernels, &batch, bodies);
                 (batch.read_compliance().unwrap(), batch.read_reports().unwrap().states, works)
             };
-            let expected = solve(kernels(precision));
+            let (expected, found) = (solve(kernels(precision)), solve(&checked));
             assert!(expected.2.iter().all(Option::is_some), "{name} {precision:?}");
-            assert!(solve(&checked) == expected, "{name} {precision:?}");
+            // Compilers may round two kernels otherwise, that of software does not.
+            let worst = difference(&found.0, &expected.0);
+            println!("{name} {precision:?}: {worst:.1e}");
+            assert!(
+                worst < 5.0 * goal && found.2.iter().all(Option::is_some),
+                "{name} {precision:?} {worst:e}"
+            );
+            assert!(
+                found == expected || device().facts.kind != AdapterKind::Software,
+                "{name} {precision:?}"
+            );
         }
     }
 }

@@ -25,7 +25,9 @@ use std::sync::OnceLock;
 use crate::common::greatest::{difference, greatest};
 use crate::common::rings::{MeshedBody, body};
 use jointsweep::internals::engine::backend::gpu::batch::{BodyCounts, MOST_BYTES, MOST_TRIPS, batches};
-use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
+use jointsweep::internals::engine::backend::gpu::context::{
+    AdapterChoice, AdapterKind, Adapters, GpuDevice, GpuError,
+};
 use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Making, Precision};
 use jointsweep::internals::engine::backend::gpu::layout::MeshLayout;
 use jointsweep::internals::engine::backend::gpu::stages::{SystemBatch, SystemReports};

@@ -102,10 +102,10 @@ fn as_the_twin(bodies: &Bodies) {
                 let state = states[system];
                 assert_eq!(state.outcome(), Some(expected_outcome(report)), "{precision:?} {index} {system}");
                 // A sum rounded otherwise may tip a step over the tolerance, and a second round begins with a residual
-                // rounded otherwise: where f32 is at its end (nu = 0.49) that was seen to change 8 % of the steps.
+                // rounded otherwise: where f32 is at its end (nu = 0.49) that was seen to change 8 % of the steps, in one round 2 of 150.
                 let iterations = state.iterations as usize;
-                let allowed = if settings.round_limit == 0 { 1 } else { 3 + report.iterations / 10 };
-                assert!(iterations.abs_diff(report.iterations) <= allowed, "{iterations} {report:?}");
+                let allowed = report.iterations / if settings.round_limit == 0 { 50 } else { 10 };
+                assert!(iterations.abs_diff(report.iterations) <= 3 + allowed, "{iterations} {report:?}");
                 counts.push(iterations);
                 // The kernel takes the residual of a rounded x in its own precision. What a last round of refinement leaves
                 // below the goal is a matter of rounding: a factor of two was seen.

@@ -1,5 +1,6 @@
 //! Designs with interpolated bodies: each is found in its fit, and their contact is that of any two bodies.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use foldhash::HashMap;
@@ -32,8 +33,8 @@ const TOGETHER: usize = 16;
 
 /// The rung: fits of a plan, made when the first designs come.
 pub struct Interpolation {
-    pub(super) plan: InterpolationPlan,
-    fitted: Option<HashMap<FamilyKey, FittedFamily>>,
+    pub(super) plan: Arc<InterpolationPlan>,
+    fitted: Option<Arc<HashMap<FamilyKey, FittedFamily>>>,
     /// Time spent on fits, from start to end.
     pub fit_time: Duration,
     /// Time spent on designs, summed over threads.
@@ -42,7 +43,18 @@ pub struct Interpolation {
 
 impl Interpolation {
     pub fn new(plan: InterpolationPlan) -> Interpolation {
-        Interpolation { plan, fitted: None, fit_time: Duration::ZERO, design_time: Duration::ZERO }
+        Interpolation {
+            plan: Arc::new(plan),
+            fitted: None,
+            fit_time: Duration::ZERO,
+            design_time: Duration::ZERO,
+        }
+    }
+
+    /// With the same fits, if they are made.
+    pub fn twin(&self) -> Interpolation {
+        let (plan, fitted) = (self.plan.clone(), self.fitted.clone());
+        Interpolation { plan, fitted, fit_time: Duration::ZERO, design_time: Duration::ZERO }
     }
 
     /// Fits every family of the plan, whatever designs come first.
@@ -64,13 +76,13 @@ impl Interpolation {
             }
         }
         library.in_singles = in_singles;
-        self.fitted = Some(fitted);
+        self.fitted = Some(Arc::new(fitted));
         self.fit_time += started.elapsed();
     }
 
     /// The fits, with the ranges they hold over.
     pub fn fits(&self) -> impl Iterator<Item = &FittedFamily> {
-        self.fitted.iter().flat_map(HashMap::values)
+        self.fitted.iter().flat_map(|fitted| fitted.values())
     }
 
     /// Has a device begin to count the rows of designs, where one solves joints; tells of each whether the device has it.
@@ -115,7 +127,7 @@ impl Interpolation {
 
     /// A design as its fits have it; `None` where it has none.
     pub(super) fn meet(&self, case: &DesignCase) -> Option<MetJoint<'_>> {
-        let InterpolationPlan { accuracy, pairs, .. } = &self.plan;
+        let InterpolationPlan { accuracy, pairs, .. } = &*self.plan;
         let members = pair(&case.joint)?;
         let [pin, plate] = &members;
         let families = pairs.contains(&(pin.key, plate.key)).then_some(self.fitted.as_ref()?)?;

@@ -44,7 +44,7 @@ pub struct KernelTime {
     pub unknowns: u64,
     /// Bodies of the batch.
     pub items: u64,
-    /// Wall time from submission to end, median, s.
+    /// Median, s: of elimination and joints by the device's own clock where it has one, else the wall time from submission to end.
     pub seconds: f64,
     pub work: Work,
     /// Where that is counted.
@@ -110,8 +110,8 @@ pub fn body_kernels(
     Ok(times.into_iter().map(|time| KernelTime { level, ..time }).collect())
 }
 
-/// Of a batch that is eliminated, from numbers to works: both kernels, the way up and down, and the wait. Nothing where the mesh is too
-/// fine for it.
+/// Of a batch that is eliminated; without a clock on the device with assembly, the way up and down, and the wait. Nothing where the mesh is
+/// too fine for it.
 fn eliminated(
     kernels: &Kernels,
     mesh: &MeshLayout,
@@ -126,22 +126,24 @@ fn eliminated(
     let effort = Effort::on(gpu.facts.kind);
     let numbers: Vec<Vec<f64>> = bodies.iter().map(|body| mesh.body_numbers(body)).collect();
     let mut elimination = Elimination::default();
-    // The first batch is small, makes the buffers and tells the pace.
-    let (mut count, mut seconds) = (effort.bodies.min(PACING), Vec::new());
-    for sample in 0..=effort.samples {
+    let mut condense = |count: usize| -> Result<[f64; 2], GpuError> {
         let job = Job { topology: topology.clone(), numbers: repeated(&numbers, count) };
-        let started = Instant::now();
+        let (started, before) = (Instant::now(), elimination.eliminating);
         elimination.condense(kernels, vec![job])?;
-        let taken = started.elapsed().as_secs_f64();
-        if sample == 0 {
-            count = effort.bodies.min((count as f64 * TARGET.as_secs_f64() / taken).ceil() as usize);
-        } else {
-            seconds.push(taken);
-        }
+        let (wall, own) = (started.elapsed(), elimination.eliminating - before);
+        Ok([wall, if gpu.is_timed() { own } else { wall }].map(|time| time.as_secs_f64()))
+    };
+    // The first batch makes kernels and buffers; then they grow until one takes long.
+    let mut count = effort.bodies.min(PACING);
+    condense(count)?;
+    while count < effort.bodies && condense(count)?[0] < LONG * TARGET.as_secs_f64() {
+        count = effort.bodies.min(GROWTH * count);
     }
+    let mut seconds =
+        (0..effort.samples).map(|_| Ok(condense(count)?[1])).collect::<Result<Vec<_>, GpuError>>()?;
     seconds.sort_by(f64::total_cmp);
     let items = count as u64;
-    let [geometry, values, states, fronts, numbers, works] = topology.body_bytes();
+    let [_, values, states, fronts, _, works] = topology.body_bytes();
     let moves = FrontMoves { entered, panels, products, is_on_chip: topology.front.is_on_chip };
     Ok(Some(KernelTime {
         kernel: "elimination",
@@ -152,29 +154,29 @@ fn eliminated(
         items,
         seconds: seconds[seconds.len() / 2],
         work: Work {
-            operations: items
-                * (products * PRODUCT_OPERATIONS + Sizes::of(mesh).assemble(1, precision).operations),
-            // What the kernels leave for each other is written and read.
-            bytes: items * (numbers + works + 2 * (geometry + values + states + fronts)),
+            operations: items * products * PRODUCT_OPERATIONS,
+            // A front in storage is written and read.
+            bytes: items * (values + states + works + 2 * fronts),
         },
         inner: Some(moves.inner(items, precision)),
         iterations: None,
     }))
 }
 
-/// The kernel of joints, ten loads each: from their numbers to what is found, the way up and down, and the wait.
+/// The kernel of joints, ten loads each; without a clock on the device with the way up and down, and the wait.
 pub fn joint_kernel(gpu: &GpuDevice) -> Result<KernelTime, GpuError> {
     let (joint, effort) = (MeasuredJoint::new(), Effort::on(gpu.facts.kind));
     let mut kernel = JointKernel::new(Making::Trusted);
     let batch = joint.batch(effort.bodies, &INDENTATIONS);
     let mut seconds = Vec::new();
     for sample in 0..=effort.samples {
-        let started = Instant::now();
+        let (started, before) = (Instant::now(), kernel.counts.busy);
         kernel.begin(gpu, &batch)?;
         kernel.finish(gpu)?;
         // The first one makes the kernel and its tables.
         if sample > 0 {
-            seconds.push(started.elapsed().as_secs_f64());
+            let taken = if gpu.is_timed() { kernel.counts.busy - before } else { started.elapsed() };
+            seconds.push(taken.as_secs_f64());
         }
     }
     seconds.sort_by(f64::total_cmp);
@@ -219,8 +221,10 @@ fn summed_rows(joint: &MeasuredJoint) -> usize {
     joint.bodies.iter().zip(joint.tilts()).map(of_body).sum()
 }
 
-/// Bodies of the batch that tells the pace.
+/// Bodies of the first batch, how many times as many the next one has, and the share of a dispatch's time that is long enough.
 const PACING: usize = 64;
+const GROWTH: usize = 8;
+const LONG: f64 = 0.2;
 
 /// As many bodies as the planner gives. The guess that a sweep begins with may be off by orders: the batch is cut by the
 /// time of a dispatch until that changes little.

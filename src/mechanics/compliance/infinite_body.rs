@@ -19,7 +19,7 @@ const KERNELS: usize = 6;
 const ABREAST: usize = 6;
 
 /// `[packed entry][arc]` each.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct InfiniteKernels {
     /// f(n) = n/(n^2 - 1) over n >= 2 and 1/n for n = 1, less its -pi/2 ln b in (0, 0).
     pub even: Vec<f64>,

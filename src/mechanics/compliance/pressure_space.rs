@@ -17,6 +17,7 @@ use crate::mechanics::compliance::lane_work::{LaneWork, TermWork, in_lanes, in_l
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Trial pressures on arcs.
+#[derive(Clone)]
 pub struct PressureSpace {
     pub terms: usize,
     /// As many as a multiple of `LANES`.
@@ -32,7 +33,7 @@ pub struct PressureSpace {
 }
 
 /// Integrals of the trial pressures over functions of the angle, `[arc / LANES][function][k]`, an arc a lane.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Moments {
     values: Vec<[f64; LANES]>,
     count: usize,

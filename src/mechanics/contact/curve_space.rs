@@ -34,6 +34,7 @@ const NARROWEST: f64 = 1e-9;
 const OPENED: f64 = 0.866;
 
 /// The arcs of curves up to a limit: Chebyshev nodes in a variable.
+#[derive(Clone)]
 pub struct CurveSpace {
     /// On arcs of the pin.
     pub pressures: PressureSpace,

@@ -152,11 +152,17 @@ pub(crate) fn kept<'a, const N: usize>(
 }
 
 impl GpuDevice {
-    /// How long passes took, from what `PassTimes` has left of them.
-    pub(crate) fn busy(&self, times: &[u8]) -> Duration {
+    /// How long passes took, each from what `PassTimes` has left of it.
+    pub(crate) fn pass_times(&self, times: &[u8]) -> Vec<Duration> {
         let times: Vec<u64> = bytemuck::pod_collect_to_vec(times);
-        let ticks: u64 = times.chunks_exact(2).map(|pass| pass[1].saturating_sub(pass[0])).sum();
-        Duration::from_nanos((ticks as f64 * f64::from(self.queue.get_timestamp_period())) as u64)
+        let tick = f64::from(self.queue.get_timestamp_period());
+        let of_pass = |pass: &[u64]| pass[1].saturating_sub(pass[0]) as f64 * tick;
+        times.chunks_exact(2).map(|pass| Duration::from_nanos(of_pass(pass) as u64)).collect()
+    }
+
+    /// How long all of them took.
+    pub(crate) fn busy(&self, times: &[u8]) -> Duration {
+        self.pass_times(times).into_iter().sum()
     }
 
     pub(crate) fn uniform<T: Pod>(&self, parameters: &T) -> wgpu::Buffer {

@@ -5,7 +5,7 @@
 use std::array::from_fn;
 use std::collections::VecDeque;
 use std::ops::Range;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 use wgpu::BufferUsages;
@@ -39,6 +39,8 @@ pub struct Elimination {
     /// When the device was last seen to come to an end.
     idle_since: Option<Instant>,
     pub counts: Counts,
+    /// Of `counts.busy` that of `eliminate` alone.
+    pub eliminating: Duration,
 }
 
 impl Default for Elimination {
@@ -54,6 +56,7 @@ impl Default for Elimination {
             flown: 0,
             idle_since: None,
             counts: Counts::default(),
+            eliminating: Duration::ZERO,
         }
     }
 }
@@ -76,6 +79,8 @@ struct Flight {
     products: u64,
     /// Bytes before those that tell how long passes took.
     works: u64,
+    /// Of each pass that is timed whether it is one of `eliminate`.
+    passes: Vec<bool>,
     submitted: Instant,
     reading: Reading,
 }
@@ -87,11 +92,11 @@ const FIRST_GUESS: f64 = 1e-7;
 const FEWEST_BYTES: u64 = 1 << 20;
 
 /// A work in f32 is off by no more than so many roundings, times the greatest loss of a pivot, times the greatest work: seen of the blocks in
-/// `tests/gpu_parity/elimination.rs`.
-const AMPLIFIED: f64 = 42.0;
+/// `tests/gpu_parity/elimination.rs`, 42 on software, more on an H100, whose roots and quotients are not rounded to the last bit.
+const AMPLIFIED: f64 = 60.0;
 
 /// A body whose works may be off by more, relative to the greatest of them, is left to the processor. Forces feel less than a tenth of it.
-pub const ROUGHEST: f64 = 7e-4;
+pub const ROUGHEST: f64 = 1e-3;
 
 impl Elimination {
     /// On a device that is known to take so long for a product of tiles, s.
@@ -195,17 +200,25 @@ impl Elimination {
             fronts.map(|step| kernels.eliminate(step.front)).collect::<Result<_, _>>()?;
         let products = plan.steps.iter().map(|step| step.products).sum();
         let submitted = Instant::now();
-        let reading = gpu.checked("elimination", || self.fly(kernels, &plan, numbers, stages))?;
+        let (reading, passes) = gpu.checked("elimination", || self.fly(kernels, &plan, numbers, stages))?;
         self.counts.bytes_up += (numbers.len() + plan.topologies.len()) as u64;
         self.counts.bytes_down += plan.works;
         self.flown += 1;
         let pieces = plan.steps.into_iter().flat_map(|step| step.pieces).collect();
         let batch = self.first_batch + index;
-        self.flights.push_back(Flight { batch, pieces, products, works: plan.works, submitted, reading });
+        let works = plan.works;
+        self.flights.push_back(Flight { batch, pieces, products, works, passes, submitted, reading });
         Ok(())
     }
 
-    fn fly(&mut self, kernels: &Kernels, plan: &FlightPlan, numbers: &[u8], stages: Vec<Stage>) -> Reading {
+    /// Gives back of each pass that is timed whether it is one of `eliminate`, too.
+    fn fly(
+        &mut self,
+        kernels: &Kernels,
+        plan: &FlightPlan,
+        numbers: &[u8],
+        stages: Vec<Stage>,
+    ) -> (Reading, Vec<bool>) {
         let Kernels { gpu, assemble, .. } = kernels;
         let most = |part: usize| plan.steps.iter().map(|step| step.scratch[part]).max().unwrap_or(0);
         // A binding may not be empty.
@@ -213,7 +226,8 @@ impl Elimination {
         let (slot, pace) = (self.flown % IN_FLIGHT, self.pace());
         let [geometry, values, states, fronts] =
             kept(gpu, &mut self.scratch, SCRATCH, sizes, &mut self.counts);
-        let mut times = PassTimes::of(gpu, plan.steps.len());
+        let most_passes = plan.steps.iter().map(|step| 1 + step.fronts.len()).sum();
+        let (mut times, mut passes) = (PassTimes::of(gpu, most_passes), Vec::with_capacity(most_passes));
         let staged = plan.works + times.bytes();
         let sizes = [numbers.len() as u64, plan.topologies.len() as u64, plan.works, staged];
         let [of_numbers, of_topologies, of_works, staging] =
@@ -223,8 +237,10 @@ impl Elimination {
         let (mut left, mut stages) = (plan.steps.iter().peekable(), stages.into_iter());
         loop {
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let mut pass = encoder.begin_compute_pass(&times.next());
-            let mut dispatch = |stage: &Stage, arguments: &[Argument], bodies: u32| {
+            // A pass each, so that each is timed.
+            let mut dispatch = |stage: &Stage, arguments: &[Argument], bodies: u32, is_elimination: bool| {
+                let mut pass = encoder.begin_compute_pass(&times.next());
+                passes.push(is_elimination);
                 pass.set_pipeline(&stage.pipelines[0]);
                 pass.set_bind_group(0, &gpu.bind(stage, arguments), &[]);
                 pass.dispatch_workgroups(bodies, 1, 1);
@@ -244,7 +260,7 @@ impl Elimination {
                     of_values(),
                     of_states(),
                 ];
-                dispatch(assemble, &arguments, step.bodies);
+                dispatch(assemble, &arguments, step.bodies, false);
                 for (front, stage) in step.fronts.iter().zip(&mut stages) {
                     let arguments = [
                         Argument::part("topologies", of_topologies, front.topology_bytes.clone()),
@@ -255,11 +271,10 @@ impl Elimination {
                         Argument::part("works", of_works, step.works.clone()),
                         Argument::part("fronts", fronts, 0..scratch[3].max(EMPTY_FRONT)),
                     ];
-                    dispatch(&stage, &arguments, front.bodies);
+                    dispatch(&stage, &arguments, front.bodies, true);
                 }
                 taken += pace * step.products as f64;
             }
-            drop(pass);
             let is_last = left.peek().is_none();
             if is_last {
                 encoder.copy_buffer_to_buffer(of_works, 0, staging, 0, plan.works);
@@ -268,7 +283,7 @@ impl Elimination {
             let submission = gpu.queue.submit([encoder.finish()]);
             self.counts.submits += 1;
             if is_last {
-                return gpu.reading(staging, staged, submission);
+                return (gpu.reading(staging, staged, submission), passes);
             }
         }
     }
@@ -276,14 +291,11 @@ impl Elimination {
     /// Waits for the first flight and takes its works.
     fn land(&mut self, kernels: &Kernels) -> Result<(), GpuError> {
         let Kernels { gpu, precision, .. } = kernels;
-        let Some(Flight { batch, pieces, products, works: size, submitted, reading }) =
-            self.flights.pop_front()
-        else {
-            return Ok(());
-        };
+        let Some(flight) = self.flights.pop_front() else { return Ok(()) };
+        let Flight { batch, pieces, products, works: size, passes, submitted, reading } = flight;
         let was_there = gpu.is_there(&reading)?;
         let jobs = &self.batches[batch - self.first_batch].jobs;
-        let (ended, busy, found) = gpu.look(reading, |all| {
+        let (ended, pass_times, found) = gpu.look(reading, |all| {
             let ended = Instant::now();
             let (all, times) = all.split_at(size as usize);
             let of_piece = |piece: &Piece| -> Vec<Option<Vec<f64>>> {
@@ -292,7 +304,7 @@ impl Elimination {
                 let of_bodies = numbers.chunks_exact(body_size as usize);
                 of_bodies.map(|own| judged(own, mode_count as usize, *precision)).collect()
             };
-            (ended, gpu.busy(times), pieces.par_iter().map(of_piece).collect::<Vec<_>>())
+            (ended, gpu.pass_times(times), pieces.par_iter().map(of_piece).collect::<Vec<_>>())
         })?;
         let Batch { works, left, .. } = &mut self.batches[batch - self.first_batch];
         for (piece, found) in pieces.into_iter().zip(found) {
@@ -306,7 +318,10 @@ impl Elimination {
         let most = self.pace.map_or(f64::INFINITY, |known| if was_there { known } else { 2.0 * known });
         self.pace = Some(measured.min(most));
         self.idle_since = (!was_there).then_some(ended);
-        self.counts.busy += busy;
+        for (time, is_elimination) in pass_times.into_iter().zip(passes) {
+            self.counts.busy += time;
+            self.eliminating += if is_elimination { time } else { Duration::ZERO };
+        }
         self.counts.waits += 1;
         self.counts.waits_with_work += u64::from(!self.flights.is_empty());
         Ok(())

@@ -1,22 +1,22 @@
 //! Designs x plan x backend -> outcomes in design order.
 
+mod crews;
+
 use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
 
+use crews::{Crews, pool};
 use rayon::prelude::*;
 
 use crate::engine::backend::Counts;
 use crate::engine::backend::choice::GpuChoice;
-use crate::engine::backend::precision::Precision;
 use crate::engine::cost::DesignCost;
-use crate::engine::drawing::{Chosen, Drawer, Drawn, FIRST_BATCH, joined};
+use crate::engine::drawing::{Chosen, Drawer, FIRST_BATCH, joined};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
-use crate::engine::ladder::{Counting, Ladder};
-use crate::engine::law_fit::add_laws;
 use crate::engine::outcome::{BackendKind, DesignOutcome};
 use crate::engine::question::Asker;
-use crate::engine::question::counted::{Counted, Verdict};
+use crate::engine::question::counted::Counted;
 use crate::engine::stopwatch::Stopwatch;
 use crate::error::Error;
 use crate::study::config::Study;
@@ -147,21 +147,19 @@ pub fn run_digested<T: Send>(
         0 => std::thread::available_parallelism().map_or(1, usize::from),
         threads => threads,
     };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| Error::Threads { threads, problem: error.to_string() })?;
+    let pool = pool(threads)?;
+    let crews = Crews::new(threads)?;
     let count = options.designs.count(study);
     let mut drawer = Drawer::new(study, &options.designs, threads)?;
     let mut statistics = Statistics::default();
-    let (drawn_sender, drawn) = sync_channel(1);
+    let (drawn_senders, drawn): (Vec<_>, Vec<_>) = (0..crews.count()).map(|_| sync_channel(1)).unzip();
     // Nothing waits for its digestion, so that few batches are there at a time.
-    let (solved_sender, solved) = sync_channel(0);
+    let (solved_senders, solved): (Vec<_>, Vec<_>) = (0..crews.count()).map(|_| sync_channel(0)).unzip();
     let (digested_sender, digested) = sync_channel(1);
     let plan = InterpolationPlan::of_study(study);
     let on_processor = if plan.is_some() { INTERPOLATED_BATCH } else { BATCH };
     let most = options.gpu.map_or(on_processor, |gpu| gpu.batch_size());
-    let batch_size = most.min(designs_of_rows(study.steps_per_design()));
+    let batch_size = crews.batch_size(most, count).min(designs_of_rows(study.steps_per_design()));
     std::thread::scope(|scope| {
         let cost = DesignCost::without_interpolation(study);
         let is_soon = move |first: &[DesignCase]| {
@@ -169,10 +167,14 @@ pub fn run_digested<T: Send>(
             let seconds: f64 = looked_at.map(|case| cost.seconds(case)).sum();
             options.gpu.is_none() && seconds / 4.0 * batch_size as f64 <= SOON * threads as f64
         };
-        let drawer = scope.spawn(move || drawer.draw_all(batch_size, is_soon, &drawn_sender));
-        let pool = &pool;
-        let solver = scope.spawn(move || solve_all(study, options, plan, pool, &drawn, &solved_sender));
-        let digester = scope.spawn(move || digest_all(digest, pool, solved, &digested_sender));
+        let mut places = (0..crews.count()).cycle();
+        let hand_over =
+            move |batch| places.next().is_some_and(|crew| drawn_senders[crew].send(batch).is_ok());
+        let drawer = scope.spawn(move || drawer.draw_all(batch_size, is_soon, hand_over));
+        let (pool, crews) = (&pool, &crews);
+        let of_crews = drawn.into_iter().zip(solved_senders).collect();
+        let solver = scope.spawn(move || crews.solve_all(study, options, plan, pool, of_crews));
+        let digester = scope.spawn(move || digest_all(digest, pool, &solved, &digested_sender));
         let mut received = Duration::ZERO;
         let result = receive_all(&digested, receive, &mut statistics, &mut received);
         // Those who still send to nobody end.
@@ -221,110 +223,15 @@ fn designs_of_rows(rows: u64) -> usize {
     (MOST_ROWS / rows.max(1)).max(1) as usize
 }
 
-/// Solves batches; gives back what the solver did.
-fn solve_all(
-    study: &Study,
-    options: &SweepOptions,
-    plan: Option<InterpolationPlan>,
-    pool: &rayon::ThreadPool,
-    drawn: &Receiver<Drawn>,
-    solved: &SyncSender<Solved>,
-) -> Statistics {
-    let mut fallback = None;
-    let in_double = options.in_double || options.gpu.is_some_and(|gpu| gpu.precision != Precision::F32);
-    let mut ladder = Ladder::new(study.solve);
-    if in_double {
-        ladder = ladder.in_double();
-    }
-    let ladder = ladder.interpolating(plan).asked_by(options.asker);
-    let mut ladder = match options.gpu.map(|gpu| gpu.condenser()) {
-        None => ladder,
-        Some(Ok(condenser)) => ladder.on(Box::new(condenser)),
-        Some(Err(error)) => {
-            fallback = given_up(options, &error.to_string());
-            ladder
-        }
-    };
-    // Designs whose rows a device counts while the processor makes the numbers of those behind them.
-    let mut begun: Option<Counting> = None;
-    let mut knows_limits = false;
-    for batch in drawn.iter().map(Some).chain([None]) {
-        let mut ready: Vec<Solved> = Vec::new();
-        pool.install(|| {
-            let next = batch.map(|batch| batch.map(|batch| ladder.begin_count(batch)));
-            if let Some(before) = begun.take() {
-                ready.extend(left(&mut ladder, before, options.asker).map(Ok));
-            }
-            match next {
-                None => {}
-                Some(Err(error)) => ready.push(Err(error)),
-                Some(Ok(Ok(counting))) if knows_limits => begun = Some(counting),
-                Some(Ok(Ok(counting))) => {
-                    // Without any limit every row might be an extreme one.
-                    ready.extend(left(&mut ladder, counting, options.asker).map(Ok));
-                    knows_limits = true;
-                }
-                Some(Ok(Err(cases))) => {
-                    let mut outcomes = outcomes(&mut ladder, cases);
-                    if study.fits_laws() {
-                        add_laws(&mut ladder, &mut outcomes);
-                    }
-                    ready.push(Ok(outcomes.into()));
-                }
-            }
-        });
-        if let Some(error) = ladder.library.lost().filter(|_| fallback.is_none()) {
-            fallback = given_up(options, &error.to_string());
-        }
-        // Who digests is gone when the receiver has broken off.
-        if ready.into_iter().any(|solved_designs| solved.send(solved_designs).is_err()) {
-            break;
-        }
-    }
-    let device = ladder.library.device();
-    Statistics {
-        stages: ladder.stages(),
-        // Nothing where all was eliminated.
-        worst_residual: device.map(|device| device.worst_residual()).filter(|residual| *residual > 0.0),
-        solves: device.map_or(0, |device| device.solves()),
-        asked: device.map_or(Counts::default(), |device| device.counts()),
-        fallback,
-        ..Statistics::default()
-    }
-}
-
-/// Solves designs.
-fn outcomes(ladder: &mut Ladder, cases: Vec<DesignCase>) -> Vec<DesignOutcome> {
-    let answers = ladder.answers(&cases);
-    let cases = cases.into_par_iter().with_min_len(FIRST_BATCH).zip(answers);
-    cases.map(|(case, answer)| DesignOutcome::new(case, answer)).collect()
-}
-
-/// Waits for what a device counts, and solves those designs that it has left, or that may have an extreme row.
-fn left(ladder: &mut Ladder, counting: Counting, asker: Option<&dyn Asker>) -> Option<SolvedDesigns> {
-    let (counted, left) = ladder.finish_count(counting)?;
-    let (cases, verdicts): (Vec<DesignCase>, Vec<Verdict>) = left.into_iter().unzip();
-    let mut solved = outcomes(ladder, cases);
-    asker?.look(&mut solved);
-    let (mut outcomes, mut candidates) = (Vec::new(), Vec::new());
-    for (outcome, verdict) in solved.into_iter().zip(verdicts) {
-        match verdict {
-            Verdict::Candidate => candidates.push(outcome),
-            Verdict::Open | Verdict::Counted => outcomes.push(outcome),
-        }
-    }
-    Some(SolvedDesigns { outcomes, on_device: Some(CountedDesigns { counted, candidates }) })
-}
-
-/// Digests outcomes up to the first failure to draw; gives back how long that took, summed over threads.
+/// Digests outcomes of the crews in turn, up to the first failure to draw; gives back how long that took, summed over threads.
 fn digest_all<T: Send>(
     digest: &Digest<T>,
     pool: &rayon::ThreadPool,
-    solved: Receiver<Solved>,
+    solved: &[Receiver<Solved>],
     digested: &SyncSender<Digested<T>>,
 ) -> Duration {
     let mut digestion = Digestion::new(digest, pool);
-    for outcomes in solved {
+    for outcomes in solved.iter().cycle().map_while(|crew| crew.recv().ok()) {
         // The receiver is gone when it has broken off.
         if digested.send(outcomes.map(|outcomes| digestion.add(outcomes))).is_err() {
             return digestion.time;
@@ -420,14 +327,6 @@ impl<'a, T: Send> Digestion<'a, T> {
         self.time += digested.iter().map(|(_, time)| *time).sum::<Duration>();
         digested.into_iter().map(|(portion, _)| portion).collect()
     }
-}
-
-/// Says that the processor goes on alone.
-fn given_up(options: &SweepOptions, problem: &str) -> Option<String> {
-    if let Some(notify) = options.notify {
-        notify(&format!("warning: {problem}; the processor goes on alone"));
-    }
-    Some(problem.to_string())
 }
 
 fn receive_all<T>(

@@ -1,0 +1,272 @@
+//! Ladders side by side. What one thread of a ladder does alone (finding topologies, keeping what is solved, giving a device its work) is
+//! little of its work, but on many threads most of its time. So a few threads each are a crew with a ladder of its own. Batches go to the
+//! crews in turn, and come back in that order:
+//!
+//! ```text
+//!   drawn    0 1 2 3 4 5 6 7
+//!   crew 0   0     3     6       the first batch with all threads, before the others begin: it makes spaces, fits and kernels,
+//!   crew 1     1     4     7     and tells what rows are among the extreme ones
+//!   crew 2       2     5
+//! ```
+
+use std::sync::OnceLock;
+use std::sync::mpsc::{Receiver, SyncSender};
+
+use rayon::ThreadPool;
+use rayon::prelude::*;
+
+use super::{CountedDesigns, Solved, SolvedDesigns, Statistics, SweepOptions};
+use crate::engine::backend::precision::Precision;
+use crate::engine::drawing::{Drawn, FIRST_BATCH, joined};
+use crate::engine::interpolation::fit_plan::InterpolationPlan;
+use crate::engine::ladder::{Counting, Ladder};
+use crate::engine::law_fit::add_laws;
+use crate::engine::outcome::DesignOutcome;
+use crate::engine::question::Asker;
+use crate::engine::question::counted::Verdict;
+use crate::error::Error;
+use crate::study::config::Study;
+use crate::study::design::DesignCase;
+
+/// Threads of a crew.
+const CREW: usize = 4;
+
+/// Batches of a crew at least, so that none is done long before the others, where they are not smaller than this.
+const ROUNDS: u64 = 4;
+const FEWEST: u64 = 2048;
+
+/// The threads of each crew; of one crew those of the sweep.
+pub(super) struct Crews {
+    pools: Vec<ThreadPool>,
+}
+
+/// So many threads that solve.
+pub(super) fn pool(threads: usize) -> Result<ThreadPool, Error> {
+    let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    built.map_err(|error| Error::Threads { threads, problem: error.to_string() })
+}
+
+impl Crews {
+    /// So many threads in crews.
+    pub(super) fn new(threads: usize) -> Result<Crews, Error> {
+        let each = std::env::var("JS_CREW").ok().and_then(|text| text.parse().ok()).unwrap_or(CREW);
+        let count = threads / each;
+        if count < 2 {
+            return Ok(Crews { pools: Vec::new() });
+        }
+        let threads_before = |crew: usize| crew * threads / count;
+        let pools = (0..count).map(|crew| pool(threads_before(crew + 1) - threads_before(crew)));
+        Ok(Crews { pools: pools.collect::<Result<_, _>>()? })
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.pools.len().max(1)
+    }
+
+    /// Designs of a batch, of so many in all: at most this many.
+    pub(super) fn batch_size(&self, most: usize, designs: u64) -> usize {
+        let in_rounds = designs.div_ceil(ROUNDS * self.count() as u64).max(FEWEST);
+        if self.pools.is_empty() { most } else { most.min(in_rounds as usize) }
+    }
+
+    /// Solves what is drawn for each crew; tells what they did.
+    pub(super) fn solve_all(
+        &self,
+        study: &Study,
+        options: &SweepOptions,
+        plan: Option<InterpolationPlan>,
+        all: &ThreadPool,
+        of_crews: Vec<(Receiver<Drawn>, SyncSender<Solved>)>,
+    ) -> Statistics {
+        let fallback = OnceLock::new();
+        let mut of_crews = of_crews.into_iter();
+        let Some((drawn, solved)) = of_crews.next() else { return Statistics::default() };
+        let lead = Crew::new(study, options, plan, &fallback).solve_some(drawn.iter().take(1), all, &solved);
+        let twins: Vec<Crew> = (0..of_crews.len()).map(|_| lead.twin()).collect();
+        let mut pools = self.pools.iter();
+        let own = pools.next().unwrap_or(all);
+        let crews: Vec<Crew> = std::thread::scope(|scope| {
+            let mut others = Vec::with_capacity(twins.len());
+            for ((twin, (drawn, solved)), pool) in twins.into_iter().zip(of_crews).zip(pools) {
+                others.push(scope.spawn(move || twin.solve_rest(drawn, pool, solved)));
+            }
+            let lead = lead.solve_rest(drawn, own, solved);
+            std::iter::once(lead).chain(others.into_iter().map(joined)).collect()
+        });
+        let mut statistics = Statistics::default();
+        crews.iter().for_each(|crew| crew.add_to(&mut statistics));
+        statistics.fallback = fallback.get().cloned();
+        statistics
+    }
+}
+
+/// A ladder on its way through its batches.
+struct Crew<'a> {
+    ladder: Ladder<'a>,
+    options: &'a SweepOptions<'a>,
+    fits_laws: bool,
+    /// Whether a device was asked for already.
+    is_equipped: bool,
+    /// Designs whose rows a device counts while the processor makes the numbers of those behind them.
+    begun: Option<Counting>,
+    /// Whether any row was seen yet that others are compared with.
+    knows_limits: bool,
+    /// Why the device was given up, of whichever crew was the first to do so.
+    fallback: &'a OnceLock<String>,
+}
+
+impl<'a> Crew<'a> {
+    fn new(
+        study: &Study,
+        options: &'a SweepOptions<'a>,
+        plan: Option<InterpolationPlan>,
+        fallback: &'a OnceLock<String>,
+    ) -> Crew<'a> {
+        let in_double = options.in_double || options.gpu.is_some_and(|gpu| gpu.precision != Precision::F32);
+        let mut ladder = Ladder::new(study.solve);
+        if in_double {
+            ladder = ladder.in_double();
+        }
+        Crew {
+            ladder: ladder.interpolating(plan).asked_by(options.asker),
+            options,
+            fits_laws: study.fits_laws(),
+            is_equipped: false,
+            begun: None,
+            knows_limits: false,
+            fallback,
+        }
+    }
+
+    /// Another one, which knows what this one has learnt.
+    fn twin(&self) -> Crew<'a> {
+        let Crew { options, fits_laws, knows_limits, fallback, .. } = *self;
+        let ladder = self.ladder.twin();
+        Crew { ladder, options, fits_laws, is_equipped: false, begun: None, knows_limits, fallback }
+    }
+
+    /// With the device, if there is one and no crew has lost it.
+    fn equipped(mut self) -> Crew<'a> {
+        if self.is_equipped || self.fallback.get().is_some() {
+            return self;
+        }
+        self.is_equipped = true;
+        match self.options.gpu.map(|gpu| gpu.condenser()) {
+            None => self,
+            Some(Ok(condenser)) => Crew { ladder: self.ladder.on(Box::new(condenser)), ..self },
+            Some(Err(error)) => {
+                self.give_up(&error.to_string());
+                self
+            }
+        }
+    }
+
+    /// Some batches, behind which others come.
+    fn solve_some(
+        mut self,
+        drawn: impl Iterator<Item = Drawn>,
+        pool: &ThreadPool,
+        solved: &SyncSender<Solved>,
+    ) -> Crew<'a> {
+        for batch in drawn {
+            self = self.equipped();
+            if !self.hand_over(Some(batch), pool, solved) {
+                break;
+            }
+        }
+        self
+    }
+
+    /// The last ones.
+    fn solve_rest(self, drawn: Receiver<Drawn>, pool: &ThreadPool, solved: SyncSender<Solved>) -> Crew<'a> {
+        let mut crew = self.solve_some(drawn.iter(), pool, &solved);
+        crew.hand_over(None, pool, &solved);
+        crew
+    }
+
+    /// Solves a batch and what was begun before it; false where nobody takes it any more.
+    fn hand_over(&mut self, batch: Option<Drawn>, pool: &ThreadPool, solved: &SyncSender<Solved>) -> bool {
+        let ready = pool.install(|| self.solve(batch));
+        if let Some(error) = self.ladder.library.lost() {
+            self.give_up(&error.to_string());
+        }
+        // Who digests is gone when the receiver has broken off.
+        ready.into_iter().all(|designs| solved.send(designs).is_ok())
+    }
+
+    fn solve(&mut self, batch: Option<Drawn>) -> Vec<Solved> {
+        let Crew { ladder, options: SweepOptions { asker, .. }, .. } = self;
+        let mut ready: Vec<Solved> = Vec::new();
+        let next = batch.map(|batch| batch.map(|batch| ladder.begin_count(batch)));
+        if let Some(before) = self.begun.take() {
+            ready.extend(left(ladder, before, *asker).map(Ok));
+        }
+        match next {
+            None => {}
+            Some(Err(error)) => ready.push(Err(error)),
+            Some(Ok(Ok(counting))) if self.knows_limits => self.begun = Some(counting),
+            Some(Ok(Ok(counting))) => {
+                // Without any limit every row might be an extreme one.
+                ready.extend(left(ladder, counting, *asker).map(Ok));
+                self.knows_limits = true;
+            }
+            Some(Ok(Err(cases))) => {
+                let mut outcomes = outcomes(ladder, cases);
+                if self.fits_laws {
+                    add_laws(ladder, &mut outcomes);
+                }
+                ready.push(Ok(outcomes.into()));
+            }
+        }
+        ready
+    }
+
+    /// Says that the processor goes on alone, once for all crews.
+    fn give_up(&self, problem: &str) {
+        if self.fallback.set(problem.to_string()).is_ok()
+            && let Some(notify) = self.options.notify
+        {
+            notify(&format!("warning: {problem}; the processor goes on alone"));
+        }
+    }
+
+    /// What it has done, to that of others.
+    fn add_to(&self, Statistics { stages, solves, asked, worst_residual, .. }: &mut Statistics) {
+        for (name, time) in self.ladder.stages() {
+            match stages.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, all)) => *all += time,
+                None => stages.push((name, time)),
+            }
+        }
+        if let Some(device) = self.ladder.library.device() {
+            *solves += device.solves();
+            *asked = asked.and(device.counts());
+            // Nothing where all was eliminated.
+            let residual = device.worst_residual().max(worst_residual.unwrap_or(0.0));
+            *worst_residual = (residual > 0.0).then_some(residual);
+        }
+    }
+}
+
+/// Solves designs.
+fn outcomes(ladder: &mut Ladder, cases: Vec<DesignCase>) -> Vec<DesignOutcome> {
+    let answers = ladder.answers(&cases);
+    let cases = cases.into_par_iter().with_min_len(FIRST_BATCH).zip(answers);
+    cases.map(|(case, answer)| DesignOutcome::new(case, answer)).collect()
+}
+
+/// Waits for what a device counts, and solves those designs that it has left, or that may have an extreme row.
+fn left(ladder: &mut Ladder, counting: Counting, asker: Option<&dyn Asker>) -> Option<SolvedDesigns> {
+    let (counted, left) = ladder.finish_count(counting)?;
+    let (cases, verdicts): (Vec<DesignCase>, Vec<Verdict>) = left.into_iter().unzip();
+    let mut solved = outcomes(ladder, cases);
+    asker?.look(&mut solved);
+    let (mut outcomes, mut candidates) = (Vec::new(), Vec::new());
+    for (outcome, verdict) in solved.into_iter().zip(verdicts) {
+        match verdict {
+            Verdict::Candidate => candidates.push(outcome),
+            Verdict::Open | Verdict::Counted => outcomes.push(outcome),
+        }
+    }
+    Some(SolvedDesigns { outcomes, on_device: Some(CountedDesigns { counted, candidates }) })
+}
