@@ -51,7 +51,7 @@ pub enum PrecisionChoice {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum SolverChoice {
-    /// By elimination, by conjugate gradients where a mesh is too fine for that
+    /// By what is the least work: elimination; the processor takes meshes that are too fine
     Auto,
     /// By elimination; the processor takes meshes that are too fine
     Eliminate,

@@ -3,9 +3,9 @@
 /// By elimination or by iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviceSolver {
-    /// Elimination; conjugate gradients where a mesh is too fine for it.
+    /// What is the least work: elimination, and the processor where a mesh is too fine for it.
     Auto,
-    /// Elimination; the processor where a mesh is too fine for it.
+    /// Elimination, and the processor where a mesh is too fine for it.
     Eliminate,
     /// Conjugate gradients with Jacobi's preconditioner.
     Pcg,
