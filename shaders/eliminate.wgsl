@@ -9,7 +9,10 @@
 //
 // One workgroup eliminates one body, in tiles of 4 x 4 unknowns. It holds the front: the tiles of the rows that the next
 // column reaches. A row of tiles enters the front where its band begins, those of the loads at the ring, and leaves it as the pivot. Of each
-// pivot the invocations first make the panel below it, a row each, then take its products from the tiles of the front, a tile each.
+// pivot the invocations first make the panel below it, a row each, then take its products from the tiles of the front, a tile each, and
+// clear the tiles that enter; at last they put the values of these into their places, a row of a tile each.
+//
+// Rows of tiles lie in four planes, the first rows of all tiles before the second ones: what neighbours read at a time lies side by side.
 
 // Of the bodies of one topology in a dispatch. `_at`: where in a buffer of all topologies that which is of this one begins, in its elements.
 struct EliminateParameters {
@@ -21,12 +24,11 @@ struct EliminateParameters {
     // Rows of tiles of the loads.
     border_count: u32,
     mode_count: u32,
-    // Values of one body's matrix.
-    value_count: u32,
+    // Fours of one body's matrix.
+    four_count: u32,
     // Numbers of one body in `works`.
     body_size: u32,
     rows_at: u32,
-    tile_starts_at: u32,
     places_at: u32,
     loads_at: u32,
     values_at: u32,
@@ -36,38 +38,40 @@ struct EliminateParameters {
 
 // [topology of the dispatch]
 @group(0) @binding(0) var<storage, read> topologies: array<EliminateParameters>;
-// Of each topology three lists, each where its parameters say:
-// rows: [row of tiles][column of its first tile, the number of that tile, the last row that this one reaches as a pivot, and a bit for each
-// of its four rows that stands for no unknown]
-// tile_starts: [tile]: its first value; the end of the last one closes the list.
-// places: [value]: its place in its tile, 4 row + column.
+// A four is what is stored of the matrix: one row of a tile, with its zeros, since to write a component of a vector may write all of it, and
+// several invocations must not. They follow each other tile by tile, row of tiles by row of tiles. Of each topology two lists, each where its parameters say:
+// rows: [row of tiles][the last row that this one reaches as a pivot, and the end of the fours of the rows up to that one]
+// places: [four]: row of tiles << 16 | columns of tiles from its tile to the diagonal << 4 | 4 where it stands for no unknown | row in the
+// tile. Each row of a tile on the diagonal is there.
 @group(0) @binding(1) var<storage, read> lists: array<u32>;
 // Of each topology [row of the border][column of tiles of the ring]
 @group(0) @binding(2) var<storage, read> loads: array<wide4>;
-// [body][value]
-@group(0) @binding(3) var<storage, read> values: array<wide>;
+// [body][four]
+@group(0) @binding(3) var<storage, read> values: array<wide4>;
 // [body]
 @group(0) @binding(4) var<storage, read> states: array<SystemState>;
 // [body][1 for a sound body and 0 for any other, the greatest loss of a pivot, then packed entries, one way to push after the other]
 @group(0) @binding(5) var<storage, read_write> works: array<wide>;
-// [body][pair of rows in the front][row of the tile], where a workgroup's own memory has no room for it
+// [body][row of the tile][pair of rows in the front], where a workgroup's own memory has no room for it
 @group(0) @binding(6) var<storage, read_write> fronts: array<wide4>;
 
-const FRONT_SIZE = 2u * FRONT * (FRONT + 1u);
+// Pairs of rows in the front.
+const TILES = FRONT * (FRONT + 1u) / 2u;
 
-// [pair of rows in the front][row of the tile]
-var<workgroup> front: array<wide4, select(1u, FRONT_SIZE, IS_FRONT_ON_CHIP)>;
-// [row below the pivot][row of the tile]: the factor's column.
+// [row of the tile][pair of rows in the front]
+var<workgroup> front: array<wide4, select(1u, 4u * TILES, IS_FRONT_ON_CHIP)>;
+// [row of the tile][row below the pivot]: the factor's column.
 var<workgroup> panel: array<wide4, 4u * FRONT>;
-// [row in the front]: its diagonal before anything was taken from it.
-var<workgroup> diagonals: array<wide4, FRONT>;
+// [row in the front][row of the tile]: its diagonal before anything was taken from it. By numbers: a vector is written as a whole.
+var<workgroup> diagonals: array<wide, 4u * FRONT>;
 
 // Of this body's topology.
 var<private> parameters: EliminateParameters;
-// Where this body's values and its front in storage begin.
-var<private> first_value: u32;
+// Where this body's fours and its front in storage begin.
+var<private> first_four: u32;
 var<private> first_front: u32;
 
+// Row of a tile of the front: `at` is row * TILES + tile.
 fn of_tile(at: u32) -> wide4 {
     if IS_FRONT_ON_CHIP {
         return front[at];
@@ -91,12 +95,21 @@ fn wait() {
     workgroupBarrier();
 }
 
-// Where the tile of two rows of tiles is in the front. Rows take the places of those that have left.
-fn of_front(row: u32, column: u32) -> u32 {
-    let a = row % FRONT;
-    let b = column % FRONT;
+// The tile of two places in the front, each of a row.
+fn tile_of(a: u32, b: u32) -> u32 {
     let high = max(a, b);
-    return 4u * (high * (high + 1u) / 2u + min(a, b));
+    return high * (high + 1u) / 2u + min(a, b);
+}
+
+// Where a row of tiles is in the front, in the place of one that has left.
+fn of_front(row: u32) -> u32 {
+    return row % FRONT;
+}
+
+// The same for one that is less than a whole front beyond another one.
+fn beyond(place: u32, rows: u32) -> u32 {
+    let sum = place + rows;
+    return select(sum, sum - FRONT, sum >= FRONT);
 }
 
 fn product(a: wide4, b: wide4) -> wide {
@@ -104,64 +117,65 @@ fn product(a: wide4, b: wide4) -> wide {
 }
 
 struct Row {
-    // Of its first tile.
-    column: u32,
-    tile: u32,
     // That it reaches as a pivot.
     last: u32,
-    // A bit for each of its four rows that stands for no unknown.
-    padding: u32,
+    // Of the fours of the rows up to that one.
+    end: u32,
 }
 
 fn row_of_tiles(row: u32) -> Row {
-    let at = parameters.rows_at + 4u * row;
-    return Row(lists[at], lists[at + 1u], lists[at + 2u], lists[at + 3u]);
+    let at = parameters.rows_at + 2u * row;
+    return Row(lists[at], lists[at + 1u]);
 }
 
-fn tile_start(tile: u32) -> u32 {
-    return lists[parameters.tile_starts_at + tile];
-}
-
-// One tile as it enters the front.
-fn enter(row: u32, column: u32) {
-    var tile = array<wide4, 4>();
-    let of_row = row_of_tiles(min(row, parameters.row_count - 1u));
-    if row >= parameters.row_count {
-        if column < parameters.row_count {
-            let ring = parameters.row_count - parameters.ring_row;
-            let own = 4u * (row - parameters.row_count) * ring + column - parameters.ring_row;
-            for (var i = 0u; i < 4u; i++) {
-                tile[i] = loads[parameters.loads_at + own + i * ring];
-            }
-        }
-    } else if column >= of_row.column {
-        let number = of_row.tile + column - of_row.column;
-        let end = tile_start(number + 1u);
-        for (var value = tile_start(number); value < end; value++) {
-            let place = lists[parameters.places_at + value];
-            tile[place / 4u][place % 4u] = values[first_value + value];
-        }
-    }
-    if row == column {
-        for (var i = 0u; i < 4u; i++) {
-            if row < parameters.row_count && (of_row.padding & (1u << i)) != 0u {
-                tile[i][i] = wide(1.0);
-            }
-        }
-        diagonals[row % FRONT] = wide4(tile[0].x, tile[1].y, tile[2].z, tile[3].w);
-    }
-    let at = of_front(row, column);
-    for (var i = 0u; i < 4u; i++) {
-        keep(at + i, tile[i]);
+// One tile as it enters the front: zero but for the loads of the ring's unknowns.
+fn clear(row: u32, column: u32) {
+    let at = tile_of(of_front(row), of_front(column));
+    if row >= parameters.row_count && column < parameters.row_count {
+        let ring = parameters.row_count - parameters.ring_row;
+        let own = parameters.loads_at + 4u * (row - parameters.row_count) * ring + column - parameters.ring_row;
+        keep(at, loads[own]);
+        keep(at + TILES, loads[own + ring]);
+        keep(at + 2u * TILES, loads[own + 2u * ring]);
+        keep(at + 3u * TILES, loads[own + 3u * ring]);
+    } else {
+        keep(at, wide4());
+        keep(at + TILES, wide4());
+        keep(at + 2u * TILES, wide4());
+        keep(at + 3u * TILES, wide4());
     }
 }
 
 // Rows up to `last` enter the front that begins with the column `first`.
-fn enter_rows(begin: u32, last: u32, first: u32, invocation: u32) {
+fn clear_rows(begin: u32, last: u32, first: u32, invocation: u32) {
     for (var row = begin; row <= last; row++) {
         for (var column = first + invocation; column <= row; column += INVOCATIONS) {
-            enter(row, column);
+            clear(row, column);
         }
+    }
+}
+
+struct Four {
+    place: u32,
+    values: wide4,
+}
+
+fn four_of_body(four: u32) -> Four {
+    return Four(lists[parameters.places_at + four], values[first_four + four]);
+}
+
+// Puts a four into its tile.
+fn enter(four: Four) {
+    let row = four.place >> 16u;
+    let column = row - ((four.place >> 4u) & 0xfffu);
+    let i = four.place & 3u;
+    let place = of_front(row);
+    let is_padding = (four.place & 4u) != 0u;
+    let unit = select(wide4(), wide4(wide(1.0)), vec4<u32>(i) == vec4<u32>(0u, 1u, 2u, 3u));
+    let own = select(four.values, unit, is_padding);
+    keep(i * TILES + tile_of(place, of_front(column)), own);
+    if row == column {
+        diagonals[4u * place + i] = own[i];
     }
 }
 
@@ -172,12 +186,12 @@ struct Factor {
     pivots: wide4,
 }
 
-// Of a pivot's tile.
+// Of a pivot's tile, which is on the diagonal.
 fn factor(at: u32) -> Factor {
     let a0 = of_tile(at);
-    let a1 = of_tile(at + 1u);
-    let a2 = of_tile(at + 2u);
-    let a3 = of_tile(at + 3u);
+    let a1 = of_tile(at + TILES);
+    let a2 = of_tile(at + 2u * TILES);
+    let a3 = of_tile(at + 3u * TILES);
     let l00 = wide(1.0) / sqrt(a0.x);
     let l10 = a1.x * l00;
     let l20 = a2.x * l00;
@@ -210,10 +224,15 @@ fn divided(row: wide4, lower: array<wide4, 4>) -> wide4 {
     return wide4(x, y, z, w);
 }
 
+// Takes from a row of a tile its products with those of another one of the panel.
+fn subtract(at: u32, a: wide4, b0: wide4, b1: wide4, b2: wide4, b3: wide4) {
+    keep(at, of_tile(at) - wide4(product(a, b0), product(a, b1), product(a, b2), product(a, b3)));
+}
+
 // One number of the corner of the border, whose row is not in a tile before that of its column.
 fn corner(row: u32, column: u32) -> wide {
-    let at = of_front(parameters.row_count + row / 4u, parameters.row_count + column / 4u);
-    return -of_tile(at + row % 4u)[column % 4u];
+    let tile = tile_of(of_front(parameters.row_count + row / 4u), of_front(parameters.row_count + column / 4u));
+    return -of_tile(row % 4u * TILES + tile)[column % 4u];
 }
 
 // The work of one mode on another, m >= n, pushed one way; the symmetric part where it is not the normal.
@@ -234,64 +253,87 @@ fn eliminate(
     parameters = topologies[topology];
     // Of its topology in the dispatch.
     let body = group.x - parameters.first_body;
-    first_value = parameters.values_at + body * parameters.value_count;
-    first_front = group.x * FRONT_SIZE;
+    first_four = parameters.values_at + body * parameters.four_count;
+    first_front = group.x * 4u * TILES;
     // The greatest of what a pivot's diagonal was, over what was left of it.
     var loss = wide(1.0);
     var is_sound = states[parameters.states_at + body].outcome == RUNNING;
-    var last = row_of_tiles(0u).last;
-    enter_rows(0u, last, 0u, invocation);
+    // Of the pivot, and its place in the front.
+    var own = row_of_tiles(0u);
+    var place = 0u;
+    clear_rows(0u, own.last, 0u, invocation);
+    wait();
+    for (var four = invocation; four < own.end; four += INVOCATIONS) {
+        enter(four_of_body(four));
+    }
     wait();
     // From memory that nothing writes, so that compilers see all invocations make as many rounds.
     let row_count = topologies[topology].row_count;
+    // What the lists say of the next pivot is loaded a round before it is asked for, and the first four that enters before the panel is
+    // made: the device has them when it comes to them. Beyond the last pivot comes the same again, and nothing enters.
+    var next = row_of_tiles(min(1u, row_count - 1u));
     for (var pivot = 0u; pivot < row_count; pivot++) {
-        let below = last - pivot;
+        var four = own.end + invocation;
+        var entering = Four();
+        if four < next.end {
+            entering = four_of_body(four);
+        }
+        let following = row_of_tiles(min(pivot + 2u, row_count - 1u));
+        let below = own.last - pivot;
+        // Of the first row below.
+        let first = beyond(place, 1u);
         for (var row = invocation; row < below; row += INVOCATIONS) {
-            let factor = factor(of_front(pivot, pivot));
+            let factor = factor(tile_of(place, place));
             if row == 0u {
                 for (var i = 0u; i < 4u; i++) {
                     is_sound &= factor.pivots[i] > wide(0.0) && is_finite(factor.pivots[i]);
-                    loss = max(loss, diagonals[pivot % FRONT][i] / factor.pivots[i]);
+                    loss = max(loss, diagonals[4u * place + i] / factor.pivots[i]);
                 }
             }
-            let at = of_front(pivot + 1u + row, pivot);
-            for (var i = 0u; i < 4u; i++) {
-                panel[4u * row + i] = divided(of_tile(at + i), factor.lower);
-            }
+            let at = tile_of(beyond(first, row), place);
+            panel[row] = divided(of_tile(at), factor.lower);
+            panel[FRONT + row] = divided(of_tile(at + TILES), factor.lower);
+            panel[2u * FRONT + row] = divided(of_tile(at + 2u * TILES), factor.lower);
+            panel[3u * FRONT + row] = divided(of_tile(at + 3u * TILES), factor.lower);
         }
         workgroupBarrier();
         for (var entry = invocation; entry < below * (below + 1u) / 2u; entry += INVOCATIONS) {
-            let place = packed_place(entry);
-            let at = of_front(pivot + 1u + place.x, pivot + 1u + place.y);
-            let b0 = panel[4u * place.y];
-            let b1 = panel[4u * place.y + 1u];
-            let b2 = panel[4u * place.y + 2u];
-            let b3 = panel[4u * place.y + 3u];
-            for (var i = 0u; i < 4u; i++) {
-                let a = panel[4u * place.x + i];
-                let products = wide4(product(a, b0), product(a, b1), product(a, b2), product(a, b3));
-                keep(at + i, of_tile(at + i) - products);
-            }
+            let pair = packed_place(entry);
+            let at = tile_of(beyond(first, pair.x), beyond(first, pair.y));
+            let b0 = panel[pair.y];
+            let b1 = panel[FRONT + pair.y];
+            let b2 = panel[2u * FRONT + pair.y];
+            let b3 = panel[3u * FRONT + pair.y];
+            subtract(at, panel[pair.x], b0, b1, b2, b3);
+            subtract(at + TILES, panel[FRONT + pair.x], b0, b1, b2, b3);
+            subtract(at + 2u * TILES, panel[2u * FRONT + pair.x], b0, b1, b2, b3);
+            subtract(at + 3u * TILES, panel[3u * FRONT + pair.x], b0, b1, b2, b3);
         }
-        if pivot + 1u < row_count {
-            let next = row_of_tiles(pivot + 1u).last;
-            enter_rows(last + 1u, next, pivot + 1u, invocation);
-            last = next;
+        clear_rows(own.last + 1u, next.last, pivot + 1u, invocation);
+        wait();
+        if four < next.end {
+            enter(entering);
+        }
+        for (four += INVOCATIONS; four < next.end; four += INVOCATIONS) {
+            enter(four_of_body(four));
         }
         wait();
+        own = next;
+        next = following;
+        place = first;
     }
     let modes = parameters.mode_count;
     let entries = modes * (modes + 1u) / 2u;
     let ways = 4u * parameters.border_count / modes;
-    let own = parameters.works_at + body * parameters.body_size;
+    let works_of_body = parameters.works_at + body * parameters.body_size;
     for (var way = 0u; way < ways; way++) {
         for (var entry = invocation; entry < entries; entry += INVOCATIONS) {
-            let place = packed_place(entry);
-            works[own + WORKS_HEADER + way * entries + entry] = work(way, place.x, place.y);
+            let pair = packed_place(entry);
+            works[works_of_body + WORKS_HEADER + way * entries + entry] = work(way, pair.x, pair.y);
         }
     }
     if invocation == 0u {
-        works[own] = select(wide(0.0), wide(1.0), is_sound);
-        works[own + 1u] = loss;
+        works[works_of_body] = select(wide(0.0), wide(1.0), is_sound);
+        works[works_of_body + 1u] = loss;
     }
 }

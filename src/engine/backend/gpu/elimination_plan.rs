@@ -217,7 +217,8 @@ impl Step {
         let front = &mut self.fronts[last];
         front.topologies.push(EliminateParameters {
             first_body: front.bodies,
-            values_at,
+            // In fours.
+            values_at: values_at / 4,
             states_at,
             works_at,
             ..topology.elimination

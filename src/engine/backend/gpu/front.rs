@@ -59,7 +59,7 @@ impl Front {
         if self.is_on_chip { 0 } else { self.size() * 4 * wide }
     }
 
-    /// Rows of four numbers: those of the tiles of all pairs of rows.
+    /// Fours: the rows of the tiles of all pairs of rows.
     fn size(self) -> u64 {
         2 * u64::from(self.rows) * u64::from(self.rows + 1)
     }
@@ -75,10 +75,9 @@ pub struct EliminateParameters {
     pub ring_row: u32,
     pub border_count: u32,
     pub mode_count: u32,
-    pub value_count: u32,
+    pub four_count: u32,
     pub body_size: u32,
     pub rows_at: u32,
-    pub tile_starts_at: u32,
     pub places_at: u32,
     pub loads_at: u32,
     pub values_at: u32,
@@ -89,15 +88,15 @@ pub struct EliminateParameters {
 /// What bodies of one topology share, as `assemble` and `eliminate` take it.
 #[derive(Clone, Debug)]
 pub struct FrontLayout {
-    /// Of `assemble`: the values are those of the lower triangle, tile by tile, and a body has one state.
+    /// Of `assemble`: the values are those of the lower triangle, tile by tile, with the zeros of each row of a tile that has a value, and
+    /// a body has one state.
     pub assembly: AssembleParameters,
     pub source_starts: Vec<u32>,
     pub sources: Vec<u32>,
     pub parameters: EliminateParameters,
-    /// `[row of tiles]`: column of its first tile, that tile's number, the last row it reaches as a pivot, and a bit for each row that stands
-    /// for no unknown.
-    pub rows: Vec<[u32; 4]>,
-    pub tile_starts: Vec<u32>,
+    /// `[row of tiles]`: the last row it reaches as a pivot, and the end of the fours of the rows up to that one.
+    pub rows: Vec<[u32; 2]>,
+    /// `[four]`, a row of a tile: where it belongs.
     pub places: Vec<u32>,
     /// `[border row][ring unknown in the order of elimination]`
     pub loads: Vec<f64>,
@@ -111,132 +110,136 @@ impl FrontLayout {
         let topology = RingTopology::new(body, grading);
         let structure = BandStructure::new(&topology);
         let pushes = Push::of(body.shape.side);
-        let PlacedValues { tile_starts, places, source_starts, sources } =
-            placed_values(&topology, &structure);
+        let PlacedValues { ends, places, source_starts, sources } = placed_values(&topology, &structure);
         let loads = border(&topology, &structure, modes, pushes);
         let border_count = (pushes.len() * modes.count).div_ceil(TILE);
-        let rows = band_rows(&structure, border_count);
+        let end = |last: u32| ends[(last as usize).min(ends.len() - 1)];
+        let rows: Vec<[u32; 2]> =
+            last_rows(&structure, border_count).into_iter().map(|last| [last, end(last)]).collect();
         // A pivot, and the rows below it that it reaches.
-        let front_rows = rows.iter().zip(0..).map(|(row, pivot)| row[2] + 1 - pivot).max().unwrap_or(0);
+        let front_rows = rows.iter().zip(0..).map(|(row, pivot)| row[0] + 1 - pivot).max().unwrap_or(0);
         let parameters = EliminateParameters {
             row_count: rows.len() as u32,
             ring_row: (structure.ring_start / TILE) as u32,
             border_count: border_count as u32,
             mode_count: modes.count as u32,
-            value_count: places.len() as u32,
+            four_count: places.len() as u32,
             body_size: (WORKS_HEADER + pushes.len() * packed_count(modes.count)) as u32,
             ..EliminateParameters::zeroed()
         };
-        let assembly =
-            AssembleParameters { value_count: places.len() as u32, system_count: 1, ..mesh.parameters };
-        FrontLayout {
-            assembly,
-            source_starts,
-            sources,
-            parameters,
-            rows,
-            tile_starts,
-            places,
-            loads,
-            front_rows,
-        }
+        let value_count = (TILE * places.len()) as u32;
+        let assembly = AssembleParameters { value_count, system_count: 1, ..mesh.parameters };
+        FrontLayout { assembly, source_starts, sources, parameters, rows, places, loads, front_rows }
     }
 
     /// The lists of `assemble` and `eliminate` on bodies of this mesh, and where they begin.
     pub fn lists(&self, mesh: &MeshLayout) -> (Vec<u32>, AssembleParameters, EliminateParameters) {
         let rows = self.rows.as_flattened();
-        let FrontLayout { source_starts, sources, tile_starts, places, .. } = self;
-        let lists = [&mesh.element_grid, source_starts, sources, rows, tile_starts, places];
-        let [element_grid_at, source_starts_at, sources_at, rows_at, tile_starts_at, places_at] =
-            starts(lists);
+        let FrontLayout { source_starts, sources, places, .. } = self;
+        let lists = [&mesh.element_grid, source_starts, sources, rows, places];
+        let [element_grid_at, source_starts_at, sources_at, rows_at, places_at] = starts(lists);
         let assembly = AssembleParameters { element_grid_at, source_starts_at, sources_at, ..self.assembly };
-        let elimination = EliminateParameters { rows_at, tile_starts_at, places_at, ..self.parameters };
+        let elimination = EliminateParameters { rows_at, places_at, ..self.parameters };
         (lists.concat(), assembly, elimination)
     }
 
     /// What a kernel must have room for: in the workgroup's own memory if that is large enough. `None` where an invocation would make too
-    /// many loop trips. There are kernels for whole multiples of the smallest front.
+    /// many loop trips, or places do not have the bits for so many rows. There are kernels for whole multiples of the smallest front.
     pub fn front(&self, wide: u64, invocations: u64, limits: &DeviceLimits) -> Option<Front> {
         let rows = self.front_rows.next_multiple_of(Front::SMALLEST.rows);
         let fits = |front: &Front| {
             front.workgroup_bytes(wide) <= u64::from(limits.workgroup_bytes)
                 && self.trips(invocations) <= MOST_TRIPS
+                && self.rows.len() <= MOST_ROWS
+                && self.front_rows <= MOST_FRONT_ROWS
         };
         [true, false].map(|is_on_chip| Front { rows, is_on_chip }).into_iter().find(fits)
     }
 
     /// The pairs of rows of tiles below each pivot, summed over the pivots: the tiles from which products are taken.
     pub fn tile_products(&self) -> u64 {
-        let below = |(row, pivot): (&[u32; 4], u32)| u64::from(row[2] - pivot);
+        let below = |(row, pivot): (&[u32; 2], u32)| u64::from(row[0] - pivot);
         self.rows.iter().zip(0..).map(below).map(|below| below * (below + 1) / 2).sum()
     }
 
     /// Tiles of the panels below the pivots.
     pub fn panel_tiles(&self) -> u64 {
-        self.rows.iter().zip(0..).map(|(row, pivot)| u64::from(row[2] - pivot)).sum()
+        self.rows.iter().zip(0..).map(|(row, pivot)| u64::from(row[0] - pivot)).sum()
     }
 
     /// Tiles that enter the front.
     pub fn entered_tiles(&self) -> u64 {
-        entered_tiles(self.rows.iter().map(|row| row[2].into()))
+        entered_tiles(self.rows.iter().map(|row| row[0].into()))
     }
 
     /// The most loop trips of one invocation, in `assemble` or `eliminate`.
     pub fn trips(&self, invocations: u64) -> u64 {
         // Each value is of at most four elements, those of four points.
-        let assemble = (self.places.len() as u64).div_ceil(invocations) * (1 + 4 * (1 + 4));
-        let (mut eliminate, mut last) = (0, 0);
-        for (row, pivot) in self.rows.iter().zip(0..) {
-            let below = u64::from(row[2] - pivot);
-            // Panel and products, each of four rows.
+        let values = u64::from(self.assembly.value_count);
+        let assemble = values.div_ceil(invocations) * (1 + 4 * (1 + 4));
+        // Loops look once more than they go round.
+        let trips = |count: u64| 1 + count.div_ceil(invocations);
+        let first = self.rows.first().copied().unwrap_or_default().map(u64::from);
+        // What is there before the first pivot; the four rows of its panel are one trip, and so are those of a product.
+        let mut eliminate = (first[0] + 1) * (1 + trips(first[0] + 1)) + 1 + trips(first[1]);
+        let [mut last, mut end] = first;
+        let following = self.rows.iter().skip(1).chain(self.rows.last());
+        for ((row, next), pivot) in self.rows.iter().zip(following).zip(0..) {
+            let below = u64::from(row[0] - pivot);
+            // The pivots of one invocation's panel are looked at.
+            eliminate += 1 + trips(below) + 5 + trips(below * (below + 1) / 2);
+            let next = next.map(u64::from);
             eliminate +=
-                2 + 9 * below.div_ceil(invocations) + 5 * (below * (below + 1) / 2).div_ceil(invocations);
-            // Each tile that enters has at most 16 values, is filled and written, and may hold the diagonal.
-            eliminate += (u64::from(row[2]) - last) * (1 + (below + 1).div_ceil(invocations) * 25);
-            last = u64::from(row[2]);
+                1 + (next[0] - last) * (1 + trips(next[0] - u64::from(pivot))) + trips(next[1] - end);
+            [last, end] = next;
         }
         let entries = u64::from(self.parameters.body_size).div_ceil(invocations);
         assemble.max(eliminate + entries + 2)
     }
 }
 
-/// `rows` of `eliminate.wgsl`.
-fn band_rows(structure: &BandStructure, border_count: usize) -> Vec<[u32; 4]> {
+/// Of each row of tiles the last one that it reaches as a pivot.
+fn last_rows(structure: &BandStructure, border_count: usize) -> Vec<u32> {
     let first: Vec<usize> = structure.first_columns().collect();
     // The last row whose band has begun by this column.
     let mut last = vec![0; first.len()];
     first.iter().enumerate().for_each(|(row, first)| last[*first] = row.max(last[*first]));
     let mut reached = 0;
-    let mut rows: Vec<[u32; 4]> = Vec::with_capacity(first.len());
-    for (row, first) in first.iter().enumerate() {
-        reached = reached.max(last[row]);
+    let reached = |(row, last): (usize, usize)| {
+        reached = reached.max(last);
         if row == structure.ring_start / TILE {
             reached += border_count;
         }
-        rows.push([*first as u32, structure.tile(row, *first) as u32, reached as u32, 0]);
-    }
-    for position in structure.padding() {
-        rows[position / TILE][3] |= 1 << (position % TILE);
-    }
-    rows
+        reached as u32
+    };
+    last.into_iter().enumerate().map(reached).collect()
 }
 
-/// Of each list where its parts begin, with the end of the last.
+/// The rows of the tiles that have a value of the matrix or stand for no unknown, four values each.
 struct PlacedValues {
-    tile_starts: Vec<u32>,
-    /// Of each value its place in its tile.
+    /// `[row of tiles]`: the end of its fours.
+    ends: Vec<u32>,
+    /// `places` of `eliminate.wgsl`.
     places: Vec<u32>,
-    /// And the element entries that it is the sum of.
+    /// Of each value where the element entries begin that it is the sum of, with the end of the last one; zeros have none.
     source_starts: Vec<u32>,
     sources: Vec<u32>,
 }
+
+/// That `places` have the bits for.
+const MOST_ROWS: usize = 1 << 16;
+const MOST_FRONT_ROWS: u32 = 1 << 12;
+
+/// In `places`: a row of a tile that stands for no unknown.
+const PADDING: usize = 4;
 
 /// The values of the matrix, tile by tile.
 fn placed_values(topology: &RingTopology, structure: &BandStructure) -> PlacedValues {
     let assembly = Assembly::of_ring(topology);
     let pattern = assembly.matrix::<f64>(&[]);
     let (starts, sources) = assembly.sources();
-    let mut placed: Vec<(u32, u32, &[u32])> = Vec::new();
+    // Row and column of tiles, row of the tile and what it stands for, column of the tile, sources.
+    let mut placed: Vec<([usize; 4], &[u32])> = Vec::new();
     let mut value = 0;
     for (row, ends) in pattern.row_starts.windows(2).enumerate() {
         for column in &pattern.columns[ends[0] as usize..ends[1] as usize] {
@@ -244,24 +247,33 @@ fn placed_values(topology: &RingTopology, structure: &BandStructure) -> PlacedVa
             // Tiles on the diagonal are whole.
             if i / TILE >= j / TILE {
                 let own = &sources[starts[value] as usize..starts[value + 1] as usize];
-                let place = (i % TILE * TILE + j % TILE) as u32;
-                placed.push((structure.tile(i / TILE, j / TILE) as u32, place, own));
+                placed.push(([i / TILE, j / TILE, i % TILE, j % TILE], own));
             }
             value += 1;
         }
     }
-    placed.sort_unstable();
-    let starts_of = |tile: usize| placed.partition_point(|(own, ..)| (*own as usize) < tile) as u32;
-    let ends = placed.iter().scan(0, |end, (.., own)| {
-        *end += own.len() as u32;
-        Some(*end)
-    });
-    PlacedValues {
-        tile_starts: (0..=structure.tile_count).map(starts_of).collect(),
-        places: placed.iter().map(|(_, place, _)| *place).collect(),
-        source_starts: std::iter::once(0).chain(ends).collect(),
-        sources: placed.iter().flat_map(|(.., own)| *own).copied().collect(),
+    for &position in structure.padding() {
+        let (row, i) = (position / TILE, position % TILE);
+        placed.push(([row, row, PADDING | i, i], &[]));
     }
+    placed.sort_unstable();
+    let mut found = PlacedValues {
+        ends: vec![0; structure.size / TILE],
+        places: Vec::new(),
+        source_starts: vec![0],
+        sources: Vec::new(),
+    };
+    for four in placed.chunk_by(|a, b| a.0[..3] == b.0[..3]) {
+        let [row, column, i, _] = four[0].0;
+        found.places.push((row << 16 | (row - column) << 4 | i) as u32);
+        found.ends[row] = found.places.len() as u32;
+        for j in 0..TILE {
+            let own = four.iter().find(|(place, _)| place[3] == j);
+            found.sources.extend(own.iter().flat_map(|(_, own)| *own));
+            found.source_starts.push(found.sources.len() as u32);
+        }
+    }
+    found
 }
 
 /// The loads of the modes on the ring's unknowns, one way to push after the other.
