@@ -22,7 +22,7 @@ fn case() -> DesignCase {
         Part::new("annulus", &[("outer_radius_ratio", 3.0)], None, steel).unwrap(),
     )
     .unwrap();
-    law_case(&DesignCase { index: 0, joint: joint.design().clone(), steps: Vec::new() }, WORKING)
+    law_case(&DesignCase { index: 0, joint: joint.design().clone(), steps: Vec::new().into() }, WORKING)
 }
 
 fn ladder() -> Ladder<'static> {

@@ -111,7 +111,8 @@ impl Designs {
             None if self.rows.advance()?.is_some() => self.rows.row()?,
             None => return Ok(None),
         };
-        let case = DesignCase { index: first.design, joint: first.joint.clone(), steps: Vec::<Load>::new() };
+        let case =
+            DesignCase { index: first.design, joint: first.joint.clone(), steps: Vec::<Load>::new().into() };
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         let mut row = first;
         loop {

@@ -21,7 +21,7 @@ impl ExpectedContact {
         let of_pin = joint.share_of_pin();
         // Those of the greatest loads: it grows with the load.
         let (mut indentation, mut force) = (0.0_f64, 0.0_f64);
-        for load in &case.steps {
+        for load in &*case.steps {
             match joint.from_first_touch(*load) {
                 Load::Indentation(value) | Load::Offset(value) => indentation = indentation.max(value),
                 Load::Force(value) => force = force.max(value),

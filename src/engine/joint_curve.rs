@@ -48,7 +48,7 @@ impl JointCurve {
             };
             LOOKED_AT.map(looked_at).into()
         };
-        let case = DesignCase { index: 0, joint: joint.clone(), steps };
+        let case = DesignCase { index: 0, joint: joint.clone(), steps: steps.into() };
         let plan = JointPlan::cheapest(&case, method, accuracy).map_err(Failure::Refused)?;
         let mut ladder =
             before.map_or_else(|| Ladder::new(options), |curve| curve.ladder.with_options(options));
@@ -91,7 +91,7 @@ impl JointCurve {
 
     /// What a row of a table says under each of these loads (mm or N, not negative; press fits have no indentation).
     pub fn answers(&self, loads: &[Load]) -> Vec<StepOutcome> {
-        let case = DesignCase { index: 0, joint: self.joint.clone(), steps: loads.to_vec() };
+        let case = DesignCase { index: 0, joint: self.joint.clone(), steps: loads.into() };
         let Ladder { library, spaces, .. } = &self.ladder;
         let cases = std::iter::once(&case);
         let room = &mut ContactRoom::default();

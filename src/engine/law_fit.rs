@@ -24,7 +24,7 @@ pub fn law_case(case: &DesignCase, (low, high): (f64, f64)) -> DesignCase {
         let sampled = sampled_at((low / clearance, high / clearance));
         sampled.chain([LARGE]).map(|ratio| Load::Indentation(ratio * clearance)).collect()
     };
-    DesignCase { index: case.index, joint: joint.clone(), steps }
+    DesignCase { index: case.index, joint: joint.clone(), steps: steps.into() }
 }
 
 /// The least and the greatest indentation that was answered, mm.

@@ -94,7 +94,7 @@ pub fn new_rows(table: &Table, mut outcomes: Vec<DesignOutcome>) -> Vec<NewRow> 
     settle(&result_columns(), &mut outcomes);
     let of_step = |outcome: &DesignOutcome, step: usize| {
         let mut one = outcome.clone();
-        (one.steps, one.case.steps) = (vec![outcome.steps[step].clone()], vec![outcome.case.steps[step]]);
+        (one.steps, one.case.steps) = (vec![outcome.steps[step].clone()], [outcome.case.steps[step]].into());
         let mut counts = Counts::default();
         counts.add(&one);
         let text = table.rows(&[one]);

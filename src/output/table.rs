@@ -217,7 +217,7 @@ mod tests {
             pin: part(&half_disc::SHAPE, [0.0; 3]),
             plate: part(&annulus::SHAPE, [2.0, 0.0, 0.0]),
         };
-        let case = DesignCase { index: 7, joint, steps: loads.to_vec() };
+        let case = DesignCase { index: 7, joint, steps: loads.to_vec().into() };
         let mut outcomes = [DesignOutcome::new(case, Answer { backend: BackendKind::Cpu, steps })];
         settle(&result_columns(), &mut outcomes);
         String::from_utf8(Table::default().rows(&outcomes)).unwrap()

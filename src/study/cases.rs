@@ -1,5 +1,7 @@
 //! The designs of a study, one after the other, each made when it is asked for.
 
+use std::sync::Arc;
+
 use crate::error::Error;
 use crate::study::design::{DesignCase, Load};
 use crate::study::designs_file::Rows;
@@ -17,10 +19,13 @@ enum Kind<'a> {
 /// Designs that are drawn at a time where they follow each other.
 const ABREAST: usize = 16;
 
+/// Designs that have their loads in common: about as many as a thread solves at a time.
+const SHARING: u64 = 64;
+
 impl Cases<'_> {
     /// Under these loads.
     pub(super) fn sampled<'a>(recipe: &'a Recipe, steps: &'a [Load]) -> Cases<'a> {
-        Cases(Kind::Sampled(Box::new(Sampled { recipe, steps, next: 0, drawn: None })))
+        Cases(Kind::Sampled(Box::new(Sampled { recipe, steps, shared: steps.into(), next: 0, drawn: None })))
     }
 
     pub(super) fn listed(rows: Rows) -> Cases<'static> {
@@ -31,6 +36,8 @@ impl Cases<'_> {
 struct Sampled<'a> {
     recipe: &'a Recipe,
     steps: &'a [Load],
+    /// Of `SHARING` designs, so that threads that drop them do not all write to one count.
+    shared: Arc<[Load]>,
     /// The number of the next design.
     next: u64,
     /// The values of some designs that follow each other, and the number of the first.
@@ -55,7 +62,10 @@ impl Sampled<'_> {
             Some((first, values)) if is_drawn(*first) => values.joint((index - first) as usize),
             _ => self.recipe.joint(index),
         };
-        Some(DesignCase { index, joint, steps: self.steps.to_vec() })
+        if index.is_multiple_of(SHARING) {
+            self.shared = self.steps.into();
+        }
+        Some(DesignCase { index, joint, steps: self.shared.clone() })
     }
 }
 

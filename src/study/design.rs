@@ -1,6 +1,7 @@
 //! One point of a sweep: a joint and the load steps it is run through. mm, N, MPa.
 
 use std::fmt;
+use std::sync::Arc;
 
 use crate::error::{Error, shortened, suggest};
 use crate::mechanics::body::lining::{Interface, Lining};
@@ -477,5 +478,6 @@ pub struct DesignCase {
     /// Position in the sweep, from 0.
     pub index: u64,
     pub joint: JointDesign,
-    pub steps: Vec<Load>,
+    /// Designs that are drawn together may share them.
+    pub steps: Arc<[Load]>,
 }

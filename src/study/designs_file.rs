@@ -200,7 +200,7 @@ impl Rows {
             return Ok(None);
         }
         let joint = self.joint()?;
-        let case = DesignCase { index: self.next, steps: vec![self.load(&joint)?], joint };
+        let case = DesignCase { index: self.next, steps: [self.load(&joint)?].into(), joint };
         self.next += 1;
         Ok(Some(case))
     }

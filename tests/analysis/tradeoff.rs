@@ -16,7 +16,7 @@ fn cases() -> Vec<DesignCase> {
     let drawn = [draw(5, 4, concentric), draw(6, 4, half_disc_in_annulus)].concat();
     let pressed = |mut case: DesignCase| {
         let clearance = case.joint.radial_clearance;
-        case.steps = [0.1, 0.5, 1.5].map(|share| Load::Indentation(share * clearance)).to_vec();
+        case.steps = [0.1, 0.5, 1.5].map(|share| Load::Indentation(share * clearance)).to_vec().into();
         case
     };
     drawn.into_iter().map(pressed).collect()

@@ -25,7 +25,7 @@ pub fn draw(seed: u64, count: u64, shapes: fn(&mut Random) -> (Part, Part)) -> V
             let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
             let joint =
                 JointDesign { idealization, hole_radius, radial_clearance, thickness: 1.0, pin, plate };
-            DesignCase { index, joint, steps: vec![Load::Indentation(indentation)] }
+            DesignCase { index, joint, steps: vec![Load::Indentation(indentation)].into() }
         })
         .collect()
 }

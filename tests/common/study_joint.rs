@@ -50,7 +50,8 @@ impl Solver {
     }
 
     pub fn solve(&mut self, joint: JointDesign, load: Load) -> Response {
-        let outcome = self.backend.solve(&[DesignCase { index: 0, joint, steps: vec![load] }]).remove(0);
+        let outcome =
+            self.backend.solve(&[DesignCase { index: 0, joint, steps: vec![load].into() }]).remove(0);
         let step = &outcome.steps[0];
         let response = step.response.unwrap_or_else(|| panic!("{load:?}: {}", step.status));
         assert!(response.force_error <= self.accuracy, "{load:?}: {} {}", step.status, response.force_error);

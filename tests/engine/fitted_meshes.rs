@@ -47,7 +47,7 @@ fn block(random: &mut Random, thinnest: f64) -> Part {
 }
 
 fn steps(joint: &JointDesign, method: MethodChoice, accuracy: f64, loads: &[Load]) -> Vec<StepOutcome> {
-    let case = DesignCase { index: 0, joint: joint.clone(), steps: loads.to_vec() };
+    let case = DesignCase { index: 0, joint: joint.clone(), steps: loads.to_vec().into() };
     Ladder::new(SolveOptions { accuracy, method }).solve(&[case]).remove(0).steps
 }
 

@@ -46,7 +46,7 @@ fn a_curve_is_one_smooth_function() {
         }
         assert!(rows > 40, "{rows}");
         let steps = vec![Load::Indentation(0.01), Load::Indentation(0.05), Load::Force(2e4)];
-        let case = DesignCase { index: 0, joint: joint.design().clone(), steps: steps.clone() };
+        let case = DesignCase { index: 0, joint: joint.design().clone(), steps: steps.clone().into() };
         let table = Ladder::new(Options { accuracy: 1e-3, method: MethodChoice::Auto }).solve(&[case]);
         let answers = solve(&joint, &steps, Options { accuracy: 1e-3, method: MethodChoice::Auto }).unwrap();
         for (own, row) in answers.iter().zip(&table[0].steps) {

@@ -27,7 +27,7 @@ fn joint(clearance: f64, material: Material, layers: &[Layer]) -> JointDesign {
 }
 
 fn solved(joint: JointDesign, method: MethodChoice, accuracy: f64, load: Load) -> StepOutcome {
-    let case = DesignCase { index: 0, joint, steps: vec![load] };
+    let case = DesignCase { index: 0, joint, steps: vec![load].into() };
     Ladder::new(Options { accuracy, method }).solve(&[case]).remove(0).steps[0].clone()
 }
 

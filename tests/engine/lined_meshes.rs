@@ -290,7 +290,7 @@ fn joint(random: &mut Random) -> DesignCase {
     let plate = part(&annulus::SHAPE, 2.5, lined & 2 > 0);
     let idealization = Idealization::ALL[(random.unit() * 2.0) as usize];
     let joint = JointDesign { idealization, hole_radius, radial_clearance, thickness: 1.0, pin, plate };
-    DesignCase { index: 0, joint, steps: vec![Load::Indentation(indentation)] }
+    DesignCase { index: 0, joint, steps: vec![Load::Indentation(indentation)].into() }
 }
 
 fn solve(cases: &[DesignCase], method: MethodChoice, accuracy: f64) -> Vec<Response> {
@@ -361,7 +361,8 @@ fn lined_blocks_and_half_discs_are_those_of_plain_fine_meshes() {
             pin,
             plate,
         };
-        let case = DesignCase { index: 0, joint: joint.clone(), steps: vec![Load::Indentation(indentation)] };
+        let case =
+            DesignCase { index: 0, joint: joint.clone(), steps: vec![Load::Indentation(indentation)].into() };
         let found = solve(std::slice::from_ref(&case), MethodChoice::Auto, 1e-3).remove(0);
         let half_angle = found.contact_half_angle.unwrap();
         let plain = meshed(&joint, indentation, half_angle, Pairing::AtTouch);

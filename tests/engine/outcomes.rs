@@ -70,7 +70,7 @@ fn joint(pin: Part, plate: Part) -> JointDesign {
 }
 
 fn case(joint: JointDesign, steps: &[Load]) -> DesignCase {
-    DesignCase { index: 0, joint, steps: steps.to_vec() }
+    DesignCase { index: 0, joint, steps: steps.to_vec().into() }
 }
 
 fn alone(case: &DesignCase, method: MethodChoice, accuracy: f64) -> Vec<StepOutcome> {

@@ -129,7 +129,7 @@ fn contacts_are_hardly_wider_than_foreseen() {
     let excess = cases.iter().zip(&rows).filter_map(|(case, response)| {
         let half_angle = response.as_ref()?.contact_half_angle?;
         let by_force = Load::Force(response.as_ref()?.force);
-        let of_force = ExpectedContact::of(&DesignCase { steps: vec![by_force], ..case.clone() });
+        let of_force = ExpectedContact::of(&DesignCase { steps: vec![by_force].into(), ..case.clone() });
         Some([ExpectedContact::of(case), of_force].map(|expected| half_angle / expected.half_angle))
     });
     let mut excess: Vec<[f64; 2]> = excess.collect();

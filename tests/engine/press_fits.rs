@@ -29,7 +29,7 @@ fn block() -> Part {
 }
 
 fn solved(joint: &JointDesign, method: MethodChoice, loads: &[Load]) -> Vec<StepOutcome> {
-    let case = DesignCase { index: 0, joint: joint.clone(), steps: loads.to_vec() };
+    let case = DesignCase { index: 0, joint: joint.clone(), steps: loads.to_vec().into() };
     Ladder::new(Options { accuracy: 1e-3, method }).solve(&[case]).remove(0).steps
 }
 
@@ -114,7 +114,7 @@ fn what_no_press_fit_can_be_is_refused() {
 #[test]
 fn press_fits_have_no_laws() {
     let steps = vec![Load::Offset(0.01), Load::Offset(0.1)];
-    let case = DesignCase { index: 0, joint: joint(-0.02, ring(2.0)), steps };
+    let case = DesignCase { index: 0, joint: joint(-0.02, ring(2.0)), steps: steps.into() };
     let mut ladder = Ladder::new(Options::default());
     let laws = laws_of_all(&mut ladder, &[(&case, Some((0.03, 0.12)))]).remove(0);
     assert!(laws.laws.is_empty());

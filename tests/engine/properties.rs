@@ -42,7 +42,7 @@ fn joints() -> [(JointDesign, MethodChoice); 3] {
 }
 
 fn solve(joint: &JointDesign, method: MethodChoice, steps: Vec<Load>) -> Vec<Response> {
-    let case = DesignCase { index: 0, joint: joint.clone(), steps };
+    let case = DesignCase { index: 0, joint: joint.clone(), steps: steps.into() };
     let outcomes = Ladder::new(SolveOptions { accuracy: 0.01, method }).solve(&[case]);
     outcomes[0].steps.iter().map(|step| step.response.unwrap_or_else(|| panic!("{}", step.status))).collect()
 }

@@ -174,7 +174,7 @@ fn the_engine_has_the_true_geometry() {
                 let load = Load::Indentation(share * joint.radial_clearance);
                 let accuracy = if eta <= 0.01 { 1e-4 } else { 1e-3 };
                 let options = SolveOptions { accuracy, method: MethodChoice::Auto };
-                let case = DesignCase { index: 0, joint: joint.clone(), steps: vec![load] };
+                let case = DesignCase { index: 0, joint: joint.clone(), steps: vec![load].into() };
                 let engine = Ladder::new(options).solve(&[case]).remove(0).steps[0].response.unwrap();
                 let angle = engine.contact_half_angle.unwrap();
                 let mean = 0.5 * (angle + Outlines::new(eta).of_pin(angle));

@@ -136,7 +136,7 @@ fn designs(seed: u64, count: u64, shapes: fn(&mut Random) -> (Part, Part)) -> Ve
             (joint.radial_clearance, size) = (0.0, 1e-3 * joint.hole_radius);
         }
         let indentations = (0..3).map(|_| random.log(0.02, 20.0) * size);
-        *steps = if *index % 3 == 0 {
+        let mut loads: Vec<Load> = if *index % 3 == 0 {
             // About what these indentations ask for.
             let modulus = joint.pin.material.youngs_modulus.min(joint.plate.material.youngs_modulus);
             indentations.map(|length| Load::Force(0.3 * modulus * joint.thickness * length)).collect()
@@ -144,8 +144,9 @@ fn designs(seed: u64, count: u64, shapes: fn(&mut Random) -> (Part, Part)) -> Ve
             indentations.map(Load::Indentation).collect()
         };
         if *index % 5 == 0 {
-            steps.insert(0, Load::Indentation(0.0));
+            loads.insert(0, Load::Indentation(0.0));
         }
+        *steps = loads.into();
     }
     cases
 }

@@ -192,7 +192,8 @@ fn designs_of_every_kind_in_every_precision() {
             Load::Indentation(delta),
             Load::Force(0.1 * force),
             Load::Indentation(2.0 * delta),
-        ];
+        ]
+        .into();
         if index % 5 == 0 {
             case.joint.radial_clearance = 0.0;
         }

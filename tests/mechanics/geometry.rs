@@ -49,7 +49,7 @@ fn draw_of(
 
 fn joint(Case { bodies, clearance, state, .. }: &Case) -> DesignCase {
     let joint = ring_design(bodies, *clearance);
-    DesignCase { index: 0, joint, steps: vec![Load::Indentation(state.indentation)] }
+    DesignCase { index: 0, joint, steps: vec![Load::Indentation(state.indentation)].into() }
 }
 
 fn solved(case: &Case, method: MethodChoice, accuracy: f64) -> Response {

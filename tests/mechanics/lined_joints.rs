@@ -60,7 +60,7 @@ fn draw(random: &mut Random, clearance: f64) -> Option<Lined> {
 
 fn joint(lined: &Lined) -> DesignCase {
     let joint = ring_design(&[lined.pin, lined.plate], lined.clearance);
-    DesignCase { index: 0, joint, steps: vec![Load::Indentation(lined.state.indentation)] }
+    DesignCase { index: 0, joint, steps: vec![Load::Indentation(lined.state.indentation)].into() }
 }
 
 fn solved(lined: &Lined, method: MethodChoice, accuracy: f64) -> Response {

@@ -18,7 +18,7 @@ fn clearances_below_zero_are_press_fits() {
     let study = folder.study(&fits());
     let designs = all(&study);
     assert_eq!(designs.iter().map(|case| case.joint.is_press_fit()).collect::<Vec<_>>(), [true, false]);
-    assert_eq!(designs[0].steps, [Load::Offset(0.0), Load::Offset(0.2)]);
+    assert_eq!(designs[0].steps, [Load::Offset(0.0), Load::Offset(0.2)].into());
     let diametral = fits().replace("radial_clearance", "diametral_clearance");
     assert_eq!(all(&folder.study(&diametral))[0].joint.radial_clearance, -0.05);
 }
@@ -92,9 +92,9 @@ fn a_list_has_press_fits_and_offsets() {
     folder.write("designs.csv", &text);
     let study = folder.study(list);
     assert_eq!(all(&study)[0].joint.radial_clearance, -0.1);
-    assert!(study.extras().offset && all(&study)[0].steps == [Load::Force(100.0)]);
+    assert!(study.extras().offset && all(&study)[0].steps == [Load::Force(100.0)].into());
     folder.write("designs.csv", text.replace("force_n", "offset_mm"));
-    assert_eq!(all(&folder.study(list))[1].steps, [Load::Offset(100.0)]);
+    assert_eq!(all(&folder.study(list))[1].steps, [Load::Offset(100.0)].into());
     let with_both = text.replace("force_n", "force_n,offset_mm").replace(",100", ",100,5");
     for (broken, problem) in [
         (

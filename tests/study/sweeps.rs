@@ -52,7 +52,7 @@ fn shipped_configs_load() {
     let last = &all(&study)[13];
     assert_eq!(last.joint.radial_clearance, 0.1);
     let expected: Vec<Load> = (1..=10).map(|step| Load::Indentation(step as f64 / 50.0)).collect();
-    assert_eq!(last.steps, expected);
+    assert_eq!(last.steps, expected.into());
 }
 
 #[test]

@@ -11,13 +11,15 @@
 
 use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, SyncSender};
+use std::time::Duration;
 
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-use super::{CountedDesigns, Solved, SolvedDesigns, Statistics, SweepOptions};
+use super::digestion::{Solved, stretches};
+use super::{CountedDesigns, Digest, SolvedDesigns, Statistics, SweepOptions};
 use crate::engine::backend::precision::Precision;
-use crate::engine::drawing::{Drawn, FIRST_BATCH, joined};
+use crate::engine::drawing::{Chosen, Drawn, FIRST_BATCH, joined};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::{Counting, Ladder};
 use crate::engine::law_fit::add_laws;
@@ -28,8 +30,8 @@ use crate::error::Error;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
 
-/// Threads of a crew.
-const CREW: usize = 4;
+/// Threads of a crew: with four the device of an H100's machine waits longer, with one there is less than it takes at a time.
+const CREW: usize = 2;
 
 /// Batches of a crew at least, so that none is done long before the others, where they are not smaller than this.
 const ROUNDS: u64 = 4;
@@ -49,8 +51,7 @@ pub(super) fn pool(threads: usize) -> Result<ThreadPool, Error> {
 impl Crews {
     /// So many threads in crews.
     pub(super) fn new(threads: usize) -> Result<Crews, Error> {
-        let each = std::env::var("JS_CREW").ok().and_then(|text| text.parse().ok()).unwrap_or(CREW);
-        let count = threads / each;
+        let count = threads / CREW;
         if count < 2 {
             return Ok(Crews { pools: Vec::new() });
         }
@@ -66,26 +67,28 @@ impl Crews {
     /// Designs of a batch, of so many in all: at most this many.
     pub(super) fn batch_size(&self, most: usize, designs: u64) -> usize {
         let in_rounds = designs.div_ceil(ROUNDS * self.count() as u64).max(FEWEST);
-        if self.pools.is_empty() { most } else { most.min(in_rounds as usize) }
+        if self.pools.is_empty() { most } else { most.min(in_rounds.next_multiple_of(FEWEST) as usize) }
     }
 
-    /// Solves what is drawn for each crew; tells what they did.
-    pub(super) fn solve_all(
+    /// Solves what is drawn for each crew; tells what they did, and how long they digested.
+    pub(super) fn solve_all<T: Send>(
         &self,
         study: &Study,
         options: &SweepOptions,
         plan: Option<InterpolationPlan>,
+        digest: &Digest<T>,
         all: &ThreadPool,
-        of_crews: Vec<(Receiver<Drawn>, SyncSender<Solved>)>,
-    ) -> Statistics {
+        of_crews: Vec<(Receiver<Drawn>, SyncSender<Solved<T>>)>,
+    ) -> (Statistics, Duration) {
         let fallback = OnceLock::new();
         let mut of_crews = of_crews.into_iter();
-        let Some((drawn, solved)) = of_crews.next() else { return Statistics::default() };
-        let lead = Crew::new(study, options, plan, &fallback).solve_some(drawn.iter().take(1), all, &solved);
-        let twins: Vec<Crew> = (0..of_crews.len()).map(|_| lead.twin()).collect();
+        let Some((drawn, solved)) = of_crews.next() else { return Default::default() };
+        let lead =
+            Crew::new(study, options, plan, digest, &fallback).solve_some(drawn.iter().take(1), all, &solved);
+        let twins: Vec<Crew<T>> = (0..of_crews.len()).map(|_| lead.twin()).collect();
         let mut pools = self.pools.iter();
         let own = pools.next().unwrap_or(all);
-        let crews: Vec<Crew> = std::thread::scope(|scope| {
+        let crews: Vec<Crew<T>> = std::thread::scope(|scope| {
             let mut others = Vec::with_capacity(twins.len());
             for ((twin, (drawn, solved)), pool) in twins.into_iter().zip(of_crews).zip(pools) {
                 others.push(scope.spawn(move || twin.solve_rest(drawn, pool, solved)));
@@ -96,13 +99,16 @@ impl Crews {
         let mut statistics = Statistics::default();
         crews.iter().for_each(|crew| crew.add_to(&mut statistics));
         statistics.fallback = fallback.get().cloned();
-        statistics
+        (statistics, crews.iter().map(|crew| crew.digestion).sum())
     }
 }
 
 /// A ladder on its way through its batches.
-struct Crew<'a> {
+struct Crew<'a, T> {
     ladder: Ladder<'a>,
+    digest: &'a Digest<'a, T>,
+    /// How long that has taken, summed over threads.
+    digestion: Duration,
     options: &'a SweepOptions<'a>,
     fits_laws: bool,
     /// Whether a device was asked for already.
@@ -115,13 +121,14 @@ struct Crew<'a> {
     fallback: &'a OnceLock<String>,
 }
 
-impl<'a> Crew<'a> {
+impl<'a, T: Send> Crew<'a, T> {
     fn new(
         study: &Study,
         options: &'a SweepOptions<'a>,
         plan: Option<InterpolationPlan>,
+        digest: &'a Digest<'a, T>,
         fallback: &'a OnceLock<String>,
-    ) -> Crew<'a> {
+    ) -> Crew<'a, T> {
         let in_double = options.in_double || options.gpu.is_some_and(|gpu| gpu.precision != Precision::F32);
         let mut ladder = Ladder::new(study.solve);
         if in_double {
@@ -129,6 +136,8 @@ impl<'a> Crew<'a> {
         }
         Crew {
             ladder: ladder.interpolating(plan).asked_by(options.asker),
+            digest,
+            digestion: Duration::ZERO,
             options,
             fits_laws: study.fits_laws(),
             is_equipped: false,
@@ -139,14 +148,13 @@ impl<'a> Crew<'a> {
     }
 
     /// Another one, which knows what this one has learnt.
-    fn twin(&self) -> Crew<'a> {
-        let Crew { options, fits_laws, knows_limits, fallback, .. } = *self;
-        let ladder = self.ladder.twin();
-        Crew { ladder, options, fits_laws, is_equipped: false, begun: None, knows_limits, fallback }
+    fn twin(&self) -> Crew<'a, T> {
+        let (ladder, digestion) = (self.ladder.twin(), Duration::ZERO);
+        Crew { ladder, digestion, is_equipped: false, begun: None, ..*self }
     }
 
     /// With the device, if there is one and no crew has lost it.
-    fn equipped(mut self) -> Crew<'a> {
+    fn equipped(mut self) -> Crew<'a, T> {
         if self.is_equipped || self.fallback.get().is_some() {
             return self;
         }
@@ -166,8 +174,8 @@ impl<'a> Crew<'a> {
         mut self,
         drawn: impl Iterator<Item = Drawn>,
         pool: &ThreadPool,
-        solved: &SyncSender<Solved>,
-    ) -> Crew<'a> {
+        solved: &SyncSender<Solved<T>>,
+    ) -> Crew<'a, T> {
         for batch in drawn {
             self = self.equipped();
             if !self.hand_over(Some(batch), pool, solved) {
@@ -178,15 +186,20 @@ impl<'a> Crew<'a> {
     }
 
     /// The last ones.
-    fn solve_rest(self, drawn: Receiver<Drawn>, pool: &ThreadPool, solved: SyncSender<Solved>) -> Crew<'a> {
+    fn solve_rest(
+        self,
+        drawn: Receiver<Drawn>,
+        pool: &ThreadPool,
+        solved: SyncSender<Solved<T>>,
+    ) -> Crew<'a, T> {
         let mut crew = self.solve_some(drawn.iter(), pool, &solved);
         crew.hand_over(None, pool, &solved);
         crew
     }
 
     /// Solves a batch and what was begun before it; false where nobody takes it any more.
-    fn hand_over(&mut self, batch: Option<Drawn>, pool: &ThreadPool, solved: &SyncSender<Solved>) -> bool {
-        let ready = pool.install(|| self.solve(batch));
+    fn hand_over(&mut self, batch: Option<Drawn>, pool: &ThreadPool, solved: &SyncSender<Solved<T>>) -> bool {
+        let ready = pool.install(|| self.digested(batch));
         if let Some(error) = self.ladder.library.lost() {
             self.give_up(&error.to_string());
         }
@@ -194,9 +207,21 @@ impl<'a> Crew<'a> {
         ready.into_iter().all(|designs| solved.send(designs).is_ok())
     }
 
-    fn solve(&mut self, batch: Option<Drawn>) -> Vec<Solved> {
+    /// The same, with the portions that it has from beginning to end.
+    fn digested(&mut self, batch: Option<Drawn>) -> Vec<Solved<T>> {
+        let solved = self.solve(batch);
+        let are_consecutive = !matches!(self.options.designs, Chosen::Listed(_));
+        let mut digest = |solved| {
+            let (stretches, time) = stretches(solved, self.digest, are_consecutive);
+            self.digestion += time;
+            stretches
+        };
+        solved.into_iter().map(|solved| solved.map(&mut digest)).collect()
+    }
+
+    fn solve(&mut self, batch: Option<Drawn>) -> Vec<Result<SolvedDesigns, Error>> {
         let Crew { ladder, options: SweepOptions { asker, .. }, .. } = self;
-        let mut ready: Vec<Solved> = Vec::new();
+        let mut ready = Vec::new();
         let next = batch.map(|batch| batch.map(|batch| ladder.begin_count(batch)));
         if let Some(before) = self.begun.take() {
             ready.extend(left(ladder, before, *asker).map(Ok));

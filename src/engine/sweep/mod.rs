@@ -1,20 +1,21 @@
 //! Designs x plan x backend -> outcomes in design order.
 
+mod digestion;
 mod crews;
 
 use std::ops::ControlFlow;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
 
 use crews::{Crews, pool};
-use rayon::prelude::*;
+use digestion::{Digested, digest_all};
 
 use crate::engine::backend::Counts;
 use crate::engine::backend::choice::GpuChoice;
 use crate::engine::cost::DesignCost;
 use crate::engine::drawing::{Chosen, Drawer, FIRST_BATCH, joined};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
-use crate::engine::outcome::{BackendKind, DesignOutcome};
+use crate::engine::outcome::DesignOutcome;
 use crate::engine::question::Asker;
 use crate::engine::question::counted::Counted;
 use crate::engine::stopwatch::Stopwatch;
@@ -173,15 +174,16 @@ pub fn run_digested<T: Send>(
         let drawer = scope.spawn(move || drawer.draw_all(batch_size, is_soon, hand_over));
         let (pool, crews) = (&pool, &crews);
         let of_crews = drawn.into_iter().zip(solved_senders).collect();
-        let solver = scope.spawn(move || crews.solve_all(study, options, plan, pool, of_crews));
+        let solver = scope.spawn(move || crews.solve_all(study, options, plan, digest, pool, of_crews));
         let digester = scope.spawn(move || digest_all(digest, pool, &solved, &digested_sender));
         let mut received = Duration::ZERO;
         let result = receive_all(&digested, receive, &mut statistics, &mut received);
         // Those who still send to nobody end.
         drop(digested);
         let digestion = joined(digester);
-        let Statistics { solves, asked, worst_residual, fallback, mut stages, .. } = joined(solver);
-        stages.extend([("table", digestion), ("writing", received)]);
+        let (Statistics { solves, asked, worst_residual, fallback, mut stages, .. }, of_crews) =
+            joined(solver);
+        stages.extend([("table", digestion + of_crews), ("writing", received)]);
         let distinct_bodies = joined(drawer);
         statistics.interrupted &= statistics.designs < count;
         if options.gpu.is_none() {
@@ -192,141 +194,9 @@ pub fn run_digested<T: Send>(
     })
 }
 
-type Solved = Result<SolvedDesigns, Error>;
-type Digested<T> = Result<Vec<Portion<T>>, Error>;
-
-/// Designs that follow each other, digested.
-struct Portion<T> {
-    designs: u64,
-    steps: u64,
-    on_cpu: u64,
-    content: T,
-}
-
-impl<T> Portion<T> {
-    fn of(solved: SolvedDesigns, digest: &Digest<T>) -> Portion<T> {
-        let SolvedDesigns { outcomes, on_device } = &solved;
-        let [designs, steps] = on_device
-            .as_ref()
-            .map_or([0; 2], |CountedDesigns { counted, .. }| [counted.designs, counted.rows]);
-        Portion {
-            designs: designs + outcomes.len() as u64,
-            steps: steps + outcomes.iter().map(|outcome| outcome.steps.len() as u64).sum::<u64>(),
-            on_cpu: outcomes.iter().filter(|outcome| outcome.backend == BackendKind::Cpu).count() as u64,
-            content: (digest.make)(solved),
-        }
-    }
-}
-
 /// The most designs of a batch whose designs have so many rows each.
 fn designs_of_rows(rows: u64) -> usize {
     (MOST_ROWS / rows.max(1)).max(1) as usize
-}
-
-/// Digests outcomes of the crews in turn, up to the first failure to draw; gives back how long that took, summed over threads.
-fn digest_all<T: Send>(
-    digest: &Digest<T>,
-    pool: &rayon::ThreadPool,
-    solved: &[Receiver<Solved>],
-    digested: &SyncSender<Digested<T>>,
-) -> Duration {
-    let mut digestion = Digestion::new(digest, pool);
-    for outcomes in solved.iter().cycle().map_while(|crew| crew.recv().ok()) {
-        // The receiver is gone when it has broken off.
-        if digested.send(outcomes.map(|outcomes| digestion.add(outcomes))).is_err() {
-            return digestion.time;
-        }
-    }
-    let _ = digested.send(Ok(digestion.end()));
-    digestion.time
-}
-
-/// Cuts outcomes into portions and digests these on all threads.
-struct Digestion<'a, T> {
-    digest: &'a Digest<'a, T>,
-    pool: &'a rayon::ThreadPool,
-    /// Outcomes that wait for the rest of their portions.
-    waiting: Vec<DesignOutcome>,
-    digested: Stopwatch,
-    /// Summed over threads.
-    time: Duration,
-}
-
-/// Whole portions wait for as many others as there are threads, but not longer than this.
-const PATIENCE: Duration = Duration::from_secs(1);
-
-/// Batches that take longer than this are slow.
-const SLOW: Duration = Duration::from_millis(250);
-
-impl<'a, T: Send> Digestion<'a, T> {
-    fn new(digest: &'a Digest<'a, T>, pool: &'a rayon::ThreadPool) -> Digestion<'a, T> {
-        Digestion { digest, pool, waiting: Vec::new(), digested: Stopwatch::start(), time: Duration::ZERO }
-    }
-
-    /// Of whole portions, with those that waited.
-    fn add(&mut self, solved: SolvedDesigns) -> Vec<Portion<T>> {
-        let SolvedDesigns { mut outcomes, on_device } = solved;
-        if on_device.is_some() {
-            // What is counted cannot be cut.
-            let mut portions = self.end();
-            let started = Stopwatch::start();
-            let solved = SolvedDesigns { outcomes, on_device };
-            portions.push(self.pool.install(|| Portion::of(solved, self.digest)));
-            self.time += started.elapsed();
-            return portions;
-        }
-        if self.waiting.is_empty() {
-            self.waiting = outcomes;
-        } else {
-            self.waiting.append(&mut outcomes);
-        }
-        let (Some(first), Some(last)) = (self.waiting.first(), self.waiting.last()) else {
-            return Vec::new();
-        };
-        let whole = |number: u64| number / self.digest.designs;
-        let portions = whole(last.case.index + 1) - whole(first.case.index);
-        let enough = self.pool.current_num_threads() as u64;
-        if portions == 0 || (portions < enough && self.digested.elapsed() < PATIENCE) {
-            return Vec::new();
-        }
-        let end = whole(last.case.index + 1) * self.digest.designs;
-        let rest = self.waiting.partition_point(|outcome| outcome.case.index < end);
-        let rest = self.waiting.split_off(rest);
-        let ready = std::mem::replace(&mut self.waiting, rest);
-        self.digest(ready)
-    }
-
-    /// Of what still waits.
-    fn end(&mut self) -> Vec<Portion<T>> {
-        let rest = std::mem::take(&mut self.waiting);
-        self.digest(rest)
-    }
-
-    fn digest(&mut self, outcomes: Vec<DesignOutcome>) -> Vec<Portion<T>> {
-        let mut portions: Vec<Vec<DesignOutcome>> = Vec::new();
-        for outcome in outcomes {
-            let is_first = outcome.case.index % self.digest.designs == 0;
-            match portions.last_mut() {
-                Some(portion) if !is_first => portion.push(outcome),
-                _ => portions.push(vec![outcome]),
-            }
-        }
-        let digest = self.digest;
-        let digest = |outcomes: Vec<DesignOutcome>| {
-            let started = Stopwatch::start();
-            let portion = Portion::of(outcomes.into(), digest);
-            (portion, started.elapsed())
-        };
-        // Where batches take long, all threads are at the next one for long: what is there is not to wait for it.
-        let digested: Vec<_> = if self.digested.elapsed() > SLOW {
-            portions.into_iter().map(digest).collect()
-        } else {
-            self.pool.install(|| portions.into_par_iter().map(digest).collect())
-        };
-        self.digested = Stopwatch::start();
-        self.time += digested.iter().map(|(_, time)| *time).sum::<Duration>();
-        digested.into_iter().map(|(portion, _)| portion).collect()
-    }
 }
 
 fn receive_all<T>(

@@ -125,7 +125,7 @@ mod tests {
             pin: part(&cored_disc::SHAPE, 0.2),
             plate: part(&annulus::SHAPE, ratio),
         };
-        DesignCase { index: 0, joint, steps: steps.to_vec() }
+        DesignCase { index: 0, joint, steps: steps.to_vec().into() }
     }
 
     /// Bodies are shared by designs that differ in sizes and loads, unless they are solved in another space.

@@ -326,7 +326,7 @@ impl Reductions {
 /// The row as a line of the table, without the line's end.
 fn table_line(table: &Table, row: &Row) -> String {
     let Row { case, step, outcome, backend } = *row;
-    let case = DesignCase { index: case.index, joint: case.joint.clone(), steps: vec![case.steps[step]] };
+    let case = DesignCase { index: case.index, joint: case.joint.clone(), steps: [case.steps[step]].into() };
     let line = table.rows(&[DesignOutcome::new(case, Answer { backend, steps: vec![outcome.clone()] })]);
     String::from_utf8_lossy(&line).trim_end().to_string()
 }

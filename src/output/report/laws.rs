@@ -33,7 +33,7 @@ pub fn calibrated(
     if options.method == MethodChoice::ClosedForm {
         return (Vec::new(), None);
     }
-    let case = DesignCase { index: 0, joint: joint.clone(), steps: Vec::new() };
+    let case = DesignCase { index: 0, joint: joint.clone(), steps: Vec::new().into() };
     let found = laws_of_all(&mut Ladder::new(options), &[(&case, Some(working))]).pop();
     let DesignLaws { laws, recommended, .. } = found.unwrap_or_default();
     let drawn = laws.into_iter().enumerate().map(|(place, law)| {

@@ -4,8 +4,10 @@
 //! which panics on an environment variable that matches nothing.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Duration;
+
+use foldhash::HashMap;
 
 pub use crate::engine::backend::adapter::{
     AdapterChoice, AdapterFacts, AdapterKind, DeviceFeatures, DeviceLimits, GpuError, choose,
@@ -21,6 +23,9 @@ pub struct Adapters {
     pub facts: Vec<AdapterFacts>,
 }
 
+/// A kernel as the device has it.
+pub(super) type MadeKernel = (wgpu::BindGroupLayout, Vec<wgpu::ComputePipeline>);
+
 /// A device that is ready for work; a clone is the same device.
 #[derive(Clone)]
 pub struct GpuDevice {
@@ -31,6 +36,8 @@ pub struct GpuDevice {
     pub(super) is_timed: bool,
     /// What making kernels has taken, ns.
     pub(super) making: Arc<AtomicU64>,
+    /// Those that were made, by their text and whether they are checked: others ask for the same.
+    pub(super) made: Arc<Mutex<HashMap<(String, bool), MadeKernel>>>,
     /// Why it was lost, once it was.
     loss: Arc<OnceLock<String>>,
 }
@@ -67,7 +74,15 @@ impl Adapters {
         device.set_device_lost_callback(move |reason, message| {
             let _ = told.set(one_line(&format!("{reason:?} {message}")));
         });
-        Ok(GpuDevice { device, queue, facts, is_timed: false, making: Arc::default(), loss })
+        Ok(GpuDevice {
+            device,
+            queue,
+            facts,
+            is_timed: false,
+            making: Arc::default(),
+            made: Arc::default(),
+            loss,
+        })
     }
 }
 

@@ -1,9 +1,9 @@
 //! How bodies of many topologies are cut into dispatches of `assemble` and `eliminate`: pure arithmetic.
 //!
 //! ```text
-//!   jobs         A A A A A A A B B B C C C C C      bodies of a topology each; those with a front on chip first
-//!   steps        |----- 0 -----|------ 1 -----|     as many bodies as one dispatch of `assemble` takes, then one of `eliminate` for the
-//!                                                   fronts on chip and one for those in storage
+//!   jobs         A A A A A A A B B B C C C C C      bodies of a topology each; those with fronts on chip first, small ones before large ones
+//!   steps        |----- 0 -----|------ 1 -----|     as many bodies as one dispatch of `assemble` takes, then one of `eliminate` for each
+//!                                                   size of fronts
 //!   flight       |-------------- 0 -----------|     as many steps as travel together: one wait
 //! ```
 
@@ -49,7 +49,7 @@ pub(super) struct Piece {
 
 /// Bodies of one dispatch of `eliminate`.
 pub(super) struct FrontStep {
-    /// Holds that of each of its topologies.
+    /// Of each of its topologies: the smaller it is, the more workgroups the device works on at a time.
     pub front: Front,
     pub bodies: u32,
     pub topologies: Vec<EliminateParameters>,
@@ -65,7 +65,7 @@ pub(super) struct Step {
     pub topologies: Vec<AssembleParameters>,
     /// Bytes of those in the flight.
     pub topology_bytes: Range<u64>,
-    /// Those with fronts on chip, and then those with fronts in storage, as far as there are any.
+    /// Of each size of fronts, those on chip before those in storage.
     pub fronts: Vec<FrontStep>,
     /// Products of tiles.
     pub products: u64,
@@ -91,7 +91,7 @@ pub(super) fn order(jobs: &[Job]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..jobs.len()).filter(|job| jobs[*job].count() > 0).collect();
     order.sort_by_key(|job| {
         let FrontTopology { shared, front, .. } = &jobs[*job].topology;
-        (shared.number, !front.is_on_chip)
+        (shared.number, !front.is_on_chip, front.rows)
     });
     order
 }
@@ -167,13 +167,10 @@ impl Step {
         if self.shared != topology.shared {
             return 0;
         }
-        // A front in storage that is larger than those before enlarges them all.
-        let mut used = self.scratch;
-        let mut of_body = topology.scratch;
-        if let Some(last) = self.fronts.last().filter(|last| !last.front.is_on_chip) {
-            of_body[3] = of_body[3].max(last.front.storage_bytes(room.wide));
-            used[3] = u64::from(last.bodies) * of_body[3];
-        }
+        let (mut used, of_body) = (self.scratch, topology.scratch);
+        // Fronts of one size follow each other in storage; those of another begin there anew.
+        let alike = self.fronts.last().filter(|last| last.front == topology.front);
+        used[3] = alike.map_or(0, |last| u64::from(last.bodies) * of_body[3]);
         let [up, down] = topology.travelling;
         let buffer = room.limits.bound_buffer();
         let left = |most: u64, used: u64, of_body: u64| most.saturating_sub(used) / of_body.max(1);
@@ -181,7 +178,7 @@ impl Step {
         let most_seconds = TARGET.as_secs_f64() - room.pace * self.products as f64;
         let in_time = (most_seconds / (room.pace * topology.tile_products as f64)) as u64;
         let others = [
-            left(room.scratch, used.iter().sum(), of_body.iter().sum()),
+            left(room.scratch, self.scratch.iter().sum::<u64>().max(used.iter().sum()), of_body.iter().sum()),
             left(buffer, self.numbers.end - self.numbers.start, up),
             left(buffer, self.works.end - self.works.start, down),
             // Works are in a buffer of the device and in one that the host reads.
@@ -208,7 +205,7 @@ impl Step {
             ..topology.assembly
         });
         let works_at = wides(self.works.end - self.works.start);
-        let is_alike = |last: &FrontStep| last.front.is_on_chip == topology.front.is_on_chip;
+        let is_alike = |last: &FrontStep| last.front == topology.front;
         if !self.fronts.last().is_some_and(is_alike) {
             let front = topology.front;
             self.fronts.push(FrontStep { front, bodies: 0, topologies: Vec::new(), topology_bytes: 0..0 });
@@ -223,11 +220,10 @@ impl Step {
             works_at,
             ..topology.elimination
         });
-        front.front.rows = front.front.rows.max(topology.front.rows);
         front.bodies += count as u32;
         let in_storage = u64::from(front.bodies) * front.front.storage_bytes(wide);
         self.scratch[..3].iter_mut().zip(topology.scratch).for_each(|(all, of_body)| *all += count * of_body);
-        self.scratch[3] = in_storage;
+        self.scratch[3] = self.scratch[3].max(in_storage);
         self.pieces.push(Piece { job, bodies, works: self.works.end..self.works.end + down });
         self.bodies += count as u32;
         self.products += count * topology.tile_products;

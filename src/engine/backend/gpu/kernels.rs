@@ -8,7 +8,7 @@ use std::time::Instant;
 use wgpu::ShaderStages;
 
 use super::batch::{KernelFacts, OnChip};
-use super::context::{GpuDevice, GpuError};
+use super::context::{GpuDevice, GpuError, MadeKernel};
 use super::front::Front;
 use super::kernel_texts::Access::{self, Read, Uniform, Written};
 use super::kernel_texts::{
@@ -191,13 +191,21 @@ impl Stage {
             Making::Trusted | Making::Checked => file.variant(variant) + functions,
         };
         let is_checked = making == Making::Checked;
+        // A thread that panicked has left the map whole.
+        let mut known = gpu.made.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let key = (source, is_checked);
+        if let Some((layout, pipelines)) = known.get(&key).cloned() {
+            return Ok(Stage { bindings: file.bindings, layout, pipelines });
+        }
         let started = Instant::now();
-        let made = gpu.checked(file.name, || Stage::build(&gpu.device, file, &source, is_checked));
+        let made = gpu.checked(file.name, || Stage::build(&gpu.device, file, &key.0, is_checked))?;
         gpu.making.fetch_add(started.elapsed().as_nanos() as u64, Ordering::Relaxed);
-        made
+        known.insert(key, made.clone());
+        let (layout, pipelines) = made;
+        Ok(Stage { bindings: file.bindings, layout, pipelines })
     }
 
-    fn build(device: &wgpu::Device, file: &KernelFile, source: &str, is_checked: bool) -> Stage {
+    fn build(device: &wgpu::Device, file: &KernelFile, source: &str, is_checked: bool) -> MadeKernel {
         let entry = |(binding, (_, access)): (u32, &(&str, Access))| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: ShaderStages::COMPUTE,
@@ -247,6 +255,6 @@ impl Stage {
             })
         };
         let pipelines = file.entry_points.iter().map(pipeline).collect();
-        Stage { bindings: file.bindings, layout, pipelines }
+        (layout, pipelines)
     }
 }
