@@ -108,7 +108,7 @@ impl Effort {
                 runs: 3,
                 kernel_designs: 8192,
                 levels: &[1, 3],
-                most_on_cpu: 100_000,
+                most_on_cpu: 1_000_000,
                 most_of_others: most.min(100_000),
                 most_of_answers: most.saturating_mul(MANY_ANSWERS),
                 remark: None,

@@ -149,7 +149,7 @@ const DESIGNS: u64 = 1200;
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn counted_answers_are_the_processors() {
     let (mut worst, mut more) = ([0.0_f64; 2], 0);
-    let batch_size = GpuChoice::new(device(), Precision::F32).batch_size() as u64;
+    let batch_size = GpuChoice::new(device(), Precision::F32).batch_size(true) as u64;
     let batches = 1 + (DESIGNS - 64).div_ceil(batch_size);
     for (loads, select) in [
         (

@@ -20,8 +20,10 @@ pub struct GpuChoice<'a> {
     pub making: Making,
 }
 
-/// Designs of a batch: enough for thousands of bodies of a topology, few enough to stay small here.
-const BATCH: usize = 16_384;
+/// Designs of a batch: on meshes enough to keep a large device busy together with those of other crews, few enough to stay in caches here; of
+/// interpolated ones, which are little work each, more.
+const BATCH: usize = 8192;
+const INTERPOLATED_BATCH: usize = 16_384;
 
 /// The same on software, whose user waits.
 const SOFTWARE_BATCH: usize = 256;
@@ -38,8 +40,12 @@ impl<'a> GpuChoice<'a> {
     }
 
     /// Designs of a batch that keeps the device busy.
-    pub fn batch_size(&self) -> usize {
-        if self.device.facts.kind == AdapterKind::Software { SOFTWARE_BATCH } else { BATCH }
+    pub fn batch_size(&self, are_interpolated: bool) -> usize {
+        match self.device.facts.kind {
+            AdapterKind::Software => SOFTWARE_BATCH,
+            _ if are_interpolated => INTERPOLATED_BATCH,
+            _ => BATCH,
+        }
     }
 
     /// The device with its kernels.

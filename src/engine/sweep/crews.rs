@@ -83,8 +83,10 @@ impl Crews {
         let fallback = OnceLock::new();
         let mut of_crews = of_crews.into_iter();
         let Some((drawn, solved)) = of_crews.next() else { return Default::default() };
-        let lead =
-            Crew::new(study, options, plan, digest, &fallback).solve_some(drawn.iter().take(1), all, &solved);
+        // Without fits nothing is learnt that others wait for, and a device has to be begun with.
+        let is_apart = usize::from(plan.is_some() || options.gpu.is_none());
+        let lead = Crew::new(study, options, plan, digest, &fallback);
+        let lead = lead.solve_some(drawn.iter().take(is_apart), all, &solved);
         let twins: Vec<Crew<T>> = (0..of_crews.len()).map(|_| lead.twin()).collect();
         let mut pools = self.pools.iter();
         let own = pools.next().unwrap_or(all);

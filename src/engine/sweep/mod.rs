@@ -151,15 +151,17 @@ pub fn run_digested<T: Send>(
     let pool = pool(threads)?;
     let crews = Crews::new(threads)?;
     let count = options.designs.count(study);
-    let mut drawer = Drawer::new(study, &options.designs, threads)?;
     let mut statistics = Statistics::default();
     let (drawn_senders, drawn): (Vec<_>, Vec<_>) = (0..crews.count()).map(|_| sync_channel(1)).unzip();
     // Nothing waits for its digestion, so that few batches are there at a time.
     let (solved_senders, solved): (Vec<_>, Vec<_>) = (0..crews.count()).map(|_| sync_channel(0)).unzip();
     let (digested_sender, digested) = sync_channel(1);
     let plan = InterpolationPlan::of_study(study);
+    // A device takes from the threads most of what interpolated designs are, but for their drawing.
+    let share = if options.gpu.is_some() && plan.is_some() { 2 } else { 1 };
+    let mut drawer = Drawer::new(study, &options.designs, share * threads)?;
     let on_processor = if plan.is_some() { INTERPOLATED_BATCH } else { BATCH };
-    let most = options.gpu.map_or(on_processor, |gpu| gpu.batch_size());
+    let most = options.gpu.map_or(on_processor, |gpu| gpu.batch_size(plan.is_some()));
     let batch_size = crews.batch_size(most, count).min(designs_of_rows(study.steps_per_design()));
     std::thread::scope(|scope| {
         let cost = DesignCost::without_interpolation(study);

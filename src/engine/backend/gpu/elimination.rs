@@ -14,7 +14,7 @@ use super::batch::{MOST_BYTES, TARGET};
 use super::context::GpuError;
 use super::dispatch::{Argument, PassTimes, Reading, kept};
 use super::elimination_plan::{Cursor, FlightPlan, Piece, Room, Step, order};
-use super::front::{EliminateParameters, WorksOfBody};
+use super::front::{EliminateParameters, WORKS_HEADER, WorksOfBody};
 use super::front_topology::Job;
 use super::kernels::{Kernels, Precision, Stage};
 use crate::engine::backend::{Counts, IN_FLIGHT, Works};
@@ -300,8 +300,8 @@ impl Elimination {
             let (all, times) = all.split_at(size as usize);
             let of_piece = |piece: &Piece| -> Vec<Option<Vec<f64>>> {
                 let EliminateParameters { body_size, mode_count, .. } = jobs[piece.job].topology.elimination;
-                let numbers = precision.decode(&all[bytes(&piece.works)]);
-                let of_bodies = numbers.chunks_exact(body_size as usize);
+                let size = body_size as usize * precision.wide_bytes() as usize;
+                let of_bodies = all[bytes(&piece.works)].chunks_exact(size);
                 of_bodies.map(|own| judged(own, mode_count as usize, *precision)).collect()
             };
             (ended, gpu.pass_times(times), pieces.par_iter().map(of_piece).collect::<Vec<_>>())
@@ -366,9 +366,12 @@ fn bytes(range: &Range<u64>) -> Range<usize> {
 }
 
 /// The works of one body, if they are sound. The softer a body, the more of what its elements take up cancels.
-fn judged(numbers: &[f64], modes: usize, precision: Precision) -> Option<Vec<f64>> {
-    let WorksOfBody { is_sound, spoilt: loss, works } = WorksOfBody::of(numbers);
+fn judged(bytes: &[u8], modes: usize, precision: Precision) -> Option<Vec<f64>> {
+    let mut numbers = precision.decode(bytes);
+    let WorksOfBody { is_sound, spoilt: loss, works } = WorksOfBody::of(&numbers);
     let greatest = (0..modes).map(|mode| works[packed(mode, mode)]).fold(0.0, f64::max);
     let rounding = AMPLIFIED * loss * greatest * precision.wide_epsilon();
-    (is_sound && rounding <= ROUGHEST).then(|| works.to_vec())
+    let is_good = is_sound && rounding <= ROUGHEST;
+    numbers.drain(..WORKS_HEADER);
+    is_good.then_some(numbers)
 }

@@ -47,6 +47,11 @@ pub struct Front {
 impl Front {
     pub const SMALLEST: Front = Front { rows: 4, is_on_chip: true };
 
+    /// Of a workgroup on a GPU: what is right for small fronts leaves large ones waiting (measured on an H100). No more than any device has.
+    pub fn invocations(self) -> u32 {
+        if self.rows < 28 { 128 } else { 256 }
+    }
+
     /// Memory of a workgroup, bytes.
     pub fn workgroup_bytes(self, wide: u64) -> u64 {
         let rows = u64::from(self.rows);

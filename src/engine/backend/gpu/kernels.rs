@@ -8,7 +8,7 @@ use std::time::Instant;
 use wgpu::ShaderStages;
 
 use super::batch::{KernelFacts, OnChip};
-use super::context::{GpuDevice, GpuError, MadeKernel};
+use super::context::{AdapterKind, GpuDevice, GpuError, MadeKernel};
 use super::front::Front;
 use super::kernel_texts::Access::{self, Read, Uniform, Written};
 use super::kernel_texts::{
@@ -30,7 +30,7 @@ impl Precision {
     /// Wide numbers that the device has stored.
     pub fn decode(self, bytes: &[u8]) -> Vec<f64> {
         match self.wide_bytes() {
-            4 => bytemuck::pod_collect_to_vec::<u8, f32>(bytes).into_iter().map(f64::from).collect(),
+            4 => bytes.as_chunks().0.iter().map(|number| f64::from(f32::from_le_bytes(*number))).collect(),
             _ => bytemuck::pod_collect_to_vec(bytes),
         }
     }
@@ -122,7 +122,13 @@ impl<'a> Kernels<'a> {
 
     /// Elimination with such a front; made when it is first asked for.
     pub fn eliminate(&self, front: Front) -> Result<Stage, GpuError> {
-        self.kept(&self.eliminate, front, &ELIMINATE, |variant| variant.front = front)
+        let invocations = match self.gpu.facts.kind {
+            AdapterKind::Software => self.invocations,
+            _ => self.invocations.max(front.invocations()),
+        };
+        self.kept(&self.eliminate, front, &ELIMINATE, |variant| {
+            (variant.front, variant.invocations) = (front, invocations)
+        })
     }
 
     /// Uploads what the bodies of a topology share: lists, and numbers of which those behind each other begin at whole vectors.

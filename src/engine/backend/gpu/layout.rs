@@ -165,10 +165,18 @@ impl MeshLayout {
     /// straight side how far beyond the ring it lies, and of each but the last the corner at its end: its angle, and the
     /// column that leads to it.
     pub fn body_numbers(&self, body: &Body) -> Vec<f64> {
+        let mut numbers = Vec::with_capacity(self.body_number_count());
+        self.add_body_numbers(body, &mut numbers);
+        numbers
+    }
+
+    /// The same behind those of others.
+    pub fn add_body_numbers(&self, body: &Body, numbers: &mut Vec<f64>) {
         let depth = |angle: f64| (body.shape.depth)(&body.parameters, angle);
-        let mut numbers = vec![body.idealization.margin(body.poissons_ratio)];
+        numbers.push(body.idealization.margin(body.poissons_ratio));
         if body.shape.sides.is_empty() {
             numbers.push(depth(0.0));
+            return;
         }
         let corners = (body.shape.corners)(&body.parameters);
         let columns = corner_columns(body, &self.grading.angles);
@@ -178,7 +186,6 @@ impl MeshLayout {
             numbers.push(depth(foot).exp_m1());
             numbers.extend(ends.next().into_iter().flat_map(|(angle, column)| [angle, 2.0 * column as f64]));
         }
-        numbers
     }
 }
 

@@ -231,18 +231,18 @@ impl GpuCondenser<'_> {
 
     /// The groups that are eliminated: their places, and their bodies.
     fn jobs(&mut self, groups: &[Group]) -> (Vec<usize>, Vec<Job>) {
-        let mut jobs = Vec::new();
-        for (place, (key, requests)) in groups.iter().enumerate() {
-            if let Some(OnDevice::Eliminated(shared)) = self.topologies.get(key) {
+        let topologies = &self.topologies;
+        let job = |(place, (key, requests)): (usize, &Group)| match topologies.get(key) {
+            Some(OnDevice::Eliminated(shared)) => {
                 let (mesh, topology) = &**shared;
-                let numbers = requests
-                    .par_iter()
-                    .with_min_len(64)
-                    .flat_map_iter(|meshed| mesh.body_numbers(&meshed.body));
-                jobs.push((place, Job { topology: topology.clone(), numbers: numbers.collect() }));
-                self.report.bodies += requests.len() as u64;
+                let mut numbers = Vec::with_capacity(mesh.body_number_count() * requests.len());
+                requests.iter().for_each(|meshed| mesh.add_body_numbers(&meshed.body, &mut numbers));
+                Some((place, Job { topology: topology.clone(), numbers }))
             }
-        }
+            _ => None,
+        };
+        let jobs: Vec<(usize, Job)> = groups.par_iter().enumerate().filter_map(job).collect();
+        self.report.bodies += jobs.iter().map(|(_, job)| job.count() as u64).sum::<u64>();
         jobs.into_iter().unzip()
     }
 }
