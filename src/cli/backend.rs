@@ -8,6 +8,7 @@ use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters, GpuDevice, GpuError};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
+use jointsweep::internals::engine::backend::rates::Rates;
 use jointsweep::internals::engine::forecast::Demand;
 use jointsweep::internals::output::kept_rates;
 use jointsweep::internals::output::origin::Origin;
@@ -121,7 +122,15 @@ pub fn choose_for_sweep(
 
 /// The best GPU, where a sweep is large enough and the forecast says so.
 fn clearly_faster(args: &BackendArgs, study: &Study, threads: usize) -> Result<Option<OpenGpu>, GpuError> {
-    let Some(demand) = Demand::worth_a_device(study, threads) else { return Ok(None) };
+    // As a device with f64 has it.
+    let precision = args.precision.map_or_else(|| Precision::suited(study.solve.accuracy), Into::into);
+    let known = kept_rates::known(cache_folder().as_deref(), precision);
+    let processor = known.iter().map(|rates| rates.processor).reduce(f64::max);
+    let Some(demand) = Demand::worth_a_device(study, threads, processor) else { return Ok(None) };
+    let may_help = |rates: &Rates| demand.forecast(rates, threads).prefers_device();
+    if !known.is_empty() && !known.iter().any(may_help) {
+        return Ok(None);
+    }
     let opened = open(AdapterChoice::Best, args, study.solve.accuracy)?;
     let (rates, not_kept) = kept_rates::rates(cache_folder().as_deref(), &opened.choice())?;
     if let Some(error) = not_kept {

@@ -34,6 +34,9 @@ pub struct Forecast {
 /// Sweeps whose condensation and contact take the processor less than this, s, are not worth opening a device and measuring it.
 const WORTH: f64 = 3.0;
 
+/// The same where the machine was measured before, of the time by its own pace.
+const WORTH_KNOWN: f64 = 1.0;
+
 /// Fewer designs do not fill a device, however long each takes.
 const FEWEST: u64 = 256;
 
@@ -44,13 +47,13 @@ const FIRST: usize = 16;
 const CLEARLY: f64 = 0.8;
 
 impl Demand {
-    /// Of a sweep on so many threads; `None` where no device is worth asking, or a design cannot be read, which is told where
-    /// designs are drawn.
-    pub fn worth_a_device(study: &Study, threads: usize) -> Option<Demand> {
+    /// Of a sweep on so many threads, of a processor that was measured to take so many times what `unit_costs` say, if it was; `None` where no
+    /// device is worth asking, or a design cannot be read, which is told where designs are drawn.
+    pub fn worth_a_device(study: &Study, threads: usize, processor: Option<f64>) -> Option<Demand> {
         if study.design_count() < FEWEST {
             return None;
         }
-        let least = WORTH * threads as f64;
+        let least = threads as f64 * processor.map_or(WORTH, |pace| WORTH_KNOWN / pace);
         let numbers = picks(study.design_count());
         let few = numbers.iter().copied().step_by(numbers.len().div_ceil(FIRST).max(1));
         let first = Demand::of(study, &DesignCost::without_interpolation(study), few)?;
@@ -163,12 +166,12 @@ mod tests {
     #[test]
     fn a_sweep_needs_what_its_designs_need() {
         let all = study(800_000, "", "");
-        let demand = Demand::worth_a_device(&all, 1).unwrap();
+        let demand = Demand::worth_a_device(&all, 1, None).unwrap();
         let cost = DesignCost::of_study(&all);
         let sum: f64 = all.cases().unwrap().take(2000).map(|case| cost.seconds(&case.unwrap())).sum();
         let told = demand.for_devices() + demand.others;
         assert!((told / (400.0 * sum) - 1.0).abs() < 0.05, "{told} {sum}");
-        let twice = Demand::worth_a_device(&study(1_600_000, "", ""), 1).unwrap();
+        let twice = Demand::worth_a_device(&study(1_600_000, "", ""), 1, None).unwrap();
         for (twice, once) in [(twice.bodies, demand.bodies), (twice.on_meshes, demand.on_meshes)] {
             assert!((twice.seconds / once.seconds - 2.0).abs() < 0.1, "{twice:?} {once:?}");
             assert!((twice.count / once.count - 2.0).abs() < 0.1, "{twice:?} {once:?}");
@@ -179,17 +182,21 @@ mod tests {
         assert!(demand.saved > 0.3 * demand.bodies.seconds, "{demand:?}");
         // More threads are through with it in no time.
         assert!(demand.for_devices() > WORTH);
-        assert_eq!(Demand::worth_a_device(&all, (demand.for_devices() / WORTH) as usize + 1), None);
+        let many = (demand.for_devices() / WORTH) as usize + 1;
+        assert_eq!(Demand::worth_a_device(&all, many, None), None);
+        // But for a machine that was measured.
+        assert!(Demand::worth_a_device(&all, many, Some(0.5)).is_some());
+        assert_eq!(Demand::worth_a_device(&all, many, Some(0.3)), None);
     }
 
     /// Small ones; fewer that are interpolated have little to solve.
     #[test]
     fn sweeps_with_little_to_solve_ask_no_device() {
-        assert_eq!(Demand::worth_a_device(&study(1000, "", ""), 1), None);
+        assert_eq!(Demand::worth_a_device(&study(1000, "", ""), 1, None), None);
         let interpolated = |count| study(count, "interpolation = \"off\"", "interpolation = \"auto\"");
-        assert!(Demand::worth_a_device(&study(800_000, "", ""), 1).is_some());
-        assert_eq!(Demand::worth_a_device(&interpolated(800_000), 1), None);
-        let demand = Demand::worth_a_device(&interpolated(3_000_000), 1).unwrap();
+        assert!(Demand::worth_a_device(&study(800_000, "", ""), 1, None).is_some());
+        assert_eq!(Demand::worth_a_device(&interpolated(800_000), 1, None), None);
+        let demand = Demand::worth_a_device(&interpolated(3_000_000), 1, None).unwrap();
         assert!((demand.interpolated.count / 3e6 - 1.0).abs() < 0.05, "{demand:?}");
         assert!(demand.interpolated.seconds > 10.0 * demand.bodies.seconds, "{demand:?}");
         assert_eq!(demand.counted, 0.0);
@@ -201,7 +208,7 @@ mod tests {
         let of = |output: &str| {
             let all =
                 study(3_000_000, "interpolation = \"off\"", &format!("interpolation = \"auto\"\n{output}"));
-            Demand::worth_a_device(&all, 1).unwrap()
+            Demand::worth_a_device(&all, 1, None).unwrap()
         };
         let [written, answered] = ["", "[reduce]\nstatistics = [\"force\"]"].map(of);
         assert_eq!(answered.interpolated, written.interpolated);
@@ -242,7 +249,7 @@ mod tests {
                 "#
             );
             let study = Study::from_text(Path::new("again.toml"), text).unwrap();
-            Demand::worth_a_device(&study, 1)
+            Demand::worth_a_device(&study, 1, None)
         };
         let [core, outer] = ["{ from = 0.2, to = 0.3 }", "{ from = 2.0, to = 3.0 }"];
         let both = of(core, outer).unwrap().bodies.seconds;

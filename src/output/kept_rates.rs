@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::engine::backend::choice::GpuChoice;
 use crate::engine::backend::gpu::calibration::measure;
 use crate::engine::backend::gpu::context::GpuError;
+use crate::engine::backend::precision::Precision;
 use crate::engine::backend::rates::Rates;
 use crate::error::Error;
 use crate::output::host::{Host, Program};
@@ -51,7 +52,15 @@ pub fn rates(folder: Option<&Path>, choice: &GpuChoice) -> Result<(Rates, Option
     }
 }
 
-/// The same, measured now whatever was kept.
+/// What is kept of any device beside this processor, in numbers of this precision: enough to leave devices alone that would not help.
+pub fn known(folder: Option<&Path>, precision: Precision) -> Vec<Rates> {
+    let (program, cpu) = (Program::CURRENT.in_words(), Host::current().cpu);
+    let all = folder.map(entries).unwrap_or_default().into_iter();
+    let is_here = |of: &Measured| of.program == program && of.cpu == cpu && of.precision == precision.name();
+    all.filter(|entry| is_here(&entry.of)).map(|entry| entry.rates).collect()
+}
+
+/// The same as `rates`, measured now whatever was kept.
 pub fn measured_anew(folder: Option<&Path>, choice: &GpuChoice) -> Result<(Rates, Option<Error>), GpuError> {
     let rates = measure(choice.device, choice.precision, choice.solver, choice.joints)?;
     let Some(folder) = folder else { return Ok((rates, None)) };

@@ -55,7 +55,12 @@ impl Precision {
     /// The numbers that are best for an accuracy, relative, of the force: f32 where that is enough, since contact is then the
     /// device's, too; else refined in f64, where the adapter has it.
     pub fn preferred(facts: &AdapterFacts, accuracy: f64) -> Precision {
-        if facts.features.f64 && accuracy < ROUGH { Precision::Mixed } else { Precision::F32 }
+        if facts.features.f64 { Precision::suited(accuracy) } else { Precision::F32 }
+    }
+
+    /// The same of an adapter that has f64.
+    pub fn suited(accuracy: f64) -> Precision {
+        if accuracy < ROUGH { Precision::Mixed } else { Precision::F32 }
     }
 
     /// Whether an adapter has these numbers.

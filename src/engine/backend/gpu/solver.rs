@@ -1,6 +1,7 @@
 //! Bodies condensed on a device: what comes back is the works of each and nothing else.
 
 use std::collections::VecDeque;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use foldhash::HashMap;
@@ -29,9 +30,10 @@ use crate::mechanics::solve::refine::RefineSettings;
 
 /// Condenses bodies on a device; keeps what those of a topology share.
 pub struct GpuCondenser<'a> {
-    kernels: Kernels<'a>,
+    kernels: Arc<Kernels<'a>>,
     solver: DeviceSolver,
-    topologies: HashMap<TopologyKey, OnDevice>,
+    /// In common with its twins.
+    topologies: Arc<Mutex<Topologies>>,
     elimination: Elimination,
     begun: VecDeque<Begun>,
     /// Which joints it solves, by this.
@@ -62,6 +64,8 @@ pub struct GpuReport {
     pub contact: Duration,
 }
 
+type Topologies = HashMap<TopologyKey, Arc<OnDevice>>;
+
 /// What the bodies of a topology share on the device, as its solver takes them.
 enum OnDevice {
     Eliminated(Box<(MeshLayout, FrontTopology)>),
@@ -75,7 +79,8 @@ pub(crate) struct Topology {
     pub(crate) layout: MeshLayout,
     pub(crate) counts: BodyCounts,
     pub(crate) loads: ModeLoads,
-    pub(crate) facts: KernelFacts,
+    /// By the time of the last batch.
+    pub(crate) facts: Mutex<KernelFacts>,
 }
 
 /// Invocations of a workgroup: the twin's count of partial sums, two subgroups of the common size.
@@ -109,11 +114,25 @@ impl<'a> GpuCondenser<'a> {
         GpuCondenser {
             solves_joints: SolvedJoints::None,
             joints: JointKernel::new(kernels.making),
-            kernels,
+            kernels: Arc::new(kernels),
             solver,
-            topologies: HashMap::default(),
+            topologies: Arc::default(),
             elimination: Elimination::default(),
             begun: VecDeque::new(),
+            report: GpuReport::default(),
+        }
+    }
+
+    /// Another one for other bodies beside these, by the same kernels and with what those of a topology share.
+    pub fn twin(&self) -> GpuCondenser<'a> {
+        GpuCondenser {
+            kernels: Arc::clone(&self.kernels),
+            solver: self.solver,
+            topologies: Arc::clone(&self.topologies),
+            elimination: Elimination::default(),
+            begun: VecDeque::new(),
+            solves_joints: self.solves_joints,
+            joints: JointKernel::new(self.kernels.making),
             report: GpuReport::default(),
         }
     }
@@ -130,19 +149,17 @@ impl Device for GpuCondenser<'_> {
     }
 
     fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
-        if self.topologies.values().map(OnDevice::bytes).sum::<u64>() > KEPT_BYTES {
-            self.topologies.clear();
-        }
         let started = Instant::now();
-        self.meet(groups)?;
+        let shared = self.meet(groups)?;
         self.report.preparation += started.elapsed();
         let started = Instant::now();
-        let (eliminated, jobs) = self.jobs(groups);
+        let (eliminated, jobs) = jobs(groups, &shared);
+        self.report.bodies += jobs.iter().map(|job| job.count() as u64).sum::<u64>();
         self.elimination.begin(&self.kernels, jobs)?;
         let mut works = Works::with_capacity(groups.len());
-        for (key, requests) in groups {
-            works.push(match self.topologies.get_mut(key) {
-                Some(OnDevice::Iterated(topology)) => {
+        for ((_, requests), shared) in groups.iter().zip(&shared) {
+            works.push(match &**shared {
+                OnDevice::Iterated(topology) => {
                     let bodies: Vec<Body> = requests.iter().map(|meshed| meshed.body.clone()).collect();
                     condense(&self.kernels, topology, &bodies, &mut self.report)?
                 }
@@ -213,9 +230,14 @@ impl Device for GpuCondenser<'_> {
 }
 
 impl GpuCondenser<'_> {
-    /// Prepares topologies that are new.
-    fn meet(&mut self, groups: &[Group]) -> Result<(), GpuError> {
-        let new = groups.iter().filter(|(key, _)| !self.topologies.contains_key(key));
+    /// What the bodies of each group share; of topologies that are new it is made, while twins wait that may have met the same.
+    fn meet(&self, groups: &[Group]) -> Result<Vec<Arc<OnDevice>>, GpuError> {
+        // A thread that panicked has left the map whole.
+        let mut topologies = self.topologies.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if topologies.values().map(|shared| shared.bytes()).sum::<u64>() > KEPT_BYTES {
+            topologies.clear();
+        }
+        let new = groups.iter().filter(|(key, _)| !topologies.contains_key(key));
         let new: Vec<(&TopologyKey, &Body)> = new.map(|(key, group)| (key, &group[0].body)).collect();
         let lay_out = |(key, body): &(&TopologyKey, &Body)| match self.solver {
             DeviceSolver::Pcg => Ok(None),
@@ -224,27 +246,25 @@ impl GpuCondenser<'_> {
         let laid_out = new.par_iter().map(lay_out).collect::<Result<Vec<_>, GpuError>>()?;
         for ((key, body), layouts) in new.into_iter().zip(laid_out) {
             let shared = OnDevice::new(&self.kernels, key, body, layouts)?;
-            self.topologies.insert(key.clone(), shared);
+            topologies.insert(key.clone(), Arc::new(shared));
         }
-        Ok(())
+        Ok(groups.iter().map(|(key, _)| Arc::clone(&topologies[key])).collect())
     }
+}
 
-    /// The groups that are eliminated: their places, and their bodies.
-    fn jobs(&mut self, groups: &[Group]) -> (Vec<usize>, Vec<Job>) {
-        let topologies = &self.topologies;
-        let job = |(place, (key, requests)): (usize, &Group)| match topologies.get(key) {
-            Some(OnDevice::Eliminated(shared)) => {
-                let (mesh, topology) = &**shared;
-                let mut numbers = Vec::with_capacity(mesh.body_number_count() * requests.len());
-                requests.iter().for_each(|meshed| mesh.add_body_numbers(&meshed.body, &mut numbers));
-                Some((place, Job { topology: topology.clone(), numbers }))
-            }
-            _ => None,
-        };
-        let jobs: Vec<(usize, Job)> = groups.par_iter().enumerate().filter_map(job).collect();
-        self.report.bodies += jobs.iter().map(|(_, job)| job.count() as u64).sum::<u64>();
-        jobs.into_iter().unzip()
-    }
+/// The groups that are eliminated: their places, and their bodies.
+fn jobs(groups: &[Group], shared: &[Arc<OnDevice>]) -> (Vec<usize>, Vec<Job>) {
+    let job = |(place, ((_, requests), shared)): (usize, (&Group, &Arc<OnDevice>))| match &**shared {
+        OnDevice::Eliminated(shared) => {
+            let (mesh, topology) = &**shared;
+            let mut numbers = Vec::with_capacity(mesh.body_number_count() * requests.len());
+            requests.iter().for_each(|meshed| mesh.add_body_numbers(&meshed.body, &mut numbers));
+            Some((place, Job { topology: topology.clone(), numbers }))
+        }
+        OnDevice::Iterated(_) | OnDevice::Left => None,
+    };
+    let jobs: Vec<(usize, Job)> = groups.par_iter().zip(shared).enumerate().filter_map(job).collect();
+    jobs.into_iter().unzip()
 }
 
 impl OnDevice {
@@ -297,7 +317,7 @@ impl Topology {
         let pushes = Push::of(body.shape.side);
         let topology = RingTopology::new(body, &grading);
         let loads = ModeLoads::new(kernels, &RingModes::of(&key.class), pushes, &topology)?;
-        Ok(Topology { counts: layout.counts(), layout, loads, facts: kernels.facts(FIRST_GUESS) })
+        Ok(Topology { counts: layout.counts(), layout, loads, facts: Mutex::new(kernels.facts(FIRST_GUESS)) })
     }
 
     fn bytes(&self) -> u64 {
@@ -308,11 +328,11 @@ impl Topology {
 /// The works on bodies of one topology, batch by batch. A body too large for the device, or whose systems fail, has none.
 fn condense(
     kernels: &Kernels,
-    topology: &mut Topology,
+    topology: &Topology,
     bodies: &[Body],
     report: &mut GpuReport,
 ) -> Result<Vec<Option<Vec<f64>>>, GpuError> {
-    let Topology { layout, counts, loads, facts } = topology;
+    let Topology { layout, counts, loads, facts: known } = topology;
     let precision = kernels.precision;
     let numbers: Vec<Vec<f64>> =
         bodies.par_iter().with_min_len(64).map(|body| layout.body_numbers(body)).collect();
@@ -323,7 +343,8 @@ fn condense(
         let first = condensed.len();
         // Only the first is used: it tells how the next one is to be cut.
         let left = vec![*counts; bodies.len() - first];
-        let Ok(planned) = batches(&left, facts, &kernels.gpu.facts.limits) else { break };
+        let facts = *known.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let Ok(planned) = batches(&left, &facts, &kernels.gpu.facts.limits) else { break };
         let Some(batch) = planned.first() else { break };
         let started = Instant::now();
         let own = first..first + batch.bodies.len();
@@ -338,7 +359,8 @@ fn condense(
         }
         // The next batch is cut by the time of this one, and takes its memory.
         let dispatches = (STEPS_PER_ROOT * root / f64::from(batch.iterations)).ceil().max(1.0);
-        *facts = adapted(facts, batch, started.elapsed().div_f64(dispatches));
+        *known.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) =
+            adapted(&facts, batch, started.elapsed().div_f64(dispatches));
         report.bodies += own.len() as u64;
         report.solves += own.len() as u64 * counts.ring_columns;
     }
