@@ -7,7 +7,7 @@ use jointsweep::internals::lab::gpu::host_cost::HostCost;
 use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
 
 /// Designs of a batch, as for a real GPU.
-const BATCH: usize = 16_384;
+const BATCH: usize = 8192;
 
 /// What is done with the bodies of a sweep, and with the rows of interpolated ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
