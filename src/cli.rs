@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use jointsweep::Error;
+use jointsweep::internals::engine::backend::gpu::context::is_guarded;
 
 mod arguments;
 mod backend;
@@ -125,6 +126,12 @@ pub fn main() -> ExitCode {
             return ExitCode::from(u8::from(error.use_stderr() || !is_told));
         }
     };
+    let told = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !is_guarded() {
+            told(panic);
+        }
+    }));
     let ending = match cli.command {
         Command::Init(args) => init::init(&args),
         Command::Run(args) => run::run(&args),

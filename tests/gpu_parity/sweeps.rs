@@ -1,12 +1,18 @@
 //! Whole designs on a device and on the processor.
 
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Mutex;
+
 use jointsweep::internals::engine::accuracy::single_precision::OF_SINGLES;
 use jointsweep::internals::engine::backend::choice::{GpuChoice, joints_in};
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
-use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::internals::study::design::{DesignCase, Load, Part};
+use jointsweep::internals::study::setting::Setting;
 
 use super::*;
 use crate::common::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
@@ -279,6 +285,38 @@ fn what_f32_cannot_solve_the_processor_does() {
 fn a_device_that_is_lost_loses_no_design() {
     lose_a_device(DeviceSolver::Eliminate);
     lose_a_device(DeviceSolver::Pcg);
+}
+
+/// The same of crews that have the device in common: what it has not done is the processor's, and that is said once.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_device_that_many_crews_lose_loses_no_design() {
+    let settings = ["sampling.count=4000", "solve.interpolation=off"];
+    let settings = settings.map(|text| Setting::parse(text, "a test").unwrap());
+    let (path, text) = (Path::new("random.toml"), include_str!("../../configs/random.toml"));
+    let study = Study::from_text_with(path, text.to_string(), &settings).unwrap();
+    let own = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap();
+    let told = Mutex::new(Vec::new());
+    let notify = |line: &str| told.lock().unwrap().push(line.to_string());
+    let gpu = Some(GpuChoice::new(&own, Precision::F32));
+    let options = SweepOptions { threads: 8, gpu, notify: Some(&notify), ..SweepOptions::default() };
+    let mut met: Vec<(u64, BackendKind)> = Vec::new();
+    let statistics = sweep::run(&study, &options, &mut |outcome| {
+        assert!(outcome.steps.iter().all(|step| step.response.is_some()), "design {}", outcome.case.index);
+        met.push((outcome.case.index, outcome.backend));
+        if met.len() == 500 {
+            own.device.destroy();
+        }
+        Ok(ControlFlow::Continue(()))
+    })
+    .unwrap();
+    assert!(met.iter().map(|(index, _)| *index).eq(0..4000));
+    let of = |kind: BackendKind| met.iter().filter(|(_, backend)| *backend == kind).count();
+    println!("{} on the device, {} not", of(BackendKind::Gpu), of(BackendKind::Cpu));
+    assert!(of(BackendKind::Gpu) >= 500 && of(BackendKind::Cpu) > 0);
+    assert!(statistics.fallback.is_some());
+    let told = told.into_inner().unwrap();
+    assert!(told.len() == 1 && told[0].lines().count() == 1, "{told:?}");
 }
 
 fn lose_a_device(solver: DeviceSolver) {

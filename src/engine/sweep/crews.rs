@@ -18,8 +18,6 @@ use rayon::prelude::*;
 
 use super::digestion::{Solved, stretches};
 use super::{CountedDesigns, Digest, SolvedDesigns, Statistics, SweepOptions};
-use crate::engine::backend::adapter::GpuError;
-use crate::engine::backend::gpu::solver::GpuCondenser;
 use crate::engine::backend::precision::Precision;
 use crate::engine::drawing::{Chosen, Drawn, FIRST_BATCH, joined};
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
@@ -85,19 +83,11 @@ impl Crews {
         let fallback = OnceLock::new();
         let mut of_crews = of_crews.into_iter();
         let Some((drawn, solved)) = of_crews.next() else { return Default::default() };
-        let device = options.gpu.map(|gpu| gpu.condenser()).and_then(|opened| match opened {
-            Ok(device) => Some(device),
-            Err(error) => {
-                give_up(options, &fallback, &error);
-                None
-            }
-        });
-        let device = device.as_ref();
         // Without fits nothing is learnt that others wait for, and a device has to be begun with.
         let is_apart = usize::from(plan.is_some() || options.gpu.is_none());
-        let lead = Crew::new(study, options, plan, digest, device, &fallback);
+        let lead = Crew::new(study, options, plan, digest, &fallback);
         let lead = lead.solve_some(drawn.iter().take(is_apart), all, &solved);
-        let twins: Vec<Crew<T>> = (0..of_crews.len()).map(|_| lead.twin(device)).collect();
+        let twins: Vec<Crew<T>> = (0..of_crews.len()).map(|_| lead.twin()).collect();
         let mut pools = self.pools.iter();
         let own = pools.next().unwrap_or(all);
         let crews: Vec<Crew<T>> = std::thread::scope(|scope| {
@@ -123,8 +113,8 @@ struct Crew<'a, T> {
     digestion: Duration,
     options: &'a SweepOptions<'a>,
     fits_laws: bool,
-    /// The device that it has from its first batch on; none that is lost by then.
-    device: Option<&'a GpuCondenser<'a>>,
+    /// Whether a device was asked for already.
+    is_equipped: bool,
     /// Designs whose rows a device counts while the processor makes the numbers of those behind them.
     begun: Option<Counting>,
     /// Whether any row was seen yet that others are compared with.
@@ -139,7 +129,6 @@ impl<'a, T: Send> Crew<'a, T> {
         options: &'a SweepOptions<'a>,
         plan: Option<InterpolationPlan>,
         digest: &'a Digest<'a, T>,
-        device: Option<&'a GpuCondenser<'a>>,
         fallback: &'a OnceLock<String>,
     ) -> Crew<'a, T> {
         let in_double = options.in_double || options.gpu.is_some_and(|gpu| gpu.precision != Precision::F32);
@@ -153,24 +142,32 @@ impl<'a, T: Send> Crew<'a, T> {
             digestion: Duration::ZERO,
             options,
             fits_laws: study.fits_laws(),
-            device,
+            is_equipped: false,
             begun: None,
             knows_limits: false,
             fallback,
         }
     }
 
-    /// Another one, which knows what this one has learnt, with a device of its own.
-    fn twin(&self, device: Option<&'a GpuCondenser<'a>>) -> Crew<'a, T> {
+    /// Another one, which knows what this one has learnt.
+    fn twin(&self) -> Crew<'a, T> {
         let (ladder, digestion) = (self.ladder.twin(), Duration::ZERO);
-        Crew { ladder, digestion, device, begun: None, ..*self }
+        Crew { ladder, digestion, is_equipped: false, begun: None, ..*self }
     }
 
-    /// With its device, if no crew has lost it.
+    /// With the device, if there is one and no crew has lost it.
     fn equipped(mut self) -> Crew<'a, T> {
-        match self.device.take().filter(|_| self.fallback.get().is_none()) {
-            Some(device) => Crew { ladder: self.ladder.on(Box::new(device.twin())), ..self },
+        if self.is_equipped || self.fallback.get().is_some() {
+            return self;
+        }
+        self.is_equipped = true;
+        match self.options.gpu.map(|gpu| gpu.condenser()) {
             None => self,
+            Some(Ok(condenser)) => Crew { ladder: self.ladder.on(Box::new(condenser)), ..self },
+            Some(Err(error)) => {
+                self.give_up(&error.to_string());
+                self
+            }
         }
     }
 
@@ -206,7 +203,7 @@ impl<'a, T: Send> Crew<'a, T> {
     fn hand_over(&mut self, batch: Option<Drawn>, pool: &ThreadPool, solved: &SyncSender<Solved<T>>) -> bool {
         let ready = pool.install(|| self.digested(batch));
         if let Some(error) = self.ladder.library.lost() {
-            give_up(self.options, self.fallback, error);
+            self.give_up(&error.to_string());
         }
         // Who digests is gone when the receiver has broken off.
         ready.into_iter().all(|designs| solved.send(designs).is_ok())
@@ -251,6 +248,15 @@ impl<'a, T: Send> Crew<'a, T> {
         ready
     }
 
+    /// Says that the processor goes on alone, once for all crews.
+    fn give_up(&self, problem: &str) {
+        if self.fallback.set(problem.to_string()).is_ok()
+            && let Some(notify) = self.options.notify
+        {
+            notify(&format!("warning: {problem}; the processor goes on alone"));
+        }
+    }
+
     /// What it has done, to that of others.
     fn add_to(&self, Statistics { stages, solves, asked, worst_residual, .. }: &mut Statistics) {
         for (name, time) in self.ladder.stages() {
@@ -266,15 +272,6 @@ impl<'a, T: Send> Crew<'a, T> {
             let residual = device.worst_residual().max(worst_residual.unwrap_or(0.0));
             *worst_residual = (residual > 0.0).then_some(residual);
         }
-    }
-}
-
-/// Says that the processor goes on alone, once for all crews.
-fn give_up(options: &SweepOptions, fallback: &OnceLock<String>, error: &GpuError) {
-    if fallback.set(error.to_string()).is_ok()
-        && let Some(notify) = options.notify
-    {
-        notify(&format!("warning: {error}; the processor goes on alone"));
     }
 }
 

@@ -243,7 +243,7 @@ fn planned_batch(
             Err(GpuError::Failed { adapter, what: "planning", problem })
         }
     };
-    let mut facts = *topology.facts.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let mut facts = topology.facts;
     let mut batch = plan(&facts)?;
     for _ in 0..CUTS {
         let count = batch.bodies.len();

@@ -3,6 +3,8 @@
 //! The adapter is chosen here and not by wgpu, whose own choice may be a software adapter beside a real one, and
 //! which panics on an environment variable that matches nothing.
 
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Duration;
@@ -113,7 +115,7 @@ impl GpuDevice {
             None => Ok(done),
             Some(problem) => {
                 // A loss is told while polling.
-                let _ = self.device.poll(wgpu::PollType::Poll);
+                let _ = self.poll(wgpu::PollType::Poll);
                 let is_memory = matches!(problem, wgpu::Error::OutOfMemory { .. });
                 let (adapter, problem) = (self.facts.name.clone(), one_line(&problem.to_string()));
                 Err(match self.loss.get() {
@@ -125,11 +127,44 @@ impl GpuDevice {
         }
     }
 
+    /// Looks or waits for what the device has done.
+    pub(super) fn poll(&self, how: wgpu::PollType) -> Result<(), GpuError> {
+        if let Some(loss) = self.loss.get() {
+            return Err(self.lost(loss));
+        }
+        // wgpu panics where the driver tells it of the loss just now; what it leaves is not used any more.
+        let polled = guarded(|| self.device.poll(how).map_err(|error| error.to_string()));
+        match polled.unwrap_or_else(|| Err("the driver has lost the device".into())) {
+            Ok(_) => Ok(()),
+            Err(problem) => {
+                let _ = self.loss.set(one_line(&problem));
+                Err(self.lost(&problem))
+            }
+        }
+    }
+
     /// Letting go of a device that hangs may never end, so one handle of it is kept for good.
     pub(super) fn lost(&self, problem: &str) -> GpuError {
         std::mem::forget((self.device.clone(), self.queue.clone()));
         GpuError::Lost { adapter: self.facts.name.clone(), problem: one_line(problem) }
     }
+}
+
+thread_local! {
+    static IS_GUARDED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether this thread does what may panic and is caught: nobody needs to be told.
+pub fn is_guarded() -> bool {
+    IS_GUARDED.get()
+}
+
+/// What `work` gives back; nothing where it panics.
+fn guarded<T>(work: impl FnOnce() -> T) -> Option<T> {
+    IS_GUARDED.set(true);
+    let done = catch_unwind(AssertUnwindSafe(work));
+    IS_GUARDED.set(false);
+    done.ok()
 }
 
 /// wgpu's messages have many.
@@ -162,5 +197,18 @@ fn facts(adapter: &wgpu::Adapter) -> AdapterFacts {
             subgroups: features.contains(wgpu::Features::SUBGROUP),
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_of_guarded_work_is_no_more_than_nothing() {
+        assert_eq!(guarded(|| is_guarded().then_some(7)), Some(Some(7)));
+        assert!(!is_guarded());
+        assert_eq!(guarded(|| -> u32 { panic!("as wgpu does where a device is lost") }), None);
+        assert!(!is_guarded());
     }
 }

@@ -243,8 +243,7 @@ impl GpuDevice {
     #[cfg(feature = "files")]
     pub(crate) fn wait(&self) -> Result<(), GpuError> {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LONGEST_WAIT) };
-        self.device.poll(wait).map_err(|error| self.lost(&error.to_string()))?;
-        Ok(())
+        self.poll(wait)
     }
 
     /// Waits for all work submitted so far and copies a buffer back.
@@ -275,7 +274,7 @@ impl GpuDevice {
 
     /// Whether the submission has ended already.
     pub(crate) fn is_there(&self, reading: &Reading) -> Result<bool, GpuError> {
-        self.device.poll(wgpu::PollType::Poll).map_err(|error| self.lost(&error.to_string()))?;
+        self.poll(wgpu::PollType::Poll)?;
         Ok(reading.mapped.get().is_some())
     }
 
@@ -284,7 +283,7 @@ impl GpuDevice {
         let Reading { staging, size, submission, mapped } = reading;
         let wait = wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(LONGEST_WAIT) };
         let lost = |problem: String| self.lost(&problem);
-        self.device.poll(wait).map_err(|error| lost(error.to_string()))?;
+        self.poll(wait)?;
         // It may be another thread that polls, and is about to tell.
         mapped.wait().as_ref().map_err(|error| lost(error.to_string()))?;
         let view = staging.get_mapped_range(..size).map_err(|error| lost(error.to_string()))?;

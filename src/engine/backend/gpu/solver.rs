@@ -1,7 +1,6 @@
 //! Bodies condensed on a device: what comes back is the works of each and nothing else.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use foldhash::HashMap;
@@ -30,10 +29,9 @@ use crate::mechanics::solve::refine::RefineSettings;
 
 /// Condenses bodies on a device; keeps what those of a topology share.
 pub struct GpuCondenser<'a> {
-    kernels: Arc<Kernels<'a>>,
+    kernels: Kernels<'a>,
     solver: DeviceSolver,
-    /// In common with its twins.
-    topologies: Arc<Mutex<Topologies>>,
+    topologies: HashMap<TopologyKey, OnDevice>,
     elimination: Elimination,
     begun: VecDeque<Begun>,
     /// Which joints it solves, by this.
@@ -64,8 +62,6 @@ pub struct GpuReport {
     pub contact: Duration,
 }
 
-type Topologies = HashMap<TopologyKey, Arc<OnDevice>>;
-
 /// What the bodies of a topology share on the device, as its solver takes them.
 enum OnDevice {
     Eliminated(Box<(MeshLayout, FrontTopology)>),
@@ -79,8 +75,7 @@ pub(crate) struct Topology {
     pub(crate) layout: MeshLayout,
     pub(crate) counts: BodyCounts,
     pub(crate) loads: ModeLoads,
-    /// By the time of the last batch.
-    pub(crate) facts: Mutex<KernelFacts>,
+    pub(crate) facts: KernelFacts,
 }
 
 /// Invocations of a workgroup: the twin's count of partial sums, two subgroups of the common size.
@@ -114,25 +109,11 @@ impl<'a> GpuCondenser<'a> {
         GpuCondenser {
             solves_joints: SolvedJoints::None,
             joints: JointKernel::new(kernels.making),
-            kernels: Arc::new(kernels),
+            kernels,
             solver,
-            topologies: Arc::default(),
+            topologies: HashMap::default(),
             elimination: Elimination::default(),
             begun: VecDeque::new(),
-            report: GpuReport::default(),
-        }
-    }
-
-    /// Another one for other bodies beside these, by the same kernels and with what those of a topology share.
-    pub fn twin(&self) -> GpuCondenser<'a> {
-        GpuCondenser {
-            kernels: Arc::clone(&self.kernels),
-            solver: self.solver,
-            topologies: Arc::clone(&self.topologies),
-            elimination: Elimination::default(),
-            begun: VecDeque::new(),
-            solves_joints: self.solves_joints,
-            joints: JointKernel::new(self.kernels.making),
             report: GpuReport::default(),
         }
     }
@@ -149,17 +130,19 @@ impl Device for GpuCondenser<'_> {
     }
 
     fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
+        if self.topologies.values().map(OnDevice::bytes).sum::<u64>() > KEPT_BYTES {
+            self.topologies.clear();
+        }
         let started = Instant::now();
-        let shared = self.meet(groups)?;
+        self.meet(groups)?;
         self.report.preparation += started.elapsed();
         let started = Instant::now();
-        let (eliminated, jobs) = jobs(groups, &shared);
-        self.report.bodies += jobs.iter().map(|job| job.count() as u64).sum::<u64>();
+        let (eliminated, jobs) = self.jobs(groups);
         self.elimination.begin(&self.kernels, jobs)?;
         let mut works = Works::with_capacity(groups.len());
-        for ((_, requests), shared) in groups.iter().zip(&shared) {
-            works.push(match &**shared {
-                OnDevice::Iterated(topology) => {
+        for (key, requests) in groups {
+            works.push(match self.topologies.get_mut(key) {
+                Some(OnDevice::Iterated(topology)) => {
                     let bodies: Vec<Body> = requests.iter().map(|meshed| meshed.body.clone()).collect();
                     condense(&self.kernels, topology, &bodies, &mut self.report)?
                 }
@@ -230,14 +213,9 @@ impl Device for GpuCondenser<'_> {
 }
 
 impl GpuCondenser<'_> {
-    /// What the bodies of each group share; of topologies that are new it is made, while twins wait that may have met the same.
-    fn meet(&self, groups: &[Group]) -> Result<Vec<Arc<OnDevice>>, GpuError> {
-        // A thread that panicked has left the map whole.
-        let mut topologies = self.topologies.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        if topologies.values().map(|shared| shared.bytes()).sum::<u64>() > KEPT_BYTES {
-            topologies.clear();
-        }
-        let new = groups.iter().filter(|(key, _)| !topologies.contains_key(key));
+    /// Prepares topologies that are new.
+    fn meet(&mut self, groups: &[Group]) -> Result<(), GpuError> {
+        let new = groups.iter().filter(|(key, _)| !self.topologies.contains_key(key));
         let new: Vec<(&TopologyKey, &Body)> = new.map(|(key, group)| (key, &group[0].body)).collect();
         let lay_out = |(key, body): &(&TopologyKey, &Body)| match self.solver {
             DeviceSolver::Pcg => Ok(None),
@@ -246,25 +224,27 @@ impl GpuCondenser<'_> {
         let laid_out = new.par_iter().map(lay_out).collect::<Result<Vec<_>, GpuError>>()?;
         for ((key, body), layouts) in new.into_iter().zip(laid_out) {
             let shared = OnDevice::new(&self.kernels, key, body, layouts)?;
-            topologies.insert(key.clone(), Arc::new(shared));
+            self.topologies.insert(key.clone(), shared);
         }
-        Ok(groups.iter().map(|(key, _)| Arc::clone(&topologies[key])).collect())
+        Ok(())
     }
-}
 
-/// The groups that are eliminated: their places, and their bodies.
-fn jobs(groups: &[Group], shared: &[Arc<OnDevice>]) -> (Vec<usize>, Vec<Job>) {
-    let job = |(place, ((_, requests), shared)): (usize, (&Group, &Arc<OnDevice>))| match &**shared {
-        OnDevice::Eliminated(shared) => {
-            let (mesh, topology) = &**shared;
-            let mut numbers = Vec::with_capacity(mesh.body_number_count() * requests.len());
-            requests.iter().for_each(|meshed| mesh.add_body_numbers(&meshed.body, &mut numbers));
-            Some((place, Job { topology: topology.clone(), numbers }))
-        }
-        OnDevice::Iterated(_) | OnDevice::Left => None,
-    };
-    let jobs: Vec<(usize, Job)> = groups.par_iter().zip(shared).enumerate().filter_map(job).collect();
-    jobs.into_iter().unzip()
+    /// The groups that are eliminated: their places, and their bodies.
+    fn jobs(&mut self, groups: &[Group]) -> (Vec<usize>, Vec<Job>) {
+        let topologies = &self.topologies;
+        let job = |(place, (key, requests)): (usize, &Group)| match topologies.get(key) {
+            Some(OnDevice::Eliminated(shared)) => {
+                let (mesh, topology) = &**shared;
+                let mut numbers = Vec::with_capacity(mesh.body_number_count() * requests.len());
+                requests.iter().for_each(|meshed| mesh.add_body_numbers(&meshed.body, &mut numbers));
+                Some((place, Job { topology: topology.clone(), numbers }))
+            }
+            _ => None,
+        };
+        let jobs: Vec<(usize, Job)> = groups.par_iter().enumerate().filter_map(job).collect();
+        self.report.bodies += jobs.iter().map(|(_, job)| job.count() as u64).sum::<u64>();
+        jobs.into_iter().unzip()
+    }
 }
 
 impl OnDevice {
@@ -317,7 +297,7 @@ impl Topology {
         let pushes = Push::of(body.shape.side);
         let topology = RingTopology::new(body, &grading);
         let loads = ModeLoads::new(kernels, &RingModes::of(&key.class), pushes, &topology)?;
-        Ok(Topology { counts: layout.counts(), layout, loads, facts: Mutex::new(kernels.facts(FIRST_GUESS)) })
+        Ok(Topology { counts: layout.counts(), layout, loads, facts: kernels.facts(FIRST_GUESS) })
     }
 
     fn bytes(&self) -> u64 {
@@ -328,11 +308,11 @@ impl Topology {
 /// The works on bodies of one topology, batch by batch. A body too large for the device, or whose systems fail, has none.
 fn condense(
     kernels: &Kernels,
-    topology: &Topology,
+    topology: &mut Topology,
     bodies: &[Body],
     report: &mut GpuReport,
 ) -> Result<Vec<Option<Vec<f64>>>, GpuError> {
-    let Topology { layout, counts, loads, facts: known } = topology;
+    let Topology { layout, counts, loads, facts } = topology;
     let precision = kernels.precision;
     let numbers: Vec<Vec<f64>> =
         bodies.par_iter().with_min_len(64).map(|body| layout.body_numbers(body)).collect();
@@ -343,8 +323,7 @@ fn condense(
         let first = condensed.len();
         // Only the first is used: it tells how the next one is to be cut.
         let left = vec![*counts; bodies.len() - first];
-        let facts = *known.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        let Ok(planned) = batches(&left, &facts, &kernels.gpu.facts.limits) else { break };
+        let Ok(planned) = batches(&left, facts, &kernels.gpu.facts.limits) else { break };
         let Some(batch) = planned.first() else { break };
         let started = Instant::now();
         let own = first..first + batch.bodies.len();
@@ -359,8 +338,7 @@ fn condense(
         }
         // The next batch is cut by the time of this one, and takes its memory.
         let dispatches = (STEPS_PER_ROOT * root / f64::from(batch.iterations)).ceil().max(1.0);
-        *known.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) =
-            adapted(&facts, batch, started.elapsed().div_f64(dispatches));
+        *facts = adapted(facts, batch, started.elapsed().div_f64(dispatches));
         report.bodies += own.len() as u64;
         report.solves += own.len() as u64 * counts.ring_columns;
     }
