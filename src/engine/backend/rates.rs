@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// What was measured on one machine. Rates are times over those that `unit_costs` says of the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rates {
-    /// Of condensation on one thread of the processor.
+    /// Of condensation on a thread of the processor while all are at work.
     pub processor: f64,
     /// On the device.
     pub device: f64,

@@ -1,6 +1,7 @@
 //! How fast a device condenses bodies and solves joints, and the processor beside it: measured on both, which takes a second or two.
 
-use std::time::Instant;
+use std::sync::Barrier;
+use std::time::{Duration, Instant};
 
 use foldhash::HashMap;
 
@@ -41,10 +42,10 @@ const LONG_ENOUGH: f64 = 0.1;
 const FEWEST: usize = 64;
 const MOST: usize = 16_384;
 
-/// Batches of the processor.
-const BATCHES: usize = 16;
+/// How long each thread of the processor is measured.
+const AT_WORK: Duration = Duration::from_millis(20);
 
-/// What the device, which solves these joints, and one thread of the processor take.
+/// What the device, which solves these joints, and a thread of the processor take.
 pub fn measure(
     gpu: &GpuDevice,
     precision: Precision,
@@ -234,18 +235,30 @@ impl MeasuredJoint {
     }
 }
 
-/// Of one thread, over what `unit_costs` says; the fastest of some batches, since others may use the processor, too.
+/// Of a thread while all are at work, over what `unit_costs` says: those of a core share it, and clocks are lower. Of each thread the fastest
+/// of some batches, since others may use the processor, too.
 fn on_processor(name_and_ratios: (&str, [f64; MAX_PARAMETERS])) -> f64 {
-    let requests = requests(name_and_ratios, LANES * BATCHES);
-    let mut fastest = f64::INFINITY;
-    for (key, group) in groups(&requests) {
-        let bodies: Vec<Body> = group.into_iter().map(|meshed| meshed.body).collect();
-        let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), RingModes::of(&key.class));
-        for batch in bodies.chunks_exact(LANES) {
+    let requests = requests(name_and_ratios, LANES);
+    let Some((key, group)) = groups(&requests).pop() else { return 1.0 };
+    let bodies: Vec<Body> = group.into_iter().map(|meshed| meshed.body).collect();
+    let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), RingModes::of(&key.class));
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let all_there = Barrier::new(threads);
+    let fastest = || {
+        all_there.wait();
+        let (begun, mut fastest) = (Instant::now(), f64::INFINITY);
+        while begun.elapsed() < AT_WORK {
             let started = Instant::now();
-            std::hint::black_box(plan.condense(batch));
-            fastest = fastest.min(started.elapsed().as_secs_f64() / LANES as f64);
+            std::hint::black_box(plan.condense(&bodies));
+            fastest = fastest.min(started.elapsed().as_secs_f64());
         }
-    }
-    fastest / body_seconds(&requests[0])
+        fastest
+    };
+    let sum: f64 = std::thread::scope(|scope| {
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(fastest)).collect();
+        let own = fastest();
+        let of_others = others.into_iter().map(|other| other.join().unwrap_or(f64::INFINITY));
+        own + of_others.sum::<f64>()
+    });
+    sum / (threads * LANES) as f64 / body_seconds(&requests[0])
 }
