@@ -357,7 +357,9 @@ fn a_study_decides_for_all_of_its_designs() {
     let whole = run(&study, 1);
     // Seen: all of 18,000.
     assert!(steps_by(&whole, Method::Interpolated) > 17_900);
+    // In one crew, and in four that share their fits.
     assert_eq!(bits(&run(&study, 2)), bits(&whole));
+    assert_eq!(bits(&run(&study, 8)), bits(&whole));
     let part: Vec<DesignCase> = study.cases().unwrap().skip(4321).take(50).map(Result::unwrap).collect();
     let plan = InterpolationPlan::of_study(&study).unwrap();
     let alone = Ladder::new(study.solve).interpolating(Some(plan)).solve(&part);

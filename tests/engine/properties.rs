@@ -242,11 +242,18 @@ fn threads_do_not_change_the_outcomes() {
         assert_eq!(statistics.unwrap().designs, 3000);
         outcomes
     };
-    let (one, three) = (run(1), run(3));
-    assert_eq!((one.len(), three.len()), (3000, 3000));
-    for (index, (a, b)) in one.iter().zip(&three).enumerate() {
-        assert_eq!(a.case.index, index as u64);
-        assert_eq!(a.steps, b.steps, "design {index}");
-        assert!(a.steps.len() == 10 && a.steps.iter().all(|step| step.response.is_some()), "design {index}");
+    let one = run(1);
+    // In one crew, and in four.
+    for threads in [3, 8] {
+        let others = run(threads);
+        assert_eq!((one.len(), others.len()), (3000, 3000));
+        for (index, (a, b)) in one.iter().zip(&others).enumerate() {
+            assert_eq!((a.case.index, b.case.index), (index as u64, index as u64));
+            assert_eq!(a.steps, b.steps, "design {index}");
+            assert!(
+                a.steps.len() == 10 && a.steps.iter().all(|step| step.response.is_some()),
+                "design {index}"
+            );
+        }
     }
 }

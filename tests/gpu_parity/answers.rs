@@ -60,7 +60,7 @@ struct Answered {
 }
 
 /// The answers of some designs, on a device that counts rows with kernels made so, or on the processor alone.
-fn answered(study: &Study, designs: Range<u64>, on_device: Option<Making>) -> Answered {
+fn answered(study: &Study, designs: Range<u64>, on_device: Option<Making>, threads: usize) -> Answered {
     let sinks = Sinks::of(study);
     let asking = sinks.asking().unwrap();
     let on_device = on_device.map(|making| GpuChoice {
@@ -69,7 +69,7 @@ fn answered(study: &Study, designs: Range<u64>, on_device: Option<Making>) -> An
         ..GpuChoice::new(device(), Precision::F32)
     });
     let options = SweepOptions {
-        threads: 2,
+        threads,
         gpu: on_device,
         asker: Some(&asking as &dyn Asker),
         designs: Chosen::Range(designs),
@@ -167,7 +167,7 @@ fn counted_answers_are_the_processors() {
     ] {
         let study = study(loads, select, ALL);
         let [found, expected] =
-            [Some(Making::Checked), None].map(|on_device| answered(&study, 0..DESIGNS, on_device));
+            [Some(Making::Checked), None].map(|on_device| answered(&study, 0..DESIGNS, on_device, 2));
         let of_answers = compare(&found.answers, &expected.answers);
         worst = [worst[0].max(of_answers[0]), worst[1].max(of_answers[1])];
         let [counted, candidates] = found.counted;
@@ -197,14 +197,14 @@ fn counted_answers_are_the_processors() {
     assert!(worst[0] < 3e-5, "{worst:?}");
 }
 
-/// What is counted does not depend on where a run was cut.
+/// What is counted does not depend on where a run was cut, nor on how many crews have counted.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn counted_answers_of_parts_join_to_the_same_bytes() {
     let study = study("force = ['1 kN', '5 kN']", "peak_pressure < 200 MPa", ALL);
-    let whole = answered(&study, 0..900, Some(Making::Trusted));
-    let mut parts = answered(&study, 0..333, Some(Making::Trusted));
-    let more = answered(&study, 333..900, Some(Making::Trusted));
+    let whole = answered(&study, 0..900, Some(Making::Trusted), 8);
+    let mut parts = answered(&study, 0..333, Some(Making::Trusted), 2);
+    let more = answered(&study, 333..900, Some(Making::Trusted), 2);
     parts.answers.merge(&more.answers).unwrap();
     for (name, bytes) in whole.answers.files() {
         assert_eq!(text(&parts.answers, name).as_bytes(), bytes, "{name}");
