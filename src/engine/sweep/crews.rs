@@ -30,12 +30,12 @@ use crate::error::Error;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
 
-/// Threads of a crew: with four the device of an H100's machine waits longer, with one there is less than it takes at a time.
+/// Threads of a crew: on sixteen, crews of four take longer at 1 %, and crews of one at 0.1 % (docs/performance.md).
 const CREW: usize = 2;
 
-/// Batches of a crew at least, so that none is done long before the others, where they are not smaller than this.
+/// Batches of a crew at least, so that none is done long before the others, unless they would be smaller than this.
 const ROUNDS: u64 = 4;
-const FEWEST: u64 = 2048;
+const FEWEST: u64 = 512;
 
 /// The threads of each crew; of one crew those of the sweep.
 pub(super) struct Crews {
@@ -83,7 +83,7 @@ impl Crews {
         let fallback = OnceLock::new();
         let mut of_crews = of_crews.into_iter();
         let Some((drawn, solved)) = of_crews.next() else { return Default::default() };
-        // Without fits nothing is learnt that others wait for, and a device has to be begun with.
+        // Without fits there is little to learn for the others, and kernels take their time to be made.
         let is_apart = usize::from(plan.is_some() || options.gpu.is_none());
         let lead = Crew::new(study, options, plan, digest, &fallback);
         let lead = lead.solve_some(drawn.iter().take(is_apart), all, &solved);
@@ -209,7 +209,7 @@ impl<'a, T: Send> Crew<'a, T> {
         ready.into_iter().all(|designs| solved.send(designs).is_ok())
     }
 
-    /// The same, with the portions that it has from beginning to end.
+    /// What comes of a batch, with the portions digested that it has from beginning to end.
     fn digested(&mut self, batch: Option<Drawn>) -> Vec<Solved<T>> {
         let solved = self.solve(batch);
         let are_consecutive = !matches!(self.options.designs, Chosen::Listed(_));
@@ -221,6 +221,7 @@ impl<'a, T: Send> Crew<'a, T> {
         solved.into_iter().map(|solved| solved.map(&mut digest)).collect()
     }
 
+    /// A batch that a device counts comes back when the next one is begun.
     fn solve(&mut self, batch: Option<Drawn>) -> Vec<Result<SolvedDesigns, Error>> {
         let Crew { ladder, options: SweepOptions { asker, .. }, .. } = self;
         let mut ready = Vec::new();
@@ -296,4 +297,22 @@ fn left(ladder: &mut Ladder, counting: Counting, asker: Option<&dyn Asker>) -> O
         }
     }
     Some(SolvedDesigns { outcomes, on_device: Some(CountedDesigns { counted, candidates }) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All threads are in crews, and all crews have batches.
+    #[test]
+    fn crews_have_all_threads_and_designs_enough() {
+        for (threads, count) in [(1, 1), (2, 1), (3, 1), (4, 2), (9, 4)] {
+            let crews = Crews::new(threads).unwrap();
+            let in_crews: usize = crews.pools.iter().map(ThreadPool::current_num_threads).sum();
+            assert_eq!((crews.count(), if count == 1 { threads } else { in_crews }), (count, threads));
+        }
+        let [one, four] = [2, 8].map(|threads| Crews::new(threads).unwrap());
+        let sizes = |crews: &Crews| [100, 10_000, 1_000_000].map(|designs| crews.batch_size(2048, designs));
+        assert_eq!((sizes(&one), sizes(&four)), ([2048; 3], [512, 1024, 2048]));
+    }
 }
