@@ -98,3 +98,41 @@ fn entries(folder: &Path) -> Vec<Entry> {
     entries.retain(|entry| entry.rates.are_sound());
     entries
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of this program beside this processor alone, in these numbers alone; of no file and of one that is no rates nothing.
+    #[test]
+    fn what_is_known_is_of_this_machine() {
+        let folder = std::env::temp_dir().join(format!("jointsweep-rates-{}", std::process::id()));
+        assert_eq!(known(Some(&folder), Precision::F32), []);
+        assert_eq!(known(None, Precision::F32), []);
+        let rates = |processor| Rates { processor, device: 0.1, host: 1e-6, start: 0.1, joints: None };
+        let here = Measured {
+            program: Program::CURRENT.in_words(),
+            cpu: Host::current().cpu,
+            adapter: "one".into(),
+            driver: "its own".into(),
+            precision: "f32".into(),
+            solver: "auto".into(),
+        };
+        let entry = |of: Measured, processor| Entry { of, rates: rates(processor) };
+        let all = [
+            entry(here.clone(), 2.0),
+            entry(Measured { adapter: "another".into(), ..here.clone() }, 3.0),
+            entry(Measured { precision: "mixed".into(), ..here.clone() }, 4.0),
+            entry(Measured { cpu: Some("another".into()), ..here.clone() }, 5.0),
+            entry(Measured { program: "another".into(), ..here }, 6.0),
+        ];
+        create_dir(&folder).unwrap();
+        let write = |text: &str| write_whole(&folder.join(RATES), text.as_bytes()).unwrap();
+        write(&serde_json::to_string(&all).unwrap());
+        assert_eq!(known(Some(&folder), Precision::F32), [rates(2.0), rates(3.0)]);
+        assert_eq!(known(Some(&folder), Precision::Mixed), [rates(4.0)]);
+        write("no rates");
+        assert_eq!(known(Some(&folder), Precision::F32), []);
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+}

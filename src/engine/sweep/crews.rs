@@ -113,8 +113,6 @@ struct Crew<'a, T> {
     digestion: Duration,
     options: &'a SweepOptions<'a>,
     fits_laws: bool,
-    /// Whether a device was asked for already.
-    is_equipped: bool,
     /// Designs whose rows a device counts while the processor makes the numbers of those behind them.
     begun: Option<Counting>,
     /// Whether any row was seen yet that others are compared with.
@@ -142,7 +140,6 @@ impl<'a, T: Send> Crew<'a, T> {
             digestion: Duration::ZERO,
             options,
             fits_laws: study.fits_laws(),
-            is_equipped: false,
             begun: None,
             knows_limits: false,
             fallback,
@@ -152,15 +149,14 @@ impl<'a, T: Send> Crew<'a, T> {
     /// Another one, which knows what this one has learnt.
     fn twin(&self) -> Crew<'a, T> {
         let (ladder, digestion) = (self.ladder.twin(), Duration::ZERO);
-        Crew { ladder, digestion, is_equipped: false, begun: None, ..*self }
+        Crew { ladder, digestion, begun: None, ..*self }
     }
 
     /// With the device, if there is one and no crew has lost it.
-    fn equipped(mut self) -> Crew<'a, T> {
-        if self.is_equipped || self.fallback.get().is_some() {
+    fn equipped(self) -> Crew<'a, T> {
+        if self.ladder.library.device().is_some() || self.fallback.get().is_some() {
             return self;
         }
-        self.is_equipped = true;
         match self.options.gpu.map(|gpu| gpu.condenser()) {
             None => self,
             Some(Ok(condenser)) => Crew { ladder: self.ladder.on(Box::new(condenser)), ..self },

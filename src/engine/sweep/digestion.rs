@@ -185,3 +185,49 @@ impl<'a, T: Send> Digestion<'a, T> {
         portions
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::engine::outcome::Answer;
+    use crate::study::config::Study;
+
+    /// However designs are cut into batches, portions end before multiples and nowhere else but at the end; those that a batch has whole are
+    /// digested with it.
+    #[test]
+    fn portions_end_before_multiples() {
+        let config = include_str!("../../../configs/random.toml");
+        let study = Study::from_text(Path::new("random.toml"), config.to_string()).unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let make = |solved: SolvedDesigns| -> Vec<u64> {
+            solved.outcomes.iter().map(|outcome| outcome.case.index).collect()
+        };
+        let digest = Digest { designs: 100, make: &make };
+        for (step, are_consecutive) in [(1, true), (2, false)] {
+            for ends in [vec![730], vec![30, 100, 400, 730], vec![64, 65, 310, 311, 420, 730]] {
+                let mut cases = study.cases().unwrap().step_by(step).map(Result::unwrap);
+                let mut digestion = Digestion::new(&digest, &pool);
+                let (mut portions, mut in_batches, mut begin) = (Vec::new(), 0, 0);
+                for end in ends {
+                    let own = cases.by_ref().take((end - begin) / step);
+                    let none = || Answer { backend: BackendKind::Cpu, steps: Vec::new() };
+                    let outcomes: Vec<_> = own.map(|case| DesignOutcome::new(case, none())).collect();
+                    let (stretches, _) = stretches(outcomes.into(), &digest, are_consecutive);
+                    let is_digested = |stretch: &&Stretch<_>| matches!(stretch, Stretch::Digested(_));
+                    in_batches += stretches.iter().filter(is_digested).count();
+                    portions.extend(digestion.add(stretches));
+                    begin = end - (end - begin) % step;
+                }
+                portions.extend(digestion.end());
+                let found: Vec<Vec<u64>> = portions.into_iter().map(|portion| portion.content).collect();
+                let all: Vec<u64> = (0..begin as u64).step_by(step).collect();
+                let expected: Vec<Vec<u64>> =
+                    all.chunk_by(|a, b| a / 100 == b / 100).map(<[u64]>::to_vec).collect();
+                assert_eq!(found, expected, "{step}");
+                assert!(in_batches >= 3, "{in_batches} of {}", found.len());
+            }
+        }
+    }
+}

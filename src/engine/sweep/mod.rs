@@ -157,9 +157,7 @@ pub fn run_digested<T: Send>(
     let (solved_senders, solved): (Vec<_>, Vec<_>) = (0..crews.count()).map(|_| sync_channel(0)).unzip();
     let (digested_sender, digested) = sync_channel(1);
     let plan = InterpolationPlan::of_study(study);
-    // A device takes from the threads most of what interpolated designs are, but for their drawing.
-    let share = if options.gpu.is_some() && plan.is_some() { 2 } else { 1 };
-    let mut drawer = Drawer::new(study, &options.designs, share * threads)?;
+    let mut drawer = Drawer::new(study, &options.designs, threads)?;
     let on_processor = if plan.is_some() { INTERPOLATED_BATCH } else { BATCH };
     let most = options.gpu.map_or(on_processor, |gpu| gpu.batch_size(plan.is_some()));
     let batch_size = crews.batch_size(most, count).min(designs_of_rows(study.steps_per_design()));

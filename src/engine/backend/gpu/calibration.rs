@@ -239,7 +239,8 @@ impl MeasuredJoint {
 /// of some batches, since others may use the processor, too.
 fn on_processor(name_and_ratios: (&str, [f64; MAX_PARAMETERS])) -> f64 {
     let requests = requests(name_and_ratios, LANES);
-    let Some((key, group)) = groups(&requests).pop() else { return 1.0 };
+    let group = groups(&requests).pop();
+    let (key, group) = group.unwrap_or_else(|| unreachable!("there are some bodies, all of one topology"));
     let bodies: Vec<Body> = group.into_iter().map(|meshed| meshed.body).collect();
     let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), RingModes::of(&key.class));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);

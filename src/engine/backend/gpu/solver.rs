@@ -248,7 +248,7 @@ impl GpuCondenser<'_> {
 }
 
 impl OnDevice {
-    /// Of bodies like `body`, with what elimination takes, if it is not conjugate gradients that are asked for: these do 12 to 80 times the
+    /// Of bodies like `body`, with what elimination takes, if it is not conjugate gradients that are asked for: these do 30 to 80 times the
     /// work, and the processor, which eliminates as well, is the quicker one where a mesh is too fine for the device.
     fn new(
         kernels: &Kernels,
