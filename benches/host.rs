@@ -1,5 +1,5 @@
 //! What processors do around a GPU, in time of all threads a design: sweeps of designs that are all different, finite elements at 1 %,
-//! with kernels that do nothing; the last one asks for answers alone. `condense`: from the bodies of a batch to their works, or from interpolated joints to their states; `rest`: plans, keys, near fields, contact, what is judged. `cargo bench --bench host [-- DESIGNS [REPEATS]]`. Any Vulkan device will do, software too; no table is written.
+//! with kernels that do nothing; the last one asks for answers alone. `condense`: from the bodies of a batch to their works, or from interpolated joints to their states; `rest`: plans, keys, near fields, contact, what is judged. `cargo bench --bench host [-- DESIGNS [REPEATS [LINE]]]`, of one line where its number is given. Any Vulkan device will do, software too; no table is written.
 
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters};
 use jointsweep::internals::engine::backend::precision::Precision;
@@ -21,16 +21,21 @@ fn main() {
     let mut numbers = std::env::args().skip(1).filter_map(|argument| argument.parse::<u64>().ok());
     let designs = numbers.next().unwrap_or(100_000);
     let repeats = numbers.next().unwrap_or(3);
+    let line = numbers.next();
     let gpu = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap_or_else(|error| panic!("{error}"));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     println!("{}, {} threads", gpu.facts.name, threads);
-    for (sweep, precision, how) in [
+    let lines = [
         (&SWEEPS[0], Precision::F32, How::Condensed),
         (&SWEEPS[0], Precision::Mixed, How::Condensed),
         (&SWEEPS[2], Precision::F32, How::Condensed),
         (&SWEEPS[0], Precision::F32, How::Interpolated),
         (&SWEEPS[0], Precision::F32, How::Counted),
-    ] {
+    ];
+    for (number, (sweep, precision, how)) in (1..).zip(lines) {
+        if line.is_some_and(|line| line != number) {
+            continue;
+        }
         let study = match how {
             How::Counted => sweep.answers(designs),
             _ => sweep.study(designs, how == How::Interpolated),

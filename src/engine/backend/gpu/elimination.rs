@@ -243,7 +243,7 @@ impl Elimination {
                 passes.push(is_elimination);
                 pass.set_pipeline(&stage.pipelines[0]);
                 pass.set_bind_group(0, &gpu.bind(stage, arguments), &[]);
-                pass.dispatch_workgroups(bodies, 1, 1);
+                pass.dispatch_workgroups(stage.workgroups(bodies), 1, 1);
                 self.counts.dispatches += 1;
             };
             let mut taken = 0.0;

@@ -342,7 +342,7 @@ impl JointKernel {
                     let mut pass = encoder.begin_compute_pass(&times.next());
                     pass.set_pipeline(&stage.pipelines[0]);
                     pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
-                    pass.dispatch_workgroups(joints.len() as u32, 1, 1);
+                    pass.dispatch_workgroups(stage.workgroups(joints.len() as u32), 1, 1);
                     counts.dispatches += 1;
                 }
                 at += whole_parts(own);
@@ -363,7 +363,8 @@ impl JointKernel {
                 let mut pass = encoder.begin_compute_pass(&times.next());
                 pass.set_pipeline(&stage.pipelines[0]);
                 pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
-                pass.dispatch_workgroups(designs.len().div_ceil(TOGETHER as usize) as u32, 1, 1);
+                let workgroups = designs.len().div_ceil(TOGETHER as usize) as u32;
+                pass.dispatch_workgroups(stage.workgroups(workgroups), 1, 1);
                 counts.dispatches += 1;
                 read = told;
             }

@@ -42,6 +42,7 @@ pub struct Stage {
     pub bindings: &'static [(&'static str, Access)],
     pub layout: wgpu::BindGroupLayout,
     pub pipelines: Vec<wgpu::ComputePipeline>,
+    making: Making,
 }
 
 /// All kernels in one precision.
@@ -170,6 +171,11 @@ impl<'a> Kernels<'a> {
 }
 
 impl Stage {
+    /// Of so many that a dispatch needs those that it is made of: of kernels that do nothing one, since software takes its time for each.
+    pub(crate) fn workgroups(&self, needed: u32) -> u32 {
+        if self.making == Making::Empty { needed.min(1) } else { needed }
+    }
+
     pub(crate) fn new(
         gpu: &GpuDevice,
         file: &KernelFile,
@@ -201,14 +207,14 @@ impl Stage {
         let mut known = gpu.made.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let key = (source, is_checked);
         if let Some((layout, pipelines)) = known.get(&key).cloned() {
-            return Ok(Stage { bindings: file.bindings, layout, pipelines });
+            return Ok(Stage { bindings: file.bindings, layout, pipelines, making });
         }
         let started = Instant::now();
         let made = gpu.checked(file.name, || Stage::build(&gpu.device, file, &key.0, is_checked))?;
         gpu.making.fetch_add(started.elapsed().as_nanos() as u64, Ordering::Relaxed);
         known.insert(key, made.clone());
         let (layout, pipelines) = made;
-        Ok(Stage { bindings: file.bindings, layout, pipelines })
+        Ok(Stage { bindings: file.bindings, layout, pipelines, making })
     }
 
     fn build(device: &wgpu::Device, file: &KernelFile, source: &str, is_checked: bool) -> MadeKernel {
