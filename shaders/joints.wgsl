@@ -1,6 +1,6 @@
-// Twin: `contact/compliance_rows.rs`, `engine/interpolation/fit.rs` (`FittedFamily::part`), `contact/edge.rs`, `curve.rs` and `search.rs`.
+// Twin: `contact/compliance_rows.rs`, `compliance/near_field.rs`, `engine/interpolation/fit.rs` (`FittedFamily::part`), `contact/edge.rs`, `curve.rs` and `search.rs`.
 //
-// Joints: from two bodies, by their coordinates in fits or by their amplitudes, to the states under some loads, in f32. Compliances are over
+// Joints: from two bodies, by their coordinates in fits, by their amplitudes or by their works, to the states under some loads, in f32. Compliances are over
 // that of the infinite body, so that its even part is one.
 //
 // One workgroup has one joint. Its invocations take products of polynomials, then members, then nodes of the curve, then its
@@ -22,7 +22,9 @@ struct Rows {
     coefficients_at: u32,
     sizes_at: u32,
     rows_at: u32,
-    padding: vec2<u32>,
+    // Of the members those that are not of ring modes, where works of these may be on the device.
+    before_ring: u32,
+    padding: u32,
 }
 
 struct JointParameters {
@@ -40,19 +42,37 @@ struct JointParameters {
     padding: vec2<u32>,
 }
 
+// Of a joint: its parameters, where its numbers and what is found of it begin, and how many loads it has; of pin and plate where works
+// begin, or `ELSEWHERE` or `MISSING`, and the two near fields between which they lie.
+struct Place {
+    parameters: u32,
+    numbers_at: u32,
+    found_at: u32,
+    load_count: u32,
+    works_at: vec2<u32>,
+    padding: vec2<u32>,
+    near_fields_at: vec4<u32>,
+}
+
 @group(0) @binding(0) var<storage, read> parameters: array<JointParameters>;
 @group(0) @binding(1) var<storage, read> tables: array<u32>;
-// Of each joint: its parameters, where its numbers and what is found of it begin, and how many loads it has.
-@group(0) @binding(2) var<storage, read> places: array<vec4<u32>>;
+@group(0) @binding(2) var<storage, read> places: array<Place>;
 // Of a joint: of each body four coordinates from -1 to 1, even and odd of the infinite body, and its share; tilts of the pin; the
-// clearance ratio, m, and the bend of the gap; two numbers a load; amplitudes of the pin, and of the plate.
+// clearance ratio, m, and the bend of the gap; two numbers a load; amplitudes of the pin, and of the plate. Where works are on the device
+// only those before the ring's, and then the weights of the nodes of both near fields.
 @group(0) @binding(3) var<storage, read> joints: array<f32>;
+// Of a body as `eliminate.wgsl` leaves it: whether it is sound, the greatest loss of a pivot, then works, of a pin also those of its tilt.
+@group(0) @binding(4) var<storage, read> works: array<f32>;
+// Of a near field: works of the first node, then of the next one, `NEAR_NODES` in all.
+@group(0) @binding(5) var<storage, read> near_fields: array<f32>;
 // Of a joint: what the curve leaves between its nodes, then `STATE_NUMBERS` of each load.
-@group(0) @binding(4) var<storage, read_write> found: array<f32>;
+@group(0) @binding(6) var<storage, read_write> found: array<f32>;
 
 // Of the joint that a workgroup has.
 var<private> of_joint: JointParameters;
 var<private> load_count: u32;
+var<private> works_at: vec2<u32>;
+var<private> near_fields_at: vec4<u32>;
 
 const HALF_PI = 1.5707964;
 const PI = 3.1415927;
@@ -163,6 +183,40 @@ fn bent_versines(b: f32) -> array<f32, TERMS> {
     return values;
 }
 
+// Whether all amplitudes of a body come with the joint.
+fn is_given(side: u32) -> bool {
+    return works_at[side] == ELSEWHERE;
+}
+
+// Whether the works of a body are there and good enough, of so many entries for each way to push.
+fn is_good(side: u32, entries: u32) -> bool {
+    let at = works_at[side];
+    if at == ELSEWHERE || at == MISSING {
+        return at == ELSEWHERE;
+    }
+    var greatest = 0.0;
+    for (var mode = 0u; packed(mode, mode) < entries; mode += 1u) {
+        greatest = max(greatest, works[at + WORKS_HEADER + packed(mode, mode)]);
+    }
+    let loss = works[at + 1u] * greatest;
+    return works[at] == 1.0 && is_finite(wide(loss)) && loss <= ROUGHEST_LOSS;
+}
+
+// A work of a body, of so many, with what its near fields add.
+fn corrected(side: u32, entry: u32, count: u32, weights_at: u32) -> f32 {
+    if works_at[side] == MISSING {
+        return 0.0;
+    }
+    var sum = works[works_at[side] + WORKS_HEADER + entry];
+    for (var around = 0u; around < 2u; around += 1u) {
+        let near_at = near_fields_at[2u * side + around] + entry;
+        for (var node = 0u; node < NEAR_NODES; node += 1u) {
+            sum += joints[weights_at + around * NEAR_NODES + node] * near_fields[near_at + node * count];
+        }
+    }
+    return sum;
+}
+
 // Amplitudes of a body's members, and from them the weights of its rows.
 fn weigh(side: u32, joint_at: u32, invocation: u32) {
     let rows = of_joint.bodies[side];
@@ -190,8 +244,11 @@ fn weigh(side: u32, joint_at: u32, invocation: u32) {
     // Those of the plate are behind those of the pin.
     var amplitudes_at = joint_at + JOINT_NUMBERS + 2u * load_count;
     if side == 1u && of_joint.bodies[0].product_count == 0u {
-        amplitudes_at += of_joint.bodies[0].member_count;
+        let of_pin = of_joint.bodies[0];
+        amplitudes_at += select(of_pin.member_count, of_pin.before_ring + 2u * NEAR_NODES, !is_given(0u));
     }
+    let weights_at = amplitudes_at + rows.before_ring;
+    let entries = rows.member_count - rows.before_ring;
     let share = joints[body_at + 6u];
     let row_count = rows.member_count + 2u;
     let at = joint_at + 2u * BODY_NUMBERS;
@@ -200,8 +257,17 @@ fn weigh(side: u32, joint_at: u32, invocation: u32) {
         if row < 2u {
             amplitude = joints[body_at + 4u + row];
         } else {
-            if rows.product_count == 0u {
-                amplitude = joints[amplitudes_at + row - 2u];
+            let member = row - 2u;
+            if !is_given(side) && member >= rows.before_ring {
+                let entry = member - rows.before_ring;
+                if side == 0u {
+                    let of_tilt = corrected(side, entries + entry, 2u * entries, weights_at);
+                    amplitude = corrected(side, entry, 2u * entries, weights_at) + joints[at] * of_tilt;
+                } else {
+                    amplitude = corrected(side, entry, entries, weights_at);
+                }
+            } else if rows.product_count == 0u {
+                amplitude = joints[amplitudes_at + member];
             }
             for (var product = 0u; product < rows.product_count; product += 1u) {
                 let coefficient = number(rows.coefficients_at + product * rows.coefficient_stride + row - 2u);
@@ -525,10 +591,12 @@ fn solve_joints(
     @builtin(local_invocation_index) invocation: u32,
 ) {
     let place = places[group.x];
-    of_joint = parameters[place.x];
-    load_count = place.w;
-    let joint_at = place.y;
-    let found_at = place.z;
+    of_joint = parameters[place.parameters];
+    load_count = place.load_count;
+    works_at = place.works_at;
+    near_fields_at = place.near_fields_at;
+    let joint_at = place.numbers_at;
+    let found_at = place.found_at;
     let node_count = of_joint.node_count;
     var pin: array<f32, ENTRIES>;
     var both: array<f32, ENTRIES>;
@@ -569,6 +637,10 @@ fn solve_joints(
     var first_node = node_count;
     var grown = 0.0;
     var is_whole = true;
+    for (var side = 0u; side < 2u; side += 1u) {
+        let rows = of_joint.bodies[side];
+        is_whole = is_whole && is_good(side, rows.member_count - rows.before_ring);
+    }
     for (var node = node_count; node > 0u; node -= 1u) {
         let own = nodes[node - 1u];
         is_whole = is_whole && own.is_sound && own.indentation > grown && grown < 1.0;

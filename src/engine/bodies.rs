@@ -27,7 +27,7 @@ use crate::engine::ring_loads::RingLoads;
 use crate::engine::stopwatch::Stopwatch;
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
-use crate::mechanics::compliance::near_field::{LoadedRing, NearFieldClass};
+use crate::mechanics::compliance::near_field::{LoadedRing, NearField, NearFieldClass};
 
 /// Solves bodies and remembers them, with everything that many bodies share.
 #[derive(Default)]
@@ -94,6 +94,30 @@ impl<'a> BodyLibrary<'a> {
     pub fn solves_joints(&self) -> SolvedJoints {
         let device = self.device().filter(|_| self.lost.is_none());
         device.map_or(SolvedJoints::None, Device::solves_joints)
+    }
+
+    /// The device, as long as it lasts; to be given back.
+    pub fn take_device(&mut self) -> Option<Box<dyn Device + 'a>> {
+        self.device.take_if(|_| self.lost.is_none())
+    }
+
+    /// With what has become of what it was asked: false where it is lost.
+    pub fn give_back(&mut self, device: Box<dyn Device + 'a>, asked: Result<bool, GpuError>) -> bool {
+        self.device = Some(device);
+        asked.map_err(|error| self.lost = Some(error)).unwrap_or(false)
+    }
+
+    /// Makes near fields, as far as they are not there yet. Others may be gone then.
+    pub fn prepare_near_fields(&mut self, classes: &[NearFieldClass]) {
+        let BodyLibrary { near_fields, ring_loads, .. } = self;
+        let new = classes.iter().filter(|class| !near_fields.has(class));
+        ring_loads.prepare(new.map(|class| class.mesh().ring()));
+        near_fields.prepare(classes.iter().copied(), ring_loads);
+    }
+
+    /// Those of classes, which were prepared.
+    pub fn near_fields(&self, classes: &[NearFieldClass]) -> Vec<&NearField> {
+        self.near_fields.all(classes)
     }
 
     /// Gives the device joints; where it is lost, they are the processor's.

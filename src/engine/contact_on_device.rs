@@ -1,73 +1,137 @@
 //! The contact of bodies on meshes on a device: the processor makes the numbers of joints and judges their states. What the device has no
 //! kernel for, and what is not good enough, is left to the processor.
 
+use crate::engine::accuracy::body_errors::OwnError;
 use crate::engine::accuracy::{Estimate, Want};
-use crate::engine::backend::joints::{Amplitudes, BodyTables, DeviceBody, DeviceJoint, JointTables, states};
-use crate::engine::bodies::BodyLibrary;
+use crate::engine::backend::joints::{
+    Amplitudes, BodyTables, CondensedBody, DeviceBody, DeviceJoint, JointTables, states,
+};
+use crate::engine::body_request::BodyRequest;
 use crate::engine::device_joints::{Given, errors_of_bodies};
-use crate::engine::joint_contact::{SolvedPlan, judged, own_error};
+use crate::engine::joint_contact::judged;
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind};
+use crate::engine::plan::JointPlan;
 use crate::engine::row::Solving;
 use crate::engine::spaces::Spaces;
+use crate::mechanics::body::{Body, Side};
+use crate::mechanics::compliance::near_field::NearField;
+use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::compliance::series::ConcentricBody;
+use crate::mechanics::compliance::{BodyCompliance, infinite};
 use crate::mechanics::contact::compliance_rows::ModeMembers;
 use crate::study::design::DesignCase;
 
+/// A body of a joint that a device is given.
+#[derive(Clone, Copy)]
+pub enum GivenBody<'a> {
+    Solved(&'a BodyCompliance),
+    OnDevice(BodyOnDevice<'a>),
+}
+
+/// One that the device condenses for the joint, with what the processor knows of it.
+#[derive(Clone, Copy)]
+pub struct BodyOnDevice<'a> {
+    pub modes: RingModes,
+    /// The near fields between which (0 to 1) its own lies.
+    pub around: [&'a NearField; 2],
+    pub between: f64,
+    pub place: CondensedBody,
+}
+
+impl BodyOnDevice<'_> {
+    /// How many bands of second order a body has.
+    pub fn band_count(body: &Body) -> usize {
+        bounded_pin(body).map_or(0, |body| body.second_order_count())
+    }
+}
+
+/// What bands of second order are of: a concentric pin.
+fn bounded_pin(body: &Body) -> Option<ConcentricBody> {
+    ConcentricBody::of(body).filter(|_| body.shape.side == Side::Pin)
+}
+
+/// Whether a device may solve the joints of a plan, as far as the plan tells. Layers, press fits, and meshes that are told by coarser ones
+/// are the processor's.
+pub fn is_for_devices(plan: &JointPlan) -> bool {
+    plan.estimate == Estimate::Known
+        && [&plan.pin, &plan.plate].into_iter().all(|request| request.body.lining.is_empty())
+}
+
 /// The joint of some designs of one `JointKey`, whose bodies and space were prepared, with `even` of its compliance; nothing where a device
-/// has no kernel for it. Layers, press fits, and meshes that are told by coarser ones are the processor's.
+/// has no kernel for it.
 pub fn given<'a, 'b>(
-    library: &BodyLibrary,
     spaces: &'a Spaces,
-    SolvedPlan { plan, bodies }: SolvedPlan,
+    plan: &JointPlan,
+    bodies: [GivenBody; 2],
     cases: impl Iterator<Item = &'b DesignCase> + Clone,
     numbers: &mut Vec<f32>,
 ) -> Option<Given<'a, f64>> {
     let joint = &cases.clone().next()?.joint;
     let outlines = JointScale::of(joint).outlines;
-    let parts = [(&plan.pin, &joint.pin), (&plan.plate, &joint.plate)];
-    if plan.estimate != Estimate::Known || parts.iter().any(|(request, _)| !request.body.lining.is_empty()) {
+    if !is_for_devices(plan) {
         return None;
     }
-    let solved = bodies.own.map(|handle| &library.body(handle).compliance);
-    let members = |side: usize| ModeMembers::of(parts[side].0.body.shape.side, solved[side]);
+    let parts = [(&plan.pin, &joint.pin), (&plan.plate, &joint.plate)];
+    let second = [0, 1].map(|side| match bodies[side] {
+        GivenBody::OnDevice(_) => bounded_pin(&parts[side].0.body).map(|body| body.second_order()),
+        GivenBody::Solved(_) => None,
+    });
+    let second = second.each_ref().map(|second| second.as_deref().unwrap_or_default());
+    let members = |side: usize| {
+        let own = parts[side].0.body.shape.side;
+        match bodies[side] {
+            GivenBody::Solved(compliance) => ModeMembers::of(own, compliance),
+            GivenBody::OnDevice(body) => Some(ModeMembers::of_mesh(own, second[side].len(), body.modes)),
+        }
+    };
     let members = [members(0)?, members(1)?];
     let space = (plan.space, spaces.get(plan.space));
     let tables = JointTables { bodies: members.map(BodyTables::Modes), space };
     if !tables.are_for_devices(&outlines) {
         return None;
     }
-    let body = |side: usize| DeviceBody {
-        infinite: [solved[side].even, solved[side].odd],
-        share: 1.0 / parts[side].1.contact_material().youngs_modulus,
-        amplitudes: Amplitudes::Modes(members[side], solved[side]),
+    let body = |side: usize| {
+        let (request, part) = parts[side];
+        let (infinite, amplitudes) = match bodies[side] {
+            GivenBody::Solved(solved) => {
+                ([solved.even, solved.odd], Amplitudes::Modes(members[side], solved))
+            }
+            GivenBody::OnDevice(BodyOnDevice { around, between, .. }) => {
+                let weights = NearField::weights(around, between, &request.body);
+                (infinite(&request.body), Amplitudes::OnDevice(members[side], second[side], weights))
+            }
+        };
+        DeviceBody { infinite, share: 1.0 / part.contact_material().youngs_modulus, amplitudes }
     };
     let joint = DeviceJoint { bodies: [body(0), body(1)], outlines };
     let loads = cases.flat_map(|case| JointScale::of(&case.joint).loads_in_contact(&case.steps));
     let load_count = joint.numbers(loads, numbers)?;
-    Some(Given { tables, load_count, kept: joint.even() })
+    let condensed = bodies.map(|body| match body {
+        GivenBody::Solved(_) => None,
+        GivenBody::OnDevice(body) => Some(body.place),
+    });
+    Some(Given { tables, load_count, condensed, kept: joint.even() })
 }
 
-/// The answers to the designs of a joint that was given, from what a device has found, if all of them are good enough.
-pub fn judged_designs<'a>(
-    library: &BodyLibrary,
+/// The answers to the designs of a joint that was given, from what a device has found, if all of them are good enough; `own` is what is
+/// known of a body.
+pub fn judged_designs<'a, 'b>(
     spaces: &Spaces,
-    SolvedPlan { plan, bodies }: SolvedPlan,
+    plan: &'b JointPlan,
+    own: impl Fn(usize, &'b BodyRequest) -> OwnError<'b>,
     cases: impl Iterator<Item = &'a DesignCase> + Clone,
     accuracy: f64,
     (even, found): (f64, &[f32]),
 ) -> Option<Vec<(Answer, Want)>> {
     let outlines = JointScale::of(&cases.clone().next()?.joint).outlines;
     let (of_curve, mut states) = states(found, even, &outlines)?;
-    let errors = [0, 1].map(|side| {
-        let request = [&plan.pin, &plan.plate][side];
-        own_error(request, library.body(bodies.own[side]), true)
-    });
-    let limit = outlines.of_hole(spaces.get(plan.space).limit);
-    let solving = Solving { backend: BackendKind::Gpu, method: plan.method(), limit, accuracy };
+    let errors = [own(0, &plan.pin), own(1, &plan.plate)];
+    let limit_of_pin = spaces.get(plan.space).limit;
+    let solving = Solving { backend: BackendKind::Gpu, method: plan.method(), limit_of_pin, accuracy };
     let answer = |case: &DesignCase| {
-        let count = JointScale::of(&case.joint).loads_in_contact(&case.steps).count();
-        let own = states.by_ref().take(count);
-        let own = own.map(|found| Ok((found.state, errors_of_bodies(&errors, &found))));
+        // As many as the design has loads in contact.
+        let own = states.by_ref().map(|found| Ok((found.state, errors_of_bodies(&errors, &found))));
         let (answer, want) = judged(case, &outlines, solving, of_curve, own);
         (want == Want::Nothing).then_some((answer, want))
     };

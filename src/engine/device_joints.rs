@@ -4,12 +4,19 @@ use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::accuracy::body_errors::OwnError;
-use crate::engine::backend::joints::{BatchedJoint, FoundState, JointBatch, JointTables, TablesKey};
+use crate::engine::backend::joints::{
+    BatchedJoint, CondensedBody, FoundState, JointBatch, JointTables, TablesKey,
+};
+
+/// Joints of condensed bodies that a thread takes at a time, to give them to a device or to judge what that has found.
+pub const JOINTS_TOGETHER: usize = 16;
 
 /// A joint whose numbers are made, with what is kept of it until it is judged.
 pub struct Given<'a, T> {
     pub tables: JointTables<'a>,
     pub load_count: u32,
+    /// Of pin and plate, where the device condenses it.
+    pub condensed: [Option<CondensedBody>; 2],
     pub kept: T,
 }
 
@@ -28,13 +35,17 @@ pub fn gathered<'a, I: Sync, T: Send>(
         let mut portion = Portion { kept: Vec::with_capacity(things.len()), ..Portion::default() };
         for thing in things {
             let at = portion.numbers.len();
+            // Most have as many as the first.
+            if portion.kept.len() == 1 {
+                portion.numbers.reserve(at * things.len());
+            }
             let given = give(thing, &mut portion.numbers);
             if given.is_none() {
                 portion.numbers.truncate(at);
             }
-            let own = given.map(|Given { tables, load_count, kept }| {
+            let own = given.map(|Given { tables, load_count, condensed, kept }| {
                 let tables = place_of(tables, &mut portion.places, &mut portion.tables);
-                (kept, BatchedJoint { tables, numbers_at: at as u32, load_count })
+                (kept, BatchedJoint { tables, numbers_at: at as u32, load_count, condensed })
             });
             portion.kept.push(own);
         }

@@ -1,6 +1,9 @@
 //! The contact of designs with one joint, its bodies being solved: their states, how good they are, and what they want.
 
 use std::hash::Hash;
+use std::ops::Range;
+
+use foldhash::HashMap;
 
 use crate::engine::accuracy::body_errors::{BodyErrors, JudgedBody, OwnError};
 use crate::engine::accuracy::geometry_error::{OutlineError, WIDEST_CLEARANCE};
@@ -33,6 +36,54 @@ pub fn joint_key<B: Hash>(bodies: [B; 2], plan: &JointPlan, case: &DesignCase) -
         [&case.joint.pin, &case.joint.plate].map(|part| part.contact_material().youngs_modulus);
     let numbers = [pin, plate, JointScale::of(&case.joint).outlines.radial_clearance].map(f64::to_bits);
     Hashed::new((bodies, numbers, plan.space, plan.estimate))
+}
+
+/// Designs of one joint that a thread solves.
+const TOGETHER: usize = 64;
+
+/// Which of some designs have a joint in common.
+#[derive(Default)]
+pub struct Alike {
+    /// Of the designs, those side by side that have a joint in common, in the order in which these are first met.
+    pub places: Vec<u32>,
+    /// Of each joint its part of them: no more than `TOGETHER`.
+    pub joints: Vec<Range<u32>>,
+}
+
+impl Alike {
+    /// By the keys of the designs.
+    pub fn of<B: Eq + Hash>(keys: Vec<JointKey<B>>) -> Alike {
+        let mut numbers: HashMap<JointKey<B>, usize> = HashMap::default();
+        let mut counts: Vec<u32> = Vec::with_capacity(keys.len());
+        let number_of = |key: JointKey<B>| {
+            let number = *numbers.entry(key).or_insert(counts.len());
+            if number == counts.len() {
+                counts.push(0);
+            }
+            counts[number] += 1;
+            number
+        };
+        let of_places: Vec<usize> = keys.into_iter().map(number_of).collect();
+        let mut joints = Vec::with_capacity(counts.len());
+        let mut next = 0;
+        // From here on where the next place of each goes.
+        for count in &mut counts {
+            let end = next + *count;
+            joints.extend((next..end).step_by(TOGETHER).map(|start| start..end.min(start + TOGETHER as u32)));
+            *count = std::mem::replace(&mut next, end);
+        }
+        let mut places = vec![0; of_places.len()];
+        for (place, number) in (0..).zip(of_places) {
+            places[counts[number] as usize] = place;
+            counts[number] += 1;
+        }
+        Alike { places, joints }
+    }
+
+    /// The designs of a joint.
+    pub fn places(&self, joint: &Range<u32>) -> &[u32] {
+        &self.places[joint.start as usize..joint.end as usize]
+    }
 }
 
 /// A plan with its bodies, which were solved.
@@ -117,7 +168,7 @@ pub fn solve_designs<'a>(
     let space = spaces.get(plan.space);
     let outlines = JointScale::of(&first.joint).outlines;
     let (members, backend) = judged_bodies(library, space, solved, &first.joint, &outlines, parts);
-    let solving = Solving { backend, method: plan.method(), limit: outlines.of_hole(space.limit), accuracy };
+    let solving = Solving { backend, method: plan.method(), limit_of_pin: space.limit, accuracy };
     let trust = match plan.estimate {
         Estimate::Change(trust) => Some((trust, plan.level)),
         Estimate::Exact | Estimate::Known => None,
@@ -187,4 +238,35 @@ pub fn judged(
         Ok((state, ForceError::new(&state, of_curve, of_bodies, of_outlines.at(state.half_angle))))
     });
     solving.respond(case, states)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every place is there once, beside those of its key, and no joint has too many.
+    #[test]
+    fn places_of_one_joint_come_together() {
+        let key = |place: usize| {
+            // Of seven keys one has half of the places.
+            let number = if place.is_multiple_of(2) { 0 } else { place % 7 };
+            let bodies = [number, 0];
+            Hashed::new((bodies, [0; 3], SpaceKey::of_press_fits(0.1), Estimate::Exact))
+        };
+        let count = 5 * TOGETHER;
+        let Alike { places, joints } = Alike::of((0..count).map(key).collect());
+        let mut all = places.clone();
+        all.sort_unstable();
+        assert!(all.into_iter().eq(0..count as u32));
+        assert_eq!(joints.iter().map(Range::len).sum::<usize>(), count);
+        let mut end = 0;
+        for joint in &joints {
+            let own = &places[joint.start as usize..joint.end as usize];
+            assert!(joint.start == end && !own.is_empty() && own.len() <= TOGETHER, "{joint:?}");
+            assert!(own.is_sorted() && own.iter().all(|place| key(*place as usize) == key(own[0] as usize)));
+            end = joint.end;
+        }
+        // Half of the places and a seventh of the others need three joints of `TOGETHER`, six sevenths one each.
+        assert_eq!(joints.len(), 3 + 6);
+    }
 }

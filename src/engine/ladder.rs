@@ -6,7 +6,6 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::time::Duration;
 
-use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
@@ -16,12 +15,12 @@ use crate::engine::backend::{Device, IN_FLIGHT};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::body_portions::MANY;
 use crate::engine::body_request::{BodyHandle, JointBodies};
-use crate::engine::contact_on_device::{given, judged_designs};
-use crate::engine::device_joints::{Underway, gathered};
+use crate::engine::contact_on_device::{GivenBody, given, judged_designs};
+use crate::engine::device_joints::{JOINTS_TOGETHER, Underway, gathered};
 use crate::engine::hashed::Hashed;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::interpolation::interpolated::Interpolation;
-use crate::engine::joint_contact::{ContactRoom, JointKey, SolvedPlan, joint_key, solve_designs};
+use crate::engine::joint_contact::{Alike, ContactRoom, SolvedPlan, joint_key, own_error, solve_designs};
 use crate::engine::known_bodies::RequestKey;
 use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::engine::plan::JointPlan;
@@ -30,15 +29,9 @@ use crate::engine::question::counted::{Counted, Verdict};
 use crate::engine::row::{closed_form, refused};
 use crate::engine::spaces::{Needs, Spaces};
 use crate::engine::stopwatch::Stopwatch;
+use crate::engine::whole_joints::{WholeJoints, portions};
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
-
-/// Designs of one joint that a thread solves.
-const TOGETHER: usize = 64;
-
-/// Designs tried together go to a device in so many portions, none smaller than `FEWEST` but the last: each keeps a large device busy.
-const PORTIONS: usize = 4;
-const FEWEST: usize = 1024;
 
 /// The answers to the designs of a joint, and what they have taken.
 type Timed = (Vec<(Answer, Want)>, Duration);
@@ -47,10 +40,7 @@ type Timed = (Vec<(Answer, Want)>, Duration);
 struct Attempt<'a> {
     open: &'a [(usize, JointPlan)],
     bodies: Vec<JointBodies>,
-    /// Their places, those side by side that have a joint in common.
-    places: Vec<u32>,
-    /// Of each joint its part of them: no more than a thread solves.
-    joints: Vec<Range<u32>>,
+    alike: Alike,
     /// Of each joint what is kept while a device has it, where one solves joints.
     on_device: Option<Underway<f64>>,
 }
@@ -58,12 +48,8 @@ struct Attempt<'a> {
 impl Attempt<'_> {
     /// Of a joint its plan, with its bodies.
     fn plan(&self, joint: &Range<u32>) -> SolvedPlan<'_> {
-        let place = self.places[joint.start as usize] as usize;
+        let place = self.alike.places(joint)[0] as usize;
         SolvedPlan { plan: &self.open[place].1, bodies: self.bodies[place] }
-    }
-
-    fn places(&self, joint: &Range<u32>) -> &[u32] {
-        &self.places[joint.start as usize..joint.end as usize]
     }
 
     /// The designs of a joint.
@@ -72,7 +58,7 @@ impl Attempt<'_> {
         cases: &'b [DesignCase],
         joint: &Range<u32>,
     ) -> impl Iterator<Item = &'b DesignCase> + Clone {
-        self.places(joint).iter().map(|place| &cases[self.open[*place as usize].0])
+        self.alike.places(joint).iter().map(|place| &cases[self.open[*place as usize].0])
     }
 }
 
@@ -83,8 +69,7 @@ pub struct Counting {
     are_there: Vec<bool>,
 }
 
-/// Joints that a thread takes at a time, to give them to a device or to judge what that has found, and to solve them.
-const JOINTS_TOGETHER: usize = 16;
+/// Joints that a thread takes at a time, to solve them.
 const SOLVED_TOGETHER: usize = 4;
 
 /// Solves batches of designs; keeps the bodies it has met.
@@ -244,23 +229,38 @@ impl<'a> Ladder<'a> {
         settled
     }
 
+    /// One attempt at each of some designs: those first whose joints a device solves from the numbers of their bodies on.
+    fn attempts(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
+        let Ladder { library, spaces, options, times, .. } = self;
+        let mut sweep = WholeJoints { library, spaces, accuracy: options.accuracy, contact: Duration::ZERO };
+        let solved = sweep.solve(cases, open);
+        times.contact += sweep.contact;
+        let is_left = |(_, solved): &(_, &Option<_>)| solved.is_none();
+        let left = open.iter().zip(&solved).filter(is_left).map(|(open, _)| open);
+        let others = match solved.iter().any(Option::is_some) {
+            true => self.long_attempts(cases, &left.cloned().collect::<Vec<_>>()),
+            false => self.long_attempts(cases, open),
+        };
+        let mut others = others.into_iter();
+        solved.into_iter().filter_map(|solved| solved.or_else(|| others.next())).collect()
+    }
+
     /// One attempt at each of some designs. A device has the bodies of up to two portions, and the joints of another, while the processor
     /// judges those of one more, or solves them.
-    fn attempts(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
+    fn long_attempts(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
         if self.library.device().is_none() || self.library.lost().is_some() {
             let bodies = self.prepare(open);
             let attempt = self.begin_attempt(cases, open, bodies);
             return self.finish_attempt(cases, attempt);
         }
-        let portion = open.len().div_ceil(PORTIONS).max(FEWEST);
-        let requested: Vec<Vec<RequestKey>> = open.chunks(portion).map(requests).collect();
+        let requested: Vec<Vec<RequestKey>> = portions(open).map(requests).collect();
         self.library.keep_used(requested.iter().flatten());
         let mut ahead = requested.iter();
         let begin = |requests: &Vec<RequestKey>| self.library.begin(requests);
         let mut handles: VecDeque<Vec<BodyHandle>> = ahead.by_ref().take(IN_FLIGHT).map(begin).collect();
         let mut solved = Vec::with_capacity(open.len());
         let mut begun: Option<Attempt> = None;
-        for portion in open.chunks(portion) {
+        for portion in portions(open) {
             let own = handles.pop_front().unwrap_or_default();
             let bodies = self.solve_bodies(portion, |library| {
                 library.finish();
@@ -320,15 +320,16 @@ impl<'a> Ladder<'a> {
             joint_key(bodies.own, plan, &cases[*index])
         };
         let keys = open.par_iter().with_min_len(MANY).zip(&bodies).map(key);
-        let keys: Vec<JointKey<BodyHandle>> = keys.collect();
-        let (places, joints) = alike(keys);
-        let mut attempt = Attempt { open, bodies, places, joints, on_device: None };
+        let alike = Alike::of(keys.collect());
+        let mut attempt = Attempt { open, bodies, alike, on_device: None };
         if self.library.solves_joints() == SolvedJoints::All {
             let (library, spaces) = (&self.library, &self.spaces);
             let give = |joint: &Range<u32>, numbers: &mut Vec<f32>| {
-                given(library, spaces, attempt.plan(joint), attempt.cases(cases, joint), numbers)
+                let SolvedPlan { plan, bodies } = attempt.plan(joint);
+                let bodies = bodies.own.map(|handle| GivenBody::Solved(&library.body(handle).compliance));
+                given(spaces, plan, bodies, attempt.cases(cases, joint), numbers)
             };
-            let (batch, underway) = gathered(&attempt.joints, JOINTS_TOGETHER, give);
+            let (batch, underway) = gathered(&attempt.alike.joints, JOINTS_TOGETHER, give);
             self.library.begin_joints(&batch);
             attempt.on_device = Some(underway);
         }
@@ -340,11 +341,13 @@ impl<'a> Ladder<'a> {
         let underway = attempt.on_device.take();
         let found = underway.and_then(|underway| Some((underway, self.library.finish_joints()?)));
         let (library, spaces, accuracy) = (&self.library, &self.spaces, self.options.accuracy);
-        let (attempt, joints) = (&attempt, &attempt.joints[..]);
+        let (attempt, joints) = (&attempt, &attempt.alike.joints[..]);
         let judge = |joint: &Range<u32>, even: f64, found: &[f32]| {
             let started = Stopwatch::start();
-            let (plan, own) = (attempt.plan(joint), attempt.cases(cases, joint));
-            let judged = judged_designs(library, spaces, plan, own, accuracy, (even, found))?;
+            let SolvedPlan { plan, bodies } = attempt.plan(joint);
+            let known = |side: usize, request| own_error(request, library.body(bodies.own[side]), true);
+            let cases = attempt.cases(cases, joint);
+            let judged = judged_designs(spaces, plan, known, cases, accuracy, (even, found))?;
             Some((judged, started.elapsed()))
         };
         let mut judged: Vec<Option<Timed>> = found.map_or_else(Vec::new, |(underway, found)| {
@@ -372,8 +375,9 @@ impl<'a> Ladder<'a> {
         let solved: Vec<Timed> = portions.map_init(ContactRoom::default, solve).collect();
         self.times.contact += solved.iter().map(|(_, time)| *time).sum::<Duration>();
         let mut in_order: Vec<Option<(Answer, Want)>> = vec![None; attempt.open.len()];
-        let places = joints.iter().flat_map(|joint| attempt.places(joint));
-        for (place, answer) in places.zip(solved.into_iter().flat_map(|(answers, _)| answers)) {
+        for (place, answer) in
+            attempt.alike.places.iter().zip(solved.into_iter().flat_map(|(answers, _)| answers))
+        {
             in_order[*place as usize] = Some(answer);
         }
         in_order.into_iter().flatten().collect()
@@ -400,71 +404,8 @@ impl<'a> Ladder<'a> {
     }
 }
 
-/// Places of equal keys side by side, in the order in which these are first met, and where those of each begin and end: no more than
-/// `TOGETHER`.
-fn alike(keys: Vec<JointKey<BodyHandle>>) -> (Vec<u32>, Vec<Range<u32>>) {
-    let mut numbers: HashMap<JointKey<BodyHandle>, usize> = HashMap::default();
-    let mut counts: Vec<u32> = Vec::with_capacity(keys.len());
-    let number_of = |key: JointKey<BodyHandle>| {
-        let number = *numbers.entry(key).or_insert(counts.len());
-        if number == counts.len() {
-            counts.push(0);
-        }
-        counts[number] += 1;
-        number
-    };
-    let of_places: Vec<usize> = keys.into_iter().map(number_of).collect();
-    let mut joints = Vec::with_capacity(counts.len());
-    let mut next = 0;
-    // From here on where the next place of each goes.
-    for count in &mut counts {
-        let end = next + *count;
-        joints.extend((next..end).step_by(TOGETHER).map(|start| start..end.min(start + TOGETHER as u32)));
-        *count = std::mem::replace(&mut next, end);
-    }
-    let mut places = vec![0; of_places.len()];
-    for (place, number) in (0..).zip(of_places) {
-        places[counts[number] as usize] = place;
-        counts[number] += 1;
-    }
-    (places, joints)
-}
-
 /// The bodies of plans, in their order.
 fn requests(open: &[(usize, JointPlan)]) -> Vec<RequestKey> {
     let plans = open.par_iter().with_min_len(MANY);
     plans.flat_map_iter(|(_, plan)| plan.requests().map(Hashed::new)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::engine::accuracy::Estimate;
-    use crate::engine::spaces::SpaceKey;
-
-    /// Every place is there once, beside those of its key, and no joint has too many.
-    #[test]
-    fn places_of_one_joint_come_together() {
-        let key = |place: usize| {
-            // Of seven keys one has half of the places.
-            let number = if place.is_multiple_of(2) { 0 } else { place % 7 };
-            let bodies = [number, 0].map(BodyHandle::of);
-            Hashed::new((bodies, [0; 3], SpaceKey::of_press_fits(0.1), Estimate::Exact))
-        };
-        let count = 5 * TOGETHER;
-        let (places, joints) = alike((0..count).map(key).collect());
-        let mut all = places.clone();
-        all.sort_unstable();
-        assert!(all.into_iter().eq(0..count as u32));
-        assert_eq!(joints.iter().map(Range::len).sum::<usize>(), count);
-        let mut end = 0;
-        for joint in &joints {
-            let own = &places[joint.start as usize..joint.end as usize];
-            assert!(joint.start == end && !own.is_empty() && own.len() <= TOGETHER, "{joint:?}");
-            assert!(own.is_sorted() && own.iter().all(|place| key(*place as usize) == key(own[0] as usize)));
-            end = joint.end;
-        }
-        // Half of the places and a seventh of the others need three joints of `TOGETHER`, six sevenths one each.
-        assert_eq!(joints.len(), 3 + 6);
-    }
 }

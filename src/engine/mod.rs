@@ -29,6 +29,7 @@ mod device_joints;
 pub mod joint_contact;
 mod contact_on_device;
 pub mod interpolation;
+mod whole_joints;
 pub mod ladder;
 pub mod joint_curve;
 pub mod material_shares;

@@ -42,12 +42,9 @@ impl JointPlan {
             return Ok(plan);
         }
         let expected = ExpectedContact::of(case);
-        let is_enough =
-            |plan: &JointPlan| plan.foreseen_error(&expected).is_some_and(|error| error <= accuracy);
-        let mut known =
-            (0..KNOWN_LEVELS).map(|level| JointPlan { estimate: Estimate::Known, ..plan.on_level(level) });
-        if let Some(known) = known.find(|plan| is_enough(plan) && plan.is_bounded()) {
-            return Ok(known);
+        let is_enough = |level: usize| plan.error_on(level, &expected).is_some_and(|error| error <= accuracy);
+        if let Some(level) = (0..KNOWN_LEVELS).find(|level| is_enough(*level) && plan.is_bounded_on(*level)) {
+            return Ok(JointPlan { estimate: Estimate::Known, ..plan.moved_to(level) });
         }
         // The first level whose own estimate can be good enough.
         let can_do = |plan: &JointPlan| match plan.estimate {
@@ -55,8 +52,9 @@ impl JointPlan {
             _ => true,
         };
         plan = std::iter::successors(Some(plan.clone()), JointPlan::finer).find(can_do).unwrap_or(plan);
-        while !plan.is_bounded() && plan.level > 1 {
-            plan = plan.on_level(plan.level - 1);
+        while !plan.is_bounded_on(plan.level) && plan.level > 1 {
+            let coarser = plan.level - 1;
+            plan = plan.on_level(coarser);
         }
         Ok(plan)
     }
@@ -72,16 +70,21 @@ impl JointPlan {
         if self.estimate == Estimate::Exact { Method::Series } else { Method::Fe }
     }
 
-    /// Whether no mesh takes too much memory or time.
-    fn is_bounded(&self) -> bool {
-        self.meshed().all(is_bounded)
+    /// Whether no mesh of a level takes too much memory or time.
+    fn is_bounded_on(&self, level: usize) -> bool {
+        self.meshed().all(|request| is_bounded(&request.body, level))
     }
 
     /// What is known of the meshes, each body by its share of the work; `None` where nothing is known.
     pub fn foreseen_error(&self, expected: &ExpectedContact) -> Option<f64> {
+        self.error_on(self.level, expected)
+    }
+
+    /// The same of meshes of another level.
+    fn error_on(&self, level: usize, expected: &ExpectedContact) -> Option<f64> {
         let bodies = [&self.pin, &self.plate].into_iter().zip(expected.shares);
         let meshed = bodies.filter(|(request, _)| request.fidelity != Fidelity::Series);
-        let known = |request: &BodyRequest| known_error(&request.body, self.level, expected.half_angle);
+        let known = |request: &BodyRequest| known_error(&request.body, level, expected.half_angle);
         meshed.map(|(request, share)| Some(share * known(request)?)).sum()
     }
 
@@ -114,20 +117,26 @@ impl JointPlan {
         let is_known = |request: &BodyRequest| known_error(&request.body, level, 0.0).is_some();
         let finer = match self.estimate {
             Estimate::Exact => return None,
-            Estimate::Known if self.meshed().all(is_known) => {
-                JointPlan { estimate: Estimate::Known, ..self.on_level(level) }
-            }
-            _ => self.on_level(level),
+            Estimate::Known if self.meshed().all(is_known) => self.clone().moved_to(level),
+            _ => self.clone().on_level(level),
         };
-        finer.is_bounded().then_some(finer)
+        finer.is_bounded_on(level).then_some(finer)
     }
 
-    fn on_level(&self, level: usize) -> JointPlan {
-        let on_level = |request: &BodyRequest| match request.fidelity {
-            Fidelity::Series => request.clone(),
-            Fidelity::Mesh { .. } => BodyRequest { fidelity: Fidelity::Mesh { level }, ..request.clone() },
-        };
-        JointPlan::of([on_level(&self.pin), on_level(&self.plate)], self.space, level)
+    /// On meshes of a level that are told by the next coarser ones.
+    fn on_level(self, level: usize) -> JointPlan {
+        let JointPlan { pin, plate, space, .. } = self.moved_to(level);
+        JointPlan::of([pin, plate], space, level)
+    }
+
+    /// On meshes of a level that are told as these are.
+    fn moved_to(mut self, level: usize) -> JointPlan {
+        for request in [&mut self.pin, &mut self.plate] {
+            if let Fidelity::Mesh { level: own } = &mut request.fidelity {
+                *own = level;
+            }
+        }
+        JointPlan { level, ..self }
     }
 
     /// For a design at a mesh level, the error told by the next coarser one (so from 1 on).

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 use std::fmt;
 
-use crate::engine::body_request::{BodyRequest, Fidelity, mesh_size};
+use crate::engine::body_request::mesh_size;
 use crate::mechanics::body::{Body, DEEPEST_MESHED, Side, THINNEST_RING};
 use crate::mechanics::real::LANES;
 use crate::study::columns::side_name;
@@ -180,21 +180,27 @@ fn one_digit(value: f64) -> String {
 /// Bytes of the band of one lane batch at most.
 const MOST_BAND_BYTES: u64 = 160 << 20;
 
-/// Whether the mesh of a body at its level stays within bounds of memory, and by that of time: some tenths of a second for
+/// Up to this level the mesh of any body without layers stays within them.
+const ALWAYS_BOUNDED: usize = 1;
+
+/// Whether the mesh of a body at a level stays within bounds of memory, and by that of time: some tenths of a second for
 /// a body alone, with what it shares with others.
-pub fn is_bounded(request: &BodyRequest) -> bool {
-    match request.fidelity {
-        Fidelity::Series => true,
-        Fidelity::Mesh { level } => {
-            let size = mesh_size(&request.body, level);
-            size.unknowns * (size.unknowns / size.layers) * 8 * LANES as u64 <= MOST_BAND_BYTES
-        }
-    }
+pub fn is_bounded(body: &Body, level: usize) -> bool {
+    (level <= ALWAYS_BOUNDED && body.lining.is_empty()) || band_bytes(body, level) <= MOST_BAND_BYTES
+}
+
+/// Of the mesh of a body, in lanes.
+fn band_bytes(body: &Body, level: usize) -> u64 {
+    let size = mesh_size(body, level);
+    size.unknowns * (size.unknowns / size.layers) * 8 * LANES as u64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::body::{annulus, block, cored_disc, half_disc};
+    use crate::mechanics::grading::LEVEL_COUNT;
+    use crate::mechanics::material::Idealization;
 
     #[test]
     fn a_refused_value_never_reads_like_the_limit() {
@@ -207,5 +213,36 @@ mod tests {
             "the wall is just under 2 % of the radius; the thinnest that meshes carry is 2 %"
         );
         assert_eq!(of_wall(1e-4), "the wall is 0.01 % of the radius; the thinnest that meshes carry is 2 %");
+    }
+
+    /// The thinnest walls beside the deepest bodies, of every shape and support.
+    #[test]
+    fn coarse_meshes_are_always_bounded() {
+        let deep = DEEPEST_MESHED.exp();
+        let [thin, ligament] =
+            [THINNEST_RING, block::SHAPE.thinnest_meshed].map(|least| least.exp() * 1.000_001);
+        let mut bodies = Vec::new();
+        for (shape, parameters) in [
+            (&half_disc::SHAPE, [0.0; 3]),
+            (&cored_disc::SHAPE, [1.0 / thin, 0.0, 0.0]),
+            (&cored_disc::SHAPE, [1.0 / deep, 0.0, 0.0]),
+            (&annulus::SHAPE, [thin, 0.0, 0.0]),
+            (&annulus::SHAPE, [deep, 0.0, 0.0]),
+            (&block::SHAPE, [ligament, deep / 2.0, deep / 2.0]),
+            (&block::SHAPE, [deep / 2.0, ligament, ligament]),
+            (&block::SHAPE, [ligament, ligament, deep / 2.0]),
+        ] {
+            for support in 0..shape.supports.len().max(1) {
+                for all_around in [false, true] {
+                    let own = Body::concentric(2.0, 0.499, Idealization::PlaneStrain);
+                    bodies.push(Body { shape, parameters, support, all_around, ..own });
+                }
+            }
+        }
+        assert!(bodies.iter().all(|body| Refusal::of_mesh(body).is_none()));
+        let most = |level: usize| bodies.iter().map(|body| band_bytes(body, level)).max();
+        println!("{:?}", [0, 1, 2, 3, 4, 5].map(most));
+        assert!((0..=ALWAYS_BOUNDED).all(|level| most(level) <= Some(MOST_BAND_BYTES)));
+        assert!(most(LEVEL_COUNT - 1) > Some(MOST_BAND_BYTES));
     }
 }

@@ -19,14 +19,14 @@ use crate::study::design::{DesignCase, JointDesign, Load};
 pub struct Solving {
     pub backend: BackendKind,
     pub method: Method,
-    /// The largest contact half angle, rad.
-    pub limit: f64,
+    /// The largest contact half angle, of the pin, rad.
+    pub limit_of_pin: f64,
     /// Asked: relative, of the force.
     pub accuracy: f64,
 }
 
 impl Solving {
-    /// The answer to a design from the states of its `loads_in_contact`, in their order, and what it wants.
+    /// The answer to a design from the states of its `loads_in_contact`, in their order, and what it wants. Takes no more states than these.
     pub fn respond(
         &self,
         case: &DesignCase,
@@ -47,7 +47,7 @@ impl Solving {
                     return StepOutcome::failed(Failure::NotAPush);
                 }
                 Ok(found) => found,
-                Err(reason) => return StepOutcome::failed(Failure::NoState(reason, self.limit)),
+                Err(reason) => return StepOutcome::failed(self.no_state(reason, &scale)),
             };
             want = want.max(error.want(self.accuracy, state.pressure_is_positive));
             let error = error.total();
@@ -70,7 +70,11 @@ impl Solving {
 
     /// The answer to a design without any state.
     pub fn all_failed(&self, case: &DesignCase, reason: NoState) -> Answer {
-        all_failed(case, self.backend, Failure::NoState(reason, self.limit))
+        all_failed(case, self.backend, self.no_state(reason, &JointScale::of(&case.joint)))
+    }
+
+    fn no_state(&self, reason: NoState, scale: &JointScale) -> Failure {
+        Failure::NoState(reason, scale.outlines.of_hole(self.limit_of_pin))
     }
 }
 

@@ -147,10 +147,15 @@ pub struct Needs(HashMap<SpaceKey, (usize, HashSet<RingModes>)>);
 
 impl Needs {
     /// And a body.
-    pub fn with(mut self, (key, body): (SpaceKey, &BodyCompliance)) -> Needs {
+    pub fn with(self, (key, body): (SpaceKey, &BodyCompliance)) -> Needs {
+        self.with_modes(key, body.mode_count(), body.boundary.ring_modes().map(|(modes, _)| modes))
+    }
+
+    /// And a body that has so many modes of concentric bodies, and these ring modes.
+    pub fn with_modes(mut self, key: SpaceKey, count: usize, of_ring: Option<&RingModes>) -> Needs {
         let (mode_count, ring_modes) = self.0.entry(key).or_default();
-        *mode_count = body.mode_count().max(*mode_count);
-        ring_modes.extend(body.boundary.ring_modes().map(|(modes, _)| *modes));
+        *mode_count = count.max(*mode_count);
+        ring_modes.extend(of_ring);
         self
     }
 

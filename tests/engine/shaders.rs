@@ -5,6 +5,7 @@ use std::path::Path;
 
 use jointsweep::internals::engine::backend::gpu::batch::{KernelFacts, OnChip};
 use jointsweep::internals::engine::backend::gpu::front::{EliminateParameters, Front};
+use jointsweep::internals::engine::backend::gpu::joint_kernel::Placed;
 use jointsweep::internals::engine::backend::gpu::joint_tables::{JointParameters, RowParameters};
 use jointsweep::internals::engine::backend::gpu::kernel_texts::{
     ANSWERS, ASSEMBLE, Access, CONDENSE, ELIMINATE, JOINTS, KERNEL_FILES, KernelFile, NARROW, PCG, REFINE,
@@ -238,9 +239,13 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         coefficients_at,
         sizes_at,
         rows_at,
+        before_ring,
         padding
     );
     assert_eq!(layout_in(&module(&JOINTS, Precision::F32), "Rows"), Some(rows));
+    let places: Layout =
+        layout_here!(Placed, parameters, numbers_at, found_at, load_count, works_at, padding, near_fields_at);
+    assert_eq!(layout_in(&module(&JOINTS, Precision::F32), "Place"), Some(places));
     let joints: Layout = layout_here!(
         JointParameters,
         bodies,

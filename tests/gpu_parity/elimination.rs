@@ -2,7 +2,8 @@
 
 use jointsweep::internals::engine::backend::Counts;
 use jointsweep::internals::engine::backend::IN_FLIGHT;
-use jointsweep::internals::engine::backend::gpu::elimination::{Elimination, ROUGHEST};
+use jointsweep::internals::engine::backend::gpu::elimination::Elimination;
+use jointsweep::internals::engine::backend::gpu::front::ROUGHEST;
 use jointsweep::internals::engine::backend::gpu::front::{Front, FrontLayout};
 use jointsweep::internals::engine::backend::gpu::front_topology::{FrontTopology, Job};
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;

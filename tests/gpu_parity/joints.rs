@@ -98,7 +98,7 @@ fn on<const N: usize>(
 
 /// The greatest relative differences of forces and indentations, stiffnesses, peak pressures, energies, half angles, and errors told, and how many
 /// designs the device has solved.
-fn compare(found: &[DesignOutcome], expected: &[DesignOutcome], method: Method) -> ([f64; 6], usize) {
+pub fn compare(found: &[DesignOutcome], expected: &[DesignOutcome], method: Method) -> ([f64; 6], usize) {
     let (mut worst, mut on_device) = ([0.0_f64; 6], 0);
     for (found, expected) in found.iter().zip(expected) {
         assert_eq!(found.steps.len(), expected.steps.len());
@@ -125,7 +125,7 @@ fn compare(found: &[DesignOutcome], expected: &[DesignOutcome], method: Method) 
 }
 
 /// Designs of a kind of plate, some of them neat, some with wide clearances, with loads of the one kind or the other, and some without a first load.
-fn designs(seed: u64, count: u64, shapes: fn(&mut Random) -> (Part, Part)) -> Vec<DesignCase> {
+pub fn designs(seed: u64, count: u64, shapes: fn(&mut Random) -> (Part, Part)) -> Vec<DesignCase> {
     let mut cases = draw(seed, count, shapes);
     let mut random = Random::new(seed + 1);
     for DesignCase { index, joint, steps } in &mut cases {
@@ -159,7 +159,7 @@ fn disc_in_simple_block(random: &mut Random) -> (Part, Part) {
 }
 
 /// As meshes at 0.1 % are fitted well enough.
-fn concentric_and_mild(random: &mut Random) -> (Part, Part) {
+pub fn concentric_and_mild(random: &mut Random) -> (Part, Part) {
     let (mut pin, mut plate) = concentric(random);
     pin.parameters[0] = pin.parameters[0].clamp(0.05, 0.6);
     plate.parameters[0] = plate.parameters[0].max(1.3);
@@ -245,6 +245,6 @@ fn tables_without_room_come_in_turns() {
 }
 
 /// All that a row says.
-fn rows(outcomes: &[DesignOutcome]) -> Vec<String> {
+pub fn rows(outcomes: &[DesignOutcome]) -> Vec<String> {
     outcomes.iter().map(|outcome| format!("{:?} {:?}", outcome.backend, outcome.steps)).collect()
 }

@@ -17,6 +17,7 @@ mod joints;
 mod limits;
 mod stages;
 mod sweeps;
+mod whole_joints;
 mod works;
 
 use std::collections::HashSet;

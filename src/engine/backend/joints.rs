@@ -7,8 +7,10 @@ use crate::engine::question::Question;
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::body_fit::BodyFit;
+use crate::mechanics::compliance::near_field::{self, NearField, NearFieldClass};
 use crate::mechanics::compliance::pressure_space::Tilt;
 use crate::mechanics::compliance::row_sums::Rows;
+use crate::mechanics::compliance::second_order::Bands;
 use crate::mechanics::contact::compliance_rows::{ModeMembers, NARROW};
 use crate::mechanics::contact::curve_error::ROUGH;
 use crate::mechanics::contact::curve_space::{CurveSpace, Variable};
@@ -25,12 +27,20 @@ pub const MOST_PRODUCTS: usize = 1024;
 pub const MOST_ROWS: usize = 576;
 pub const MOST_COORDINATES: usize = 4;
 
+/// In place of where the works of a body begin: it has amplitudes that come with its joint, or the device was to condense it and has not.
+pub const ELSEWHERE: u32 = u32::MAX;
+pub const MISSING: u32 = u32::MAX - 1;
+
 /// Loads of a joint at most: what more of them come to would not fit the least buffer that devices have.
 pub const MOST_LOADS: usize = 4096;
 
 /// Numbers of a joint before those of its loads, and of a state, as `shaders/joints.wgsl` has them.
 pub const JOINT_NUMBERS: usize = 19;
 pub const STATE_NUMBERS: usize = 11;
+
+/// Nodes of a near field at most, and weights of a body that lies between two of them.
+pub const NEAR_NODES: usize = near_field::MOST_NODES;
+pub const NEAR_WEIGHTS: usize = 2 * NEAR_NODES;
 
 /// Which joints a device solves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -71,6 +81,8 @@ pub struct JointBatch<'a> {
     pub tables: Vec<JointTables<'a>>,
     pub joints: Vec<BatchedJoint>,
     pub numbers: Vec<f32>,
+    /// Between which the bodies lie that the device condenses for these joints.
+    pub near_fields: Vec<(NearFieldClass, &'a NearField)>,
     /// Where its rows are to be counted: no state of them comes back then.
     pub asked: Option<AskedOfJoints<'a>>,
 }
@@ -90,6 +102,16 @@ pub struct BatchedJoint {
     pub tables: u32,
     pub numbers_at: u32,
     pub load_count: u32,
+    /// Of pin and plate, where the device condenses it.
+    pub condensed: [Option<CondensedBody>; 2],
+}
+
+/// A body that a device condenses for a joint: its place among those that go with the joints, group by group, and those of the near
+/// fields that it lies between.
+#[derive(Clone, Copy, Debug)]
+pub struct CondensedBody {
+    pub place: u32,
+    pub near_fields: [u32; 2],
 }
 
 /// A joint to be solved.
@@ -112,6 +134,8 @@ pub enum Amplitudes<'a> {
     /// A fit, by the coordinates from -1 to 1 over its box; those there are not are zero.
     Fit([f64; MOST_COORDINATES]),
     Modes(ModeMembers, &'a BodyCompliance),
+    /// Of a body that the device condenses: its works, to which near fields come by their weights, and of a pin what is of second order.
+    OnDevice(ModeMembers, &'a [Bands], [[f64; NEAR_NODES]; 2]),
 }
 
 /// The state under a load, and the share of the work that goes into the pin at the nodes around it.
@@ -192,7 +216,7 @@ impl DeviceJoint<'_> {
         for DeviceBody { infinite, share, amplitudes } in &self.bodies {
             let place = match amplitudes {
                 Amplitudes::Fit(place) => *place,
-                Amplitudes::Modes(..) => [0.0; MOST_COORDINATES],
+                Amplitudes::Modes(..) | Amplitudes::OnDevice(..) => [0.0; MOST_COORDINATES],
             };
             to.extend(place.iter().chain(infinite).chain([&(share / even)]).map(|number| *number as f32));
         }
@@ -207,9 +231,14 @@ impl DeviceJoint<'_> {
             to.extend([of_indentation, of_force / even].map(|number| number as f32));
             load_count += 1;
         }
-        for (DeviceBody { amplitudes, .. }, tilt) in self.bodies.iter().zip(tilts) {
-            if let Amplitudes::Modes(members, body) = amplitudes {
-                members.amplitudes(body, tilt, to);
+        for (DeviceBody { infinite, amplitudes, .. }, tilt) in self.bodies.iter().zip(tilts) {
+            match amplitudes {
+                Amplitudes::Fit(_) => {}
+                Amplitudes::Modes(members, body) => members.amplitudes(body, tilt, to),
+                Amplitudes::OnDevice(members, second, weights) => {
+                    members.amplitudes_before_ring(*infinite, None, second, tilt, to);
+                    to.extend(weights.as_flattened().iter().map(|weight| *weight as f32));
+                }
             }
         }
         (1..=MOST_LOADS).contains(&load_count).then_some(load_count as u32)

@@ -82,6 +82,12 @@ pub trait Device: Send + Sync {
         Ok(())
     }
 
+    /// The same of joints with bodies that it condenses for them, those of some groups, whose works stay there. False where it has no room
+    /// for all of them together, or condenses otherwise: nothing is begun then.
+    fn begin_whole(&mut self, _: &[Group], _: &JointBatch) -> Result<bool, GpuError> {
+        Ok(false)
+    }
+
     /// Waits for the joints that were begun before all others: what the kernel has found (`joints::states`), one joint after another.
     fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
         Ok(Vec::new())

@@ -139,9 +139,9 @@ impl Interpolation {
     }
 
     /// With what has computed it.
-    pub(super) fn solving(&self, backend: BackendKind, outlines: &Outlines, space: &CurveSpace) -> Solving {
+    pub(super) fn solving(&self, backend: BackendKind, space: &CurveSpace) -> Solving {
         let (method, accuracy) = (Method::Interpolated, self.plan.accuracy);
-        Solving { backend, method, limit: outlines.of_hole(space.limit), accuracy }
+        Solving { backend, method, limit_of_pin: space.limit, accuracy }
     }
 
     /// The answers to those of some designs that have none yet and are known well enough.
@@ -204,7 +204,7 @@ impl Interpolation {
             JudgedBody { body, own, change: None, part }
         };
         let judged = [judged(0, of_pin), judged(1, of_plate)];
-        let solving = self.solving(BackendKind::Cpu, outlines, space);
+        let solving = self.solving(BackendKind::Cpu, space);
         solve_joint(space, &judged, *outlines, None, solving, [case].into_iter(), room).pop()
     }
 }

@@ -55,7 +55,7 @@ impl Interpolation {
             tables.extend(fit.bound.table().map(|number| number as f32));
         }
         let give = |case: &DesignCase, numbers: &mut Vec<f32>| {
-            let Given { tables, load_count, kept } = self.given(spaces, case, numbers)?;
+            let Given { tables, load_count, condensed, kept } = self.given(spaces, case, numbers)?;
             let (MetJoint { members, fits, points, .. }, even) = &kept;
             let errors = [0, 1].map(|side| {
                 (
@@ -65,7 +65,7 @@ impl Interpolation {
             });
             let errors = errors.each_ref().map(|(error, at)| (error, *at));
             // No state comes back that would have to be judged.
-            let given = Given { tables, load_count, kept: () };
+            let given = Given { tables, load_count, condensed, kept: () };
             standing.push_design(case, *even, errors, numbers).then_some(given)
         };
         let (mut batch, underway) = gathered(cases, TOGETHER, give);
@@ -95,7 +95,7 @@ impl Interpolation {
         let loads = JointScale::of(&case.joint).loads_in_contact(&case.steps);
         let load_count = joint.numbers(loads, numbers)?;
         let even = joint.even();
-        Some(Given { tables, load_count, kept: (met, even) })
+        Some(Given { tables, load_count, condensed: [None; 2], kept: (met, even) })
     }
 
     /// The answer from what a device has found, if that is good enough.
@@ -105,7 +105,7 @@ impl Interpolation {
         let errors = [error(0), error(1)];
         let (of_curve, states) = states(found, *even, outlines)?;
         let states = states.map(|found| Ok((found.state, errors_of_bodies(&errors, &found))));
-        let solving = self.solving(BackendKind::Gpu, outlines, spaces.get(*key));
+        let solving = self.solving(BackendKind::Gpu, spaces.get(*key));
         let (answer, want) = judged(case, outlines, solving, of_curve + OF_CONTACT_IN_SINGLES, states);
         (want == Want::Nothing).then(|| whole(answer)).flatten()
     }

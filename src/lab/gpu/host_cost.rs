@@ -116,6 +116,15 @@ impl HostCost {
     }
 }
 
+fn stand_in_states(batch: &JointBatch) -> Vec<f32> {
+    let mut states = Vec::with_capacity(batch.joints.iter().map(BatchedJoint::found).sum());
+    for joint in &batch.joints {
+        states.push(0.0);
+        (0..joint.load_count).for_each(|_| states.extend(STAND_IN));
+    }
+    states
+}
+
 /// Designs that fits are made for.
 const UNCOUNTED: usize = 64;
 
@@ -186,18 +195,23 @@ impl Device for EmptyCondenser<'_> {
         self.condenser.solves_joints()
     }
 
+    fn begin_whole(&mut self, groups: &[Group], batch: &JointBatch) -> Result<bool, GpuError> {
+        let before = processor_seconds().unwrap_or(f64::NAN);
+        let is_begun = self.condenser.begin_whole(groups, batch)?;
+        let between = processor_seconds().unwrap_or(f64::NAN);
+        self.stand_in_states.extend(is_begun.then(|| stand_in_states(batch)));
+        let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        seen.condensing += between - before;
+        seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
+        seen.calls += 1;
+        Ok(is_begun)
+    }
+
     fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
         let before = processor_seconds().unwrap_or(f64::NAN);
         self.condenser.begin_joints(batch)?;
         let between = processor_seconds().unwrap_or(f64::NAN);
-        if batch.asked.is_none() {
-            let mut states = Vec::with_capacity(batch.joints.iter().map(BatchedJoint::found).sum());
-            for joint in &batch.joints {
-                states.push(0.0);
-                (0..joint.load_count).for_each(|_| states.extend(STAND_IN));
-            }
-            self.stand_in_states.push_back(states);
-        }
+        self.stand_in_states.extend(batch.asked.is_none().then(|| stand_in_states(batch)));
         let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         seen.condensing += between - before;
         seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;

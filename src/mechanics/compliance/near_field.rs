@@ -47,7 +47,7 @@ pub enum PoissonRange {
 }
 
 /// The most nodes of a range.
-const MOST_NODES: usize = 8;
+pub const MOST_NODES: usize = 8;
 
 /// The first mesh level of which more is asked than 1 %.
 const FINE: usize = 2;
@@ -310,20 +310,32 @@ impl NearField {
         shares
     }
 
+    /// What the works of the nodes of two classes, between (0 to 1) which the near field of a body lies, are to be multiplied by and added to
+    /// its own; zero beyond the nodes.
+    pub fn weights(around: [&NearField; 2], between: f64, body: &Body) -> [[f64; MOST_NODES]; 2] {
+        let shares = around[0].shares(body);
+        let scale = 1.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio);
+        [1.0 - between, between].map(|part| shares.map(|share| scale * part * share))
+    }
+
     /// Adds to the condensed works of a body the near field that lies `between` (0 to 1) the first and the second of two
     /// classes.
     pub fn correct(around: [&NearField; 2], between: f64, body: &Body, works: &mut [f64]) {
-        let shares = around[0].shares(body);
-        let scale = 1.0 / body.idealization.plane_modulus_ratio(body.poissons_ratio);
+        let weights = NearField::weights(around, between, body);
         let mut rows = [(0.0, &[][..]); 2 * MOST_NODES];
         let mut count = 0;
-        for (near_field, part) in around.into_iter().zip([1.0 - between, between]) {
-            for (share, works) in shares.iter().zip(&near_field.works) {
-                rows[count] = (scale * part * share, &works[..]);
+        for (near_field, weights) in around.into_iter().zip(weights) {
+            for (weight, works) in weights.into_iter().zip(&near_field.works) {
+                rows[count] = (weight, &works[..]);
                 count += 1;
             }
         }
         in_lanes(AddRows { rows: &rows[..count], sums: works });
+    }
+
+    /// The works of each node, times E'.
+    pub fn works(&self) -> &[Vec<f64>] {
+        &self.works
     }
 
     /// What it takes.

@@ -10,7 +10,7 @@ use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::pressure_space::{JointCompliance, Tilt, all_bands};
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::compliance::row_sums::Rows;
-use crate::mechanics::compliance::second_order::WIDTH;
+use crate::mechanics::compliance::second_order::{Bands, WIDTH};
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
 
 /// Up to this clearance ratio a polynomial of it tells what the hole's arcs being smaller changes.
@@ -62,14 +62,22 @@ impl ModeMembers {
         (body.bed == 0.0).then_some(ModeMembers { side, modes, ring_modes })
     }
 
+    /// Of a body on a mesh with these ring modes, a pin with so many bands of second order.
+    pub fn of_mesh(side: Side, bands: usize, ring_modes: RingModes) -> ModeMembers {
+        ModeMembers { side, modes: bands.next_multiple_of(STEP), ring_modes: Some(ring_modes) }
+    }
+
     /// Rows beside `even` and `odd`.
     pub fn count(&self) -> usize {
-        let of_ring = self.ring_modes.map_or(0, |modes| packed_count(modes.count));
-        let of_modes = match self.side {
+        self.before_ring() + self.ring_modes.map_or(0, |modes| packed_count(modes.count))
+    }
+
+    /// Those of them that are not of ring modes, which come last.
+    pub fn before_ring(&self) -> usize {
+        match self.side {
             Side::Pin => 2 * TILTS.len() + WIDTH * self.modes,
             Side::Plate => self.modes,
-        };
-        of_modes + of_ring
+        }
     }
 
     /// How often there are rows of each.
@@ -126,23 +134,44 @@ impl ModeMembers {
 
     /// What the rows beside `even` and `odd` are to be multiplied by for a body of this kind, under the tilt of its joint.
     pub fn amplitudes(&self, body: &BodyCompliance, tilt: Tilt, to: &mut Vec<f32>) {
+        self.amplitudes_before_ring([body.even, body.odd], body.boundary.modes(), &body.second, tilt, to);
         let mut add = |number: f64| to.push(number as f32);
-        let modes = body.boundary.modes();
+        if let Some((modes, works)) = body.boundary.ring_modes() {
+            let (normal, added) = works.split_at(packed_count(modes.count));
+            match self.side {
+                Side::Pin => {
+                    normal.iter().zip(added).for_each(|(own, added)| add(own + tilt.first * added));
+                }
+                Side::Plate => normal.iter().copied().for_each(add),
+            }
+        }
+    }
+
+    /// Those of the rows that are not of ring modes, from the parts of the body's compliance that they rest on.
+    pub fn amplitudes_before_ring(
+        &self,
+        [even, odd]: [f64; 2],
+        modes: Option<[&[f64]; 2]>,
+        second: &[Bands],
+        tilt: Tilt,
+        to: &mut Vec<f32>,
+    ) {
+        let mut add = |number: f64| to.push(number as f32);
         match self.side {
             Side::Pin => {
                 for order in [tilt.first, tilt.second] {
-                    [body.even, body.odd].into_iter().for_each(|number| add(order * number));
+                    [even, odd].into_iter().for_each(|number| add(order * number));
                 }
                 let (own, scale);
                 let bands = match modes {
                     Some([normal, along]) => {
-                        own = all_bands(normal, along, &body.second, tilt);
+                        own = all_bands(normal, along, second, tilt);
                         scale = 1.0;
                         &own
                     }
                     None => {
                         scale = tilt.second;
-                        &body.second
+                        second
                     }
                 };
                 bands.as_flattened().iter().for_each(|number| add(scale * number));
@@ -152,15 +181,6 @@ impl ModeMembers {
                 let normal = modes.map_or(&[][..], |[normal, _]| normal);
                 normal.iter().copied().for_each(&mut add);
                 (normal.len()..self.modes).for_each(|_| add(0.0));
-            }
-        }
-        if let Some((modes, works)) = body.boundary.ring_modes() {
-            let (normal, added) = works.split_at(packed_count(modes.count));
-            match self.side {
-                Side::Pin => {
-                    normal.iter().zip(added).for_each(|(own, added)| add(own + tilt.first * added));
-                }
-                Side::Plate => normal.iter().copied().for_each(add),
             }
         }
     }

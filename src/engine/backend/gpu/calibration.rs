@@ -200,7 +200,7 @@ impl MeasuredJoint {
             let load_count = joint.numbers(loads, &mut batch.numbers);
             let load_count =
                 load_count.unwrap_or_else(|| unreachable!("there are some loads, and not too many"));
-            batch.joints.push(BatchedJoint { tables: 0, numbers_at, load_count });
+            batch.joints.push(BatchedJoint { tables: 0, numbers_at, load_count, condensed: [None; 2] });
         }
         batch
     }

@@ -12,9 +12,9 @@ use wgpu::BufferUsages;
 
 use super::batch::{MOST_BYTES, TARGET};
 use super::context::GpuError;
-use super::dispatch::{Argument, PassTimes, Reading, kept};
+use super::dispatch::{ALIGNMENT, Argument, PassTimes, Reading, kept};
 use super::elimination_plan::{Cursor, FlightPlan, Piece, Room, Step, order};
-use super::front::{EliminateParameters, WORKS_HEADER, WorksOfBody};
+use super::front::{AMPLIFIED, EliminateParameters, ROUGHEST, WORKS_HEADER, WorksOfBody};
 use super::front_topology::Job;
 use super::kernels::{Kernels, Precision, Stage};
 use crate::engine::backend::{Counts, IN_FLIGHT, Works};
@@ -74,10 +74,11 @@ struct Batch {
 
 /// What is submitted and not read back.
 struct Flight {
-    batch: usize,
+    /// `None` of one whose works stay on the device.
+    batch: Option<usize>,
     pieces: Vec<Piece>,
     products: u64,
-    /// Bytes before those that tell how long passes took.
+    /// Bytes of works that come back, before those that tell how long passes took.
     works: u64,
     /// Of each pass that is timed whether it is one of `eliminate`.
     passes: Vec<bool>,
@@ -85,18 +86,18 @@ struct Flight {
     reading: Reading,
 }
 
+/// Works that stay on the device, until as many flights as are there at a time have followed.
+pub struct KeptWorks {
+    pub buffer: wgpu::Buffer,
+    /// Where in it, in numbers, that which is of each body begins: of one job after the other.
+    pub places: Vec<u32>,
+}
+
 /// Time of a product of tiles before any was measured, s: short for a processor, long for a GPU.
 const FIRST_GUESS: f64 = 1e-7;
 
 /// With less the device is given up.
 const FEWEST_BYTES: u64 = 1 << 20;
-
-/// A work in f32 is off by no more than so many roundings, times the greatest loss of a pivot, times the greatest work: seen of the blocks in
-/// `tests/gpu_parity/elimination.rs`, 42 on software, more on an H100, whose roots and quotients are not rounded to the last bit.
-const AMPLIFIED: f64 = 60.0;
-
-/// A body whose works may be off by more, relative to the greatest of them, is left to the processor. Forces feel less than a tenth of it.
-pub const ROUGHEST: f64 = 1e-3;
 
 impl Elimination {
     /// On a device that is known to take so long for a product of tiles, s.
@@ -141,6 +142,40 @@ impl Elimination {
         }
     }
 
+    /// Gives the device jobs whose works stay there, and does not wait for them; `None` where they do not travel together, or the device
+    /// runs out of memory.
+    pub fn keep(&mut self, kernels: &Kernels, jobs: &[Job]) -> Result<Option<KeptWorks>, GpuError> {
+        while self.flights.len() >= IN_FLIGHT {
+            self.land(kernels)?;
+        }
+        let (order, mut cursor) = (order(jobs), Cursor::default());
+        let plan = FlightPlan::next(jobs, &order, &mut cursor, &self.room(kernels));
+        if cursor.place < order.len() || plan.steps.is_empty() {
+            return Ok(None);
+        }
+        let wide = kernels.precision.wide_bytes();
+        let firsts: Vec<usize> =
+            jobs.iter().scan(0, |next, job| Some(std::mem::replace(next, *next + job.count()))).collect();
+        let mut places = vec![0; jobs.iter().map(Job::count).sum()];
+        for Piece { job, bodies, works } in plan.steps.iter().flat_map(|step| &step.pieces) {
+            let size = jobs[*job].topology.elimination.body_size;
+            let first = (works.start / wide) as u32;
+            for (own, body) in bodies.clone().enumerate() {
+                places[firsts[*job] + body] = first + own as u32 * size;
+            }
+        }
+        let numbers = encoded(jobs, &plan, kernels.precision);
+        let slot = self.flown % IN_FLIGHT;
+        match self.submit(kernels, None, plan, &numbers) {
+            Ok(()) => Ok(self.travelling[slot][2].clone().map(|buffer| KeptWorks { buffer, places })),
+            Err(GpuError::OutOfMemory { .. }) if self.most_bytes > FEWEST_BYTES => {
+                self.halve(kernels)?;
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
     /// How often buffers were halved for want of memory.
     pub fn halved(&self) -> u32 {
         (MOST_BYTES / self.most_bytes).ilog2()
@@ -155,19 +190,23 @@ impl Elimination {
             let mut cursor = *cursor;
             let plan = FlightPlan::next(jobs, order, &mut cursor, &self.room(kernels));
             let numbers = encoded(jobs, &plan, kernels.precision);
-            match self.submit(kernels, index, plan, &numbers) {
+            match self.submit(kernels, Some(index), plan, &numbers) {
                 Ok(()) => self.batches[index].cursor = cursor,
-                Err(GpuError::OutOfMemory { .. }) if self.most_bytes > FEWEST_BYTES => {
-                    // What is in flight keeps its buffers until it has landed.
-                    while !self.flights.is_empty() {
-                        self.land(kernels)?;
-                    }
-                    self.most_bytes /= 2;
-                    (self.scratch, self.travelling) = Default::default();
-                }
+                Err(GpuError::OutOfMemory { .. }) if self.most_bytes > FEWEST_BYTES => self.halve(kernels)?,
                 Err(error) => return Err(error),
             }
         }
+        Ok(())
+    }
+
+    /// Goes on with buffers of half the size.
+    fn halve(&mut self, kernels: &Kernels) -> Result<(), GpuError> {
+        // What is in flight keeps its buffers until it has landed.
+        while !self.flights.is_empty() {
+            self.land(kernels)?;
+        }
+        self.most_bytes /= 2;
+        (self.scratch, self.travelling) = Default::default();
         Ok(())
     }
 
@@ -186,11 +225,11 @@ impl Elimination {
         self.pace.unwrap_or(FIRST_GUESS)
     }
 
-    /// All steps in order, and the copy of their works to what is handed over; a submission ends where it has taken long enough.
+    /// All steps in order, and the copy of their works to what is handed over to a batch; a submission ends where it has taken long enough.
     fn submit(
         &mut self,
         kernels: &Kernels,
-        index: usize,
+        index: Option<usize>,
         plan: FlightPlan,
         numbers: &[u8],
     ) -> Result<(), GpuError> {
@@ -200,24 +239,27 @@ impl Elimination {
             fronts.map(|step| kernels.eliminate(step.front)).collect::<Result<_, _>>()?;
         let products = plan.steps.iter().map(|step| step.products).sum();
         let submitted = Instant::now();
-        let (reading, passes) = gpu.checked("elimination", || self.fly(kernels, &plan, numbers, stages))?;
+        // Something must come back to tell that the flight has ended.
+        let works = if index.is_some() { plan.works } else { plan.works.min(ALIGNMENT) };
+        let (reading, passes) =
+            gpu.checked("elimination", || self.fly(kernels, &plan, numbers, stages, works))?;
         self.counts.bytes_up += (numbers.len() + plan.topologies.len()) as u64;
-        self.counts.bytes_down += plan.works;
+        self.counts.bytes_down += works;
         self.flown += 1;
         let pieces = plan.steps.into_iter().flat_map(|step| step.pieces).collect();
-        let batch = self.first_batch + index;
-        let works = plan.works;
+        let batch = index.map(|index| self.first_batch + index);
         self.flights.push_back(Flight { batch, pieces, products, works, passes, submitted, reading });
         Ok(())
     }
 
-    /// Gives back of each pass that is timed whether it is one of `eliminate`, too.
+    /// So many bytes of works come back. Gives back of each pass that is timed whether it is one of `eliminate`, too.
     fn fly(
         &mut self,
         kernels: &Kernels,
         plan: &FlightPlan,
         numbers: &[u8],
         stages: Vec<Stage>,
+        works: u64,
     ) -> (Reading, Vec<bool>) {
         let Kernels { gpu, assemble, .. } = kernels;
         let most = |part: usize| plan.steps.iter().map(|step| step.scratch[part]).max().unwrap_or(0);
@@ -228,7 +270,7 @@ impl Elimination {
             kept(gpu, &mut self.scratch, SCRATCH, sizes, &mut self.counts);
         let most_passes = plan.steps.iter().map(|step| 1 + step.fronts.len()).sum();
         let (mut times, mut passes) = (PassTimes::of(gpu, most_passes), Vec::with_capacity(most_passes));
-        let staged = plan.works + times.bytes();
+        let staged = works + times.bytes();
         let sizes = [numbers.len() as u64, plan.topologies.len() as u64, plan.works, staged];
         let [of_numbers, of_topologies, of_works, staging] =
             kept(gpu, &mut self.travelling[slot], TRAVELLING, sizes, &mut self.counts);
@@ -277,8 +319,8 @@ impl Elimination {
             }
             let is_last = left.peek().is_none();
             if is_last {
-                encoder.copy_buffer_to_buffer(of_works, 0, staging, 0, plan.works);
-                times.resolve(&mut encoder, staging, plan.works);
+                encoder.copy_buffer_to_buffer(of_works, 0, staging, 0, works);
+                times.resolve(&mut encoder, staging, works);
             }
             let submission = gpu.queue.submit([encoder.finish()]);
             self.counts.submits += 1;
@@ -294,10 +336,13 @@ impl Elimination {
         let Some(flight) = self.flights.pop_front() else { return Ok(()) };
         let Flight { batch, pieces, products, works: size, passes, submitted, reading } = flight;
         let was_there = gpu.is_there(&reading)?;
-        let jobs = &self.batches[batch - self.first_batch].jobs;
+        let batch = batch.map(|batch| batch - self.first_batch);
         let (ended, pass_times, found) = gpu.look(reading, |all| {
             let ended = Instant::now();
             let (all, times) = all.split_at(size as usize);
+            let Some(Batch { jobs, .. }) = batch.map(|batch| &self.batches[batch]) else {
+                return (ended, gpu.pass_times(times), Vec::new());
+            };
             let of_piece = |piece: &Piece| -> Vec<Option<Vec<f64>>> {
                 let EliminateParameters { body_size, mode_count, .. } = jobs[piece.job].topology.elimination;
                 let size = body_size as usize * precision.wide_bytes() as usize;
@@ -306,10 +351,11 @@ impl Elimination {
             };
             (ended, gpu.pass_times(times), pieces.par_iter().map(of_piece).collect::<Vec<_>>())
         })?;
-        let Batch { works, left, .. } = &mut self.batches[batch - self.first_batch];
-        for (piece, found) in pieces.into_iter().zip(found) {
-            *left -= found.len();
-            works[piece.job].splice(piece.bodies, found);
+        if let Some(Batch { works, left, .. }) = batch.map(|batch| &mut self.batches[batch]) {
+            for (piece, found) in pieces.into_iter().zip(found) {
+                *left -= found.len();
+                works[piece.job].splice(piece.bodies, found);
+            }
         }
         // The device began when it was given this, or when it had ended what was before.
         let began = self.idle_since.map_or(submitted, |idle| idle.max(submitted));

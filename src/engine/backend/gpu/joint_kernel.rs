@@ -4,16 +4,18 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
+use bytemuck::{Pod, Zeroable};
 use foldhash::HashMap;
 use wgpu::BufferUsages;
 
 use super::context::{GpuDevice, GpuError};
 use super::dispatch::{self, ALIGNMENT, Argument, PassTimes, Reading};
-use super::joint_tables::{JointParameters, TableArena};
+use super::elimination::KeptWorks;
+use super::joint_tables::{JointParameters, NearFieldArena, TableArena};
 use super::kernel_texts::{ANSWERS, JOINTS, Variant};
 use super::kernels::{Making, Precision, Stage};
 use crate::engine::backend::joints::{
-    AskedOfJoints, BatchedJoint, JointBatch, JointTables, MOST_NODES, STATE_NUMBERS,
+    AskedOfJoints, BatchedJoint, ELSEWHERE, JointBatch, JointTables, MISSING, MOST_NODES, STATE_NUMBERS,
 };
 use crate::engine::backend::{Counts, IN_FLIGHT};
 use crate::engine::question::counted::{Layout, MOST_ROWS, Told};
@@ -33,6 +35,7 @@ pub struct JointKernel {
     answers: Option<(String, Stage)>,
     making: Making,
     tables: TableArena,
+    near_fields: NearFieldArena,
     /// In the order they were begun.
     batches: VecDeque<Batch>,
     /// Buffers that no flight has.
@@ -87,8 +90,19 @@ fn bytes(words: usize) -> u64 {
     (size_of::<u32>() * words) as u64
 }
 
-/// A joint as the kernel has it: where its parameters are, its numbers and what is found of it begin, and how many loads it has.
-pub type Placed = [u32; 4];
+/// A joint as the kernel has it: where its parameters are, its numbers and what is found of it begin, and how many loads it has; where the
+/// works of pin and plate begin, or `ELSEWHERE` or `MISSING`, and the near fields of either.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Placed {
+    pub parameters: u32,
+    pub numbers_at: u32,
+    pub found_at: u32,
+    pub load_count: u32,
+    pub works_at: [u32; 2],
+    pub padding: [u32; 2],
+    pub near_fields_at: [[u32; 2]; 2],
+}
 
 /// Parameters, places, numbers and what is found, and that where the host can read it.
 const TRAVELLING: [(&str, BufferUsages); 5] = [
@@ -117,7 +131,7 @@ struct Load {
     /// Of each count of trial pressures.
     places: Vec<(usize, Vec<Placed>)>,
     /// Of each joint where its numbers and what is found of it begin, and its loads; where rows are counted.
-    designs: Vec<Placed>,
+    designs: Vec<[u32; 4]>,
     found_bytes: u64,
 }
 
@@ -128,6 +142,7 @@ impl JointKernel {
             answers: None,
             making,
             tables: TableArena::default(),
+            near_fields: NearFieldArena::default(),
             batches: VecDeque::new(),
             free: Vec::new(),
             most_bytes: MOST_BYTES,
@@ -137,6 +152,16 @@ impl JointKernel {
 
     /// Gives the device joints, and does not wait for them. Where the device runs out of memory, they come in smaller flights.
     pub fn begin(&mut self, gpu: &GpuDevice, batch: &JointBatch) -> Result<(), GpuError> {
+        self.begin_with(gpu, batch, None)
+    }
+
+    /// The same of joints whose bodies are condensed before, if their works stay on the device.
+    pub fn begin_with(
+        &mut self,
+        gpu: &GpuDevice,
+        batch: &JointBatch,
+        works: Option<&KeptWorks>,
+    ) -> Result<(), GpuError> {
         for JointTables { space: (key, _), .. } in &batch.tables {
             if !self.stages.contains_key(&key.terms) {
                 let plain = Variant::plain(Precision::F32, MOST_NODES as u32);
@@ -154,7 +179,7 @@ impl JointKernel {
         let mut first = 0;
         while first < batch.joints.len() {
             self.land_all_but(gpu, IN_FLIGHT - 1)?;
-            match self.fly(gpu, batch, first) {
+            match self.fly(gpu, batch, first, works) {
                 Ok((count, flight)) => {
                     first += count;
                     if let Some(own) = self.batches.back_mut() {
@@ -166,7 +191,7 @@ impl JointKernel {
                     self.land_all_but(gpu, 0)?;
                     self.most_bytes /= 2;
                     self.free.clear();
-                    self.tables = TableArena::default();
+                    (self.tables, self.near_fields) = Default::default();
                 }
                 Err(error) => return Err(error),
             }
@@ -269,8 +294,9 @@ impl JointKernel {
         gpu: &GpuDevice,
         batch: &JointBatch,
         first: usize,
+        works: Option<&KeptWorks>,
     ) -> Result<(usize, Flight), GpuError> {
-        let load = self.load(gpu, batch, first)?;
+        let load = self.load(gpu, batch, first, works)?;
         let joints = load.count.max(1);
         let wanted = match &batch.asked {
             Some(AskedOfJoints { question, ranges, .. }) => {
@@ -285,7 +311,8 @@ impl JointKernel {
         let mut buffers = self.free.pop().unwrap_or_default();
         let numbers = numbers_of(batch, first).start..numbers_of(batch, first + joints - 1).end;
         let asked = batch.asked.as_ref().map(|asked| &asked.tables[..]);
-        let reading = self.submit(gpu, &mut buffers, &load, &batch.numbers[numbers], (asked, &wanted))?;
+        let numbers = (&batch.numbers[numbers], works.map(|works| &works.buffer));
+        let reading = self.submit(gpu, &mut buffers, &load, numbers, (asked, &wanted))?;
         Ok((joints, Flight { joints, wanted, on_device: Some((buffers, reading)) }))
     }
 
@@ -294,7 +321,7 @@ impl JointKernel {
         gpu: &GpuDevice,
         Buffers { joints: buffers, answers }: &mut Buffers,
         load: &Load,
-        numbers: &[f32],
+        (numbers, works): (&[f32], Option<&wgpu::Buffer>),
         (asked, wanted): (Option<&[f32]>, &Wanted),
     ) -> Result<Reading, GpuError> {
         let Load { parameters, places, designs, found_bytes, .. } = load;
@@ -309,7 +336,9 @@ impl JointKernel {
             staged,
         ];
         // Before anything is written: wgpu loses a device that has no memory for what is written.
-        let (counts, stages, tables) = (&mut self.counts, &self.stages, &self.tables);
+        let (counts, stages, tables) = (&mut self.counts, &self.stages, self.tables.buffer());
+        // A binding may not be empty.
+        let (works, near_fields) = (works.unwrap_or(tables), self.near_fields.buffer().unwrap_or(tables));
         let kept = gpu.checked("joints", || dispatch::kept(gpu, buffers, TRAVELLING, sizes, counts))?;
         let [of_parameters, of_places, of_joints, found, staging] = kept;
         counts.bytes_up += sizes[..3].iter().sum::<u64>();
@@ -334,9 +363,11 @@ impl JointKernel {
                     let from = at + (piece * MOST_JOINTS * size_of::<Placed>()) as u64;
                     let arguments = [
                         Argument::whole("parameters", of_parameters),
-                        Argument::whole("tables", tables.buffer()),
+                        Argument::whole("tables", tables),
                         Argument::part("places", of_places, from..from + size_of_val(joints) as u64),
                         Argument::whole("joints", of_joints),
+                        Argument::whole("works", works),
+                        Argument::whole("near_fields", near_fields),
                         Argument::whole("found", found),
                     ];
                     let mut pass = encoder.begin_compute_pass(&times.next());
@@ -385,7 +416,14 @@ impl JointKernel {
     }
 
     /// What there is room for of the joints from one on, whose tables are there then; none where those of the first are too large.
-    fn load(&mut self, gpu: &GpuDevice, batch: &JointBatch, first: usize) -> Result<Load, GpuError> {
+    fn load(
+        &mut self,
+        gpu: &GpuDevice,
+        batch: &JointBatch,
+        first: usize,
+        works: Option<&KeptWorks>,
+    ) -> Result<Load, GpuError> {
+        let (near_fields, of_near_fields) = self.near_fields.meet(gpu, &batch.near_fields)?;
         let most = (self.most_bytes.min(gpu.facts.limits.binding_bytes) / 4) as usize;
         let start = numbers_of(batch, first).start;
         // Tables in the order in which joints ask for them, and their places in it.
@@ -407,7 +445,7 @@ impl JointKernel {
             });
         }
         let (met, bytes) = self.tables.meet(gpu, &tables)?;
-        self.counts.bytes_up += bytes;
+        self.counts.bytes_up += bytes + of_near_fields;
         let tables = &tables[..met];
         let mut load = Load {
             count: 0,
@@ -419,10 +457,27 @@ impl JointKernel {
         for joint in &batch.joints[first..first + count] {
             let Some(own) = order[joint.tables as usize].filter(|own| (*own as usize) < met) else { break };
             let terms = tables[own as usize].space.0.terms;
-            let numbers_at = joint.numbers_at - start as u32;
-            let placed = [own, numbers_at, (load.found_bytes / 4) as u32, joint.load_count];
+            let (numbers_at, found_at) = (joint.numbers_at - start as u32, (load.found_bytes / 4) as u32);
+            let works_at = joint.condensed.map(|body| match body {
+                None => ELSEWHERE,
+                Some(body) => works.map_or(MISSING, |works| works.places[body.place as usize]),
+            });
+            let near_fields_at = joint.condensed.map(|body| {
+                let places = body.and_then(|body| Some((body, near_fields.as_ref()?)));
+                places.map_or([0; 2], |(body, places)| body.near_fields.map(|own| places[own as usize]))
+            });
+            let placed = Placed {
+                parameters: own,
+                numbers_at,
+                found_at,
+                load_count: joint.load_count,
+                // Without near fields works are no good.
+                works_at: if near_fields.is_some() { works_at } else { [MISSING; 2] },
+                padding: [0; 2],
+                near_fields_at,
+            };
             if batch.asked.is_some() {
-                load.designs.push([placed[1], placed[2], placed[3], 0]);
+                load.designs.push([numbers_at, found_at, joint.load_count, 0]);
             }
             match load.places.iter_mut().find(|(own, _)| *own == terms) {
                 Some((_, places)) => places.push(placed),

@@ -8,10 +8,11 @@ use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use super::context::{GpuDevice, GpuError};
-use crate::engine::backend::joints::{BodyTables, JointTables, TablesKey};
+use crate::engine::backend::joints::{BodyTables, JointTables, NEAR_NODES, TablesKey};
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::body_fit::NEGLIGIBLE;
+use crate::mechanics::compliance::near_field::{NearField, NearFieldClass};
 use crate::mechanics::compliance::row_sums::REGISTER;
 use crate::mechanics::contact::curve_space::CurveSpace;
 
@@ -29,7 +30,8 @@ pub struct RowParameters {
     pub coefficients_at: u32,
     pub sizes_at: u32,
     pub rows_at: u32,
-    pub padding: [u32; 2],
+    pub before_ring: u32,
+    pub padding: u32,
 }
 
 /// And of all that a joint has in common with others.
@@ -60,6 +62,83 @@ pub struct TableArena {
     bodies: HashMap<TablesKey, RowParameters>,
     /// Without bodies.
     spaces: HashMap<SpaceKey, JointParameters>,
+}
+
+/// Near fields on a device, one after another in a buffer: of each the works of a node, then those of the next one, as many nodes as any has.
+#[derive(Default)]
+pub struct NearFieldArena {
+    buffer: Option<wgpu::Buffer>,
+    used_words: usize,
+    places: HashMap<NearFieldClass, u32>,
+}
+
+/// Near fields are dropped rather than take more bytes.
+const MOST_NEAR_BYTES: u64 = 64 << 20;
+
+impl NearFieldArena {
+    /// Uploads what is not there of some near fields. Tells where in the buffer each of them begins, and the bytes that went up; no places
+    /// where there is no room for all of them.
+    pub fn meet(
+        &mut self,
+        gpu: &GpuDevice,
+        near_fields: &[(NearFieldClass, &NearField)],
+    ) -> Result<(Option<Vec<u32>>, u64), GpuError> {
+        let most_words = (MOST_NEAR_BYTES.min(gpu.facts.limits.binding_bytes) / 4) as usize;
+        let size = |near_field: &NearField| NEAR_NODES * near_field.works()[0].len();
+        let is_new = |(class, _): &&(NearFieldClass, &NearField)| !self.places.contains_key(class);
+        let new: usize = near_fields.iter().filter(is_new).map(|(_, own)| size(own)).sum();
+        if self.used_words + new > most_words {
+            *self = NearFieldArena::default();
+            if near_fields.iter().map(|(_, own)| size(own)).sum::<usize>() > most_words {
+                return Ok((None, 0));
+            }
+        }
+        let (first, mut words) = (self.used_words, Vec::new());
+        let mut place = |(class, near_field): &(NearFieldClass, &NearField)| {
+            *self.places.entry(*class).or_insert_with(|| {
+                let at = words.len();
+                for works in near_field.works() {
+                    words.extend(works.iter().map(|work| (*work as f32).to_bits()));
+                }
+                words.resize(at + size(near_field), 0);
+                (first + at) as u32
+            })
+        };
+        let places = near_fields.iter().map(&mut place).collect();
+        add_words(gpu, "near fields", &mut self.buffer, &mut self.used_words, &words)?;
+        Ok((Some(places), 4 * words.len() as u64))
+    }
+
+    /// Those that were met; `None` where none was yet.
+    pub fn buffer(&self) -> Option<&wgpu::Buffer> {
+        self.buffer.as_ref()
+    }
+}
+
+/// Adds words to those that are in a buffer, which is made larger where it must be.
+fn add_words(
+    gpu: &GpuDevice,
+    label: &'static str,
+    buffer: &mut Option<wgpu::Buffer>,
+    used_words: &mut usize,
+    words: &[u32],
+) -> Result<(), GpuError> {
+    let used = 4 * *used_words as u64;
+    let needed = used + 4 * words.len() as u64;
+    let limits = &gpu.facts.limits;
+    if buffer.as_ref().is_none_or(|buffer| buffer.size() < needed) {
+        let roomy = (2 * needed).max(FIRST_BYTES).min(limits.buffer_bytes.min(limits.binding_bytes));
+        let larger = gpu.checked(label, || gpu.empty(label, roomy.max(needed)))?;
+        if let Some(before) = buffer.take().filter(|_| used > 0) {
+            gpu.copy(&before, &larger, used);
+        }
+        *buffer = Some(larger);
+    }
+    if let Some(buffer) = buffer {
+        gpu.queue.write_buffer(buffer, used, bytemuck::cast_slice(words));
+    }
+    *used_words += words.len();
+    Ok(())
 }
 
 /// Tables that are not there yet.
@@ -104,7 +183,7 @@ impl TableArena {
         for (key, space) in missing.spaces {
             self.spaces.insert(key, space_words(space, first, &mut words));
         }
-        self.upload(gpu, &words)?;
+        add_words(gpu, "tables of joints", &mut self.buffer, &mut self.used_words, &words)?;
         Ok((missing.count, 4 * words.len() as u64))
     }
 
@@ -133,26 +212,6 @@ impl TableArena {
             missing.count += 1;
         }
         missing
-    }
-
-    /// Behind what is there.
-    fn upload(&mut self, gpu: &GpuDevice, words: &[u32]) -> Result<(), GpuError> {
-        let used = 4 * self.used_words as u64;
-        let needed = used + 4 * words.len() as u64;
-        let limits = &gpu.facts.limits;
-        if self.buffer.as_ref().is_none_or(|buffer| buffer.size() < needed) {
-            let roomy = (2 * needed).max(FIRST_BYTES).min(limits.buffer_bytes.min(limits.binding_bytes));
-            let larger = gpu.checked("tables of joints", || gpu.empty("tables", roomy.max(needed)))?;
-            if let Some(before) = self.buffer.take().filter(|_| used > 0) {
-                gpu.copy(&before, &larger, used);
-            }
-            self.buffer = Some(larger);
-        }
-        if let Some(buffer) = &self.buffer {
-            gpu.queue.write_buffer(buffer, used, bytemuck::cast_slice(words));
-        }
-        self.used_words += words.len();
-        Ok(())
     }
 
     /// Those that were met; some were.
@@ -199,7 +258,7 @@ fn body_words(body: &BodyTables, space: &CurveSpace, words: &mut Vec<u32>) -> Ro
         }
         BodyTables::Modes(members) => {
             made = members.rows(space);
-            (&made, RowParameters::default())
+            (&made, RowParameters { before_ring: members.before_ring() as u32, ..RowParameters::default() })
         }
     };
     let [of_one, orders] = body.rows();

@@ -1,13 +1,14 @@
 //! The kernels as text: their files, and what is put before them in each precision.
 
 use super::batch::{OnChip, works_tile};
-use super::front::{Front, WORKS_HEADER};
+use super::front::{AMPLIFIED, Front, ROUGHEST, WORKS_HEADER};
 use super::system_layout::{SLICE, SystemOutcome};
 use crate::engine::accuracy::LEAST;
 use crate::engine::accuracy::fit_bound::KINDS;
 use crate::engine::accuracy::geometry_error::{LARGE_DISPLACEMENT, OF_SINE, OF_STRAIN};
 use crate::engine::backend::joints::{
-    ENDED, JOINT_NUMBERS, MOST_NODES, MOST_PRODUCTS, MOST_ROWS, STATE_NUMBERS, TERMS,
+    ELSEWHERE, ENDED, JOINT_NUMBERS, MISSING, MOST_NODES, MOST_PRODUCTS, MOST_ROWS, NEAR_NODES,
+    STATE_NUMBERS, TERMS,
 };
 use crate::engine::backend::precision::Precision;
 use crate::engine::question::counted::{
@@ -200,6 +201,8 @@ pub const JOINTS: KernelFile = KernelFile {
         ("tables", Read),
         ("places", Read),
         ("joints", Read),
+        ("works", Read),
+        ("near_fields", Read),
         ("found", Written),
     ],
     constants: &[
@@ -208,6 +211,10 @@ pub const JOINTS: KernelFile = KernelFile {
         ("MOST_ROWS", Constant::Count(MOST_ROWS)),
         ("JOINT_NUMBERS", Constant::Count(JOINT_NUMBERS)),
         ("STATE_NUMBERS", Constant::Count(STATE_NUMBERS)),
+        ("NEAR_NODES", Constant::Count(NEAR_NODES)),
+        ("ELSEWHERE", Constant::Count(ELSEWHERE as usize)),
+        ("MISSING", Constant::Count(MISSING as usize)),
+        ("ROUGHEST_LOSS", Constant::Single(ROUGHEST / (AMPLIFIED * f32::EPSILON as f64))),
         ("FUNCTIONS", Constant::Count(FUNCTIONS)),
         ("DECISIVE", Constant::Count(DECISIVE)),
         ("OF_LOAD", Constant::Count(OF_LOAD)),

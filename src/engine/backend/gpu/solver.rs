@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
 use super::context::{GpuDevice, GpuError};
-use super::elimination::Elimination;
+use super::elimination::{Elimination, KeptWorks};
 use super::front::FrontLayout;
 use super::front_topology::{FrontTopology, Job};
 use super::joint_kernel::JointKernel;
@@ -18,7 +18,7 @@ use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::accuracy::single_precision::OF_SINGLES;
 use crate::engine::backend::device_solver::DeviceSolver;
-use crate::engine::backend::joints::{JointBatch, SolvedJoints};
+use crate::engine::backend::joints::{JointBatch, MISSING, SolvedJoints};
 use crate::engine::backend::{Counts, Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
 use crate::engine::question::counted::Told;
@@ -130,14 +130,10 @@ impl Device for GpuCondenser<'_> {
     }
 
     fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
-        if self.topologies.values().map(OnDevice::bytes).sum::<u64>() > KEPT_BYTES {
-            self.topologies.clear();
-        }
-        let started = Instant::now();
         self.meet(groups)?;
-        self.report.preparation += started.elapsed();
         let started = Instant::now();
         let (eliminated, jobs) = self.jobs(groups);
+        self.report.bodies += jobs.iter().map(|job| job.count() as u64).sum::<u64>();
         self.elimination.begin(&self.kernels, jobs)?;
         let mut works = Works::with_capacity(groups.len());
         for (key, requests) in groups {
@@ -173,6 +169,33 @@ impl Device for GpuCondenser<'_> {
         let begun = self.joints.begin(self.kernels.gpu, batch);
         self.report.contact += started.elapsed();
         begun
+    }
+
+    fn begin_whole(&mut self, groups: &[Group], batch: &JointBatch) -> Result<bool, GpuError> {
+        // The kernel of joints takes works in single precision.
+        if self.kernels.precision != Precision::F32 || self.solver == DeviceSolver::Pcg {
+            return Ok(false);
+        }
+        self.meet(groups)?;
+        let started = Instant::now();
+        let (eliminated, jobs) = self.jobs(groups);
+        let kept = self.elimination.keep(&self.kernels, &jobs)?;
+        self.report.condensation += started.elapsed();
+        let Some(KeptWorks { buffer, places: of_jobs }) = kept else { return Ok(false) };
+        self.report.bodies += of_jobs.len() as u64;
+        let (mut places, mut of_jobs) = (Vec::new(), of_jobs.into_iter());
+        let mut eliminated = eliminated.into_iter().peekable();
+        for (place, (_, group)) in groups.iter().enumerate() {
+            let is_there = eliminated.next_if_eq(&place).is_some();
+            places.extend((0..group.len()).map(|_| match is_there {
+                true => of_jobs.next().unwrap_or(MISSING),
+                false => MISSING,
+            }));
+        }
+        let started = Instant::now();
+        let begun = self.joints.begin_with(self.kernels.gpu, batch, Some(&KeptWorks { buffer, places }));
+        self.report.contact += started.elapsed();
+        begun.map(|()| true)
     }
 
     fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
@@ -215,6 +238,10 @@ impl Device for GpuCondenser<'_> {
 impl GpuCondenser<'_> {
     /// Prepares topologies that are new.
     fn meet(&mut self, groups: &[Group]) -> Result<(), GpuError> {
+        let started = Instant::now();
+        if self.topologies.values().map(OnDevice::bytes).sum::<u64>() > KEPT_BYTES {
+            self.topologies.clear();
+        }
         let new = groups.iter().filter(|(key, _)| !self.topologies.contains_key(key));
         let new: Vec<(&TopologyKey, &Body)> = new.map(|(key, group)| (key, &group[0].body)).collect();
         let lay_out = |(key, body): &(&TopologyKey, &Body)| match self.solver {
@@ -226,11 +253,12 @@ impl GpuCondenser<'_> {
             let shared = OnDevice::new(&self.kernels, key, body, layouts)?;
             self.topologies.insert(key.clone(), shared);
         }
+        self.report.preparation += started.elapsed();
         Ok(())
     }
 
     /// The groups that are eliminated: their places, and their bodies.
-    fn jobs(&mut self, groups: &[Group]) -> (Vec<usize>, Vec<Job>) {
+    fn jobs(&self, groups: &[Group]) -> (Vec<usize>, Vec<Job>) {
         let topologies = &self.topologies;
         let job = |(place, (key, requests)): (usize, &Group)| match topologies.get(key) {
             Some(OnDevice::Eliminated(shared)) => {
@@ -242,7 +270,6 @@ impl GpuCondenser<'_> {
             _ => None,
         };
         let jobs: Vec<(usize, Job)> = groups.par_iter().enumerate().filter_map(job).collect();
-        self.report.bodies += jobs.iter().map(|(_, job)| job.count() as u64).sum::<u64>();
         jobs.into_iter().unzip()
     }
 }

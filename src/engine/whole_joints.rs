@@ -1,0 +1,248 @@
+//! Joints that are a device's from the numbers of their bodies to their states: what it condenses stays there, and the processor only adds
+//! what it knows of bodies beside their meshes, as weights of tables. A portion of designs goes there at once, and is waited for once.
+//! Designs whose joints a device has no kernel for, or finds no state of that is good enough, are left.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::time::Duration;
+
+use hashbrown::HashTable;
+use rayon::prelude::*;
+
+use crate::engine::accuracy::Want;
+use crate::engine::accuracy::body_errors::OwnError;
+use crate::engine::backend::joints::{CondensedBody, SolvedJoints};
+use crate::engine::backend::{Device, IN_FLIGHT};
+use crate::engine::bodies::BodyLibrary;
+use crate::engine::body_portions::{self, MANY, Portion};
+use crate::engine::body_request::{Around, BodyHandle, BodyRequest, Fidelity, Group, Meshed};
+use crate::engine::contact_on_device::{BodyOnDevice, GivenBody, given, is_for_devices, judged_designs};
+use crate::engine::device_joints::{JOINTS_TOGETHER, Underway, gathered};
+use crate::engine::hashed::Hashed;
+use crate::engine::joint_contact::{Alike, joint_key};
+use crate::engine::outcome::Answer;
+use crate::engine::plan::JointPlan;
+use crate::engine::spaces::{Needs, Spaces};
+use crate::engine::stopwatch::Stopwatch;
+use crate::mechanics::compliance::near_field::{NearField, NearFieldClass};
+use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::study::design::DesignCase;
+
+/// Designs tried together go to a device in so many portions, none smaller than `FEWEST` but the last: each keeps a large device busy.
+const PORTIONS: usize = 4;
+const FEWEST: usize = 1024;
+
+/// Of all that go there.
+pub fn portions<T>(all: &[T]) -> std::slice::Chunks<'_, T> {
+    all.chunks(all.len().div_ceil(PORTIONS).max(FEWEST))
+}
+
+/// A ladder's bodies and spaces, on the way through some designs.
+pub struct WholeJoints<'a, 'd> {
+    pub library: &'a mut BodyLibrary<'d>,
+    pub spaces: &'a mut Spaces,
+    /// Asked: relative, of the force.
+    pub accuracy: f64,
+    /// Time of what is made of the states, summed over threads.
+    pub contact: Duration,
+}
+
+/// A design with its plan.
+type Open<'a> = &'a (usize, JointPlan);
+
+/// Designs that the device has.
+struct Begun<'a> {
+    open: &'a [(u32, Open<'a>)],
+    alike: Alike,
+    underway: Underway<f64>,
+}
+
+/// The different bodies of some requests.
+#[derive(Default)]
+struct Distinct<'a> {
+    table: HashTable<u32>,
+    requests: Vec<Hashed<&'a BodyRequest>>,
+}
+
+impl<'a> Distinct<'a> {
+    fn place(&mut self, request: Hashed<&'a BodyRequest>) -> u32 {
+        let Distinct { table, requests } = self;
+        let is_same = |place: &u32| requests[*place as usize] == request;
+        let hash_of = |place: &u32| requests[*place as usize].own_hash();
+        let new = requests.len() as u32;
+        let place = *table.entry(request.own_hash(), is_same, hash_of).or_insert(new).get();
+        if place == new {
+            requests.push(request);
+        }
+        place
+    }
+}
+
+/// Where a body of a portion is.
+#[derive(Clone, Copy)]
+enum Met {
+    Solved(BodyHandle),
+    OnDevice { place: CondensedBody, modes: RingModes, between: f64 },
+}
+
+impl WholeJoints<'_, '_> {
+    /// The answers to designs that a device has found, in their order; `None` for the others.
+    pub fn solve(
+        &mut self,
+        cases: &[DesignCase],
+        open: &[(usize, JointPlan)],
+    ) -> Vec<Option<(Answer, Want)>> {
+        let mut answers = vec![None; open.len()];
+        if self.library.solves_joints() != SolvedJoints::All {
+            return answers;
+        }
+        let whole = (0..).zip(open).filter(|(_, (_, plan))| is_for_devices(plan));
+        let whole: Vec<(u32, Open)> = whole.collect();
+        let mut begun: VecDeque<Begun> = VecDeque::new();
+        for portion in portions(&whole) {
+            if begun.len() == IN_FLIGHT {
+                begun.pop_front().into_iter().for_each(|first| self.finish(cases, first, &mut answers));
+            }
+            begun.extend(self.begin(cases, portion));
+        }
+        begun.into_iter().for_each(|first| self.finish(cases, first, &mut answers));
+        answers
+    }
+
+    /// Gives the device a portion, if it has room for it.
+    fn begin<'a>(&mut self, cases: &[DesignCase], open: &'a [(u32, Open<'a>)]) -> Option<Begun<'a>> {
+        let started = Stopwatch::start();
+        let plans = open.par_iter().with_min_len(MANY).map(|(_, (_, plan))| plan);
+        let requests = plans.clone().map(|plan| [&plan.pin, &plan.plate].map(Hashed::new));
+        let requests: Vec<[Hashed<&BodyRequest>; 2]> = requests.collect();
+        let mut distinct = Distinct::default();
+        let places: Vec<[u32; 2]> =
+            requests.into_iter().map(|own| own.map(|request| distinct.place(request))).collect();
+        let Laid { groups, near_fields: classes, met } = Laid::of(&distinct, self.library);
+        self.library.prepare_near_fields(&classes);
+        let needs = plans.zip(&places).fold(Needs::default, |needs, (plan, places)| {
+            let own = [&plan.pin, &plan.plate].into_iter().zip(places);
+            own.fold(needs, |needs, (request, place)| match met[*place as usize] {
+                Met::Solved(handle) => needs.with((plan.space, &self.library.body(handle).compliance)),
+                Met::OnDevice { modes, .. } => {
+                    needs.with_modes(plan.space, BodyOnDevice::band_count(&request.body), Some(&modes))
+                }
+            })
+        });
+        self.spaces.meet(needs.reduce(Needs::default, Needs::and));
+        self.library.times.shared += started.elapsed();
+        let key =
+            |((_, (index, plan)), own): (&(u32, Open), &[u32; 2])| joint_key(*own, plan, &cases[*index]);
+        let alike = Alike::of(open.par_iter().with_min_len(MANY).zip(&places).map(key).collect());
+        let mut device = self.library.take_device()?;
+        let (library, spaces) = (&*self.library, &*self.spaces);
+        let around = library.near_fields(&classes);
+        let give = |joint: &Range<u32>, numbers: &mut Vec<f32>| {
+            let own = alike.places(joint);
+            let first = own[0] as usize;
+            let bodies = places[first].map(|place| met[place as usize].given(library, &around));
+            let own_cases = own.iter().map(|place| &cases[open[*place as usize].1.0]);
+            given(spaces, &open[first].1.1, bodies, own_cases, numbers)
+        };
+        let (mut batch, underway) = gathered(&alike.joints, JOINTS_TOGETHER, give);
+        batch.near_fields = classes.iter().copied().zip(around).collect();
+        let begun = if batch.joints.is_empty() { Ok(false) } else { device.begin_whole(&groups, &batch) };
+        let is_begun = self.library.give_back(device, begun);
+        is_begun.then(|| Begun { open, alike, underway })
+    }
+
+    /// Takes what the device has found of a portion.
+    fn finish(
+        &mut self,
+        cases: &[DesignCase],
+        Begun { open, alike, underway }: Begun,
+        answers: &mut [Option<(Answer, Want)>],
+    ) {
+        let Some(found) = self.library.finish_joints() else { return };
+        let (spaces, accuracy) = (&*self.spaces, self.accuracy);
+        let rounding = self.library.device().map_or(0.0, Device::rounding);
+        let known = |_, request| known_error(request, rounding);
+        let judge = |joint: &Range<u32>, even: f64, found: &[f32]| {
+            let started = Stopwatch::start();
+            let own = alike.places(joint);
+            let own_cases = own.iter().map(|place| &cases[open[*place as usize].1.0]);
+            let plan = &open[own[0] as usize].1.1;
+            let judged = judged_designs(spaces, plan, known, own_cases, accuracy, (even, found))?;
+            Some((judged, started.elapsed()))
+        };
+        let judged = underway.judged(&alike.joints, JOINTS_TOGETHER, &found, judge);
+        for (joint, judged) in alike.joints.iter().zip(judged) {
+            let Some((judged, time)) = judged else { continue };
+            self.contact += time;
+            for (place, answer) in alike.places(joint).iter().zip(judged) {
+                answers[open[*place as usize].0 as usize] = Some(answer);
+            }
+        }
+    }
+}
+
+/// Of a body of a plan that is for devices.
+fn known_error(request: &BodyRequest, rounding: f64) -> OwnError<'_> {
+    match request.fidelity {
+        Fidelity::Mesh { level } => OwnError::of_mesh(&request.body, level, rounding),
+        Fidelity::Series => OwnError::of_layers(&request.body),
+    }
+}
+
+/// The bodies of a portion as the device is given them.
+struct Laid {
+    groups: Vec<Group>,
+    near_fields: Vec<NearFieldClass>,
+    /// Of each different body where it is.
+    met: Vec<Met>,
+}
+
+impl Laid {
+    /// Those that need no mesh are solved.
+    fn of(distinct: &Distinct, library: &mut BodyLibrary) -> Laid {
+        let is_exact = |request: &Hashed<&BodyRequest>| request.key.fidelity == Fidelity::Series;
+        let all = || (0..).zip(&distinct.requests);
+        let exact = all().filter(|(_, request)| is_exact(request));
+        let (places, exact): (Vec<usize>, Vec<_>) =
+            exact.map(|(place, request)| (place, Hashed::new(request.key.clone()))).unzip();
+        // Those without a mesh are filled in, the others below.
+        let mut met = vec![Met::Solved(BodyHandle::of(0)); distinct.requests.len()];
+        if !exact.is_empty() {
+            let handles = library.solve_keyed(&exact);
+            places.into_iter().zip(handles).for_each(|(place, handle)| met[place] = Met::Solved(handle));
+        }
+        let meshed = all().filter(|(_, request)| !is_exact(request));
+        let meshed = meshed.map(|(place, request)| (BodyHandle::of(place), request.key)).collect();
+        let mut laid = Laid { groups: Vec::new(), near_fields: Vec::new(), met };
+        let mut place = 0;
+        for Portion { groups, near_fields, .. } in body_portions::portions(meshed) {
+            let before = laid.near_fields.len() as u32;
+            for (key, group) in groups {
+                let modes = RingModes::of(&key.class);
+                for Meshed { handle, around, .. } in &group {
+                    // A bare body has one.
+                    let Some(Around { classes, between }) = *around else { continue };
+                    let near_fields = classes.map(|class| class + before);
+                    let own = CondensedBody { place, near_fields };
+                    laid.met[handle.place()] = Met::OnDevice { place: own, modes, between };
+                    place += 1;
+                }
+                laid.groups.push((key, group));
+            }
+            laid.near_fields.extend(near_fields);
+        }
+        laid
+    }
+}
+
+impl Met {
+    fn given<'a>(self, library: &'a BodyLibrary, near_fields: &[&'a NearField]) -> GivenBody<'a> {
+        match self {
+            Met::Solved(handle) => GivenBody::Solved(&library.body(handle).compliance),
+            Met::OnDevice { place, modes, between } => {
+                let around = place.near_fields.map(|own| near_fields[own as usize]);
+                GivenBody::OnDevice(BodyOnDevice { modes, around, between, place })
+            }
+        }
+    }
+}

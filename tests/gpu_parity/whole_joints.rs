@@ -1,0 +1,236 @@
+//! Joints that a device solves from the numbers of their bodies on, and the processor's answers to the same designs.
+
+use std::sync::Mutex;
+use std::time::Duration;
+
+use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
+use jointsweep::internals::engine::backend::gpu::solver::GpuCondenser;
+use jointsweep::internals::engine::backend::joints::{JointBatch, SolvedJoints};
+use jointsweep::internals::engine::backend::{Counts, Device, Works};
+use jointsweep::internals::engine::body_request::Group;
+use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::study::design::DesignCase;
+
+use super::joints::{compare, concentric_and_mild, designs, rows};
+use super::*;
+use crate::common::draws::{concentric, disc_in_block, half_disc_in_annulus};
+
+/// What a device was given.
+#[derive(Debug, Default)]
+struct Given {
+    /// In one go: bodies and joints. Nothing where it took none.
+    whole: Vec<Option<[usize; 2]>>,
+    /// Bodies whose works were to come back.
+    long: usize,
+}
+
+/// A device that tells what it was given.
+struct Told<'a> {
+    condenser: GpuCondenser<'a>,
+    given: &'a Mutex<Given>,
+}
+
+impl Device for Told<'_> {
+    fn rounding(&self) -> f64 {
+        self.condenser.rounding()
+    }
+
+    fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
+        self.given.lock().unwrap().long += count(groups);
+        self.condenser.begin(groups)
+    }
+
+    fn finish(&mut self) -> Result<Works, GpuError> {
+        self.condenser.finish()
+    }
+
+    fn solves_joints(&self) -> SolvedJoints {
+        self.condenser.solves_joints()
+    }
+
+    fn begin_whole(&mut self, groups: &[Group], batch: &JointBatch) -> Result<bool, GpuError> {
+        let is_begun = self.condenser.begin_whole(groups, batch)?;
+        self.given.lock().unwrap().whole.push(is_begun.then_some([count(groups), batch.joints.len()]));
+        Ok(is_begun)
+    }
+
+    fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
+        self.condenser.begin_joints(batch)
+    }
+
+    fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
+        self.condenser.finish_joints()
+    }
+
+    fn stages(&self) -> Vec<(&'static str, Duration)> {
+        self.condenser.stages()
+    }
+
+    fn counts(&self) -> Counts {
+        self.condenser.counts()
+    }
+
+    fn worst_residual(&self) -> f64 {
+        0.0
+    }
+
+    fn solves(&self) -> u64 {
+        0
+    }
+}
+
+fn count(groups: &[Group]) -> usize {
+    groups.iter().map(|(_, group)| group.len()).sum()
+}
+
+/// The outcomes of designs on a device, what that was given, and what was asked of it.
+fn on(gpu: &GpuDevice, options: SolveOptions, cases: &[DesignCase]) -> (Vec<DesignOutcome>, Given, Counts) {
+    solving(SolvedJoints::All, gpu, options, cases)
+}
+
+/// By a device that solves these joints.
+fn solving(
+    joints: SolvedJoints,
+    gpu: &GpuDevice,
+    options: SolveOptions,
+    cases: &[DesignCase],
+) -> (Vec<DesignOutcome>, Given, Counts) {
+    let kernels = Kernels::with_tree(gpu, Precision::F32, INVOCATIONS, Making::Checked).unwrap();
+    let condenser = GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(joints);
+    let given = Mutex::default();
+    let device = Told { condenser, given: &given };
+    let mut ladder = Ladder::new(options).in_double().on(Box::new(device));
+    let outcomes = ladder.solve(cases);
+    assert_eq!(ladder.library.lost(), None);
+    let counts = ladder.library.device().unwrap().counts();
+    drop(ladder);
+    (outcomes, given.into_inner().unwrap(), counts)
+}
+
+/// By bodies of the same device, their contact being the processor's.
+fn by_works(gpu: &GpuDevice, options: SolveOptions, cases: &[DesignCase]) -> Vec<DesignOutcome> {
+    let (outcomes, given, _) = solving(SolvedJoints::None, gpu, options, cases);
+    assert!(given.whole.is_empty() && given.long > 0);
+    outcomes
+}
+
+fn on_device(outcomes: &[DesignOutcome]) -> usize {
+    outcomes.iter().filter(|outcome| outcome.backend == BackendKind::Gpu).count()
+}
+
+/// Every kind of plate, bodies on meshes and exact pins in blocks, by works that stay on the device and by those that come back.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn whole_joints_are_those_of_the_processor() {
+    for (name, accuracy, method, cases) in [
+        ("concentric", 1e-2, MethodChoice::Fe, designs(101, 400, concentric)),
+        ("concentric, 0.1 %", 1e-3, MethodChoice::Fe, designs(105, 200, concentric)),
+        ("half disc in annulus", 1e-2, MethodChoice::Fe, designs(102, 200, half_disc_in_annulus)),
+        ("disc in block", 1e-2, MethodChoice::Fe, designs(103, 200, disc_in_block)),
+        ("exact disc in block", 1e-2, MethodChoice::Auto, designs(104, 200, disc_in_block)),
+    ] {
+        let options = SolveOptions { accuracy, method };
+        let expected = by_works(device(), options, &cases);
+        let (found, given, _) = on(device(), options, &cases);
+        let (few, ..) = on(device(), options, &cases[..40]);
+        let (worst, on_device) = compare(&found, &expected, Method::Fe);
+        let shown = worst.map(|worst| format!("{worst:.1e}")).join(" ");
+        println!("{name}: {on_device} of {} on the device, {given:?}, {shown}", cases.len());
+        // The first time nearly all, of those that are asked again the fewest.
+        let joints = given.whole[0].map_or(0, |[_, joints]| joints);
+        assert!(
+            joints * 10 > 8 * cases.len() && given.whole.iter().all(Option::is_some),
+            "{name}: {given:?}"
+        );
+        assert!(on_device * 10 > 8 * cases.len(), "{name}: {on_device}");
+        assert!(greatest(worst) < 6e-5, "{name}: {shown}");
+        // However many there are at a time.
+        assert_eq!(rows(&few), rows(&found[..40]), "{name}");
+    }
+}
+
+/// A portion is waited for once, and of its bodies nothing comes back.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_portion_is_one_wait() {
+    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
+    // All are good enough at once; some bodies are the same.
+    let is_narrow = |case: &DesignCase| case.joint.radial_clearance < 0.04 * case.joint.hole_radius;
+    let cases = designs(111, 300, concentric_and_mild);
+    let cases: Vec<DesignCase> = cases.into_iter().filter(is_narrow).take(200).collect();
+    let (found, given, counts) = on(device(), options, &cases);
+    println!("{given:?} {counts:?}");
+    assert_eq!((on_device(&found), given.whole, given.long), (200, vec![Some([392, 200])], 0));
+    assert_eq!((counts.waits, counts.submits), (1, 2));
+    let loads: usize = cases.iter().map(|case| case.steps.len()).sum();
+    // A number of the curve and eleven a load, and what tells that bodies are there.
+    assert!(counts.bytes_down <= (4 * (200 + 11 * loads) + 256) as u64, "{counts:?} {loads}");
+}
+
+/// Bodies that many joints have in common go to the device once, and so do joints that many designs have in common.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn bodies_in_common_are_given_once() {
+    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
+    let mut cases = designs(121, 60, concentric);
+    let first = cases[1].clone();
+    for (index, case) in cases.iter_mut().enumerate() {
+        let (steps, clearance) = (case.steps.clone(), case.joint.radial_clearance / case.joint.hole_radius);
+        let [joint, plate] = [&mut case.joint, &mut first.joint.clone()];
+        let plate = (index % 2 == 0).then(|| plate.plate.clone());
+        joint.idealization = first.joint.idealization;
+        joint.pin = first.joint.pin.clone();
+        joint.plate = plate.unwrap_or_else(|| joint.plate.clone());
+        joint.hole_radius = first.joint.hole_radius;
+        joint.radial_clearance = clearance * joint.hole_radius;
+        case.steps = steps;
+    }
+    // Every fourth design is that before it but for its load.
+    for index in (3..60).step_by(4) {
+        cases[index].joint = cases[index - 1].joint.clone();
+    }
+    let expected = by_works(device(), options, &cases);
+    let (found, given, _) = on(device(), options, &cases);
+    let (worst, on_device) = compare(&found, &expected, Method::Fe);
+    println!("{given:?} {on_device} {worst:?}");
+    let Some([bodies, joints]) = given.whole[0] else { panic!("{given:?}") };
+    // One pin, and a plate of its own for every fourth design at most, beside the one that half of them have.
+    assert!(bodies <= 1 + 1 + 15 && bodies > 10, "{given:?}");
+    assert!(joints <= 45 && joints > 35, "{given:?}");
+    assert!(on_device > 50 && greatest(worst) < 6e-5, "{on_device} {worst:?}");
+}
+
+/// What rounding in f32 spoils, what the device has no kernel for and what it has no room for is the processor's, and no design is lost.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn what_is_left_goes_the_long_way() {
+    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
+    let mut cases = designs(131, 100, disc_in_block);
+    // All on their base, some of them soft, and one clearance is too wide for the kernel.
+    cases.iter_mut().for_each(|case| case.joint.plate.support = 0);
+    cases[1].joint.radial_clearance = 0.1 * cases[1].joint.hole_radius;
+    let expected = by_works(device(), options, &cases);
+    let (found, given, _) = on(device(), options, &cases);
+    let (worst, _) = compare(&found, &expected, Method::Fe);
+    println!("{given:?}, {worst:?}");
+    assert!(greatest(worst) < 6e-5, "{worst:?}");
+    let answers = |all: &[DesignOutcome]| -> Vec<bool> {
+        all.iter().flat_map(|outcome| &outcome.steps).map(|step| step.response.is_some()).collect()
+    };
+    assert_eq!(answers(&found), answers(&expected));
+    // With those that are asked for again on a finer mesh: 28 where nobody looks at what rounding has spoilt.
+    assert!(given.long > 50 && given.long < 100, "{given:?}");
+    // Devices without room for all tables together, and for some tables and meshes at all.
+    let cases = designs(132, 200, concentric);
+    for (bytes, least) in [(700_000, 190), (100_000, 20)] {
+        let mut small = device().clone();
+        small.facts.limits.binding_bytes = bytes;
+        let expected = by_works(&small, options, &cases);
+        let (found, given, _) = on(&small, options, &cases);
+        let (worst, here) = compare(&found, &expected, Method::Fe);
+        println!("{here} of {} on the device of {bytes} bytes, {given:?}, {worst:?}", cases.len());
+        assert!(greatest(worst) < 6e-5 && here >= least, "{here} {worst:?}");
+    }
+}
