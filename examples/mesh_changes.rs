@@ -80,9 +80,8 @@ fn draw(random: &mut Random) -> Body {
 
 /// A body with all its meshes that are not too large.
 fn measured(body: Body) -> Measured {
-    let request = |level| BodyRequest { body: body.clone(), fidelity: Fidelity::Mesh { level } };
-    let bounded = (0..LEVEL_COUNT).map(request).take_while(is_bounded);
-    let mut meshes: Vec<Fidelity> = bounded.map(|request| request.fidelity).collect();
+    let bounded = (0..LEVEL_COUNT).take_while(|level| is_bounded(&body, *level));
+    let mut meshes: Vec<Fidelity> = bounded.map(|level| Fidelity::Mesh { level }).collect();
     let finest = if body.shape.concentric { None } else { meshes.pop() };
     Measured { body, meshes, judge: finest.unwrap_or(Fidelity::Series) }
 }

@@ -15,7 +15,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Instant, SystemTime};
 
-use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity, concentric, mesh_class, mesh_size};
+use jointsweep::internals::engine::body_request::{BodyRequest, concentric, mesh_class, mesh_size};
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::law_fit::{law_case, laws_of};
 use jointsweep::internals::engine::plan::JointPlan;
@@ -300,7 +300,7 @@ fn meshes() -> [Vec<Measured>; 2] {
     let (mut topologies, mut batches) = (Vec::new(), Vec::new());
     for body in bodies() {
         for level in 0..LEVELS {
-            if !is_bounded(&BodyRequest { body: body.clone(), fidelity: Fidelity::Mesh { level } }) {
+            if !is_bounded(&body, level) {
                 continue;
             }
             let (class, size) = (mesh_class(&body, level), mesh_size(&body, level));

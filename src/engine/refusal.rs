@@ -181,7 +181,7 @@ fn one_digit(value: f64) -> String {
 const MOST_BAND_BYTES: u64 = 160 << 20;
 
 /// Up to this level the mesh of any body without layers stays within them.
-const ALWAYS_BOUNDED: usize = 1;
+const ALWAYS_BOUNDED: usize = 2;
 
 /// Whether the mesh of a body at a level stays within bounds of memory, and by that of time: some tenths of a second for
 /// a body alone, with what it shares with others.

@@ -148,7 +148,7 @@ impl WholeJoints<'_, '_> {
         batch.near_fields = classes.iter().copied().zip(around).collect();
         let begun = if batch.joints.is_empty() { Ok(false) } else { device.begin_whole(&groups, &batch) };
         let is_begun = self.library.give_back(device, begun);
-        is_begun.then(|| Begun { open, alike, underway })
+        is_begun.then_some(Begun { open, alike, underway })
     }
 
     /// Takes what the device has found of a portion.

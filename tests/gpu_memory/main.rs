@@ -79,6 +79,11 @@ fn elimination_goes_on_with_smaller_buffers(gpu: &GpuDevice) {
     elimination.begin(&kernels, vec![job(&bodies)]).unwrap();
     assert!(elimination.finish(&kernels).unwrap().remove(0) == expected[..100]);
     let found = elimination.finish(&kernels).unwrap().remove(0);
+    // Works that are to stay on the device do not, and are asked for again.
+    let mut keeping = Elimination::at_pace(1e-12);
+    assert!(keeping.keep(&kernels, &[job(&bodies)]).unwrap().is_none() && keeping.halved() > 0);
+    let kept = keeping.keep(&kernels, &[job(&bodies[..100])]).unwrap().unwrap();
+    assert_eq!(kept.places.len(), 100);
     rlimit::setrlimit(Resource::AS, soft, hard).unwrap();
     assert!(elimination.halved() > 0, "{:?}", elimination.counts);
     assert!(found == expected && found.iter().all(Option::is_some));

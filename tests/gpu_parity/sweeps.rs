@@ -7,6 +7,7 @@ use std::sync::Mutex;
 use jointsweep::internals::engine::accuracy::single_precision::OF_SINGLES;
 use jointsweep::internals::engine::backend::choice::{GpuChoice, joints_in};
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
+use jointsweep::internals::engine::backend::joints::SolvedJoints;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
 use jointsweep::internals::engine::sweep::{self, SweepOptions};
@@ -283,8 +284,9 @@ fn what_f32_cannot_solve_the_processor_does() {
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn a_device_that_is_lost_loses_no_design() {
-    lose_a_device(DeviceSolver::Eliminate);
-    lose_a_device(DeviceSolver::Pcg);
+    lose_a_device(DeviceSolver::Eliminate, SolvedJoints::None);
+    lose_a_device(DeviceSolver::Eliminate, SolvedJoints::All);
+    lose_a_device(DeviceSolver::Pcg, SolvedJoints::None);
 }
 
 /// The same of crews that have the device in common: what it has not done is the processor's, and that is said once.
@@ -298,7 +300,8 @@ fn a_device_that_many_crews_lose_loses_no_design() {
     let own = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap();
     let told = Mutex::new(Vec::new());
     let notify = |line: &str| told.lock().unwrap().push(line.to_string());
-    let gpu = Some(GpuChoice::new(&own, Precision::F32));
+    let joints = SolvedJoints::All;
+    let gpu = Some(GpuChoice { joints, ..GpuChoice::new(&own, Precision::F32) });
     let options = SweepOptions { threads: 8, gpu, notify: Some(&notify), ..SweepOptions::default() };
     let mut met: Vec<(u64, BackendKind)> = Vec::new();
     let statistics = sweep::run(&study, &options, &mut |outcome| {
@@ -319,13 +322,13 @@ fn a_device_that_many_crews_lose_loses_no_design() {
     assert!(told.len() == 1 && told[0].lines().count() == 1, "{told:?}");
 }
 
-fn lose_a_device(solver: DeviceSolver) {
+fn lose_a_device(solver: DeviceSolver, joints: SolvedJoints) {
     let cases = draw(51, 6, concentric);
     let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
     let expected = Ladder::new(options).in_double().solve(&cases);
     // Not the one that the other tests share.
     let own = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap();
-    let choice = GpuChoice { solver, ..GpuChoice::new(&own, Precision::F32) };
+    let choice = GpuChoice { solver, joints, ..GpuChoice::new(&own, Precision::F32) };
     let condenser = choice.condenser().unwrap();
     let mut ladder = Ladder::new(options).in_double().on(Box::new(condenser));
     let first = ladder.solve(&cases[..2]);

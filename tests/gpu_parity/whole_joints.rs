@@ -1,8 +1,11 @@
 //! Joints that a device solves from the numbers of their bodies on, and the processor's answers to the same designs.
 
+use std::ops::ControlFlow;
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
+use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
 use jointsweep::internals::engine::backend::gpu::solver::GpuCondenser;
 use jointsweep::internals::engine::backend::joints::{JointBatch, SolvedJoints};
@@ -10,8 +13,10 @@ use jointsweep::internals::engine::backend::{Counts, Device, Works};
 use jointsweep::internals::engine::body_request::Group;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
-use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
 use jointsweep::internals::study::design::DesignCase;
+use jointsweep::internals::study::setting::Setting;
 
 use super::joints::{compare, concentric_and_mild, designs, rows};
 use super::*;
@@ -233,4 +238,29 @@ fn what_is_left_goes_the_long_way() {
         println!("{here} of {} on the device of {bytes} bytes, {given:?}, {worst:?}", cases.len());
         assert!(greatest(worst) < 6e-5 && here >= least, "{here} {worst:?}");
     }
+}
+
+/// Crews side by side find the rows of one thread, in their order.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn crews_find_the_same_rows() {
+    let settings = ["sampling.count=3000", "solve.interpolation=off"];
+    let settings = settings.map(|text| Setting::parse(text, "a test").unwrap());
+    let (path, text) = (Path::new("random.toml"), include_str!("../../configs/random.toml"));
+    let study = Study::from_text_with(path, text.to_string(), &settings).unwrap();
+    let choice = GpuChoice { joints: SolvedJoints::All, ..GpuChoice::new(device(), Precision::F32) };
+    let by = |threads: usize| {
+        let options = SweepOptions { threads, gpu: Some(choice), ..SweepOptions::default() };
+        let mut outcomes = Vec::new();
+        let statistics = sweep::run(&study, &options, &mut |outcome| {
+            outcomes.push(outcome);
+            Ok(ControlFlow::Continue(()))
+        });
+        assert_eq!(statistics.unwrap().fallback, None);
+        outcomes
+    };
+    let (alone, crews) = (by(1), by(8));
+    println!("{} of {} on the device", on_device(&crews), crews.len());
+    assert!(crews.len() == 3000 && on_device(&crews) > 2900);
+    assert!(rows(&crews) == rows(&alone) && crews.iter().map(|outcome| outcome.case.index).eq(0..3000));
 }
