@@ -44,7 +44,7 @@ pub fn gathered<'a, I: Sync, T: Send>(
                 portion.numbers.truncate(at);
             }
             let own = given.map(|Given { tables, load_count, condensed, kept }| {
-                let tables = place_of(tables, &mut portion.places, &mut portion.tables);
+                let tables = portion.place_of(tables);
                 (kept, BatchedJoint { tables, numbers_at: at as u32, load_count, condensed })
             });
             portion.kept.push(own);
@@ -54,12 +54,17 @@ pub fn gathered<'a, I: Sync, T: Send>(
     // What is left to one thread is little: it says where numbers and tables of each portion are among all of them.
     let mut portions: Vec<_> = things.par_chunks(together).map(portion).collect();
     let mut batch = JointBatch::default();
-    let mut places = Places::default();
+    let mut places: HashMap<[TablesKey; 2], u32> = HashMap::default();
     let mut kept = Vec::with_capacity(things.len());
     let mut before = 0;
     for Portion { numbers, tables, kept: own, .. } in &mut portions {
-        let tables = tables.iter().map(|tables| place_of(*tables, &mut places, &mut batch.tables));
-        let tables: Vec<u32> = tables.collect();
+        let place = |(key, tables): &([TablesKey; 2], JointTables<'a>)| {
+            *places.entry(*key).or_insert_with(|| {
+                batch.tables.push(*tables);
+                batch.tables.len() as u32 - 1
+            })
+        };
+        let tables: Vec<u32> = tables.iter().map(place).collect();
         for (_, joint) in own.iter_mut().flatten() {
             joint.tables = tables[joint.tables as usize];
             joint.numbers_at += before;
@@ -80,28 +85,30 @@ pub fn gathered<'a, I: Sync, T: Send>(
     (batch, Underway { kept })
 }
 
-type Places = HashMap<[TablesKey; 2], u32>;
-
 /// Joints of some things, with tables and numbers of their own.
 struct Portion<'a, T> {
     numbers: Vec<f32>,
-    tables: Vec<JointTables<'a>>,
-    places: Places,
+    /// Few: the joints of a portion have most in common.
+    tables: Vec<([TablesKey; 2], JointTables<'a>)>,
     kept: Vec<Option<(T, BatchedJoint)>>,
 }
 
 impl<T> Default for Portion<'_, T> {
     fn default() -> Self {
-        Portion { numbers: Vec::new(), tables: Vec::new(), places: Places::default(), kept: Vec::new() }
+        Portion { numbers: Vec::new(), tables: Vec::new(), kept: Vec::new() }
     }
 }
 
-/// Where tables are among others, which they join if they are not there.
-fn place_of<'a>(tables: JointTables<'a>, places: &mut Places, all: &mut Vec<JointTables<'a>>) -> u32 {
-    *places.entry(tables.key()).or_insert_with(|| {
-        all.push(tables);
-        all.len() as u32 - 1
-    })
+impl<'a, T> Portion<'a, T> {
+    /// Where tables are among its own, which they join if they are not there.
+    fn place_of(&mut self, tables: JointTables<'a>) -> u32 {
+        let key = tables.key();
+        let known = self.tables.iter().position(|(known, _)| *known == key);
+        known.unwrap_or_else(|| {
+            self.tables.push((key, tables));
+            self.tables.len() - 1
+        }) as u32
+    }
 }
 
 /// The relative errors of the force that bodies leave, each by its share of the work: as `BodyErrors::at`.

@@ -163,18 +163,17 @@ impl WholeJoints<'_, '_> {
         let rounding = self.library.device().map_or(0.0, Device::rounding);
         let known = |_, request| known_error(request, rounding);
         let judge = |joint: &Range<u32>, even: f64, found: &[f32]| {
-            let started = Stopwatch::start();
             let own = alike.places(joint);
             let own_cases = own.iter().map(|place| &cases[open[*place as usize].1.0]);
             let plan = &open[own[0] as usize].1.1;
-            let judged = judged_designs(spaces, plan, known, own_cases, accuracy, (even, found))?;
-            Some((judged, started.elapsed()))
+            judged_designs(spaces, plan, known, own_cases, accuracy, (even, found))
         };
+        let started = Stopwatch::start();
         let judged = underway.judged(&alike.joints, JOINTS_TOGETHER, &found, judge);
+        // All threads are at it.
+        self.contact += started.elapsed() * rayon::current_num_threads() as u32;
         for (joint, judged) in alike.joints.iter().zip(judged) {
-            let Some((judged, time)) = judged else { continue };
-            self.contact += time;
-            for (place, answer) in alike.places(joint).iter().zip(judged) {
+            for (place, answer) in alike.places(joint).iter().zip(judged.into_iter().flatten()) {
                 answers[open[*place as usize].0 as usize] = Some(answer);
             }
         }
