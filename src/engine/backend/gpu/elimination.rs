@@ -368,8 +368,11 @@ impl Elimination {
             self.counts.busy += time;
             self.eliminating += if is_elimination { time } else { Duration::ZERO };
         }
-        self.counts.waits += 1;
-        self.counts.waits_with_work += u64::from(!self.flights.is_empty());
+        // Works that stay there are looked for when what rests on them has been waited for.
+        if batch.is_some() || !was_there {
+            self.counts.waits += 1;
+            self.counts.waits_with_work += u64::from(!self.flights.is_empty());
+        }
         Ok(())
     }
 }
