@@ -31,6 +31,7 @@ fn main() {
         (&SWEEPS[2], Precision::F32, How::Condensed),
         (&SWEEPS[0], Precision::F32, How::Interpolated),
         (&SWEEPS[0], Precision::F32, How::Counted),
+        (&SWEEPS[1], Precision::F32, How::Condensed),
     ];
     for (number, (sweep, precision, how)) in (1..).zip(lines) {
         if line.is_some_and(|line| line != number) {

@@ -77,8 +77,14 @@ const KEPT_PLANS: usize = 64 << 20;
 
 impl<'a> BodyLibrary<'a> {
     /// Which condenses on a device as long as that lasts.
-    pub fn on(device: Box<dyn Device + 'a>) -> BodyLibrary<'a> {
-        BodyLibrary { device: Some(device), ..BodyLibrary::default() }
+    pub fn on(self, device: Box<dyn Device + 'a>) -> BodyLibrary<'a> {
+        BodyLibrary { device: Some(device), ..self }
+    }
+
+    /// Another one without bodies or a device, so that the near fields which either makes the other has.
+    pub fn twin(&self) -> BodyLibrary<'a> {
+        let near_fields = self.near_fields.twin();
+        BodyLibrary { near_fields, in_singles: self.in_singles, ..BodyLibrary::default() }
     }
 
     pub fn device(&self) -> Option<&(dyn Device + 'a)> {

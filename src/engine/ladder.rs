@@ -114,10 +114,9 @@ impl<'a> Ladder<'a> {
         Ladder { options, ..self }
     }
 
-    /// Another one for other designs, with the spaces and fits that this one has made.
+    /// Another one for other designs, with the spaces and fits that this one has made, and the near fields that either will make.
     pub fn twin(&self) -> Ladder<'a> {
-        let mut library = BodyLibrary::default();
-        library.in_singles = self.library.in_singles;
+        let library = self.library.twin();
         let (options, asker, spaces) = (self.options, self.asker, self.spaces.clone());
         let interpolation = self.interpolation.as_ref().map(Interpolation::twin);
         Ladder { options, library, spaces, interpolation, asker, times: LadderTimes::default() }
@@ -135,9 +134,7 @@ impl<'a> Ladder<'a> {
 
     /// With bodies condensed on a device as long as that lasts.
     pub fn on(self, device: Box<dyn Device + 'a>) -> Ladder<'a> {
-        let mut library = BodyLibrary::on(device);
-        library.in_singles = self.library.in_singles;
-        Ladder { library, ..self }
+        Ladder { library: self.library.on(device), ..self }
     }
 
     /// With all bodies that the processor condenses in double precision.

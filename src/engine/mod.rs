@@ -4,6 +4,7 @@ pub mod relay;
 mod csv_rows;
 mod distinct;
 pub mod hashed;
+mod made_once;
 pub mod body_request;
 pub mod spaces;
 pub mod refusal;

@@ -56,7 +56,7 @@ fn elimination_goes_on_with_smaller_buffers(gpu: &GpuDevice) {
     let grading = class.grading(bodies[0].shape.end_angle);
     let mesh = MeshLayout::new(&bodies[0], &grading).unwrap();
     let front = FrontLayout::new(&bodies[0], &grading, &RingModes::of(&class), &mesh);
-    let topology = FrontTopology::new(&kernels, &mesh, front).unwrap().unwrap();
+    let topology = FrontTopology::new(&kernels, &mesh, &front).unwrap().unwrap();
     let job = |bodies: &[Body]| {
         let numbers = bodies.iter().flat_map(|body| mesh.body_numbers(body)).collect();
         Job { topology: topology.clone(), numbers }

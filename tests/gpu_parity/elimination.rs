@@ -21,7 +21,7 @@ fn layout(bodies: &Bodies) -> FrontLayout {
 }
 
 fn topology(kernels: &Kernels, bodies: &Bodies) -> FrontTopology {
-    FrontTopology::new(kernels, &bodies.layout, layout(bodies)).unwrap().expect("room for a body")
+    FrontTopology::new(kernels, &bodies.layout, &layout(bodies)).unwrap().expect("room for a body")
 }
 
 fn eliminated(kernels: &Kernels, bodies: &Bodies) -> Vec<Option<Vec<f64>>> {
@@ -97,7 +97,7 @@ fn what_f32_cannot_carry_is_left_to_the_processor() {
             let (grading, modes) = (class.grading(body.shape.end_angle), RingModes::of(&class));
             let mesh = MeshLayout::new(&body, &grading).unwrap();
             let front = FrontLayout::new(&body, &grading, &modes, &mesh);
-            let topology = FrontTopology::new(kernels, &mesh, front).unwrap().expect("room for a body");
+            let topology = FrontTopology::new(kernels, &mesh, &front).unwrap().expect("room for a body");
             let jobs = vec![Job { topology, numbers: mesh.body_numbers(&body) }];
             let found = Elimination::default().condense(kernels, jobs).unwrap().remove(0).remove(0);
             let expected = CondensationPlan::new(&body, grading, modes).condense(std::slice::from_ref(&body));
@@ -154,7 +154,7 @@ fn a_front_in_storage_is_the_same() {
                 assert!(on_web.is_on_chip, "{name}: {on_web:?}");
             }
             let [on_chip, in_storage] = [small, Front { is_on_chip: false, ..small }].map(|front| {
-                let topology = FrontTopology::with(kernels, &bodies.layout, layout(bodies), front).unwrap();
+                let topology = FrontTopology::with(kernels, &bodies.layout, &layout(bodies), front).unwrap();
                 let jobs = vec![Job { topology, numbers: bodies.numbers() }];
                 Elimination::default().condense(kernels, jobs).unwrap().remove(0)
             });
@@ -215,7 +215,7 @@ fn a_batch_is_one_submission_and_steps_change_no_bit() {
         let layout = layout(bodies);
         let front = layout.front(4, INVOCATIONS.into(), &device().facts.limits).unwrap();
         let front = Front { is_on_chip: front.is_on_chip && index % 2 == 0, ..front };
-        FrontTopology::with(kernels, &bodies.layout, layout, front).unwrap()
+        FrontTopology::with(kernels, &bodies.layout, &layout, front).unwrap()
     };
     let topologies: Vec<FrontTopology> = all.iter().enumerate().map(of).collect();
     let jobs = |count: usize| -> Vec<Job> {
@@ -260,7 +260,7 @@ fn a_batch_is_one_submission_and_steps_change_no_bit() {
     let narrow = Kernels::with_tree(&small, Precision::F32, INVOCATIONS, Making::Trusted).unwrap();
     let refused = all
         .iter()
-        .filter(|bodies| FrontTopology::new(&narrow, &bodies.layout, layout(bodies)).unwrap().is_none());
+        .filter(|bodies| FrontTopology::new(&narrow, &bodies.layout, &layout(bodies)).unwrap().is_none());
     assert_eq!(refused.count(), 1);
 }
 

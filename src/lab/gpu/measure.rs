@@ -122,7 +122,7 @@ fn eliminated(
     let front = FrontLayout::new(&bodies[0], &key.grading(&bodies[0]), &RingModes::of(&key.class), mesh);
     let products = front.tile_products();
     let (entered, panels) = (front.entered_tiles(), front.panel_tiles());
-    let Some(topology) = FrontTopology::new(kernels, mesh, front)? else { return Ok(None) };
+    let Some(topology) = FrontTopology::new(kernels, mesh, &front)? else { return Ok(None) };
     let effort = Effort::on(gpu.facts.kind);
     let numbers: Vec<Vec<f64>> = bodies.iter().map(|body| mesh.body_numbers(body)).collect();
     let mut elimination = Elimination::default();

@@ -12,7 +12,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use super::context::DeviceLimits;
+use crate::engine::backend::adapter::DeviceLimits;
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::ring_modes::MOST_MODES;
 

@@ -11,6 +11,7 @@ use std::time::Duration;
 
 use foldhash::HashMap;
 
+use super::layouts::Layouts;
 pub use crate::engine::backend::adapter::{
     AdapterChoice, AdapterFacts, AdapterKind, DeviceFeatures, DeviceLimits, GpuError, choose,
 };
@@ -40,6 +41,8 @@ pub struct GpuDevice {
     pub(super) making: Arc<AtomicU64>,
     /// Those that were made, by their text and whether they are checked: others ask for the same.
     pub(super) made: Arc<Mutex<HashMap<(String, bool), MadeKernel>>>,
+    /// What is laid out for bodies that are eliminated on it.
+    pub(super) layouts: Arc<Layouts>,
     /// Why it was lost, once it was.
     loss: Arc<OnceLock<String>>,
 }
@@ -83,6 +86,7 @@ impl Adapters {
             is_timed: false,
             making: Arc::default(),
             made: Arc::default(),
+            layouts: Arc::default(),
             loss,
         })
     }

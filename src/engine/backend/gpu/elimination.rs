@@ -89,6 +89,8 @@ struct Flight {
 /// Works that stay on the device, until as many flights as are there at a time have followed.
 pub struct KeptWorks {
     pub buffer: wgpu::Buffer,
+    /// What they take of it.
+    pub bytes: u64,
     /// Where in it, in numbers, that which is of each body begins: of one job after the other.
     pub places: Vec<u32>,
 }
@@ -150,7 +152,8 @@ impl Elimination {
         }
         let (order, mut cursor) = (order(jobs), Cursor::default());
         let plan = FlightPlan::next(jobs, &order, &mut cursor, &self.room(kernels));
-        if cursor.place < order.len() || plan.steps.is_empty() {
+        let bytes = plan.works;
+        if cursor.place < order.len() || bytes == 0 || bytes > kernels.gpu.facts.limits.bound_buffer() {
             return Ok(None);
         }
         let wide = kernels.precision.wide_bytes();
@@ -167,7 +170,7 @@ impl Elimination {
         let numbers = encoded(jobs, &plan, kernels.precision);
         let slot = self.flown % IN_FLIGHT;
         match self.submit(kernels, None, plan, &numbers) {
-            Ok(()) => Ok(self.travelling[slot][2].clone().map(|buffer| KeptWorks { buffer, places })),
+            Ok(()) => Ok(self.travelling[slot][2].clone().map(|buffer| KeptWorks { buffer, bytes, places })),
             Err(GpuError::OutOfMemory { .. }) if self.most_bytes > FEWEST_BYTES => {
                 self.halve(kernels)?;
                 Ok(None)

@@ -4,8 +4,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::batch::MOST_TRIPS;
-use super::context::DeviceLimits;
 use super::layout::{AssembleParameters, MeshLayout, starts};
+use crate::engine::backend::adapter::DeviceLimits;
 use crate::mechanics::assembly::Assembly;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::arc::packed_count;

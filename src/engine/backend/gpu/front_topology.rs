@@ -34,7 +34,7 @@ impl FrontTopology {
     pub fn new(
         kernels: &Kernels,
         mesh: &MeshLayout,
-        layout: FrontLayout,
+        layout: &FrontLayout,
     ) -> Result<Option<FrontTopology>, GpuError> {
         let limits = &kernels.gpu.facts.limits;
         let (wide, invocations) = (kernels.precision.wide_bytes(), u64::from(kernels.invocations));
@@ -48,7 +48,7 @@ impl FrontTopology {
     pub fn with(
         kernels: &Kernels,
         mesh: &MeshLayout,
-        layout: FrontLayout,
+        layout: &FrontLayout,
         front: Front,
     ) -> Result<FrontTopology, GpuError> {
         let wide = kernels.precision.wide_bytes();

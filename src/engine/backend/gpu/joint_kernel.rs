@@ -311,7 +311,7 @@ impl JointKernel {
         let mut buffers = self.free.pop().unwrap_or_default();
         let numbers = numbers_of(batch, first).start..numbers_of(batch, first + joints - 1).end;
         let asked = batch.asked.as_ref().map(|asked| &asked.tables[..]);
-        let numbers = (&batch.numbers[numbers], works.map(|works| &works.buffer));
+        let numbers = (&batch.numbers[numbers], works);
         let reading = self.submit(gpu, &mut buffers, &load, numbers, (asked, &wanted))?;
         Ok((joints, Flight { joints, wanted, on_device: Some((buffers, reading)) }))
     }
@@ -321,7 +321,7 @@ impl JointKernel {
         gpu: &GpuDevice,
         Buffers { joints: buffers, answers }: &mut Buffers,
         load: &Load,
-        (numbers, works): (&[f32], Option<&wgpu::Buffer>),
+        (numbers, works): (&[f32], Option<&KeptWorks>),
         (asked, wanted): (Option<&[f32]>, &Wanted),
     ) -> Result<Reading, GpuError> {
         let Load { parameters, places, designs, found_bytes, .. } = load;
@@ -338,7 +338,11 @@ impl JointKernel {
         // Before anything is written: wgpu loses a device that has no memory for what is written.
         let (counts, stages, tables) = (&mut self.counts, &self.stages, self.tables.buffer());
         // A binding may not be empty.
-        let (works, near_fields) = (works.unwrap_or(tables), self.near_fields.buffer().unwrap_or(tables));
+        let near_fields = self.near_fields.buffer().unwrap_or(tables);
+        let of_works = || match works {
+            Some(works) => Argument::part("works", &works.buffer, 0..works.bytes),
+            None => Argument::whole("works", tables),
+        };
         let kept = gpu.checked("joints", || dispatch::kept(gpu, buffers, TRAVELLING, sizes, counts))?;
         let [of_parameters, of_places, of_joints, found, staging] = kept;
         counts.bytes_up += sizes[..3].iter().sum::<u64>();
@@ -366,7 +370,7 @@ impl JointKernel {
                         Argument::whole("tables", tables),
                         Argument::part("places", of_places, from..from + size_of_val(joints) as u64),
                         Argument::whole("joints", of_joints),
-                        Argument::whole("works", works),
+                        of_works(),
                         Argument::whole("near_fields", near_fields),
                         Argument::whole("found", found),
                     ];

@@ -1,12 +1,13 @@
 //! The condensation of bodies as kernels, for many bodies at once, on any device with a Vulkan driver: from a few numbers of each
 //! body to the works of its ring's modes, with nothing read back between. docs/gpu.md has the whole.
 
-pub mod context;
-pub mod shared_data;
 pub mod batch;
 pub mod system_layout;
 pub mod layout;
 pub mod front;
+pub mod layouts;
+pub mod context;
+pub mod shared_data;
 pub mod kernel_texts;
 pub mod kernels;
 pub mod dispatch;

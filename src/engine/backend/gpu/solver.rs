@@ -1,6 +1,7 @@
 //! Bodies condensed on a device: what comes back is the works of each and nothing else.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use foldhash::HashMap;
@@ -9,11 +10,11 @@ use rayon::prelude::*;
 use super::batch::{BodyCounts, KernelFacts, adapted, batches};
 use super::context::{GpuDevice, GpuError};
 use super::elimination::{Elimination, KeptWorks};
-use super::front::FrontLayout;
 use super::front_topology::{FrontTopology, Job};
 use super::joint_kernel::JointKernel;
 use super::kernels::{Kernels, Making, Precision};
 use super::layout::MeshLayout;
+use super::layouts::Layout;
 use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::accuracy::single_precision::OF_SINGLES;
@@ -24,7 +25,7 @@ use crate::engine::body_request::{Group, TopologyKey};
 use crate::engine::question::counted::Told;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
-use crate::mechanics::mesh::{Grading, RingTopology};
+use crate::mechanics::mesh::RingTopology;
 use crate::mechanics::solve::refine::RefineSettings;
 
 /// Condenses bodies on a device; keeps what those of a topology share.
@@ -64,7 +65,7 @@ pub struct GpuReport {
 
 /// What the bodies of a topology share on the device, as its solver takes them.
 enum OnDevice {
-    Eliminated(Box<(MeshLayout, FrontTopology)>),
+    Eliminated(Arc<Layout>, Box<FrontTopology>),
     Iterated(Box<Topology>),
     /// Too fine a mesh for elimination.
     Left,
@@ -181,7 +182,7 @@ impl Device for GpuCondenser<'_> {
         let (eliminated, jobs) = self.jobs(groups);
         let kept = self.elimination.keep(&self.kernels, &jobs)?;
         self.report.condensation += started.elapsed();
-        let Some(KeptWorks { buffer, places: of_jobs }) = kept else { return Ok(false) };
+        let Some(KeptWorks { buffer, bytes, places: of_jobs }) = kept else { return Ok(false) };
         self.report.bodies += of_jobs.len() as u64;
         let (mut places, mut of_jobs) = (Vec::new(), of_jobs.into_iter());
         let mut eliminated = eliminated.into_iter().peekable();
@@ -193,7 +194,8 @@ impl Device for GpuCondenser<'_> {
             }));
         }
         let started = Instant::now();
-        let begun = self.joints.begin_with(self.kernels.gpu, batch, Some(&KeptWorks { buffer, places }));
+        let kept = KeptWorks { buffer, bytes, places };
+        let begun = self.joints.begin_with(self.kernels.gpu, batch, Some(&kept));
         self.report.contact += started.elapsed();
         begun.map(|()| true)
     }
@@ -241,17 +243,20 @@ impl GpuCondenser<'_> {
         let started = Instant::now();
         if self.topologies.values().map(OnDevice::bytes).sum::<u64>() > KEPT_BYTES {
             self.topologies.clear();
+            self.kernels.gpu.layouts.forget();
         }
         let new = groups.iter().filter(|(key, _)| !self.topologies.contains_key(key));
         let new: Vec<(&TopologyKey, &Body)> = new.map(|(key, group)| (key, &group[0].body)).collect();
-        let lay_out = |(key, body): &(&TopologyKey, &Body)| match self.solver {
-            DeviceSolver::Pcg => Ok(None),
-            _ => layouts(&self.kernels, key, body).map(Some),
-        };
-        let laid_out = new.par_iter().map(lay_out).collect::<Result<Vec<_>, GpuError>>()?;
-        for ((key, body), layouts) in new.into_iter().zip(laid_out) {
-            let shared = OnDevice::new(&self.kernels, key, body, layouts)?;
-            self.topologies.insert(key.clone(), shared);
+        if self.solver == DeviceSolver::Pcg {
+            for (key, body) in new {
+                let topology = Topology::new(&self.kernels, key, body)?;
+                self.topologies.insert(key.clone(), OnDevice::Iterated(Box::new(topology)));
+            }
+        } else {
+            let layouts = self.kernels.gpu.layouts.of(&new);
+            for ((key, _), layout) in new.into_iter().zip(layouts) {
+                self.topologies.insert(key.clone(), OnDevice::new(&self.kernels, layout)?);
+            }
         }
         self.report.preparation += started.elapsed();
         Ok(())
@@ -261,11 +266,11 @@ impl GpuCondenser<'_> {
     fn jobs(&self, groups: &[Group]) -> (Vec<usize>, Vec<Job>) {
         let topologies = &self.topologies;
         let job = |(place, (key, requests)): (usize, &Group)| match topologies.get(key) {
-            Some(OnDevice::Eliminated(shared)) => {
-                let (mesh, topology) = &**shared;
+            Some(OnDevice::Eliminated(layout, topology)) => {
+                let (mesh, _) = layout.as_ref().as_ref().ok()?;
                 let mut numbers = Vec::with_capacity(mesh.body_number_count() * requests.len());
                 requests.iter().for_each(|meshed| mesh.add_body_numbers(&meshed.body, &mut numbers));
-                Some((place, Job { topology: topology.clone(), numbers }))
+                Some((place, Job { topology: FrontTopology::clone(topology), numbers }))
             }
             _ => None,
         };
@@ -275,52 +280,37 @@ impl GpuCondenser<'_> {
 }
 
 impl OnDevice {
-    /// Of bodies like `body`, with what elimination takes, if it is not conjugate gradients that are asked for: these do 30 to 80 times the
+    /// With what elimination takes, if it is not conjugate gradients that are asked for: these do 30 to 80 times the
     /// work, and the processor, which eliminates as well, is the quicker one where a mesh is too fine for the device.
-    fn new(
-        kernels: &Kernels,
-        key: &TopologyKey,
-        body: &Body,
-        layouts: Option<(MeshLayout, FrontLayout)>,
-    ) -> Result<OnDevice, GpuError> {
-        if let Some((mesh, front)) = layouts {
-            let topology = FrontTopology::new(kernels, &mesh, front)?;
-            return Ok(
-                topology.map_or(OnDevice::Left, |topology| OnDevice::Eliminated(Box::new((mesh, topology))))
-            );
-        }
-        Ok(OnDevice::Iterated(Box::new(Topology::new(kernels, key, body)?)))
+    fn new(kernels: &Kernels, layout: Arc<Layout>) -> Result<OnDevice, GpuError> {
+        let topology = match &*layout {
+            Ok((mesh, front)) => FrontTopology::new(kernels, mesh, front)?,
+            Err(problem) => return Err(no_layout(kernels, problem.clone())),
+        };
+        Ok(topology.map_or(OnDevice::Left, |topology| OnDevice::Eliminated(layout, Box::new(topology))))
     }
 
     fn bytes(&self) -> u64 {
         match self {
-            OnDevice::Eliminated(shared) => shared.0.bytes() + shared.1.bytes(),
+            OnDevice::Eliminated(layout, topology) => {
+                layout.as_ref().as_ref().map_or(0, |(mesh, _)| mesh.bytes()) + topology.bytes()
+            }
             OnDevice::Iterated(topology) => topology.bytes(),
             OnDevice::Left => 0,
         }
     }
 }
 
-fn layouts(kernels: &Kernels, key: &TopologyKey, body: &Body) -> Result<(MeshLayout, FrontLayout), GpuError> {
-    let grading = key.grading(body);
-    let mesh = layout(kernels, body, &grading)?;
-    let front = FrontLayout::new(body, &grading, &RingModes::of(&key.class), &mesh);
-    Ok((mesh, front))
-}
-
-fn layout(kernels: &Kernels, body: &Body, grading: &Grading) -> Result<MeshLayout, GpuError> {
-    MeshLayout::new(body, grading).map_err(|error| GpuError::Failed {
-        adapter: kernels.gpu.facts.name.clone(),
-        what: "layout",
-        problem: error.to_string(),
-    })
+fn no_layout(kernels: &Kernels, problem: String) -> GpuError {
+    GpuError::Failed { adapter: kernels.gpu.facts.name.clone(), what: "layout", problem }
 }
 
 impl Topology {
     /// Of bodies like `body`.
     pub(crate) fn new(kernels: &Kernels, key: &TopologyKey, body: &Body) -> Result<Topology, GpuError> {
         let grading = key.grading(body);
-        let layout = layout(kernels, body, &grading)?;
+        let layout =
+            MeshLayout::new(body, &grading).map_err(|error| no_layout(kernels, error.to_string()))?;
         let pushes = Push::of(body.shape.side);
         let topology = RingTopology::new(body, &grading);
         let loads = ModeLoads::new(kernels, &RingModes::of(&key.class), pushes, &topology)?;
