@@ -4,7 +4,7 @@
 use crate::engine::accuracy::body_errors::OwnError;
 use crate::engine::accuracy::{Estimate, Want};
 use crate::engine::backend::joints::{
-    Amplitudes, BodyTables, CondensedBody, DeviceBody, DeviceJoint, JointTables, states,
+    self, Amplitudes, BodyTables, CondensedBody, DeviceBody, DeviceJoint, JointTables, states,
 };
 use crate::engine::body_request::BodyRequest;
 use crate::engine::device_joints::{Given, errors_of_bodies};
@@ -55,6 +55,7 @@ fn bounded_pin(body: &Body) -> Option<ConcentricBody> {
 /// are the processor's.
 pub fn is_for_devices(plan: &JointPlan) -> bool {
     plan.estimate == Estimate::Known
+        && joints::is_for_devices(plan.space)
         && [&plan.pin, &plan.plate].into_iter().all(|request| request.body.lining.is_empty())
 }
 

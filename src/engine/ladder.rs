@@ -228,17 +228,16 @@ impl<'a> Ladder<'a> {
 
     /// One attempt at each of some designs: those first whose joints a device solves from the numbers of their bodies on.
     fn attempts(&mut self, cases: &[DesignCase], open: &[(usize, JointPlan)]) -> Vec<(Answer, Want)> {
+        if self.library.solves_joints() != SolvedJoints::All {
+            return self.long_attempts(cases, open);
+        }
         let Ladder { library, spaces, options, times, .. } = self;
-        let mut sweep = WholeJoints { library, spaces, accuracy: options.accuracy, contact: Duration::ZERO };
-        let solved = sweep.solve(cases, open);
-        times.contact += sweep.contact;
+        let mut whole = WholeJoints { library, spaces, accuracy: options.accuracy, contact: Duration::ZERO };
+        let solved = whole.solve(cases, open);
+        times.contact += whole.contact;
         let is_left = |(_, solved): &(_, &Option<_>)| solved.is_none();
-        let left = open.iter().zip(&solved).filter(is_left).map(|(open, _)| open);
-        let others = match solved.iter().any(Option::is_some) {
-            true => self.long_attempts(cases, &left.cloned().collect::<Vec<_>>()),
-            false => self.long_attempts(cases, open),
-        };
-        let mut others = others.into_iter();
+        let left = open.iter().zip(&solved).filter(is_left).map(|(open, _)| open.clone());
+        let mut others = self.long_attempts(cases, &left.collect::<Vec<_>>()).into_iter();
         solved.into_iter().filter_map(|solved| solved.or_else(|| others.next())).collect()
     }
 

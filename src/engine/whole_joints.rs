@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
 use crate::engine::accuracy::body_errors::OwnError;
-use crate::engine::backend::joints::{CondensedBody, SolvedJoints};
+use crate::engine::backend::joints::CondensedBody;
 use crate::engine::backend::{Device, IN_FLIGHT};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::body_portions::{self, MANY, Portion};
@@ -93,9 +93,6 @@ impl WholeJoints<'_, '_> {
         open: &[(usize, JointPlan)],
     ) -> Vec<Option<(Answer, Want)>> {
         let mut answers = vec![None; open.len()];
-        if self.library.solves_joints() != SolvedJoints::All {
-            return answers;
-        }
         let whole = (0..).zip(open).filter(|(_, (_, plan))| is_for_devices(plan));
         let whole: Vec<(u32, Open)> = whole.collect();
         let mut begun: VecDeque<Begun> = VecDeque::new();

@@ -175,14 +175,16 @@ impl BodyTables<'_> {
     }
 }
 
+/// Whether a device has a kernel for joints in a space.
+pub fn is_for_devices(space: SpaceKey) -> bool {
+    TERMS.contains(&space.terms) && space.nodes <= MOST_NODES && space.variable == Variable::Root
+}
+
 impl JointTables<'_> {
     /// Whether a device has a kernel for joints with these tables and outlines, and room.
     pub fn are_for_devices(&self, outlines: &Outlines) -> bool {
-        let (key, _) = self.space;
         (0.0..=NARROW).contains(&outlines.radial_clearance)
-            && TERMS.contains(&key.terms)
-            && key.nodes <= MOST_NODES
-            && key.variable == Variable::Root
+            && is_for_devices(self.space.0)
             && self.bodies.iter().all(BodyTables::has_room)
     }
 

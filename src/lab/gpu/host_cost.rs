@@ -41,8 +41,8 @@ pub struct HostCost {
     pub on_device: u64,
     /// Drawing the designs.
     pub drawing: f64,
-    /// From the bodies of a batch to their works, or from joints to their states, by the device's driver too: on software that is what runs
-    /// the empty kernels.
+    /// From the bodies of a batch to their works, or to the states of joints, by the device's driver too: on software that is what runs
+    /// the empty kernels, of which each dispatch has one workgroup.
     pub condensing: f64,
     /// From designs to answers, `condensing` included.
     pub solving: f64,
