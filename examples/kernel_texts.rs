@@ -8,8 +8,9 @@ use std::path::PathBuf;
 
 use jointsweep::internals::engine::backend::gpu::batch::OnChip;
 use jointsweep::internals::engine::backend::gpu::front::Front;
-use jointsweep::internals::engine::backend::gpu::kernel_texts::{KERNEL_FILES, Sums, Variant};
+use jointsweep::internals::engine::backend::gpu::kernel_texts::{JOINTS, KERNEL_FILES, Sums, Variant};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
+use jointsweep::internals::engine::backend::joints::{MOST_NODES, TERMS};
 
 fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(std::env::args_os().nth(1).expect("a folder to write to"));
@@ -23,6 +24,10 @@ fn main() -> std::io::Result<()> {
             let variant = Variant { on_chip, front: Front { rows: 16, is_on_chip }, sums, ..plain };
             std::fs::write(folder.join(format!("{}-{name}.wgsl", file.name)), file.variant(&variant))?;
         }
+    }
+    for terms in TERMS {
+        let variant = Variant { terms, ..Variant::plain(Precision::F32, MOST_NODES as u32) };
+        std::fs::write(folder.join(format!("joints-{terms}.wgsl")), JOINTS.variant(&variant))?;
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! What processors do around a GPU: a sweep whose bodies go the whole way to a device and back, with kernels that do nothing.
 //!
 //! In place of the works that such kernels leave out, each body has those of the first body of its topology, so that contact has
-//! something to solve. Making them is not counted. Joints of interpolated bodies have one state in place of all that are left out, and of a study that
+//! something to solve. Making them is not counted. Joints that are the device's have one state in place of all that are left out, and of a study that
 //! asks for answers alone all designs are told to be counted; their fits, which the processor makes, are not counted, either.
 
 use std::collections::VecDeque;
