@@ -326,7 +326,8 @@ impl JointKernel {
     ) -> Result<Reading, GpuError> {
         let Load { parameters, places, designs, found_bytes, .. } = load;
         let pieces: usize = places.iter().map(|(_, places)| places.len().div_ceil(MOST_JOINTS)).sum();
-        let mut times = PassTimes::of(gpu, pieces + usize::from(asked.is_some()));
+        let mut times =
+            gpu.checked("joints", || PassTimes::of(gpu, pieces + usize::from(asked.is_some())))?;
         let staged = wanted.bytes() + times.bytes();
         let sizes = [
             size_of_val(&parameters[..]) as u64,

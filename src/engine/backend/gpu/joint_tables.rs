@@ -130,12 +130,12 @@ fn add_words(
         let roomy = (2 * needed).max(FIRST_BYTES).min(limits.buffer_bytes.min(limits.binding_bytes));
         let larger = gpu.checked(label, || gpu.empty(label, roomy.max(needed)))?;
         if let Some(before) = buffer.take().filter(|_| used > 0) {
-            gpu.copy(&before, &larger, used);
+            gpu.checked(label, || gpu.copy(&before, &larger, used))?;
         }
         *buffer = Some(larger);
     }
     if let Some(buffer) = buffer {
-        gpu.queue.write_buffer(buffer, used, bytemuck::cast_slice(words));
+        gpu.checked(label, || gpu.queue.write_buffer(buffer, used, bytemuck::cast_slice(words)))?;
     }
     *used_words += words.len();
     Ok(())
