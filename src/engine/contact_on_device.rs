@@ -14,11 +14,10 @@ use crate::engine::outcome::{Answer, BackendKind};
 use crate::engine::plan::JointPlan;
 use crate::engine::row::Solving;
 use crate::engine::spaces::Spaces;
-use crate::mechanics::body::{Body, Side};
+use crate::mechanics::body::Body;
 use crate::mechanics::compliance::near_field::NearField;
 use crate::mechanics::compliance::ring_modes::RingModes;
-use crate::mechanics::compliance::series::ConcentricBody;
-use crate::mechanics::compliance::{BodyCompliance, infinite};
+use crate::mechanics::compliance::{BodyCompliance, concentric_pin, infinite};
 use crate::mechanics::contact::compliance_rows::ModeMembers;
 use crate::study::design::DesignCase;
 
@@ -42,13 +41,8 @@ pub struct BodyOnDevice<'a> {
 impl BodyOnDevice<'_> {
     /// How many bands of second order a body has.
     pub fn band_count(body: &Body) -> usize {
-        bounded_pin(body).map_or(0, |body| body.second_order_count())
+        concentric_pin(body).map_or(0, |body| body.second_order_count())
     }
-}
-
-/// What bands of second order are of: a concentric pin.
-fn bounded_pin(body: &Body) -> Option<ConcentricBody> {
-    ConcentricBody::of(body).filter(|_| body.shape.side == Side::Pin)
 }
 
 /// Whether a device may solve the joints of a plan, as far as the plan tells. Layers, press fits, and meshes that are told by coarser ones
@@ -75,7 +69,7 @@ pub fn given<'a, 'b>(
     }
     let parts = [(&plan.pin, &joint.pin), (&plan.plate, &joint.plate)];
     let second = [0, 1].map(|side| match bodies[side] {
-        GivenBody::OnDevice(_) => bounded_pin(&parts[side].0.body).map(|body| body.second_order()),
+        GivenBody::OnDevice(_) => concentric_pin(&parts[side].0.body).map(|body| body.second_order()),
         GivenBody::Solved(_) => None,
     });
     let second = second.each_ref().map(|second| second.as_deref().unwrap_or_default());

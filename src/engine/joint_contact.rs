@@ -42,7 +42,6 @@ pub fn joint_key<B: Hash>(bodies: [B; 2], plan: &JointPlan, case: &DesignCase) -
 const TOGETHER: usize = 64;
 
 /// Which of some designs have a joint in common.
-#[derive(Default)]
 pub struct Alike {
     /// Of the designs, those side by side that have a joint in common, in the order in which these are first met.
     pub places: Vec<u32>,
@@ -254,14 +253,15 @@ mod tests {
             Hashed::new((bodies, [0; 3], SpaceKey::of_press_fits(0.1), Estimate::Exact))
         };
         let count = 5 * TOGETHER;
-        let Alike { places, joints } = Alike::of((0..count).map(key).collect());
+        let alike = Alike::of((0..count).map(key).collect());
+        let Alike { places, joints } = &alike;
         let mut all = places.clone();
         all.sort_unstable();
         assert!(all.into_iter().eq(0..count as u32));
         assert_eq!(joints.iter().map(Range::len).sum::<usize>(), count);
         let mut end = 0;
-        for joint in &joints {
-            let own = &places[joint.start as usize..joint.end as usize];
+        for joint in joints {
+            let own = alike.places(joint);
             assert!(joint.start == end && !own.is_empty() && own.len() <= TOGETHER, "{joint:?}");
             assert!(own.is_sorted() && own.iter().all(|place| key(*place as usize) == key(own[0] as usize)));
             end = joint.end;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use jointsweep::internals::engine::backend::gpu::batch::{KernelFacts, OnChip};
 use jointsweep::internals::engine::backend::gpu::front::{EliminateParameters, Front};
-use jointsweep::internals::engine::backend::gpu::joint_kernel::Placed;
+use jointsweep::internals::engine::backend::gpu::joint_load::Placed;
 use jointsweep::internals::engine::backend::gpu::joint_tables::{JointParameters, RowParameters};
 use jointsweep::internals::engine::backend::gpu::kernel_texts::{
     ANSWERS, ASSEMBLE, Access, CONDENSE, ELIMINATE, JOINTS, KERNEL_FILES, KernelFile, NARROW, PCG, REFINE,

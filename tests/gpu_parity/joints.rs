@@ -1,14 +1,8 @@
 //! Joints on a device and on the processor, which has the same fits and bodies.
 
-use std::collections::VecDeque;
-use std::time::Duration;
-
 use jointsweep::internals::engine::accuracy::single_precision::OF_CONTACT_IN_SINGLES;
-use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
-use jointsweep::internals::engine::backend::gpu::solver::GpuCondenser;
-use jointsweep::internals::engine::backend::joints::{JointBatch, SolvedJoints};
-use jointsweep::internals::engine::backend::{Counts, Device, Works};
-use jointsweep::internals::engine::body_request::Group;
+use jointsweep::internals::engine::backend::Counts;
+use jointsweep::internals::engine::backend::joints::SolvedJoints;
 use jointsweep::internals::engine::expected_contact::ExpectedContact;
 use jointsweep::internals::engine::interpolation::fit_plan::InterpolationPlan;
 use jointsweep::internals::engine::ladder::Ladder;
@@ -16,6 +10,7 @@ use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method}
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 
+use super::watched::Watching;
 use super::*;
 use crate::common::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
 use crate::common::random::Random;
@@ -30,70 +25,20 @@ fn interpolating<'a>(options: SolveOptions, cases: &[DesignCase]) -> Ladder<'a> 
     Ladder::new(options).interpolating(plan)
 }
 
-/// Leaves all bodies to the processor, so that fits and bodies are the same.
-struct JointsAlone<'a> {
-    condenser: GpuCondenser<'a>,
-    begun: VecDeque<Works>,
-}
-
-impl Device for JointsAlone<'_> {
-    fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
-        let works = groups.iter().map(|(_, group)| vec![None; group.len()]).collect();
-        self.begun.push_back(works);
-        Ok(())
-    }
-
-    fn finish(&mut self) -> Result<Works, GpuError> {
-        Ok(self.begun.pop_front().unwrap_or_default())
-    }
-
-    fn solves_joints(&self) -> SolvedJoints {
-        self.condenser.solves_joints()
-    }
-
-    fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
-        self.condenser.begin_joints(batch)
-    }
-
-    fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
-        self.condenser.finish_joints()
-    }
-
-    fn stages(&self) -> Vec<(&'static str, Duration)> {
-        self.condenser.stages()
-    }
-
-    fn counts(&self) -> Counts {
-        self.condenser.counts()
-    }
-
-    fn worst_residual(&self) -> f64 {
-        0.0
-    }
-
-    fn solves(&self) -> u64 {
-        0
-    }
-}
-
 /// The outcomes of designs by a ladder whose device solves joints, and of the first few of them by themselves.
 fn on_device(ladder: Ladder, cases: &[DesignCase], few: usize) -> [Vec<DesignOutcome>; 2] {
     on(device(), ladder, [cases, &cases[..few]]).0
 }
 
-/// The outcomes of some designs and then of others on a device, and what was asked of it.
+/// The outcomes of some designs and then of others by the processor's fits and bodies, and what was asked of the device.
 fn on<const N: usize>(
     gpu: &GpuDevice,
     ladder: Ladder,
     cases: [&[DesignCase]; N],
 ) -> ([Vec<DesignOutcome>; N], Counts) {
-    let kernels = Kernels::with_tree(gpu, Precision::F32, INVOCATIONS, Making::Checked).unwrap();
-    let condenser = GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(SolvedJoints::All);
-    let device = JointsAlone { condenser, begun: VecDeque::new() };
-    let mut ladder = ladder.on(Box::new(device));
-    let outcomes = cases.map(|cases| ladder.solve(cases));
-    assert_eq!(ladder.library.lost(), None);
-    (outcomes, ladder.library.device().unwrap().counts())
+    let watching = Watching { joints: SolvedJoints::All, leaves_bodies: true };
+    let (outcomes, _, counts) = watching.solve(gpu, ladder, cases);
+    (outcomes.try_into().unwrap(), counts)
 }
 
 /// The greatest relative differences of forces and indentations, stiffnesses, peak pressures, energies, half angles, and errors told, and how many

@@ -17,6 +17,7 @@ mod joints;
 mod limits;
 mod stages;
 mod sweeps;
+mod watched;
 mod whole_joints;
 mod works;
 

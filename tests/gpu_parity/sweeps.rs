@@ -1,7 +1,6 @@
 //! Whole designs on a device and on the processor.
 
 use std::ops::ControlFlow;
-use std::path::Path;
 use std::sync::Mutex;
 
 use jointsweep::internals::engine::accuracy::single_precision::OF_SINGLES;
@@ -11,9 +10,9 @@ use jointsweep::internals::engine::backend::joints::SolvedJoints;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
 use jointsweep::internals::engine::sweep::{self, SweepOptions};
-use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
+use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::{DesignCase, Load, Part};
-use jointsweep::internals::study::setting::Setting;
 
 use super::*;
 use crate::common::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
@@ -293,10 +292,7 @@ fn a_device_that_is_lost_loses_no_design() {
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn a_device_that_many_crews_lose_loses_no_design() {
-    let settings = ["sampling.count=4000", "solve.interpolation=off"];
-    let settings = settings.map(|text| Setting::parse(text, "a test").unwrap());
-    let (path, text) = (Path::new("random.toml"), include_str!("../../configs/random.toml"));
-    let study = Study::from_text_with(path, text.to_string(), &settings).unwrap();
+    let study = SWEEPS[0].study(4000, false).unwrap();
     let own = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap();
     let told = Mutex::new(Vec::new());
     let notify = |line: &str| told.lock().unwrap().push(line.to_string());

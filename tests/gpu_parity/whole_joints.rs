@@ -1,94 +1,21 @@
 //! Joints that a device solves from the numbers of their bodies on, and the processor's answers to the same designs.
 
 use std::ops::ControlFlow;
-use std::path::Path;
-use std::sync::Mutex;
-use std::time::Duration;
 
+use jointsweep::internals::engine::backend::Counts;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
-use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
-use jointsweep::internals::engine::backend::gpu::solver::GpuCondenser;
-use jointsweep::internals::engine::backend::joints::{JointBatch, SolvedJoints};
-use jointsweep::internals::engine::backend::{Counts, Device, Works};
-use jointsweep::internals::engine::body_request::Group;
+use jointsweep::internals::engine::backend::joints::SolvedJoints;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
 use jointsweep::internals::engine::sweep::{self, SweepOptions};
-use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
+use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::DesignCase;
-use jointsweep::internals::study::setting::Setting;
 
 use super::joints::{compare, concentric_and_mild, designs, rows};
+use super::watched::{Given, Watching};
 use super::*;
 use crate::common::draws::{concentric, disc_in_block, half_disc_in_annulus};
-
-/// What a device was given.
-#[derive(Debug, Default)]
-struct Given {
-    /// In one go: bodies and joints. Nothing where it took none.
-    whole: Vec<Option<[usize; 2]>>,
-    /// Bodies whose works were to come back.
-    long: usize,
-}
-
-/// A device that tells what it was given.
-struct Told<'a> {
-    condenser: GpuCondenser<'a>,
-    given: &'a Mutex<Given>,
-}
-
-impl Device for Told<'_> {
-    fn rounding(&self) -> f64 {
-        self.condenser.rounding()
-    }
-
-    fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
-        self.given.lock().unwrap().long += count(groups);
-        self.condenser.begin(groups)
-    }
-
-    fn finish(&mut self) -> Result<Works, GpuError> {
-        self.condenser.finish()
-    }
-
-    fn solves_joints(&self) -> SolvedJoints {
-        self.condenser.solves_joints()
-    }
-
-    fn begin_whole(&mut self, groups: &[Group], batch: &JointBatch) -> Result<bool, GpuError> {
-        let is_begun = self.condenser.begin_whole(groups, batch)?;
-        self.given.lock().unwrap().whole.push(is_begun.then_some([count(groups), batch.joints.len()]));
-        Ok(is_begun)
-    }
-
-    fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
-        self.condenser.begin_joints(batch)
-    }
-
-    fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
-        self.condenser.finish_joints()
-    }
-
-    fn stages(&self) -> Vec<(&'static str, Duration)> {
-        self.condenser.stages()
-    }
-
-    fn counts(&self) -> Counts {
-        self.condenser.counts()
-    }
-
-    fn worst_residual(&self) -> f64 {
-        0.0
-    }
-
-    fn solves(&self) -> u64 {
-        0
-    }
-}
-
-fn count(groups: &[Group]) -> usize {
-    groups.iter().map(|(_, group)| group.len()).sum()
-}
 
 /// The outcomes of designs on a device, what that was given, and what was asked of it.
 fn on(gpu: &GpuDevice, options: SolveOptions, cases: &[DesignCase]) -> (Vec<DesignOutcome>, Given, Counts) {
@@ -103,16 +30,10 @@ fn solving(
     cases: &[DesignCase],
     together: usize,
 ) -> (Vec<DesignOutcome>, Given, Counts) {
-    let kernels = Kernels::with_tree(gpu, Precision::F32, INVOCATIONS, Making::Checked).unwrap();
-    let condenser = GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(joints);
-    let given = Mutex::default();
-    let device = Told { condenser, given: &given };
-    let mut ladder = Ladder::new(options).in_double().on(Box::new(device));
-    let outcomes = cases.chunks(together).flat_map(|cases| ladder.solve(cases)).collect();
-    assert_eq!(ladder.library.lost(), None);
-    let counts = ladder.library.device().unwrap().counts();
-    drop(ladder);
-    (outcomes, given.into_inner().unwrap(), counts)
+    let watching = Watching { joints, leaves_bodies: false };
+    let (outcomes, given, counts) =
+        watching.solve(gpu, Ladder::new(options).in_double(), cases.chunks(together));
+    (outcomes.concat(), given, counts)
 }
 
 /// By bodies of the same device, their contact being the processor's.
@@ -246,10 +167,7 @@ fn what_is_left_goes_the_long_way() {
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn crews_find_the_same_rows() {
-    let settings = ["sampling.count=3000", "solve.interpolation=off"];
-    let settings = settings.map(|text| Setting::parse(text, "a test").unwrap());
-    let (path, text) = (Path::new("random.toml"), include_str!("../../configs/random.toml"));
-    let study = Study::from_text_with(path, text.to_string(), &settings).unwrap();
+    let study = SWEEPS[0].study(3000, false).unwrap();
     let choice = GpuChoice { joints: SolvedJoints::All, ..GpuChoice::new(device(), Precision::F32) };
     let by = |threads: usize| {
         let options = SweepOptions { threads, gpu: Some(choice), ..SweepOptions::default() };

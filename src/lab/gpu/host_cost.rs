@@ -154,6 +154,16 @@ struct EmptyCondenser<'a> {
     seen: &'a Mutex<Seen>,
 }
 
+impl EmptyCondenser<'_> {
+    /// That a call took from one time of the processor to another, and what stands in for its works since then.
+    fn tell_call(&self, before: f64, between: f64) {
+        let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        seen.condensing += between - before;
+        seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
+        seen.calls += 1;
+    }
+}
+
 impl Device for EmptyCondenser<'_> {
     fn begin(&mut self, groups: &[Group]) -> Result<(), GpuError> {
         let before = processor_seconds().unwrap_or(f64::NAN);
@@ -169,10 +179,7 @@ impl Device for EmptyCondenser<'_> {
             stand_ins.push(Arc::clone(works));
         }
         self.stand_ins.push_back(stand_ins);
-        let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        seen.condensing += between - before;
-        seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
-        seen.calls += 1;
+        self.tell_call(before, between);
         Ok(())
     }
 
@@ -200,10 +207,7 @@ impl Device for EmptyCondenser<'_> {
         let is_begun = self.condenser.begin_whole(groups, batch)?;
         let between = processor_seconds().unwrap_or(f64::NAN);
         self.stand_in_states.extend(is_begun.then(|| stand_in_states(batch)));
-        let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        seen.condensing += between - before;
-        seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
-        seen.calls += 1;
+        self.tell_call(before, between);
         Ok(is_begun)
     }
 
@@ -212,10 +216,7 @@ impl Device for EmptyCondenser<'_> {
         self.condenser.begin_joints(batch)?;
         let between = processor_seconds().unwrap_or(f64::NAN);
         self.stand_in_states.extend(batch.asked.is_none().then(|| stand_in_states(batch)));
-        let mut seen = self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        seen.condensing += between - before;
-        seen.standing_in += processor_seconds().unwrap_or(f64::NAN) - between;
-        seen.calls += 1;
+        self.tell_call(before, between);
         Ok(())
     }
 

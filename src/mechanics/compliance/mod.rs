@@ -99,8 +99,7 @@ impl BodyCompliance {
     /// Of a body with that boundary. Of pins that are not concentric only what is infinite is known to second order.
     pub fn new(body: &Body, boundary: Boundary) -> BodyCompliance {
         let [even, odd] = infinite(body);
-        let concentric = ConcentricBody::of(body).filter(|_| body.shape.side == Side::Pin);
-        let second = concentric.map_or_else(Vec::new, |body| body.second_order());
+        let second = concentric_pin(body).map_or_else(Vec::new, |body| body.second_order());
         BodyCompliance { even, odd, bed: 0.0, boundary, second }
     }
 
@@ -115,6 +114,11 @@ impl BodyCompliance {
         let numbers = self.boundary.count() + self.second.as_flattened().len();
         KEEPING + size_of::<BodyCompliance>() + size_of::<f64>() * numbers
     }
+}
+
+/// What is known to second order: a concentric pin.
+pub fn concentric_pin(body: &Body) -> Option<ConcentricBody> {
+    ConcentricBody::of(body).filter(|_| body.shape.side == Side::Pin)
 }
 
 /// `even` and `odd` of a body.

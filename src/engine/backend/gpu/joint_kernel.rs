@@ -1,24 +1,21 @@
-//! The states of joints on a device: what they have in common is uploaded once (`joint_tables`), a joint is some numbers up and some a load
-//! down. The joints of a batch go in one flight, if there is room, with one wait at its end.
+//! The states of joints on a device: batches on their way through the kernel, from what each flight takes up (`joint_load`) to what it finds. The
+//! joints of a batch go in one flight, if there is room, with one wait at its end.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use bytemuck::{Pod, Zeroable};
 use foldhash::HashMap;
 use wgpu::BufferUsages;
 
 use super::context::{GpuDevice, GpuError};
-use super::dispatch::{self, ALIGNMENT, Argument, PassTimes, Reading};
+use super::dispatch::{self, Argument, PassTimes, Reading};
 use super::elimination::KeptWorks;
-use super::joint_tables::{JointParameters, NearFieldArena, TableArena};
+use super::joint_load::{Arenas, Load, Placed, whole_parts};
 use super::kernel_texts::{ANSWERS, JOINTS, Variant};
 use super::kernels::{Making, Precision, Stage};
-use crate::engine::backend::joints::{
-    AskedOfJoints, BatchedJoint, ELSEWHERE, JointBatch, JointTables, MISSING, MOST_NODES, STATE_NUMBERS,
-};
+use crate::engine::backend::joints::{AskedOfJoints, BatchedJoint, JointBatch, JointTables, MOST_NODES};
 use crate::engine::backend::{Counts, IN_FLIGHT};
-use crate::engine::question::counted::{Layout, MOST_ROWS, Told};
+use crate::engine::question::counted::{Layout, Told};
 
 /// Of a dispatch at most: few enough for any device's limit, and for a watchdog.
 const MOST_JOINTS: usize = 8192;
@@ -34,8 +31,7 @@ pub struct JointKernel {
     /// What counts rows, by the functions of its question.
     answers: Option<(String, Stage)>,
     making: Making,
-    tables: TableArena,
-    near_fields: NearFieldArena,
+    arenas: Arenas,
     /// In the order they were begun.
     batches: VecDeque<Batch>,
     /// Buffers that no flight has.
@@ -90,20 +86,6 @@ fn bytes(words: usize) -> u64 {
     (size_of::<u32>() * words) as u64
 }
 
-/// A joint as the kernel has it: where its parameters are, its numbers and what is found of it begin, and how many loads it has; where the
-/// works of pin and plate begin, or `ELSEWHERE` or `MISSING`, and the near fields of either.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Placed {
-    pub parameters: u32,
-    pub numbers_at: u32,
-    pub found_at: u32,
-    pub load_count: u32,
-    pub works_at: [u32; 2],
-    pub padding: [u32; 2],
-    pub near_fields_at: [[u32; 2]; 2],
-}
-
 /// Parameters, places, numbers and what is found, and that where the host can read it.
 const TRAVELLING: [(&str, BufferUsages); 5] = [
     ("parameters", BufferUsages::STORAGE.union(BufferUsages::COPY_DST)),
@@ -123,26 +105,13 @@ const ASKING: [(&str, BufferUsages); 3] = [
 /// Designs that a workgroup of `answers` has.
 const TOGETHER: u32 = 64;
 
-/// What a flight takes up.
-struct Load {
-    /// Of the joints that are left.
-    count: usize,
-    parameters: Vec<JointParameters>,
-    /// Of each count of trial pressures.
-    places: Vec<(usize, Vec<Placed>)>,
-    /// Of each joint where its numbers and what is found of it begin, and its loads; where rows are counted.
-    designs: Vec<[u32; 4]>,
-    found_bytes: u64,
-}
-
 impl JointKernel {
     pub fn new(making: Making) -> JointKernel {
         JointKernel {
             stages: HashMap::default(),
             answers: None,
             making,
-            tables: TableArena::default(),
-            near_fields: NearFieldArena::default(),
+            arenas: Arenas::default(),
             batches: VecDeque::new(),
             free: Vec::new(),
             most_bytes: MOST_BYTES,
@@ -191,7 +160,7 @@ impl JointKernel {
                     self.land_all_but(gpu, 0)?;
                     self.most_bytes /= 2;
                     self.free.clear();
-                    (self.tables, self.near_fields) = Default::default();
+                    self.arenas = Arenas::default();
                 }
                 Err(error) => return Err(error),
             }
@@ -296,7 +265,8 @@ impl JointKernel {
         first: usize,
         works: Option<&KeptWorks>,
     ) -> Result<(usize, Flight), GpuError> {
-        let load = self.load(gpu, batch, first, works)?;
+        let load = self.arenas.load(gpu, (batch, first), works, self.most_bytes)?;
+        self.counts.bytes_up += load.of_tables;
         let joints = load.count.max(1);
         let wanted = match &batch.asked {
             Some(AskedOfJoints { question, ranges, .. }) => {
@@ -309,9 +279,8 @@ impl JointKernel {
             return Ok((1, Flight { joints, wanted, on_device: None }));
         }
         let mut buffers = self.free.pop().unwrap_or_default();
-        let numbers = numbers_of(batch, first).start..numbers_of(batch, first + joints - 1).end;
         let asked = batch.asked.as_ref().map(|asked| &asked.tables[..]);
-        let numbers = (&batch.numbers[numbers], works);
+        let numbers = (&batch.numbers[load.numbers.clone()], works);
         let reading = self.submit(gpu, &mut buffers, &load, numbers, (asked, &wanted))?;
         Ok((joints, Flight { joints, wanted, on_device: Some((buffers, reading)) }))
     }
@@ -337,9 +306,9 @@ impl JointKernel {
             staged,
         ];
         // Before anything is written: wgpu loses a device that has no memory for what is written.
-        let (counts, stages, tables) = (&mut self.counts, &self.stages, self.tables.buffer());
+        let (counts, stages, tables) = (&mut self.counts, &self.stages, self.arenas.tables.buffer());
         // A binding may not be empty.
-        let near_fields = self.near_fields.buffer().unwrap_or(tables);
+        let near_fields = self.arenas.near_fields.buffer().unwrap_or(tables);
         let of_works = || match works {
             Some(works) => Argument::part("works", &works.buffer, 0..works.bytes),
             None => Argument::whole("works", tables),
@@ -419,93 +388,8 @@ impl JointKernel {
             gpu.reading(staging, staged, submission)
         })
     }
-
-    /// What there is room for of the joints from one on, whose tables are there then; none where those of the first are too large.
-    fn load(
-        &mut self,
-        gpu: &GpuDevice,
-        batch: &JointBatch,
-        first: usize,
-        works: Option<&KeptWorks>,
-    ) -> Result<Load, GpuError> {
-        let (near_fields, of_near_fields) = self.near_fields.meet(gpu, &batch.near_fields)?;
-        let most = (self.most_bytes.min(gpu.facts.limits.binding_bytes) / 4) as usize;
-        let start = numbers_of(batch, first).start;
-        // Tables in the order in which joints ask for them, and their places in it.
-        let mut tables: Vec<&JointTables> = Vec::new();
-        let mut order: Vec<Option<u32>> = vec![None; batch.tables.len()];
-        let (mut count, mut found) = (0, 0);
-        let most_found = if batch.asked.is_some() { most.min(STATE_NUMBERS * MOST_ROWS) } else { most };
-        for (place, joint) in batch.joints.iter().enumerate().skip(first) {
-            if count > 0
-                && (numbers_of(batch, place).end - start > most || found + joint.found() > most_found)
-            {
-                break;
-            }
-            found += joint.found();
-            count += 1;
-            order[joint.tables as usize].get_or_insert_with(|| {
-                tables.push(&batch.tables[joint.tables as usize]);
-                tables.len() as u32 - 1
-            });
-        }
-        let (met, bytes) = self.tables.meet(gpu, &tables)?;
-        self.counts.bytes_up += bytes + of_near_fields;
-        let tables = &tables[..met];
-        let mut load = Load {
-            count: 0,
-            parameters: tables.iter().map(|tables| self.tables.parameters(tables)).collect(),
-            places: Vec::new(),
-            designs: Vec::new(),
-            found_bytes: 0,
-        };
-        for joint in &batch.joints[first..first + count] {
-            let Some(own) = order[joint.tables as usize].filter(|own| (*own as usize) < met) else { break };
-            let terms = tables[own as usize].space.0.terms;
-            let (numbers_at, found_at) = (joint.numbers_at - start as u32, (load.found_bytes / 4) as u32);
-            let works_at = joint.condensed.map(|body| match body {
-                None => ELSEWHERE,
-                Some(body) => works.map_or(MISSING, |works| works.places[body.place as usize]),
-            });
-            let near_fields_at = joint.condensed.map(|body| {
-                let places = body.and_then(|body| Some((body, near_fields.as_ref()?)));
-                places.map_or([0; 2], |(body, places)| body.near_fields.map(|own| places[own as usize]))
-            });
-            let placed = Placed {
-                parameters: own,
-                numbers_at,
-                found_at,
-                load_count: joint.load_count,
-                // Without near fields works are no good.
-                works_at: if near_fields.is_some() { works_at } else { [MISSING; 2] },
-                padding: [0; 2],
-                near_fields_at,
-            };
-            if batch.asked.is_some() {
-                load.designs.push([numbers_at, found_at, joint.load_count, 0]);
-            }
-            match load.places.iter_mut().find(|(own, _)| *own == terms) {
-                Some((_, places)) => places.push(placed),
-                None => load.places.push((terms, vec![placed])),
-            }
-            load.count += 1;
-            load.found_bytes += 4 * joint.found() as u64;
-        }
-        Ok(load)
-    }
 }
 
 fn words_of(bytes: &[u8]) -> Vec<u32> {
     bytes.as_chunks().0.iter().map(|word| u32::from_ne_bytes(*word)).collect()
-}
-
-/// Bytes of places, as parts of a buffer that others follow in.
-fn whole_parts(places: &[Placed]) -> u64 {
-    (size_of_val(places) as u64).next_multiple_of(ALIGNMENT)
-}
-
-/// Of a joint, among those of its batch.
-fn numbers_of(batch: &JointBatch, joint: usize) -> Range<usize> {
-    let at = |joint: &BatchedJoint| joint.numbers_at as usize;
-    at(&batch.joints[joint])..batch.joints.get(joint + 1).map_or(batch.numbers.len(), at)
 }

@@ -17,6 +17,8 @@ pub mod front_topology;
 pub mod elimination_plan;
 pub mod elimination;
 pub mod joint_tables;
+pub mod near_field_tables;
+pub mod joint_load;
 pub mod joint_kernel;
 pub mod solver;
 pub mod calibration;
