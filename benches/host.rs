@@ -9,6 +9,7 @@ use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
 
 /// Designs of a batch, as for a real GPU.
 const BATCH: usize = 8192;
+const DRAWN_BATCH: usize = 65_536;
 
 /// What is done with the bodies of a sweep, and with the rows of interpolated ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,8 @@ enum How {
     Condensed,
     Interpolated,
     Counted,
+    /// The same of designs that the device draws.
+    Drawn,
 }
 
 fn main() {
@@ -33,13 +36,14 @@ fn main() {
         (&SWEEPS[0], Precision::F32, How::Interpolated),
         (&SWEEPS[0], Precision::F32, How::Counted),
         (&SWEEPS[1], Precision::F32, How::Condensed),
+        (&SWEEPS[0], Precision::F32, How::Drawn),
     ];
     for (number, (sweep, precision, how)) in (1..).zip(lines) {
         if line.is_some_and(|line| line != number) {
             continue;
         }
         let study = match how {
-            How::Counted => sweep.answers(designs),
+            How::Counted | How::Drawn => sweep.answers(designs),
             _ => sweep.study(designs, how == How::Interpolated),
         };
         let study = study.unwrap();
@@ -52,7 +56,9 @@ fn main() {
         println!("{:>10} {:>10} {:>10} {:>10}", "drawing", "condense", "rest", "all");
         let mut last = HostCost::default();
         for _ in 0..repeats {
-            last = HostCost::of(&study, &gpu, precision, BATCH).unwrap_or_else(|error| panic!("{error}"));
+            let (batch, draws) = if how == How::Drawn { (DRAWN_BATCH, true) } else { (BATCH, false) };
+            let cost = HostCost::of(&study, &gpu, precision, batch, draws);
+            last = cost.unwrap_or_else(|error| panic!("{error}"));
             let each = |seconds: f64| 1e6 * seconds / last.designs as f64;
             println!(
                 "{:>10.2} {:>10.2} {:>10.2} {:>10.2}",

@@ -381,7 +381,8 @@ fn is_candidate(row: Row) -> bool {
 }
 
 fn verdict_of(design: vec4<u32>) -> u32 {
-    var verdict = COUNTED;
+    // One that was drawn here and is in no fit has no loads.
+    var verdict = select(COUNTED, OPEN, design.z == 0u);
     for (var load = 0u; load < design.z; load += 1u) {
         let row = row_of(design, load);
         if !row.is_good {

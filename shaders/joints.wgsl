@@ -43,14 +43,15 @@ struct JointParameters {
 }
 
 // Of a joint: its parameters, where its numbers and what is found of it begin, and how many loads it has; of pin and plate where works
-// begin, or `ELSEWHERE` or `MISSING`, and the two near fields between which they lie.
+// begin, or `ELSEWHERE` or `MISSING`, and the two near fields between which they lie. Its trial pressures tell which kernel it is for.
 struct Place {
     parameters: u32,
     numbers_at: u32,
     found_at: u32,
     load_count: u32,
     works_at: vec2<u32>,
-    padding: vec2<u32>,
+    terms: u32,
+    padding: u32,
     near_fields_at: vec4<u32>,
 }
 
@@ -591,6 +592,9 @@ fn solve_joints(
     @builtin(local_invocation_index) invocation: u32,
 ) {
     let place = places[group.x];
+    if place.terms != TERMS {
+        return;
+    }
     of_joint = parameters[place.parameters];
     load_count = place.load_count;
     works_at = place.works_at;

@@ -136,6 +136,7 @@ fn clearly_faster(args: &BackendArgs, study: &Study, threads: usize) -> Result<O
     if let Some(error) = not_kept {
         say(&format!("warning: what {} was measured to do is not kept: {error}", opened.device.facts.name));
     }
+    let demand = demand.on(opened.device.facts.features.f64);
     Ok(demand.forecast(&rates, threads).prefers_device().then_some(opened))
 }
 

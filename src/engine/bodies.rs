@@ -8,6 +8,7 @@ use foldhash::HashMap;
 use rayon::prelude::*;
 
 use crate::engine::backend::adapter::GpuError;
+use crate::engine::backend::drawn::DrawnDesigns;
 use crate::engine::backend::joints::{JointBatch, SolvedJoints};
 use crate::engine::backend::{Device, Works};
 use crate::engine::body_condensation::{
@@ -130,6 +131,16 @@ impl<'a> BodyLibrary<'a> {
     pub fn begin_joints(&mut self, batch: &JointBatch) {
         let device = self.device.as_mut().filter(|_| self.lost.is_none());
         self.lost = device.and_then(|device| device.begin_joints(batch).err()).or(self.lost.take());
+    }
+
+    /// Has the device draw designs and count their rows; false where it does not, and where it is lost.
+    pub fn begin_drawn(&mut self, drawn: &DrawnDesigns) -> bool {
+        let Some(device) = self.device.as_mut().filter(|_| self.lost.is_none()) else { return false };
+        let begun = device.begin_drawn(drawn);
+        begun.unwrap_or_else(|error| {
+            self.lost = Some(error);
+            false
+        })
     }
 
     /// What the device has found of the joints that were begun before all others; nothing where it is lost.

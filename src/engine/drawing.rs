@@ -3,10 +3,11 @@
 use std::ops::Range;
 use std::thread::ScopedJoinHandle;
 
-use crate::engine::distinct::Distinct;
+use crate::engine::distinct::{Distinct, distinct_among};
 use crate::error::Error;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
+use crate::study::sampling::mix;
 
 /// The designs to solve, by their numbers.
 #[derive(Clone, Debug, Default)]
@@ -18,8 +19,17 @@ pub enum Chosen {
     Listed(Vec<u64>),
 }
 
-/// A batch of designs, or why it cannot be read.
-pub type Drawn = Result<Vec<DesignCase>, Error>;
+/// Designs that follow each other.
+pub enum Batch {
+    Cases(Vec<DesignCase>),
+    /// By their numbers: a device draws them.
+    Numbers(Range<u64>),
+}
+
+/// A batch, or why it cannot be read.
+pub type Drawn = Result<Batch, Error>;
+
+type DrawnCases = Result<Vec<DesignCase>, Error>;
 
 type Cases<'a> = Box<dyn Iterator<Item = Result<DesignCase, Error>> + Send + 'a>;
 
@@ -57,6 +67,9 @@ const SOLVING: usize = 4;
 /// Designs that a thread draws at a time, at least.
 const FEWEST: usize = 1024;
 
+/// Designs that tell how many different bodies there are, where a device draws.
+const LOOKED_AT: u64 = 1 << 16;
+
 /// Draws designs, and finds out how many of their bodies are different.
 pub struct Drawer<'a> {
     study: &'a Study,
@@ -66,6 +79,8 @@ pub struct Drawer<'a> {
     listed: Option<Cases<'a>>,
     /// Of each thread.
     bodies: Vec<Distinct>,
+    /// Whether a device draws.
+    on_device: bool,
 }
 
 impl<'a> Drawer<'a> {
@@ -76,7 +91,12 @@ impl<'a> Drawer<'a> {
         let listed = is_listed.then(|| chosen.cases(study, left.clone())).transpose()?;
         let hands = if is_listed { 1 } else { (threads / SOLVING).max(1) };
         let bodies = (0..hands).map(|_| Distinct::default()).collect();
-        Ok(Drawer { study, chosen, left, listed, bodies })
+        Ok(Drawer { study, chosen, left, listed, bodies, on_device: false })
+    }
+
+    /// That hands over numbers, from which a device draws the designs.
+    pub fn on_device(self, on_device: bool) -> Drawer<'a> {
+        Drawer { on_device, ..self }
     }
 
     /// Draws all in batches, up to the first that cannot be read or that nobody takes; tells how many different bodies there were. The first batch is a small one,
@@ -87,6 +107,9 @@ impl<'a> Drawer<'a> {
         is_soon: impl Fn(&[DesignCase]) -> bool,
         mut hand_over: impl FnMut(Drawn) -> bool,
     ) -> u64 {
+        if self.on_device {
+            return self.number_all(batch_size, hand_over);
+        }
         let mut first = self.draw(FIRST_BATCH.min(batch_size));
         if let Ok(designs) = &mut first
             && is_soon(designs)
@@ -100,17 +123,46 @@ impl<'a> Drawer<'a> {
         loop {
             let is_last = batch.as_ref().is_ok_and(Vec::is_empty);
             let is_broken = batch.is_err();
-            if is_last || !hand_over(batch) || is_broken {
+            if is_last || !hand_over(batch.map(Batch::Cases)) || is_broken {
                 break;
             }
-            // Up to a multiple of its size: what is made of numbered portions finds whole ones in it.
-            let size = batch_size as u64;
-            batch = self.draw((size - (self.first_number() + self.left.start) % size) as usize);
+            batch = self.draw(self.to_a_multiple(batch_size));
         }
         let mut bodies = std::mem::take(&mut self.bodies).into_iter();
         let mut all = bodies.next().unwrap_or_default();
         bodies.for_each(|own| all.merge(own));
         all.count()
+    }
+
+    /// Hands over all numbers in batches, up to the first that nobody takes; tells about how many different bodies there were.
+    fn number_all(&mut self, batch_size: usize, mut hand_over: impl FnMut(Drawn) -> bool) -> u64 {
+        let (first, study, all) = (self.first_number(), self.study, self.left.clone());
+        std::thread::scope(|scope| {
+            let of_all = scope.spawn(move || about_distinct(study, first + all.start..first + all.end));
+            let start = self.left.start;
+            let mut count = FIRST_BATCH.min(batch_size);
+            while !self.left.is_empty() {
+                let Range { start, end } = self.left;
+                let next = end.min(start + count as u64);
+                if !hand_over(Ok(Batch::Numbers(first + start..first + next))) {
+                    break;
+                }
+                self.left.start = next;
+                count = self.to_a_multiple(batch_size);
+            }
+            let of_all = joined(of_all);
+            if self.left.is_empty() {
+                of_all
+            } else {
+                about_distinct(study, first + start..first + self.left.start)
+            }
+        })
+    }
+
+    /// Designs up to a multiple of the size of a batch: what is made of numbered portions finds whole ones in it.
+    fn to_a_multiple(&self, batch_size: usize) -> usize {
+        let size = batch_size as u64;
+        (size - (self.first_number() + self.left.start) % size) as usize
     }
 
     /// Of the first design that is chosen.
@@ -122,7 +174,7 @@ impl<'a> Drawer<'a> {
     }
 
     /// As many as are asked for, if there are.
-    fn draw(&mut self, count: usize) -> Drawn {
+    fn draw(&mut self, count: usize) -> DrawnCases {
         let Range { start, end } = self.left;
         let next = end.min(start + count as u64);
         self.left.start = next;
@@ -135,7 +187,7 @@ impl<'a> Drawer<'a> {
         if piece(0).end == next {
             return met(chosen.cases(study, piece(0))?, &mut bodies[0]);
         }
-        let pieces: Vec<Drawn> = std::thread::scope(|scope| {
+        let pieces: Vec<DrawnCases> = std::thread::scope(|scope| {
             let mut hands = Vec::with_capacity(bodies.len());
             for (place, own) in (0..).zip(bodies) {
                 hands.push(scope.spawn(move || met(chosen.cases(study, piece(place))?, own)));
@@ -150,13 +202,38 @@ impl<'a> Drawer<'a> {
     }
 }
 
+/// Of designs by their numbers about how many different bodies they have, from some of them.
+fn about_distinct(study: &Study, numbers: Range<u64>) -> u64 {
+    let count = numbers.end - numbers.start;
+    let looked_at: Vec<u64> = if count <= LOOKED_AT {
+        numbers.collect()
+    } else {
+        let mut some: Vec<u64> = (0..LOOKED_AT).map(|place| numbers.start + mix(place) % count).collect();
+        some.sort_unstable();
+        some.dedup();
+        some
+    };
+    let mut of_sides = [Distinct::default(), Distinct::default()];
+    let cases = study.cases_at(looked_at.iter().copied()).into_iter().flatten().flatten();
+    for DesignCase { joint, .. } in cases {
+        for (bodies, part) in of_sides.iter_mut().zip([&joint.pin, &joint.plate]) {
+            bodies.meet(&joint.body(part));
+        }
+    }
+    let about = |bodies: &Distinct| match bodies.count() {
+        found if count <= LOOKED_AT => found,
+        found => distinct_among(count as f64, looked_at.len() as f64, found as f64).round() as u64,
+    };
+    of_sides.iter().map(about).sum()
+}
+
 /// A panic of one thread is one of all.
 pub fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// All of them, with their bodies met.
-fn met(cases: impl Iterator<Item = Result<DesignCase, Error>>, bodies: &mut Distinct) -> Drawn {
+fn met(cases: impl Iterator<Item = Result<DesignCase, Error>>, bodies: &mut Distinct) -> DrawnCases {
     let meet = |case: &Result<DesignCase, Error>| {
         if let Ok(DesignCase { joint, .. }) = case {
             [&joint.pin, &joint.plate].into_iter().for_each(|part| bodies.meet(&joint.body(part)));
@@ -187,6 +264,13 @@ mod tests {
         Study::from_text(Path::new("config"), config.to_string()).unwrap()
     }
 
+    fn cases_of(drawn: Drawn) -> Vec<DesignCase> {
+        match drawn.unwrap() {
+            Batch::Cases(cases) => cases,
+            Batch::Numbers(numbers) => panic!("{numbers:?}"),
+        }
+    }
+
     /// Sizes of the batches in which designs are drawn, where a whole batch is soon solved or not.
     #[test]
     fn a_sweep_begins_with_a_whole_batch_where_that_is_soon_solved() {
@@ -200,12 +284,45 @@ mod tests {
                 |batch| sender.send(batch).is_ok(),
             );
             drop(sender);
-            let batches: Vec<Vec<DesignCase>> = drawn.iter().map(Result::unwrap).collect();
+            let batches: Vec<Vec<DesignCase>> = drawn.iter().map(cases_of).collect();
             assert!(batches.iter().flatten().map(|case| case.index).eq(0..2500));
             batches.iter().map(Vec::len).collect()
         };
         assert_eq!(sizes(false), [64, 960, 1024, 452]);
         assert_eq!(sizes(true), [1024, 1024, 452]);
+    }
+
+    /// Where a device draws, numbers are handed over in batches that end like those of designs, up to the first that nobody takes, and as many
+    /// bodies are told.
+    #[test]
+    fn numbers_are_handed_over_like_designs() {
+        let batches = |study: &Study, chosen: Chosen, most: usize| {
+            let mut batches: Vec<Range<u64>> = Vec::new();
+            let mut drawer = Drawer::new(study, &chosen, 4).unwrap().on_device(true);
+            let bodies = drawer.draw_all(
+                1024,
+                |_| panic!("nothing is drawn"),
+                |batch| {
+                    let Ok(Batch::Numbers(numbers)) = batch else { panic!("designs") };
+                    batches.push(numbers);
+                    batches.len() < most
+                },
+            );
+            (batches, bodies)
+        };
+        let study = study();
+        let (found, bodies) = batches(&study, Chosen::Range(100..2400), 10);
+        assert_eq!((found, bodies), (vec![100..164, 164..1024, 1024..2048, 2048..2400], 2));
+        // Of the last one nobody knows whether it was taken.
+        assert_eq!(batches(&study, Chosen::All, 2), (vec![0..64, 64..1024], 2));
+        let text = study
+            .source_text()
+            .replace("2500", "4000")
+            .replace("outer_radius_ratio = 3", "outer_radius_ratio = { from = 2, to = 4, count = 50 }");
+        let study = Study::from_text(Path::new("config"), text).unwrap();
+        assert!(study.design_count() > 2 * LOOKED_AT);
+        let (_, bodies) = batches(&study, Chosen::All, usize::MAX);
+        assert_eq!(bodies, 1 + 50);
     }
 
     /// However many threads draw, the same designs come in the same order, and as many bodies are counted.
@@ -222,7 +339,7 @@ mod tests {
                     |batch| sender.send(batch).is_ok(),
                 );
                 drop(sender);
-                let batches: Vec<Vec<DesignCase>> = drawn.iter().map(Result::unwrap).collect();
+                let batches: Vec<Vec<DesignCase>> = drawn.iter().map(cases_of).collect();
                 let numbers: Vec<u64> = batches.iter().flatten().map(|case| case.index).collect();
                 assert_eq!(numbers.len() as u64, chosen.count(&study));
                 (bodies, numbers)

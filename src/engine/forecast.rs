@@ -8,6 +8,7 @@ use foldhash::HashSet;
 use crate::engine::backend::rates::Rates;
 use crate::engine::cost::{DesignCost, DesignParts, Part};
 use crate::engine::distinct::distinct_among;
+use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::picks;
 use crate::engine::question::Question;
 use crate::study::config::Study;
@@ -22,6 +23,8 @@ pub struct Demand {
     pub others: f64,
     /// What of `others` a device does that solves these interpolated joints: it counts their rows where none is written.
     pub counted: f64,
+    /// Whether a device with f64 draws those designs itself: nothing is made for them here.
+    pub drawn: bool,
 }
 
 /// How long a sweep takes, s.
@@ -95,6 +98,7 @@ impl Demand {
         }
         // Each different body is condensed once.
         let of_all = study.design_count() as f64 / seen;
+        let question = Question::of(study);
         let designs = on_meshes * of_all;
         let distinct = [pins, plates].map(|found| distinct_among(designs, on_meshes, found.len() as f64));
         let once = distinct.iter().sum::<f64>() / (2.0 * on_meshes).max(1.0);
@@ -104,8 +108,14 @@ impl Demand {
             on_meshes: sum.on_meshes * of_all,
             interpolated: sum.interpolated * of_all,
             others: sum.others * of_all,
-            counted: Question::of(study).map_or(0.0, |_| sum.interpolated_rows * of_all),
+            counted: question.as_ref().map_or(0.0, |_| sum.interpolated_rows * of_all),
+            drawn: question.is_some_and(|question| Drawing::of(study, &question).is_some()),
         })
+    }
+
+    /// On a device that may have no f64.
+    pub fn on(self, has_f64: bool) -> Demand {
+        Demand { drawn: self.drawn && has_f64, ..self }
     }
 
     /// With the rates of a machine and so many threads.
@@ -119,7 +129,7 @@ impl Demand {
             match rates.joints.filter(|joints| joints.on_meshes || !is_on_meshes) {
                 Some(rates) => {
                     on_device += rates.device * joints.seconds;
-                    host += rates.host * joints.count;
+                    host += if self.drawn && !is_on_meshes { 0.0 } else { rates.host * joints.count };
                     on_threads -= counted;
                 }
                 None => on_threads += joints.seconds,
@@ -154,13 +164,9 @@ mod tests {
         Study::from_text(Path::new("random.toml"), text).unwrap()
     }
 
-    const RATES: Rates = Rates {
-        processor: 1.0,
-        device: 0.01,
-        host: 1e-6,
-        start: 1.0,
-        joints: Some(JointRates { device: 0.02, host: 2e-6, on_meshes: true }),
-    };
+    const RATES: Rates = Rates { processor: 1.0, device: 0.01, host: 1e-6, start: 1.0, joints: Some(JOINTS) };
+
+    const JOINTS: JointRates = JointRates { device: 0.02, host: 2e-6, on_meshes: true };
 
     /// What is looked at stands for all: twice the designs need twice as much, and as `DesignCost` has it.
     #[test]
@@ -215,6 +221,14 @@ mod tests {
         assert_eq!(written.counted, 0.0);
         assert!(answered.counted > 0.5 * answered.others, "{answered:?}");
         assert!(answered.others < written.others, "{answered:?}");
+        // A device with f64 draws them, too, whose numbers are not made here then.
+        assert!(answered.drawn && !written.drawn);
+        let rates =
+            Rates { device: 0.0, start: 0.0, joints: Some(JointRates { device: 0.0, ..JOINTS }), ..RATES };
+        let of = |demand: Demand| demand.forecast(&rates, 2).device;
+        let numbers = of(answered.on(false)) - of(answered.on(true));
+        let expected = JOINTS.host * answered.interpolated.count / 2.0;
+        assert!((numbers / expected - 1.0).abs() < 1e-9, "{numbers} {expected}");
     }
 
     /// Bodies that come again are condensed once, on either side of the joint.
@@ -272,6 +286,7 @@ mod tests {
             interpolated: part(0.0, 0.0),
             others: 16.0,
             counted: 0.0,
+            drawn: false,
         };
         let Forecast { processor, device } = demand.forecast(&RATES, 2);
         assert_eq!((processor, device), (38.0, 1.0 + 10.0));
@@ -307,6 +322,7 @@ mod tests {
             interpolated: none,
             others: 4.0,
             counted: 0.0,
+            drawn: false,
         };
         let interpolated = Demand { on_meshes: none, interpolated: part(1e6, 40.0), ..on_meshes };
         let joints = |on_meshes| JointRates { device: 0.2, host: 2e-6, on_meshes };

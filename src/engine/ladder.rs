@@ -18,6 +18,7 @@ use crate::engine::body_request::{BodyHandle, JointBodies};
 use crate::engine::contact_on_device::{GivenBody, given, judged_designs};
 use crate::engine::device_joints::{JOINTS_TOGETHER, Underway, gathered};
 use crate::engine::hashed::Hashed;
+use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::interpolation::interpolated::Interpolation;
 use crate::engine::joint_contact::{Alike, ContactRoom, SolvedPlan, joint_key, own_error, solve_designs};
@@ -30,7 +31,8 @@ use crate::engine::row::{closed_form, refused};
 use crate::engine::spaces::{Needs, Spaces};
 use crate::engine::stopwatch::Stopwatch;
 use crate::engine::whole_joints::{WholeJoints, portions};
-use crate::study::config::{MethodChoice, SolveOptions};
+use crate::error::Error;
+use crate::study::config::{MethodChoice, SolveOptions, Study};
 use crate::study::design::DesignCase;
 
 /// The answers to the designs of a joint, and what they have taken.
@@ -63,10 +65,24 @@ impl Attempt<'_> {
 }
 
 /// Designs whose rows a device counts.
-pub struct Counting {
-    cases: Vec<DesignCase>,
-    /// Of each whether the device has it.
-    are_there: Vec<bool>,
+pub enum Counting {
+    /// With, of each, whether the device has it.
+    Given { cases: Vec<DesignCase>, are_there: Vec<bool> },
+    /// By their numbers.
+    Drawn(Range<u64>),
+}
+
+/// What is counted, and designs that something is left to do of.
+pub type Finished = (Counted, Vec<(DesignCase, Verdict)>);
+
+/// Designs of a study by their numbers, which ascend.
+fn drawn_again(study: &Study, left: &[(u64, Verdict)]) -> Result<Vec<(DesignCase, Verdict)>, Error> {
+    let draw = |left: &[(u64, Verdict)]| -> Result<Vec<(DesignCase, Verdict)>, Error> {
+        let cases = study.cases_at(left.iter().map(|(number, _)| *number))?;
+        cases.zip(left).map(|(case, (_, verdict))| Ok((case?, *verdict))).collect()
+    };
+    let drawn: Vec<_> = left.par_chunks(MANY).map(draw).collect::<Result<_, Error>>()?;
+    Ok(drawn.into_iter().flatten().collect())
 }
 
 /// Joints that a thread takes at a time, to solve them.
@@ -154,29 +170,47 @@ impl<'a> Ladder<'a> {
         let Ladder { interpolation, library, spaces, asker, .. } = self;
         let (Some(interpolation), Some(asker)) = (interpolation, *asker) else { return Err(cases) };
         match interpolation.begin_count(library, spaces, &cases, asker) {
-            Some(are_there) => Ok(Counting { cases, are_there }),
+            Some(are_there) => Ok(Counting::Given { cases, are_there }),
             None => Err(cases),
         }
     }
 
-    /// What is counted of the designs that were begun before all others, and those of them that something is left to do of: all where the
-    /// device is lost.
-    pub fn finish_count(
-        &mut self,
-        Counting { cases, are_there }: Counting,
-    ) -> Option<(Counted, Vec<(DesignCase, Verdict)>)> {
+    /// Has a device draw the designs of these numbers and count their rows; nothing where none can.
+    pub fn begin_drawn(&mut self, drawing: &Drawing, numbers: Range<u64>) -> Option<Counting> {
+        let Ladder { interpolation, library, spaces, asker, .. } = self;
+        let (interpolation, asker) = (interpolation.as_mut()?, (*asker)?);
+        let designs = u32::try_from(numbers.start).ok()?..u32::try_from(numbers.end).ok()?;
+        let is_begun = interpolation.begin_drawn(library, spaces, drawing, asker, designs);
+        is_begun.then_some(Counting::Drawn(numbers))
+    }
+
+    /// What is counted of the designs of a study that were begun before all others, and those of them that something is left to do of: all
+    /// where the device is lost.
+    pub fn finish_count(&mut self, study: &Study, counting: Counting) -> Option<Result<Finished, Error>> {
         let question = self.asker?.question();
-        let (mut counted, mut verdicts) = (Counted::none(question), Vec::with_capacity(cases.len()));
+        let (mut counted, mut verdicts) = (Counted::none(question), Vec::new());
         for told in self.library.finish_answers().unwrap_or_default() {
             let (more, own) = question.read(&told);
             counted.merge(&more);
             verdicts.extend(own);
         }
         let mut verdicts = verdicts.into_iter();
-        let verdict = |is_there: bool| is_there.then(|| verdicts.next()).flatten().unwrap_or(Verdict::Open);
-        let verdicts: Vec<Verdict> = are_there.into_iter().map(verdict).collect();
-        let all = cases.into_par_iter().zip(verdicts).with_min_len(MANY);
-        Some((counted, all.filter(|(_, verdict)| *verdict != Verdict::Counted).collect()))
+        let mut verdict =
+            |is_there: bool| is_there.then(|| verdicts.next()).flatten().unwrap_or(Verdict::Open);
+        let left = match counting {
+            Counting::Given { cases, are_there } => {
+                let verdicts: Vec<Verdict> = are_there.into_iter().map(verdict).collect();
+                let all = cases.into_par_iter().zip(verdicts).with_min_len(MANY);
+                Ok(all.filter(|(_, verdict)| *verdict != Verdict::Counted).collect())
+            }
+            Counting::Drawn(numbers) => {
+                let all = numbers.map(|number| (number, verdict(true)));
+                let left: Vec<(u64, Verdict)> =
+                    all.filter(|(_, verdict)| *verdict != Verdict::Counted).collect();
+                drawn_again(study, &left)
+            }
+        };
+        Some(left.map(|left| (counted, left)))
     }
 
     /// Answers to `cases`, in their order.

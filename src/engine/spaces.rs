@@ -129,10 +129,14 @@ fn next(choices: &[usize], now: usize) -> Option<usize> {
 }
 
 /// From this contact half angle on, rad, few trial pressures leave something of the half angle and the peak pressure.
-const WIDE: f64 = 1.4;
+pub const WIDE: f64 = 1.4;
+
+/// Its cosine, and the tangent of half of it.
+pub const WIDE_COSINE: f64 = 0.169_967_142_900_240_94;
+pub const WIDE_TANGENT: f64 = 0.842_288_380_463_079_3;
 
 /// |ln r| from which on walls ask for more.
-const DEEP: f64 = 0.35;
+pub const DEEP: f64 = 0.35;
 pub const THIN: f64 = 0.15;
 
 /// The spaces met so far.

@@ -7,6 +7,7 @@ use crate::study::cases::Cases;
 use crate::study::columns::{Cell, Column, Extras};
 use crate::study::design::{DesignCase, Limits, Load};
 use crate::study::designs_file::DesignsFile;
+use crate::study::draw_tables::DrawTables;
 use crate::study::expression::Expression;
 use crate::study::fingerprint::Fingerprint;
 use crate::study::layers::LayerCounts;
@@ -224,6 +225,14 @@ impl Study {
         match &self.designs {
             Designs::Sampled { steps, .. } => steps,
             Designs::Listed(_) => &[],
+        }
+    }
+
+    /// By which a device draws the designs; `None` where it cannot.
+    pub fn draw_tables(&self) -> Option<DrawTables> {
+        match &self.designs {
+            Designs::Sampled { recipe, .. } => recipe.draw_tables(),
+            Designs::Listed(_) => None,
         }
     }
 

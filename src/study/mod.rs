@@ -17,6 +17,7 @@ mod part_recipe;
 mod tube;
 mod model;
 mod recipe;
+pub mod draw_tables;
 pub mod designs_file;
 pub mod measured;
 pub mod cases;

@@ -17,12 +17,12 @@ use crate::study::values::Picks;
 /// A joint with all the values it takes over a sweep.
 #[derive(Clone, Debug)]
 pub struct Recipe {
-    idealization: Choice<Idealization>,
-    hole_radius: Quantity,
-    radial_clearance: Quantity,
-    thickness: Quantity,
-    pin: PartRecipe,
-    plate: PartRecipe,
+    pub(super) idealization: Choice<Idealization>,
+    pub(super) hole_radius: Quantity,
+    pub(super) radial_clearance: Quantity,
+    pub(super) thickness: Quantity,
+    pub(super) pin: PartRecipe,
+    pub(super) plate: PartRecipe,
     axes: Vec<Axis>,
     sampler: Sampler,
 }

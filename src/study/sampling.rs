@@ -72,6 +72,33 @@ struct Role {
     key: u64,
 }
 
+/// How what a design takes of an axis follows from its number.
+#[derive(Clone, Copy, Debug)]
+pub enum Source {
+    /// There is one value.
+    Nothing,
+    Grid,
+    Zip,
+    Slices,
+    Sobol,
+}
+
+/// What a device needs to know of an axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AxisDraw {
+    pub(super) source: Source,
+    pub(super) stride: u64,
+    pub(super) count: u64,
+    pub(super) key: u64,
+    pub(super) rank: u32,
+}
+
+impl AxisDraw {
+    /// Of what does not sweep.
+    pub(super) const NOTHING: AxisDraw =
+        AxisDraw { source: Source::Nothing, stride: 1, count: 1, key: 0, rank: 0 };
+}
+
 impl Sampler {
     /// `axes` in any order; `pick` takes positions in it. On failure, the axis at fault and what is wrong.
     pub fn new(scheme: Scheme, axes: &[Axis]) -> Result<Sampler, (usize, String)> {
@@ -123,6 +150,17 @@ impl Sampler {
 
     pub fn scheme(&self) -> Scheme {
         self.scheme
+    }
+
+    pub(super) fn axis_draw(&self, axis: usize) -> AxisDraw {
+        let Role { rank, stride, count, key } = self.roles[axis];
+        let source = match self.scheme {
+            Scheme::Grid => Source::Grid,
+            Scheme::Zip => Source::Zip,
+            Scheme::LatinHypercube { .. } => Source::Slices,
+            Scheme::Sobol { .. } | Scheme::Saltelli { .. } => Source::Sobol,
+        };
+        AxisDraw { source, stride, count, key, rank: rank % sobol_burley::NUM_DIMENSIONS }
     }
 
     /// What design number `design` takes of axis number `axis`.
@@ -244,12 +282,14 @@ fn permuted<const N: usize>(positions: &[u64; N], count: u64, key: u64) -> [u64;
     }
 }
 
+/// Of the number of a point in the library's sequence.
+pub const SOBOL_BITS: u32 = 16;
+
 /// Point `design` of the sequence, on axis `rank`. The library's sequence ends after 2^16 points; longer sweeps
 /// are made of blocks of that length, each scrambled on its own, which keeps every block as even as the first.
 fn sobol(design: u64, rank: u32, seed: u64) -> f64 {
-    const BLOCK_BITS: u32 = 16;
-    let block = design >> BLOCK_BITS;
-    let index = (design & ((1 << BLOCK_BITS) - 1)) as u32;
+    let block = design >> SOBOL_BITS;
+    let index = (design & ((1 << SOBOL_BITS) - 1)) as u32;
     let block_seed = (mix(mix(seed) ^ block) >> 32) as u32;
     // The library has 256 dimensions; a joint has an order of magnitude fewer quantities.
     f64::from(sobol_burley::sample(index, rank % sobol_burley::NUM_DIMENSIONS, block_seed))

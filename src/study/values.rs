@@ -69,7 +69,7 @@ pub struct Range {
 }
 
 /// The bits of a fraction.
-const ROOTS: usize = 53;
+pub const ROOTS: usize = 53;
 
 /// Counted ranges have at most this many values; more is taken for a slip of the pen.
 pub const MAX_RANGE: u64 = 1_000_000_000;
@@ -196,6 +196,16 @@ impl Range {
             }))
         });
         Range { from, to, count, roots }
+    }
+
+    /// The count, both ends, and for logarithmic spacing the roots of their quotient, one for each bit of a fraction, the highest first.
+    pub(super) fn ends_and_roots(&self) -> (Option<u64>, [f64; 2], &[f64]) {
+        (self.count, [self.from, self.to], self.roots.as_ref().map_or(&[], |roots| &roots[..]))
+    }
+
+    /// Its first values, so many.
+    pub(super) fn counted(&self, count: u64) -> impl Iterator<Item = f64> {
+        (0..count).map(|index| self.at_each(&Picks::Index([index]))[0])
     }
 
     fn at_each<const N: usize>(&self, picks: &Picks<N>) -> [f64; N] {

@@ -4,9 +4,11 @@ use std::path::Path;
 use std::time::Duration;
 
 use jointsweep::internals::engine::backend::adapter::GpuError;
+use jointsweep::internals::engine::backend::drawn::DrawnDesigns;
 use jointsweep::internals::engine::backend::joints::{JointBatch, SolvedJoints};
 use jointsweep::internals::engine::backend::{Device, Works};
 use jointsweep::internals::engine::body_request::Group;
+use jointsweep::internals::engine::interpolation::drawn_on_device::Drawing;
 use jointsweep::internals::engine::interpolation::fit_plan::InterpolationPlan;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::question::counted::{
@@ -14,7 +16,7 @@ use jointsweep::internals::engine::question::counted::{
 };
 use jointsweep::internals::engine::question::formula::value;
 use jointsweep::internals::engine::question::tables::Standing;
-use jointsweep::internals::engine::question::{Limits, Question};
+use jointsweep::internals::engine::question::{Asker, Limits, Question};
 use jointsweep::internals::output::sinks::Sinks;
 use jointsweep::internals::study::config::Study;
 
@@ -170,6 +172,11 @@ impl Device for Lost {
         Ok(())
     }
 
+    fn begin_drawn(&mut self, drawn: &DrawnDesigns) -> Result<bool, GpuError> {
+        assert!(drawn.designs.len() == 50 && !drawn.tables.is_empty());
+        Ok(true)
+    }
+
     fn finish_answers(&mut self) -> Result<Vec<Told>, GpuError> {
         Err(lost())
     }
@@ -191,7 +198,8 @@ fn lost() -> GpuError {
     GpuError::Lost { adapter: "the device".into(), problem: "unplugged".into() }
 }
 
-/// A device that is lost while it counts has counted nothing, and every design is left to the processor.
+/// A device that is lost while it counts has counted nothing, and every design is left to the processor, who draws those that the device
+/// was to draw.
 #[test]
 fn a_lost_device_leaves_all_designs() {
     let text = study(SKETCHED)
@@ -205,16 +213,23 @@ fn a_lost_device_leaves_all_designs() {
     .unwrap();
     let sinks = Sinks::of(&study);
     let asking = sinks.asking().unwrap();
-    let ladder = Ladder::new(study.solve).interpolating(InterpolationPlan::of_study(&study));
-    let mut ladder = ladder.asked_by(Some(&asking)).on(Box::new(Lost));
-    let cases: Vec<_> = study.cases().unwrap().take(50).map(Result::unwrap).collect();
-    let Ok(counting) = ladder.begin_count(cases.clone()) else { panic!("nothing was begun") };
-    let (counted, left) = ladder.finish_count(counting).unwrap();
-    assert_eq!((counted.designs, counted.rows, left.len()), (0, 0, 50));
-    assert!(left.iter().all(|(_, verdict)| *verdict == Verdict::Open));
-    assert_eq!(ladder.library.lost(), Some(&lost()));
-    // From then on nothing is begun.
-    assert!(ladder.begin_count(cases).is_err());
+    let drawing = Drawing::of(&study, asking.question()).unwrap();
+    for draws in [false, true] {
+        let ladder = Ladder::new(study.solve).interpolating(InterpolationPlan::of_study(&study));
+        let mut ladder = ladder.asked_by(Some(&asking)).on(Box::new(Lost));
+        let cases: Vec<_> = study.cases().unwrap().skip(1000).take(50).map(Result::unwrap).collect();
+        let counting = match draws {
+            true => ladder.begin_drawn(&drawing, 1000..1050),
+            false => ladder.begin_count(cases.clone()).ok(),
+        };
+        let (counted, left) = ladder.finish_count(&study, counting.unwrap()).unwrap().unwrap();
+        assert_eq!((counted.designs, counted.rows), (0, 0));
+        assert!(left.iter().all(|(_, verdict)| *verdict == Verdict::Open));
+        assert!(left.iter().map(|(case, _)| case.index).eq(1000..1050));
+        assert_eq!(ladder.library.lost(), Some(&lost()));
+        // From then on nothing is begun.
+        assert!(ladder.begin_count(cases).is_err() && ladder.begin_drawn(&drawing, 0..10).is_none());
+    }
 }
 
 /// Where rows are written, too, or nothing is asked, nobody asks a device.

@@ -3,13 +3,14 @@
 use std::mem::offset_of;
 use std::path::Path;
 
+use jointsweep::internals::engine::backend::drawn::DrawSettings;
 use jointsweep::internals::engine::backend::gpu::batch::{KernelFacts, OnChip};
 use jointsweep::internals::engine::backend::gpu::front::{EliminateParameters, Front};
 use jointsweep::internals::engine::backend::gpu::joint_load::Placed;
 use jointsweep::internals::engine::backend::gpu::joint_tables::{JointParameters, RowParameters};
 use jointsweep::internals::engine::backend::gpu::kernel_texts::{
-    ANSWERS, ASSEMBLE, Access, CONDENSE, ELIMINATE, JOINTS, KERNEL_FILES, KernelFile, NARROW, PCG, REFINE,
-    ROOFLINE, Sums, Variant, WORKS,
+    ANSWERS, ASSEMBLE, Access, CONDENSE, DRAW, ELIMINATE, JOINTS, KERNEL_FILES, KernelFile, NARROW, PCG,
+    REFINE, ROOFLINE, Sums, Variant, WORKS,
 };
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::gpu::layout::AssembleParameters;
@@ -19,8 +20,10 @@ use jointsweep::internals::engine::backend::gpu::system_layout::{
 use jointsweep::internals::engine::backend::gpu::works::WorksParameters;
 use jointsweep::internals::engine::backend::joints::{MOST_NODES, TERMS};
 use jointsweep::internals::engine::question::Question;
+use jointsweep::internals::engine::question::drawn::{Shapes, functions};
+use jointsweep::internals::engine::question::formula::Givens;
 use jointsweep::internals::lab::gpu::speed::RooflineParameters;
-use jointsweep::internals::mechanics::body::{Body, SHAPES, Side};
+use jointsweep::internals::mechanics::body::{Body, SHAPES, Side, annulus, cored_disc};
 use jointsweep::internals::mechanics::compliance::arc::packed_count;
 use jointsweep::internals::mechanics::compliance::ring_modes::{MOST_MODES, RingModes};
 use jointsweep::internals::mechanics::element::ElementKind;
@@ -85,6 +88,13 @@ fn every_variant_is_valid() {
     }
 }
 
+const SHAPES_OF_JOINT: Shapes = [&cored_disc::SHAPE, &annulus::SHAPE];
+
+/// Of the kernel that draws, with what is given of designs.
+fn draw_text(functions: &str) -> String {
+    DRAW.variant(&Variant::plain(Precision::F64, 64)) + functions
+}
+
 /// A kernel of answers with the functions of some questions: every operation, every column, constants and inputs.
 #[test]
 fn questions_are_valid() {
@@ -128,6 +138,26 @@ fn questions_are_valid() {
         assert_eq!(module.entry_points[0].name, ANSWERS.entry_points[0]);
         let bindings = module.global_variables.iter().filter(|(_, variable)| variable.binding.is_some());
         assert_eq!(bindings.count(), ANSWERS.bindings.len());
+    }
+    // What is given of designs that a device draws: all but functions, which it has in f32 alone.
+    for (select, is_known) in [
+        ("force / thickness > 100 N/mm and not (step == 1 or design < 3)", true),
+        ("idealization != 'plane-strain' and max(thickness, 2 mm) * hole_radius^2 <= abs(-5 mm^3)", true),
+        ("pin_model == 'rigid-core' and plate_youngs_modulus - pin_youngs_modulus != 3 GPa", true),
+        ("core_radius_ratio < 0.3 and outer_radius_ratio >= 2 and min(pin_poissons_ratio, 0.3) > 0.2", true),
+        ("sqrt(thickness / 1 mm) > 2", false),
+    ] {
+        let select = format!("{select} and peak_pressure < 100 MPa");
+        let question = question(&select, "statistics = ['peak_pressure']").unwrap();
+        let found = functions(&question.givens, SHAPES_OF_JOINT);
+        assert_eq!(found.is_some(), is_known, "{select}");
+        if let Some(found) = found {
+            let (module, _) =
+                check(&draw_text(&found), Capabilities::FLOAT64).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(module.entry_points[0].name, DRAW.entry_points[0]);
+            let bindings = module.global_variables.iter().filter(|(_, variable)| variable.binding.is_some());
+            assert_eq!(bindings.count(), DRAW.bindings.len());
+        }
     }
     // What a device does not know.
     for (select, reduce) in [
@@ -243,9 +273,41 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         padding
     );
     assert_eq!(layout_in(&module(&JOINTS, Precision::F32), "Rows"), Some(rows));
-    let places: Layout =
-        layout_here!(Placed, parameters, numbers_at, found_at, load_count, works_at, padding, near_fields_at);
-    assert_eq!(layout_in(&module(&JOINTS, Precision::F32), "Place"), Some(places));
+    let places: Layout = layout_here!(
+        Placed,
+        parameters,
+        numbers_at,
+        found_at,
+        load_count,
+        works_at,
+        terms,
+        padding,
+        near_fields_at
+    );
+    assert_eq!(layout_in(&module(&JOINTS, Precision::F32), "Place").as_ref(), Some(&places));
+    let settings: Layout = layout_here!(
+        DrawSettings,
+        first,
+        design_count,
+        count,
+        load_count,
+        seed,
+        stride,
+        found_stride,
+        given_of_design,
+        given_of_row,
+        behind_row,
+        plate_fit_count,
+        sides_at,
+        loads_at,
+        pairs_at,
+        padding,
+        more_padding
+    );
+    let drawing = draw_text(&functions(&Givens::default(), SHAPES_OF_JOINT).unwrap());
+    let (drawing, _) = check(&drawing, Capabilities::FLOAT64).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(layout_in(&drawing, "Settings"), Some(settings));
+    assert_eq!(layout_in(&drawing, "Place"), Some(places));
     let joints: Layout = layout_here!(
         JointParameters,
         bodies,

@@ -1,6 +1,6 @@
 //! What is asked of all rows together, counted on a device, against the processor that has every row.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use jointsweep::internals::engine::backend::Counts as Asked;
@@ -51,16 +51,16 @@ laws = false
     Study::from_text(Path::new("asked.toml"), text).unwrap()
 }
 
-struct Answered {
-    answers: Reductions,
-    counts: Counts,
-    statistics: Statistics,
+pub struct Answered {
+    pub answers: Reductions,
+    pub counts: Counts,
+    pub statistics: Statistics,
     /// Designs that were counted, and those of them that were solved once more.
-    counted: [u64; 2],
+    pub counted: [u64; 2],
 }
 
 /// The answers of some designs, on a device that counts rows with kernels made so, or on the processor alone.
-fn answered(study: &Study, designs: Range<u64>, on_device: Option<Making>, threads: usize) -> Answered {
+pub fn answered(study: &Study, designs: Chosen, on_device: Option<Making>, threads: usize) -> Answered {
     let sinks = Sinks::of(study);
     let asking = sinks.asking().unwrap();
     let on_device = on_device.map(|making| GpuChoice {
@@ -72,7 +72,7 @@ fn answered(study: &Study, designs: Range<u64>, on_device: Option<Making>, threa
         threads,
         gpu: on_device,
         asker: Some(&asking as &dyn Asker),
-        designs: Chosen::Range(designs),
+        designs,
         ..SweepOptions::default()
     };
     let make = |solved: SolvedDesigns| {
@@ -93,7 +93,7 @@ fn answered(study: &Study, designs: Range<u64>, on_device: Option<Making>, threa
     Answered { answers, counts, statistics, counted }
 }
 
-fn text(answers: &Reductions, name: &str) -> String {
+pub fn text(answers: &Reductions, name: &str) -> String {
     let files = answers.files();
     let (_, bytes) = files.iter().find(|(own, _)| *own == name).unwrap();
     String::from_utf8(bytes.clone()).unwrap()
@@ -101,7 +101,7 @@ fn text(answers: &Reductions, name: &str) -> String {
 
 /// The greatest relative difference of what is told of sums and quantiles; all else is the same to the bit, and what is told of the
 /// errors bounds them.
-fn compare(found: &Reductions, expected: &Reductions) -> [f64; 2] {
+pub fn compare(found: &Reductions, expected: &Reductions) -> [f64; 2] {
     let mut worst = [0.0_f64; 2];
     for (name, _) in expected.files() {
         let (found, expected) = (text(found, name), text(expected, name));
@@ -166,8 +166,8 @@ fn counted_answers_are_the_processors() {
         ),
     ] {
         let study = study(loads, select, ALL);
-        let [found, expected] =
-            [Some(Making::Checked), None].map(|on_device| answered(&study, 0..DESIGNS, on_device, 2));
+        let [found, expected] = [Some(Making::Checked), None]
+            .map(|on_device| answered(&study, Chosen::Range(0..DESIGNS), on_device, 2));
         let of_answers = compare(&found.answers, &expected.answers);
         worst = [worst[0].max(of_answers[0]), worst[1].max(of_answers[1])];
         let [counted, candidates] = found.counted;
@@ -202,9 +202,9 @@ fn counted_answers_are_the_processors() {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn counted_answers_of_parts_join_to_the_same_bytes() {
     let study = study("force = ['1 kN', '5 kN']", "peak_pressure < 200 MPa", ALL);
-    let whole = answered(&study, 0..900, Some(Making::Trusted), 8);
-    let mut parts = answered(&study, 0..333, Some(Making::Trusted), 2);
-    let more = answered(&study, 333..900, Some(Making::Trusted), 2);
+    let whole = answered(&study, Chosen::Range(0..900), Some(Making::Trusted), 8);
+    let mut parts = answered(&study, Chosen::Range(0..333), Some(Making::Trusted), 2);
+    let more = answered(&study, Chosen::Range(333..900), Some(Making::Trusted), 2);
     parts.answers.merge(&more.answers).unwrap();
     for (name, bytes) in whole.answers.files() {
         assert_eq!(text(&parts.answers, name).as_bytes(), bytes, "{name}");

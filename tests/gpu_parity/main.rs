@@ -12,6 +12,7 @@ mod common {
     pub mod rings;
 }
 mod answers;
+mod drawn;
 mod elimination;
 mod joints;
 mod limits;

@@ -21,7 +21,7 @@ const SAFETY: f64 = 1.5;
 
 /// Walls below this depth, |ln r|, count by themselves, and by the worst of them: what a fit leaves is greatest at the thin end of a
 /// box.
-const THIN_END: f64 = 0.2;
+pub const THIN_END: f64 = 0.2;
 
 /// Arcs beyond which contact with free edges hardly goes, rad: what a fit does there decides nothing.
 const WIDEST: f64 = 1.8;
@@ -97,6 +97,11 @@ impl FitBound {
             true => 0,
         };
         BodyBound { of_fit: self, kind, of_mesh: self.known_level.map_or([0.0; _], known) }
+    }
+
+    /// Of the meshes the fit was made on, where it is known what they leave.
+    pub fn known_level(&self) -> Option<usize> {
+        self.known_level
     }
 
     /// As a device has it: how many angles there are, the angles, then of each width the bounds of all kinds.

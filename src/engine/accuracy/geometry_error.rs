@@ -10,20 +10,20 @@ use crate::study::design::JointDesign;
 
 /// Of the clearance ratio cubed; less in narrow contacts, below 30 deg. Half of 300 joints have less than a tenth of it, none of those
 /// without rubber more (docs/theory.md, section 10; `tests/mechanics/geometry.rs`).
-const OF_CUBE: f64 = 0.5;
+pub const OF_CUBE: f64 = 0.5;
 pub const OF_SINE: f64 = 2.0;
 
 /// What pushes along the skin of a pin shears its wall: this of the clearance ratio cubed, times the pin's share, sin^2 of the half
 /// angle, and by how much a wall resists squeezing more than shear. Of pins whose wall is thicker than `WALL` radii of the core,
 /// |ln r|, the less the thicker it is.
-const OF_SHEAR: f64 = 0.04;
-const WALL: f64 = std::f64::consts::LN_2;
+pub const OF_SHEAR: f64 = 0.04;
+pub const WALL: f64 = std::f64::consts::LN_2;
 /// More than that resistance no wall of the joints seen had: it yields along itself.
-const STIFFEST: f64 = 40.0;
+pub const STIFFEST: f64 = 40.0;
 
 /// Of the clearance ratio squared, where second order is not known: times the share of a pin that is not concentric, and as `OF_SHEAR` of
 /// walls that are taken for beds.
-const OF_HELD: f64 = 0.1;
+pub const OF_HELD: f64 = 0.1;
 const OF_BED: f64 = 0.16;
 
 /// From this clearance ratio on a row says so, whatever is left.

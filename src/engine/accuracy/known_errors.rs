@@ -77,7 +77,7 @@ impl Group {
         [Group::Concentric, Group::HalfDisc, Group::BlockOnBase, Group::BlockHeldAround];
 
     /// `None` for shapes that were not measured.
-    fn of(body: &Body) -> Option<Group> {
+    pub fn of(body: &Body) -> Option<Group> {
         let is = |shape: &Shape| body.shape == shape;
         if is(&annulus::SHAPE) || is(&cored_disc::SHAPE) {
             Some(Group::Concentric)

@@ -25,6 +25,9 @@ pub struct GpuChoice<'a> {
 const BATCH: usize = 8192;
 const INTERPOLATED_BATCH: usize = 16_384;
 
+/// Of those that a device draws it has nothing to wait for but its own kernels.
+const DRAWN_BATCH: usize = 65_536;
+
 /// The same on software, whose user waits.
 const SOFTWARE_BATCH: usize = 256;
 
@@ -45,6 +48,19 @@ impl<'a> GpuChoice<'a> {
             AdapterKind::Software => SOFTWARE_BATCH,
             _ if are_interpolated => INTERPOLATED_BATCH,
             _ => BATCH,
+        }
+    }
+
+    /// Whether the device may draw designs itself, whose rows it counts.
+    pub fn draws(&self) -> bool {
+        self.joints >= SolvedJoints::Interpolated && self.device.facts.features.f64
+    }
+
+    /// Designs of a batch that it draws.
+    pub fn drawn_batch_size(&self) -> usize {
+        match self.device.facts.kind {
+            AdapterKind::Software => SOFTWARE_BATCH,
+            _ => DRAWN_BATCH,
         }
     }
 

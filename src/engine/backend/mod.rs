@@ -6,6 +6,7 @@ pub mod device_solver;
 pub mod making;
 pub mod rates;
 pub mod joints;
+pub mod drawn;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 #[cfg(not(feature = "gpu"))]
@@ -20,6 +21,7 @@ pub use without_gpu as gpu;
 
 use crate::engine::body_request::Group;
 use crate::engine::question::counted::Told;
+use drawn::DrawnDesigns;
 use joints::{JointBatch, SolvedJoints};
 
 /// The works of the ring modes on each body of each group, packed, without near fields; `None` for a body that is left to the processor.
@@ -85,6 +87,12 @@ pub trait Device: Send + Sync {
     /// The same of joints with bodies that it condenses for them, those of some groups, whose works stay there. False where it has no room
     /// for all of them together, or condenses otherwise: nothing is begun then.
     fn begin_whole(&mut self, _: &[Group], _: &JointBatch) -> Result<bool, GpuError> {
+        Ok(false)
+    }
+
+    /// Has it draw designs, solve their joints and count their rows, and does not wait for them. False where it has no kernel for that, or
+    /// no room: nothing is begun then.
+    fn begin_drawn(&mut self, _: &DrawnDesigns) -> Result<bool, GpuError> {
         Ok(false)
     }
 

@@ -156,6 +156,10 @@ impl FittedFamily {
         self.bound.of(body, self.fit.polynomials.is_inside(point, NEAR_END))
     }
 
+    pub fn side(&self) -> Side {
+        self.side
+    }
+
     /// What members add to compliances in a space that was prepared.
     pub fn rows(&self, key: SpaceKey) -> Option<&Rows> {
         self.in_spaces.get(&key)

@@ -58,7 +58,7 @@ impl Interpolation {
     }
 
     /// Fits every family of the plan, whatever designs come first.
-    fn prepare(&mut self, library: &mut BodyLibrary, spaces: &mut Spaces) {
+    pub(super) fn prepare(&mut self, library: &mut BodyLibrary, spaces: &mut Spaces) {
         if self.fitted.is_some() {
             return;
         }
@@ -83,6 +83,13 @@ impl Interpolation {
     /// The fits, with the ranges they hold over.
     pub fn fits(&self) -> impl Iterator<Item = &FittedFamily> {
         self.fitted.iter().flat_map(|fitted| fitted.values())
+    }
+
+    /// By their numbers.
+    pub(super) fn fits_in_order(&self) -> Vec<&FittedFamily> {
+        let mut fits: Vec<&FittedFamily> = self.fits().collect();
+        fits.sort_by_key(|fit| fit.number);
+        fits
     }
 
     /// Has a device begin to count the rows of designs, where one solves joints; tells of each whether the device has it.

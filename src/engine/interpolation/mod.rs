@@ -14,3 +14,4 @@ pub mod fit;
 pub mod fit_plan;
 pub mod interpolated;
 mod on_device;
+pub mod drawn_on_device;

@@ -50,7 +50,7 @@ impl Interpolation {
         let standing = Standing::new(question, asker.limits());
         let mut tables = standing.tables();
         let mut bounds_at = vec![0; self.plan.families.len()];
-        for fit in self.fits() {
+        for fit in self.fits_in_order() {
             bounds_at[fit.number] = tables.len();
             tables.extend(fit.bound.table().map(|number| number as f32));
         }

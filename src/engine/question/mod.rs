@@ -5,6 +5,7 @@
 pub mod counted;
 pub mod formula;
 pub mod tables;
+pub mod drawn;
 
 use counted::Layout;
 use formula::{AskedLoad, Givens, function, is_given};

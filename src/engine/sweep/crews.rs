@@ -9,6 +9,7 @@
 //!   crew 2       2     5
 //! ```
 
+use std::ops::Range;
 use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::Duration;
@@ -19,12 +20,12 @@ use rayon::prelude::*;
 use super::digestion::{Solved, stretches};
 use super::{CountedDesigns, Digest, SolvedDesigns, Statistics, SweepOptions};
 use crate::engine::backend::precision::Precision;
-use crate::engine::drawing::{Chosen, Drawn, FIRST_BATCH, joined};
+use crate::engine::drawing::{Batch, Chosen, Drawn, FIRST_BATCH, joined};
+use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::{Counting, Ladder};
 use crate::engine::law_fit::add_laws;
 use crate::engine::outcome::DesignOutcome;
-use crate::engine::question::Asker;
 use crate::engine::question::counted::Verdict;
 use crate::error::Error;
 use crate::study::config::Study;
@@ -75,7 +76,7 @@ impl Crews {
         &self,
         study: &Study,
         options: &SweepOptions,
-        plan: Option<InterpolationPlan>,
+        (plan, drawing): (Option<InterpolationPlan>, Option<&Drawing>),
         digest: &Digest<T>,
         all: &ThreadPool,
         of_crews: Vec<(Receiver<Drawn>, SyncSender<Solved<T>>)>,
@@ -85,7 +86,7 @@ impl Crews {
         let Some((drawn, solved)) = of_crews.next() else { return Default::default() };
         // Without fits there is little to learn for the others, and kernels take their time to be made.
         let is_apart = usize::from(plan.is_some() || options.gpu.is_none());
-        let lead = Crew::new(study, options, plan, digest, &fallback);
+        let lead = Crew::new(study, options, (plan, drawing), digest, &fallback);
         let lead = lead.solve_some(drawn.iter().take(is_apart), all, &solved);
         let twins: Vec<Crew<T>> = (0..of_crews.len()).map(|_| lead.twin()).collect();
         let mut pools = self.pools.iter();
@@ -105,8 +106,18 @@ impl Crews {
     }
 }
 
+/// What has become of a batch.
+enum Begun {
+    Counting(Counting),
+    /// The processor has to solve them.
+    Cases(Vec<DesignCase>),
+}
+
 /// A ladder on its way through its batches.
 struct Crew<'a, T> {
+    study: &'a Study,
+    /// By which a device draws.
+    drawing: Option<&'a Drawing>,
     ladder: Ladder<'a>,
     digest: &'a Digest<'a, T>,
     /// How long that has taken, summed over threads.
@@ -123,9 +134,9 @@ struct Crew<'a, T> {
 
 impl<'a, T: Send> Crew<'a, T> {
     fn new(
-        study: &Study,
+        study: &'a Study,
         options: &'a SweepOptions<'a>,
-        plan: Option<InterpolationPlan>,
+        (plan, drawing): (Option<InterpolationPlan>, Option<&'a Drawing>),
         digest: &'a Digest<'a, T>,
         fallback: &'a OnceLock<String>,
     ) -> Crew<'a, T> {
@@ -135,6 +146,8 @@ impl<'a, T: Send> Crew<'a, T> {
             ladder = ladder.in_double();
         }
         Crew {
+            study,
+            drawing,
             ladder: ladder.interpolating(plan).asked_by(options.asker),
             digest,
             digestion: Duration::ZERO,
@@ -219,30 +232,66 @@ impl<'a, T: Send> Crew<'a, T> {
 
     /// A batch that a device counts comes back when the next one is begun.
     fn solve(&mut self, batch: Option<Drawn>) -> Vec<Result<SolvedDesigns, Error>> {
-        let Crew { ladder, options: SweepOptions { asker, .. }, .. } = self;
-        let mut ready = Vec::new();
-        let next = batch.map(|batch| batch.map(|batch| ladder.begin_count(batch)));
-        if let Some(before) = self.begun.take() {
-            ready.extend(left(ladder, before, *asker).map(Ok));
-        }
+        let next = batch.map(|batch| batch.and_then(|batch| self.begin(batch)));
+        let before = self.begun.take();
+        let mut ready: Vec<_> = before.into_iter().filter_map(|before| self.left(before)).collect();
         match next {
             None => {}
             Some(Err(error)) => ready.push(Err(error)),
-            Some(Ok(Ok(counting))) if self.knows_limits => self.begun = Some(counting),
-            Some(Ok(Ok(counting))) => {
+            Some(Ok(Begun::Counting(counting))) if self.knows_limits => self.begun = Some(counting),
+            Some(Ok(Begun::Counting(counting))) => {
                 // Without any limit every row might be an extreme one.
-                ready.extend(left(ladder, counting, *asker).map(Ok));
+                ready.extend(self.left(counting));
                 self.knows_limits = true;
             }
-            Some(Ok(Err(cases))) => {
-                let mut outcomes = outcomes(ladder, cases);
+            Some(Ok(Begun::Cases(cases))) => {
+                let mut outcomes = outcomes(&mut self.ladder, cases);
                 if self.fits_laws {
-                    add_laws(ladder, &mut outcomes);
+                    add_laws(&mut self.ladder, &mut outcomes);
                 }
                 ready.push(Ok(outcomes.into()));
             }
         }
         ready
+    }
+
+    /// Has a device count the rows of designs, if it can.
+    fn begin(&mut self, batch: Batch) -> Result<Begun, Error> {
+        let Crew { study, drawing, ladder, .. } = self;
+        let cases = match batch {
+            Batch::Cases(cases) => cases,
+            Batch::Numbers(numbers) => {
+                let counting = drawing.and_then(|drawing| ladder.begin_drawn(drawing, numbers.clone()));
+                if let Some(counting) = counting {
+                    return Ok(Begun::Counting(counting));
+                }
+                all_of(study, numbers)?
+            }
+        };
+        Ok(match ladder.begin_count(cases) {
+            Ok(counting) => Begun::Counting(counting),
+            Err(cases) => Begun::Cases(cases),
+        })
+    }
+
+    /// Waits for what a device counts, and solves those designs that it has left, or that may have an extreme row.
+    fn left(&mut self, counting: Counting) -> Option<Result<SolvedDesigns, Error>> {
+        let Crew { study, ladder, options: SweepOptions { asker, .. }, .. } = self;
+        let (counted, left) = match ladder.finish_count(study, counting)? {
+            Ok(finished) => finished,
+            Err(error) => return Some(Err(error)),
+        };
+        let (cases, verdicts): (Vec<DesignCase>, Vec<Verdict>) = left.into_iter().unzip();
+        let mut solved = outcomes(ladder, cases);
+        (*asker)?.look(&mut solved);
+        let (mut outcomes, mut candidates) = (Vec::new(), Vec::new());
+        for (outcome, verdict) in solved.into_iter().zip(verdicts) {
+            match verdict {
+                Verdict::Candidate => candidates.push(outcome),
+                Verdict::Open | Verdict::Counted => outcomes.push(outcome),
+            }
+        }
+        Some(Ok(SolvedDesigns { outcomes, on_device: Some(CountedDesigns { counted, candidates }) }))
     }
 
     /// Says that the processor goes on alone, once for all crews.
@@ -279,20 +328,15 @@ fn outcomes(ladder: &mut Ladder, cases: Vec<DesignCase>) -> Vec<DesignOutcome> {
     cases.map(|(case, answer)| DesignOutcome::new(case, answer)).collect()
 }
 
-/// Waits for what a device counts, and solves those designs that it has left, or that may have an extreme row.
-fn left(ladder: &mut Ladder, counting: Counting, asker: Option<&dyn Asker>) -> Option<SolvedDesigns> {
-    let (counted, left) = ladder.finish_count(counting)?;
-    let (cases, verdicts): (Vec<DesignCase>, Vec<Verdict>) = left.into_iter().unzip();
-    let mut solved = outcomes(ladder, cases);
-    asker?.look(&mut solved);
-    let (mut outcomes, mut candidates) = (Vec::new(), Vec::new());
-    for (outcome, verdict) in solved.into_iter().zip(verdicts) {
-        match verdict {
-            Verdict::Candidate => candidates.push(outcome),
-            Verdict::Open | Verdict::Counted => outcomes.push(outcome),
-        }
-    }
-    Some(SolvedDesigns { outcomes, on_device: Some(CountedDesigns { counted, candidates }) })
+/// The designs of these numbers, which no device draws.
+fn all_of(study: &Study, numbers: Range<u64>) -> Result<Vec<DesignCase>, Error> {
+    let all: Vec<u64> = numbers.collect();
+    let some = |numbers: &[u64]| -> Result<Vec<DesignCase>, Error> {
+        let first = numbers.first().map_or(0, |first| *first as usize);
+        study.cases()?.skip(first).take(numbers.len()).collect()
+    };
+    let drawn: Vec<_> = all.par_chunks(FIRST_BATCH).map(some).collect::<Result<_, Error>>()?;
+    Ok(drawn.into_iter().flatten().collect())
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ use crate::engine::backend::Counts;
 use crate::engine::backend::choice::GpuChoice;
 use crate::engine::cost::DesignCost;
 use crate::engine::drawing::{Chosen, Drawer, FIRST_BATCH, joined};
+use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::question::Asker;
@@ -157,9 +158,13 @@ pub fn run_digested<T: Send>(
     let (solved_senders, solved): (Vec<_>, Vec<_>) = (0..crews.count()).map(|_| sync_channel(0)).unzip();
     let (digested_sender, digested) = sync_channel(1);
     let plan = InterpolationPlan::of_study(study);
-    let mut drawer = Drawer::new(study, &options.designs, threads)?;
+    let drawing = plan.as_ref().and_then(|_| drawing(study, options));
+    let mut drawer = Drawer::new(study, &options.designs, threads)?.on_device(drawing.is_some());
     let on_processor = if plan.is_some() { INTERPOLATED_BATCH } else { BATCH };
-    let most = options.gpu.map_or(on_processor, |gpu| gpu.batch_size(plan.is_some()));
+    let most = options.gpu.map_or(on_processor, |gpu| match &drawing {
+        Some(_) => gpu.drawn_batch_size(),
+        None => gpu.batch_size(plan.is_some()),
+    });
     let batch_size = crews.batch_size(most, count).min(designs_of_rows(study.steps_per_design()));
     std::thread::scope(|scope| {
         let cost = DesignCost::without_interpolation(study);
@@ -174,6 +179,7 @@ pub fn run_digested<T: Send>(
         let drawer = scope.spawn(move || drawer.draw_all(batch_size, is_soon, hand_over));
         let (pool, crews) = (&pool, &crews);
         let of_crews = drawn.into_iter().zip(solved_senders).collect();
+        let plan = (plan, drawing.as_ref());
         let solver = scope.spawn(move || crews.solve_all(study, options, plan, digest, pool, of_crews));
         let digester = scope.spawn(move || digest_all(digest, pool, &solved, &digested_sender));
         let mut received = Duration::ZERO;
@@ -192,6 +198,13 @@ pub fn run_digested<T: Send>(
         result?;
         Ok(Statistics { distinct_bodies, solves, asked, worst_residual, fallback, stages, ..statistics })
     })
+}
+
+/// By which a device draws designs whose rows it is asked to count; `None` where none does.
+fn drawing(study: &Study, options: &SweepOptions) -> Option<Drawing> {
+    let (gpu, asker) = (options.gpu?, options.asker?);
+    let follow_each_other = !matches!(options.designs, Chosen::Listed(_));
+    (gpu.draws() && follow_each_other).then(|| Drawing::of(study, asker.question()))?
 }
 
 /// The most designs of a batch whose designs have so many rows each.

@@ -13,6 +13,7 @@ use foldhash::HashMap;
 use crate::engine::backend::adapter::GpuError;
 use crate::engine::backend::choice::joints_in;
 use crate::engine::backend::device_solver::DeviceSolver;
+use crate::engine::backend::drawn::DrawnDesigns;
 use crate::engine::backend::gpu::context::GpuDevice;
 use crate::engine::backend::gpu::kernels::Making;
 use crate::engine::backend::gpu::solver::GpuCondenser;
@@ -20,6 +21,7 @@ use crate::engine::backend::joints::{BatchedJoint, ENDED, JointBatch, STATE_NUMB
 use crate::engine::backend::precision::Precision;
 use crate::engine::backend::{Counts, Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
+use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
 use crate::engine::outcome::BackendKind;
@@ -54,12 +56,14 @@ pub struct HostCost {
 }
 
 impl HostCost {
-    /// Of the designs of a study in batches of so many; nothing is written. Of one that asks for answers alone the device counts the rows.
+    /// Of the designs of a study in batches of so many; nothing is written. Of one that asks for answers alone the device counts the rows, of
+    /// designs that it `draws` itself, if it can.
     pub fn of(
         study: &Study,
         gpu: &GpuDevice,
         precision: Precision,
         batch_size: usize,
+        draws: bool,
     ) -> Result<HostCost, GpuError> {
         keep_blocks();
         let (seen, plan) = (Mutex::default(), InterpolationPlan::of_study(study));
@@ -85,7 +89,19 @@ impl HostCost {
             ladder.answers(&first);
             *seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Seen::default();
         }
-        loop {
+        let drawing = asker.filter(|_| draws).and_then(|asker| Drawing::of(study, asker.question()));
+        let mut left = cost.designs..study.design_count();
+        while let Some(drawing) = drawing.as_ref().filter(|_| !left.is_empty()) {
+            let before = processor_seconds().unwrap_or(f64::NAN);
+            let numbers = left.start..left.end.min(left.start + batch_size as u64);
+            left.start = numbers.end;
+            cost.designs += numbers.end - numbers.start;
+            let counting = ladder.begin_drawn(drawing, numbers);
+            let counted = counting.and_then(|counting| ladder.finish_count(study, counting)?.ok());
+            cost.on_device += counted.map_or(0, |(counted, _)| counted.designs);
+            cost.solving += processor_seconds().unwrap_or(f64::NAN) - before;
+        }
+        while drawing.is_none() {
             let before = processor_seconds().unwrap_or(f64::NAN);
             let batch: Vec<DesignCase> = cases.by_ref().take(batch_size).flatten().collect();
             let drawn = processor_seconds().unwrap_or(f64::NAN);
@@ -95,7 +111,10 @@ impl HostCost {
             }
             cost.designs += batch.len() as u64;
             let on_device = match ladder.begin_count(batch) {
-                Ok(counting) => ladder.finish_count(counting).map_or(0, |(counted, _)| counted.designs),
+                Ok(counting) => {
+                    let finished = ladder.finish_count(study, counting).and_then(Result::ok);
+                    finished.map_or(0, |(counted, _)| counted.designs)
+                }
                 Err(batch) => {
                     let answers = ladder.answers(&batch);
                     answers.iter().filter(|answer| answer.backend == BackendKind::Gpu).count() as u64
@@ -218,6 +237,13 @@ impl Device for EmptyCondenser<'_> {
         self.stand_in_states.extend(batch.asked.is_none().then(|| stand_in_states(batch)));
         self.tell_call(before, between);
         Ok(())
+    }
+
+    fn begin_drawn(&mut self, drawn: &DrawnDesigns) -> Result<bool, GpuError> {
+        let before = processor_seconds().unwrap_or(f64::NAN);
+        let is_begun = self.condenser.begin_drawn(drawn)?;
+        self.tell_call(before, processor_seconds().unwrap_or(f64::NAN));
+        Ok(is_begun)
     }
 
     fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {

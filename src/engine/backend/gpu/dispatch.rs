@@ -42,6 +42,7 @@ impl Dispatch {
 }
 
 /// What a kernel is given for one of its bindings.
+#[derive(Clone)]
 pub(crate) struct Argument<'a> {
     name: &'static str,
     binding: BufferBinding<'a>,

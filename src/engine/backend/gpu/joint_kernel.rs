@@ -22,50 +22,54 @@ const MOST_JOINTS: usize = 8192;
 
 /// What goes up or down with a flight at most, bytes; with less the device is given up.
 const MOST_BYTES: u64 = 64 << 20;
-const FEWEST_BYTES: u64 = 1 << 20;
+pub(super) const FEWEST_BYTES: u64 = 1 << 20;
 
 /// The kernel with the tables it has been given, and batches on their way through it.
 pub struct JointKernel {
     /// Of the counts of trial pressures that were asked for.
-    stages: HashMap<usize, Stage>,
+    pub(super) stages: HashMap<usize, Stage>,
     /// What counts rows, by the functions of its question.
-    answers: Option<(String, Stage)>,
-    making: Making,
-    arenas: Arenas,
+    pub(super) answers: Option<(String, Stage)>,
+    pub(super) making: Making,
+    pub(super) arenas: Arenas,
     /// In the order they were begun.
-    batches: VecDeque<Batch>,
+    pub(super) batches: VecDeque<Batch>,
+    /// What draws designs, by the functions of its question.
+    pub(super) draw: Option<(String, Stage)>,
     /// Buffers that no flight has.
-    free: Vec<Buffers>,
-    most_bytes: u64,
+    pub(super) free: Vec<Buffers>,
+    pub(super) most_bytes: u64,
     pub counts: Counts,
 }
 
-/// Those of `TRAVELLING`, and of `ASKING` where rows are counted.
+/// Those of `TRAVELLING`, of `ASKING` where rows are counted, and of `DRAWING` where designs are drawn.
 #[derive(Default)]
-struct Buffers {
-    joints: [Option<wgpu::Buffer>; 5],
-    answers: [Option<wgpu::Buffer>; 3],
+pub(super) struct Buffers {
+    pub joints: [Option<wgpu::Buffer>; 5],
+    pub answers: [Option<wgpu::Buffer>; 3],
+    pub drawing: [Option<wgpu::Buffer>; 3],
 }
 
 /// Joints that were begun together.
-struct Batch {
+#[derive(Default)]
+pub(super) struct Batch {
     /// What is submitted and not read back.
-    flights: VecDeque<Flight>,
-    found: Vec<f32>,
+    pub flights: VecDeque<Flight>,
+    pub found: Vec<f32>,
     /// Whether rows are counted, and then what is told in the place of what is found.
-    is_counted: bool,
-    told: Vec<Told>,
+    pub is_counted: bool,
+    pub told: Vec<Told>,
 }
 
-struct Flight {
-    joints: usize,
-    wanted: Wanted,
+pub(super) struct Flight {
+    pub joints: usize,
+    pub wanted: Wanted,
     /// Nothing where tables are too large for the device: its joints have no states.
-    on_device: Option<(Buffers, Reading)>,
+    pub on_device: Option<(Buffers, Reading)>,
 }
 
 /// What comes back of a flight, before what tells how long passes took.
-enum Wanted {
+pub(super) enum Wanted {
     /// So many words of states.
     Found(usize),
     /// Counts: some parts of them.
@@ -73,21 +77,34 @@ enum Wanted {
 }
 
 impl Wanted {
-    fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         let words = match self {
             Wanted::Found(words) => *words,
             Wanted::Told(_, parts) => parts.iter().map(Range::len).sum(),
         };
         bytes(words)
     }
+
+    /// From where it is found to where the host can read it.
+    pub(super) fn copy(&self, from: &wgpu::Buffer, to: &wgpu::Buffer, encoder: &mut wgpu::CommandEncoder) {
+        let mut at = 0;
+        let mut copy = |words: Range<usize>| {
+            encoder.copy_buffer_to_buffer(from, bytes(words.start), to, at, bytes(words.len()));
+            at += bytes(words.len());
+        };
+        match self {
+            Wanted::Found(words) => copy(0..*words),
+            Wanted::Told(_, parts) => parts.iter().cloned().for_each(copy),
+        }
+    }
 }
 
-fn bytes(words: usize) -> u64 {
+pub(super) fn bytes(words: usize) -> u64 {
     (size_of::<u32>() * words) as u64
 }
 
 /// Parameters, places, numbers and what is found, and that where the host can read it.
-const TRAVELLING: [(&str, BufferUsages); 5] = [
+pub(super) const TRAVELLING: [(&str, BufferUsages); 5] = [
     ("parameters", BufferUsages::STORAGE.union(BufferUsages::COPY_DST)),
     ("places", BufferUsages::STORAGE.union(BufferUsages::COPY_DST)),
     ("joints", BufferUsages::STORAGE.union(BufferUsages::COPY_DST)),
@@ -96,20 +113,22 @@ const TRAVELLING: [(&str, BufferUsages); 5] = [
 ];
 
 /// Tables of a question, its designs, and what is told of them.
-const ASKING: [(&str, BufferUsages); 3] = [
+pub(super) const ASKING: [(&str, BufferUsages); 3] = [
     ("asked", BufferUsages::STORAGE.union(BufferUsages::COPY_DST)),
     ("designs", BufferUsages::STORAGE.union(BufferUsages::COPY_DST)),
     ("told", BufferUsages::STORAGE.union(BufferUsages::COPY_SRC).union(BufferUsages::COPY_DST)),
 ];
 
-/// Designs that a workgroup of `answers` has.
+/// Designs that a workgroup of `answers` has, and bytes of the place of one.
 const TOGETHER: u32 = 64;
+pub(super) const DESIGN_BYTES: usize = size_of::<[u32; 4]>();
 
 impl JointKernel {
     pub fn new(making: Making) -> JointKernel {
         JointKernel {
             stages: HashMap::default(),
             answers: None,
+            draw: None,
             making,
             arenas: Arenas::default(),
             batches: VecDeque::new(),
@@ -131,20 +150,14 @@ impl JointKernel {
         batch: &JointBatch,
         works: Option<&KeptWorks>,
     ) -> Result<(), GpuError> {
-        for JointTables { space: (key, _), .. } in &batch.tables {
-            if !self.stages.contains_key(&key.terms) {
-                let plain = Variant::plain(Precision::F32, MOST_NODES as u32);
-                let stage = Stage::new(gpu, &JOINTS, &Variant { terms: key.terms, ..plain }, self.making)?;
-                self.stages.insert(key.terms, stage);
-            }
-        }
+        self.make_stages(gpu, &batch.tables)?;
         let mut found = Vec::new();
         match &batch.asked {
             Some(asked) => self.make_answers(gpu, &asked.question.text)?,
             None => found.reserve(batch.joints.iter().map(BatchedJoint::found).sum()),
         }
         let is_counted = batch.asked.is_some();
-        self.batches.push_back(Batch { flights: VecDeque::new(), found, is_counted, told: Vec::new() });
+        self.batches.push_back(Batch { found, is_counted, ..Batch::default() });
         let mut first = 0;
         while first < batch.joints.len() {
             self.land_all_but(gpu, IN_FLIGHT - 1)?;
@@ -155,17 +168,40 @@ impl JointKernel {
                         own.flights.push_back(flight);
                     }
                 }
-                Err(GpuError::OutOfMemory { .. }) if self.most_bytes > FEWEST_BYTES => {
-                    // What is in flight keeps its buffers until it has landed.
-                    self.land_all_but(gpu, 0)?;
-                    self.most_bytes /= 2;
-                    self.free.clear();
-                    self.arenas = Arenas::default();
+                Err(error) => {
+                    let is_memory = matches!(error, GpuError::OutOfMemory { .. });
+                    if !is_memory || !self.halve(gpu)? {
+                        return Err(error);
+                    }
                 }
-                Err(error) => return Err(error),
             }
         }
         Ok(())
+    }
+
+    /// The kernels of the spaces of some tables.
+    pub(super) fn make_stages(&mut self, gpu: &GpuDevice, tables: &[JointTables]) -> Result<(), GpuError> {
+        for JointTables { space: (key, _), .. } in tables {
+            if !self.stages.contains_key(&key.terms) {
+                let plain = Variant::plain(Precision::F32, MOST_NODES as u32);
+                let stage = Stage::new(gpu, &JOINTS, &Variant { terms: key.terms, ..plain }, self.making)?;
+                self.stages.insert(key.terms, stage);
+            }
+        }
+        Ok(())
+    }
+
+    /// What can be done where there was no memory for a flight: the next ones have half of it. What is in flight keeps its buffers until it
+    /// has landed. `false` where that is too little.
+    pub(super) fn halve(&mut self, gpu: &GpuDevice) -> Result<bool, GpuError> {
+        if self.most_bytes <= FEWEST_BYTES {
+            return Ok(false);
+        }
+        self.land_all_but(gpu, 0)?;
+        self.most_bytes /= 2;
+        self.free.clear();
+        self.arenas = Arenas::default();
+        Ok(true)
     }
 
     /// How often flights were halved for want of memory.
@@ -193,7 +229,7 @@ impl JointKernel {
     }
 
     /// The kernel that counts rows, with the functions of a question.
-    fn make_answers(&mut self, gpu: &GpuDevice, functions: &str) -> Result<(), GpuError> {
+    pub(super) fn make_answers(&mut self, gpu: &GpuDevice, functions: &str) -> Result<(), GpuError> {
         if self.answers.as_ref().is_none_or(|(known, _)| known != functions) {
             let variant = Variant::plain(Precision::F32, TOGETHER);
             let stage = Stage::with_functions(gpu, &ANSWERS, &variant, functions, self.making)?;
@@ -203,7 +239,7 @@ impl JointKernel {
     }
 
     /// Waits for the oldest flights, until so many are left.
-    fn land_all_but(&mut self, gpu: &GpuDevice, left: usize) -> Result<(), GpuError> {
+    pub(super) fn land_all_but(&mut self, gpu: &GpuDevice, left: usize) -> Result<(), GpuError> {
         let mut in_flight: usize = self.batches.iter().map(|batch| batch.flights.len()).sum();
         for index in 0..self.batches.len() {
             while in_flight > left && !self.batches[index].flights.is_empty() {
@@ -288,13 +324,13 @@ impl JointKernel {
     fn submit(
         &mut self,
         gpu: &GpuDevice,
-        Buffers { joints: buffers, answers }: &mut Buffers,
+        Buffers { joints: buffers, answers, .. }: &mut Buffers,
         load: &Load,
         (numbers, works): (&[f32], Option<&KeptWorks>),
         (asked, wanted): (Option<&[f32]>, &Wanted),
     ) -> Result<Reading, GpuError> {
         let Load { parameters, places, designs, found_bytes, .. } = load;
-        let pieces: usize = places.iter().map(|(_, places)| places.len().div_ceil(MOST_JOINTS)).sum();
+        let pieces: usize = places.iter().map(|(_, places)| pieces(places.len())).sum();
         let mut times =
             gpu.checked("joints", || PassTimes::of(gpu, pieces + usize::from(asked.is_some())))?;
         let staged = wanted.bytes() + times.bytes();
@@ -329,27 +365,19 @@ impl JointKernel {
             gpu.queue.write_buffer(of_parameters, 0, bytemuck::cast_slice(parameters));
             gpu.queue.write_buffer(of_joints, 0, bytemuck::cast_slice(numbers));
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let bound = Bound {
+                parameters: of_parameters,
+                tables,
+                places: of_places,
+                joints: of_joints,
+                works: of_works(),
+                near_fields,
+                found,
+            };
             let mut at = 0;
             for (terms, own) in places {
                 gpu.queue.write_buffer(of_places, at, bytemuck::cast_slice(own));
-                let stage = &stages[terms];
-                for (piece, joints) in own.chunks(MOST_JOINTS).enumerate() {
-                    let from = at + (piece * MOST_JOINTS * size_of::<Placed>()) as u64;
-                    let arguments = [
-                        Argument::whole("parameters", of_parameters),
-                        Argument::whole("tables", tables),
-                        Argument::part("places", of_places, from..from + size_of_val(joints) as u64),
-                        Argument::whole("joints", of_joints),
-                        of_works(),
-                        Argument::whole("near_fields", near_fields),
-                        Argument::whole("found", found),
-                    ];
-                    let mut pass = encoder.begin_compute_pass(&times.next());
-                    pass.set_pipeline(&stage.pipelines[0]);
-                    pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
-                    pass.dispatch_workgroups(stage.workgroups(joints.len() as u32), 1, 1);
-                    counts.dispatches += 1;
-                }
+                bound.solve(gpu, &stages[terms], (at, own.len()), (&mut encoder, &mut times), counts);
                 at += whole_parts(own);
             }
             let mut read = found;
@@ -357,37 +385,96 @@ impl JointKernel {
                 gpu.queue.write_buffer(of_asked, 0, bytemuck::cast_slice(asked));
                 gpu.queue.write_buffer(of_designs, 0, bytemuck::cast_slice(designs));
                 encoder.clear_buffer(told, 0, Some(size));
-                let arguments = [
-                    Argument::whole("found", found),
-                    Argument::whole("joints", of_joints),
-                    Argument::whole("asked", of_asked),
-                    // As many as there are: it tells the kernel how many that is.
-                    Argument::part("designs", of_designs, 0..size_of_val(&designs[..]) as u64),
-                    Argument::whole("told", told),
-                ];
-                let mut pass = encoder.begin_compute_pass(&times.next());
-                pass.set_pipeline(&stage.pipelines[0]);
-                pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
-                let workgroups = designs.len().div_ceil(TOGETHER as usize) as u32;
-                pass.dispatch_workgroups(stage.workgroups(workgroups), 1, 1);
-                counts.dispatches += 1;
+                let asking = Asking { asked: of_asked, designs: (of_designs, designs.len()), told };
+                bound.count(gpu, stage, &asking, (&mut encoder, &mut times), counts);
                 read = told;
             }
-            let mut at = 0;
-            let mut copy = |words: Range<usize>| {
-                encoder.copy_buffer_to_buffer(read, bytes(words.start), staging, at, bytes(words.len()));
-                at += bytes(words.len());
-            };
-            match wanted {
-                Wanted::Found(words) => copy(0..*words),
-                Wanted::Told(_, parts) => parts.iter().cloned().for_each(copy),
-            }
+            wanted.copy(read, staging, &mut encoder);
             times.resolve(&mut encoder, staging, wanted.bytes());
             let submission = gpu.queue.submit([encoder.finish()]);
             counts.submits += 1;
             gpu.reading(staging, staged, submission)
         })
     }
+}
+
+/// What the kernel of joints is given.
+pub(super) struct Bound<'a> {
+    pub parameters: &'a wgpu::Buffer,
+    pub tables: &'a wgpu::Buffer,
+    pub places: &'a wgpu::Buffer,
+    pub joints: &'a wgpu::Buffer,
+    pub works: Argument<'a>,
+    pub near_fields: &'a wgpu::Buffer,
+    pub found: &'a wgpu::Buffer,
+}
+
+/// What that which counts rows is given beside it, with how many designs there are.
+pub(super) struct Asking<'a> {
+    pub asked: &'a wgpu::Buffer,
+    pub designs: (&'a wgpu::Buffer, usize),
+    pub told: &'a wgpu::Buffer,
+}
+
+impl Bound<'_> {
+    /// So many joints whose places begin at a byte.
+    pub(super) fn solve(
+        &self,
+        gpu: &GpuDevice,
+        stage: &Stage,
+        (at, count): (u64, usize),
+        (encoder, times): (&mut wgpu::CommandEncoder, &mut PassTimes),
+        counts: &mut Counts,
+    ) {
+        for first in (0..count).step_by(MOST_JOINTS) {
+            let joints = MOST_JOINTS.min(count - first);
+            let from = at + (first * size_of::<Placed>()) as u64;
+            let places = from..from + (joints * size_of::<Placed>()) as u64;
+            let arguments = [
+                Argument::whole("parameters", self.parameters),
+                Argument::whole("tables", self.tables),
+                Argument::part("places", self.places, places),
+                Argument::whole("joints", self.joints),
+                self.works.clone(),
+                Argument::whole("near_fields", self.near_fields),
+                Argument::whole("found", self.found),
+            ];
+            let mut pass = encoder.begin_compute_pass(&times.next());
+            pass.set_pipeline(&stage.pipelines[0]);
+            pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
+            pass.dispatch_workgroups(stage.workgroups(joints as u32), 1, 1);
+            counts.dispatches += 1;
+        }
+    }
+
+    /// What their rows come to.
+    pub(super) fn count(
+        &self,
+        gpu: &GpuDevice,
+        stage: &Stage,
+        Asking { asked, designs: (designs, count), told }: &Asking,
+        (encoder, times): (&mut wgpu::CommandEncoder, &mut PassTimes),
+        counts: &mut Counts,
+    ) {
+        let arguments = [
+            Argument::whole("found", self.found),
+            Argument::whole("joints", self.joints),
+            Argument::whole("asked", asked),
+            // As many as there are: it tells the kernel how many that is.
+            Argument::part("designs", designs, 0..(count * DESIGN_BYTES) as u64),
+            Argument::whole("told", told),
+        ];
+        let mut pass = encoder.begin_compute_pass(&times.next());
+        pass.set_pipeline(&stage.pipelines[0]);
+        pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
+        pass.dispatch_workgroups(stage.workgroups(count.div_ceil(TOGETHER as usize) as u32), 1, 1);
+        counts.dispatches += 1;
+    }
+}
+
+/// Dispatches of so many joints.
+pub(super) fn pieces(joints: usize) -> usize {
+    joints.div_ceil(MOST_JOINTS)
 }
 
 fn words_of(bytes: &[u8]) -> Vec<u32> {

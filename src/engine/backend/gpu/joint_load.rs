@@ -15,7 +15,7 @@ use crate::engine::backend::joints::{
 use crate::engine::question::counted::MOST_ROWS;
 
 /// A joint as the kernel has it: where its parameters are, its numbers and what is found of it begin, and how many loads it has; where the
-/// works of pin and plate begin, or `ELSEWHERE` or `MISSING`, and the near fields of either.
+/// works of pin and plate begin, or `ELSEWHERE` or `MISSING`; its trial pressures, and the near fields of either body.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Placed {
@@ -24,7 +24,8 @@ pub struct Placed {
     pub found_at: u32,
     pub load_count: u32,
     pub works_at: [u32; 2],
-    pub padding: [u32; 2],
+    pub terms: u32,
+    pub padding: u32,
     pub near_fields_at: [[u32; 2]; 2],
 }
 
@@ -112,7 +113,8 @@ impl Arenas {
                 load_count: joint.load_count,
                 // Without near fields works are no good.
                 works_at: if near_fields.is_some() { works_at } else { [MISSING; 2] },
-                padding: [0; 2],
+                terms: terms as u32,
+                padding: 0,
                 near_fields_at,
             };
             if batch.asked.is_some() {

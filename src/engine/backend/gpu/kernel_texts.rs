@@ -4,11 +4,15 @@ use super::batch::{OnChip, works_tile};
 use super::front::{AMPLIFIED, Front, ROUGHEST, WORKS_HEADER};
 use super::system_layout::{SLICE, SystemOutcome};
 use crate::engine::accuracy::LEAST;
-use crate::engine::accuracy::fit_bound::KINDS;
-use crate::engine::accuracy::geometry_error::{LARGE_DISPLACEMENT, OF_SINE, OF_STRAIN};
+use crate::engine::accuracy::fit_bound::{KINDS, NEAR_END, THIN_END};
+use crate::engine::accuracy::geometry_error::{
+    LARGE_DISPLACEMENT, OF_CUBE, OF_HELD, OF_SHEAR, OF_SINE, OF_STRAIN, STIFFEST, WALL,
+};
+use crate::engine::accuracy::known_errors::DEPTHS;
+use crate::engine::backend::drawn::{DrawnShape, FIT_WORDS, LoadKind, MOST_KINDS, NOWHERE, SIDE_WORDS};
 use crate::engine::backend::joints::{
-    ELSEWHERE, ENDED, JOINT_NUMBERS, MISSING, MOST_NODES, MOST_PRODUCTS, MOST_ROWS, NEAR_NODES,
-    STATE_NUMBERS, TERMS,
+    ELSEWHERE, ENDED, JOINT_NUMBERS, MISSING, MOST_COORDINATES, MOST_NODES, MOST_PRODUCTS, MOST_ROWS,
+    NEAR_NODES, STATE_NUMBERS, TERMS,
 };
 use crate::engine::backend::precision::Precision;
 use crate::engine::question::counted::{
@@ -16,13 +20,21 @@ use crate::engine::question::counted::{
 };
 use crate::engine::question::tables::{BOUND_NUMBERS, DESIGN_NUMBERS, Field, SCENE_NUMBERS};
 use crate::engine::question::{CALCULATED, FOUND, NOISE, OF_ERRORS, ROUNDED, TRUSTED};
+use crate::engine::spaces::{DEEP, THIN, WIDE_COSINE, WIDE_TANGENT};
+use crate::mechanics::body::DEEPEST_MESHED;
 use crate::mechanics::compliance::ring_modes::MOST_MODES;
+use crate::mechanics::contact::compliance_rows;
 use crate::mechanics::contact::curve_error::ROUGH;
 use crate::mechanics::contact::edge::{SLOWEST, TENSION};
 use crate::mechanics::contact::reduced::{DECISIVE, FUNCTIONS, OF_LOAD};
 use crate::mechanics::contact::search::MOST_OF_POLYNOMIALS;
 use crate::mechanics::layers::{MOST_STEPS, SHRINK, STEEPEST, TOLERANCE};
 use crate::mechanics::lines::{CROWDING, LEEWAY, THICK_WALL};
+use crate::study::draw_tables::{
+    ENTRY_WORDS, Kind as ValuesKind, POISSONS_RATIO, SUPPORT, Slot, YOUNGS_MODULUS,
+};
+use crate::study::sampling::{SOBOL_BITS, Source};
+use crate::study::values::ROOTS;
 
 /// How a kernel uses what it is bound to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -224,6 +236,73 @@ pub const JOINTS: KernelFile = KernelFile {
         ("NARROWEST", Constant::Single(NARROWEST)),
         ("SLOWEST", Constant::Single(SLOWEST)),
         ("TENSION", Constant::Single(TENSION)),
+    ],
+    summand: None,
+};
+
+/// From numbers of designs to what the two others are given of them; each question adds its own functions.
+pub const DRAW: KernelFile = KernelFile {
+    name: "draw",
+    text: include_str!("../../../../shaders/draw.wgsl"),
+    entry_points: &["draw"],
+    bindings: &[
+        ("settings", Uniform),
+        ("words", Read),
+        ("numbers", Read),
+        ("joints", Written),
+        ("places", Written),
+        ("designs", Written),
+    ],
+    constants: &[
+        ("SLOT_COUNT", Constant::Count(Slot::Count as usize)),
+        ("HOLE_RADIUS", Constant::Count(Slot::HoleRadius as usize)),
+        ("RADIAL_CLEARANCE", Constant::Count(Slot::RadialClearance as usize)),
+        ("THICKNESS", Constant::Count(Slot::Thickness as usize)),
+        ("IDEALIZATION", Constant::Count(Slot::Idealization as usize)),
+        ("PIN", Constant::Count(Slot::Pin as usize)),
+        ("PLATE", Constant::Count(Slot::Plate as usize)),
+        ("SUPPORT", Constant::Count(SUPPORT)),
+        ("YOUNGS_MODULUS", Constant::Count(YOUNGS_MODULUS)),
+        ("POISSONS_RATIO", Constant::Count(POISSONS_RATIO)),
+        ("ENTRY_WORDS", Constant::Count(ENTRY_WORDS)),
+        ("GRID", Constant::Count(Source::Grid as usize)),
+        ("ZIP", Constant::Count(Source::Zip as usize)),
+        ("SLICES", Constant::Count(Source::Slices as usize)),
+        ("SOBOL", Constant::Count(Source::Sobol as usize)),
+        ("SOBOL_BITS", Constant::Count(SOBOL_BITS as usize)),
+        ("LIST", Constant::Count(ValuesKind::List as usize)),
+        ("LOGARITHMIC", Constant::Count(ValuesKind::Logarithmic as usize)),
+        ("ROOTS", Constant::Count(ROOTS)),
+        ("SIDE_WORDS", Constant::Count(SIDE_WORDS)),
+        ("FIT_WORDS", Constant::Count(FIT_WORDS)),
+        ("MOST_KINDS", Constant::Count(MOST_KINDS)),
+        ("CONCENTRIC", Constant::Count(DrawnShape::Concentric as usize)),
+        ("BLOCK", Constant::Count(DrawnShape::Block as usize)),
+        ("OFFSET", Constant::Count(LoadKind::Offset as usize)),
+        ("FORCE", Constant::Count(LoadKind::Force as usize)),
+        ("NOWHERE", Constant::Count(NOWHERE as usize)),
+        ("ELSEWHERE", Constant::Count(ELSEWHERE as usize)),
+        ("JOINT_NUMBERS", Constant::Count(JOINT_NUMBERS)),
+        ("BODY_NUMBERS", Constant::Count(MOST_COORDINATES + 3)),
+        ("MOST_COORDINATES", Constant::Count(MOST_COORDINATES)),
+        ("SCENE_NUMBERS", Constant::Count(SCENE_NUMBERS)),
+        ("BODY_BOUND_NUMBERS", Constant::Count(BOUND_NUMBERS)),
+        ("COLUMNS", Constant::Count(BOUND_NUMBERS - 2)),
+        ("DEPTH_COUNT", Constant::Count(DEPTHS.len())),
+        ("THIN", Constant::Wide(THIN)),
+        ("THIN_END", Constant::Wide(THIN_END)),
+        ("DEEP", Constant::Wide(DEEP)),
+        ("DEEPEST_MESHED", Constant::Wide(DEEPEST_MESHED)),
+        ("NEAR_END", Constant::Wide(NEAR_END)),
+        ("NARROW", Constant::Wide(compliance_rows::NARROW)),
+        ("PI", Constant::Wide(std::f64::consts::PI)),
+        ("OF_CUBE", Constant::Wide(OF_CUBE)),
+        ("OF_SHEAR", Constant::Wide(OF_SHEAR)),
+        ("OF_HELD", Constant::Wide(OF_HELD)),
+        ("WALL", Constant::Wide(WALL)),
+        ("STIFFEST", Constant::Wide(STIFFEST)),
+        ("WIDE_COSINE", Constant::Wide(WIDE_COSINE)),
+        ("WIDE_TANGENT", Constant::Wide(WIDE_TANGENT)),
     ],
     summand: None,
 };

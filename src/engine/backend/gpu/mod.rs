@@ -20,5 +20,6 @@ pub mod joint_tables;
 pub mod near_field_tables;
 pub mod joint_load;
 pub mod joint_kernel;
+pub mod drawn_joints;
 pub mod solver;
 pub mod calibration;

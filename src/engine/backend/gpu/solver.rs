@@ -19,6 +19,7 @@ use super::stages::SystemBatch;
 use super::works::{BodyWorks, ModeLoads};
 use crate::engine::accuracy::single_precision::OF_SINGLES;
 use crate::engine::backend::device_solver::DeviceSolver;
+use crate::engine::backend::drawn::DrawnDesigns;
 use crate::engine::backend::joints::{JointBatch, MISSING, SolvedJoints};
 use crate::engine::backend::{Counts, Device, Works};
 use crate::engine::body_request::{Group, TopologyKey};
@@ -198,6 +199,13 @@ impl Device for GpuCondenser<'_> {
         let begun = self.joints.begin_with(self.kernels.gpu, batch, Some(&kept));
         self.report.contact += started.elapsed();
         begun.map(|()| true)
+    }
+
+    fn begin_drawn(&mut self, drawn: &DrawnDesigns) -> Result<bool, GpuError> {
+        let started = Instant::now();
+        let begun = self.joints.begin_drawn(self.kernels.gpu, drawn);
+        self.report.contact += started.elapsed();
+        begun
     }
 
     fn finish_joints(&mut self) -> Result<Vec<f32>, GpuError> {
