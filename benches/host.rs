@@ -1,5 +1,5 @@
 //! What processors do around a GPU, in time of all threads a design: sweeps of designs that are all different, finite elements at 1 % and, the
-//! last one, at 0.1 %, with kernels that do nothing; the fifth asks for answers alone. `condense`: from the bodies of a batch to their works or to the states of their joints, or from interpolated joints to these; `rest`: plans, keys, near fields, contact, what is judged. `cargo bench --bench host [-- DESIGNS [REPEATS [LINE]]]`, of one line where its number is given. Any Vulkan device will do, software too; no table is written.
+//! sixth one, at 0.1 %, with kernels that do nothing; the fifth and the last ask for answers alone, the last of designs that the device draws. `condense`: from the bodies of a batch to their works or to the states of their joints, or from interpolated joints to these; `rest`: plans, keys, near fields, contact, what is judged. `cargo bench --bench host [-- DESIGNS [REPEATS [LINE]]]`, of one line where its number is given. Any Vulkan device will do, software too; no table is written.
 //! The first of some repeats lays out the topologies that the others find on the device.
 
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters};

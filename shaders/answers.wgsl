@@ -40,9 +40,12 @@ struct Row {
     linearity_error: vec2<f32>,
 }
 
-// Of one quantity in this workgroup, [sign and exponent][part]: the numbers, then 12 binary digits at a time of sums of mantissas, and of
-// the three products that squares of mantissas are made of.
-var<workgroup> sums: array<atomic<u32>, SUM_WORDS>;
+// Quantities that are summed abreast: each row is made once for all of them. No more have room in a workgroup's memory.
+const ABREAST = 3u;
+
+// Of quantities in this workgroup, [quantity][sign and exponent][part]: the numbers, then 12 binary digits at a time of sums of mantissas, and
+// of the three products that squares of mantissas are made of.
+var<workgroup> sums: array<atomic<u32>, ABREAST * SUM_WORDS>;
 
 // What is counted of all rows of this workgroup: one atomic operation for 64 designs where all workgroups meet.
 var<workgroup> totals: array<atomic<u32>, OF_ALL>;
@@ -404,34 +407,40 @@ fn verdict_of(design: vec4<u32>) -> u32 {
     return verdict;
 }
 
-// What asks for no quantity alone.
-fn count_rows(design: vec4<u32>) {
-    var kept = 0u;
-    var large = 0u;
-    var greatest = vec4<f32>(0.0);
-    var least_force = 3e38;
-    for (var load = 0u; load < design.z; load += 1u) {
-        let row = row_of(design, load);
-        large += select(0u, 1u, row.is_large);
-        greatest = max(greatest, vec4<f32>(row.force_error.x, row.linearity_error.x, row.force.x, 0.0));
-        least_force = min(least_force, row.force.x);
-        if condition(row).x == 1.0 {
-            kept += 1u;
-            for (var histogram = 0u; histogram < whole(HISTOGRAM_COUNT); histogram += 1u) {
-                let histogram_at = whole(HISTOGRAMS_AT) + 4u * histogram;
-                let bin = bin_of(histogram_at, quantity(whole(histogram_at), row));
-                atomicAdd(&told[whole(histogram_at + 3u) + bin], 1u);
-            }
-        }
-    }
+// What is asked of all rows of a design together.
+struct Totals {
+    kept: u32,
+    large: u32,
+    // Of the estimates of errors, then of forces.
+    greatest: vec3<f32>,
+    least_force: f32,
+}
+
+fn add_row(row: Row, is_kept: bool, totals: ptr<function, Totals>) {
+    (*totals).kept += select(0u, 1u, is_kept);
+    (*totals).large += select(0u, 1u, row.is_large);
+    let own = vec3<f32>(row.force_error.x, row.linearity_error.x, row.force.x);
+    (*totals).greatest = max((*totals).greatest, own);
+    (*totals).least_force = min((*totals).least_force, row.force.x);
+}
+
+fn count_totals(rows: u32, own: Totals) {
     atomicAdd(&totals[COUNTED_DESIGNS], 1u);
-    atomicAdd(&totals[COUNTED_ROWS], design.z);
-    atomicAdd(&totals[KEPT_ROWS], kept);
-    atomicAdd(&totals[LARGE_ROWS], large);
-    atomicMax(&totals[GREATEST_ERROR], bitcast<u32>(greatest.x));
-    atomicMax(&totals[GREATEST_LINEARITY], bitcast<u32>(greatest.y));
-    atomicMax(&totals[GREATEST_FORCE], bitcast<u32>(greatest.z));
-    atomicMax(&totals[LEAST_FORCE], INFINITE_BITS - bitcast<u32>(least_force));
+    atomicAdd(&totals[COUNTED_ROWS], rows);
+    atomicAdd(&totals[KEPT_ROWS], own.kept);
+    atomicAdd(&totals[LARGE_ROWS], own.large);
+    atomicMax(&totals[GREATEST_ERROR], bitcast<u32>(own.greatest.x));
+    atomicMax(&totals[GREATEST_LINEARITY], bitcast<u32>(own.greatest.y));
+    atomicMax(&totals[GREATEST_FORCE], bitcast<u32>(own.greatest.z));
+    atomicMax(&totals[LEAST_FORCE], INFINITE_BITS - bitcast<u32>(own.least_force));
+}
+
+fn count_bins(row: Row) {
+    for (var histogram = 0u; histogram < whole(HISTOGRAM_COUNT); histogram += 1u) {
+        let histogram_at = whole(HISTOGRAMS_AT) + 4u * histogram;
+        let bin = bin_of(histogram_at, quantity(whole(histogram_at), row));
+        atomicAdd(&told[whole(histogram_at + 3u) + bin], 1u);
+    }
 }
 
 fn add_halves(at: u32, number: u32) {
@@ -439,14 +448,14 @@ fn add_halves(at: u32, number: u32) {
     atomicAdd(&sums[at + 1u], number >> 12u);
 }
 
-// Adds a number to the sums of its workgroup, and to a sketch.
-fn count_value(value: f32, sketch_at: u32) {
+// Adds a number to sums of its workgroup, and to a sketch.
+fn count_value(value: f32, own_sums: u32, sketch_at: u32) {
     let exponent = exponent_of(value);
     let mantissa = (bitcast<u32>(value) & 0x7fffffu) | 0x800000u;
     if sketch_at > 0u {
         atomicAdd(&told[sketch_at + exponent * LEADING + ((mantissa >> 13u) & (LEADING - 1u))], 1u);
     }
-    let at = exponent * PARTS;
+    let at = own_sums + exponent * PARTS;
     atomicAdd(&sums[at], 1u);
     add_halves(at + 1u, mantissa);
     let high = mantissa >> 12u;
@@ -454,6 +463,33 @@ fn count_value(value: f32, sketch_at: u32) {
     add_halves(at + 3u, high * high);
     add_halves(at + 5u, high * low);
     add_halves(at + 7u, low * low);
+}
+
+// Some quantities of the rows of a design; with the first ones what asks for none of them alone.
+fn count_rows(design: vec4<u32>, first: u32, end: u32) {
+    var own = Totals(0u, 0u, vec3<f32>(0.0), 3e38);
+    for (var load = 0u; load < design.z; load += 1u) {
+        let row = row_of(design, load);
+        let is_kept = condition(row).x == 1.0;
+        if first == 0u {
+            add_row(row, is_kept, &own);
+        }
+        if !is_kept {
+            continue;
+        }
+        if first == 0u {
+            count_bins(row);
+        }
+        for (var number = first; number < end; number += 1u) {
+            let quantity_at = whole(QUANTITIES_AT) + 2u * number;
+            if whole(quantity_at + 1u) > 0u {
+                count_value(quantity(number, row).x, (number - first) * SUM_WORDS, whole(quantity_at));
+            }
+        }
+    }
+    if first == 0u {
+        count_totals(design.z, own);
+    }
 }
 
 @compute @workgroup_size(INVOCATIONS)
@@ -474,10 +510,28 @@ fn answer(
         atomicStore(&told[whole(VERDICTS_AT) + place.x], verdict);
         is_counted = verdict != OPEN;
     }
-    if is_counted {
-        count_rows(design);
+    let quantity_count = whole(QUANTITY_COUNT);
+    // Once where none is summed.
+    for (var first = 0u; first == 0u || first < quantity_count; first += ABREAST) {
+        for (var word = invocation; word < ABREAST * SUM_WORDS; word += INVOCATIONS) {
+            atomicStore(&sums[word], 0u);
+        }
+        workgroupBarrier();
+        if is_counted {
+            count_rows(design, first, min(quantity_count, first + ABREAST));
+        }
+        workgroupBarrier();
+        for (var number = first; number < min(quantity_count, first + ABREAST); number += 1u) {
+            let sums_at = whole(whole(QUANTITIES_AT) + 2u * number + 1u);
+            for (var word = invocation; sums_at > 0u && word < SUM_WORDS; word += INVOCATIONS) {
+                let own = atomicLoad(&sums[(number - first) * SUM_WORDS + word]);
+                if own > 0u {
+                    atomicAdd(&told[sums_at + word], own);
+                }
+            }
+        }
+        workgroupBarrier();
     }
-    workgroupBarrier();
     if invocation < OF_ALL {
         let own = atomicLoad(&totals[invocation]);
         if invocation <= LARGE_ROWS {
@@ -485,34 +539,5 @@ fn answer(
         } else {
             atomicMax(&told[invocation], own);
         }
-    }
-    let quantity_count = whole(QUANTITY_COUNT);
-    for (var number = 0u; number < quantity_count; number += 1u) {
-        let quantity_at = whole(QUANTITIES_AT) + 2u * number;
-        let sketch_at = whole(quantity_at);
-        let sums_at = whole(quantity_at + 1u);
-        if sums_at == 0u {
-            continue;
-        }
-        for (var word = invocation; word < SUM_WORDS; word += INVOCATIONS) {
-            atomicStore(&sums[word], 0u);
-        }
-        workgroupBarrier();
-        if is_counted {
-            for (var load = 0u; load < design.z; load += 1u) {
-                let row = row_of(design, load);
-                if condition(row).x == 1.0 {
-                    count_value(quantity(number, row).x, sketch_at);
-                }
-            }
-        }
-        workgroupBarrier();
-        for (var word = invocation; word < SUM_WORDS; word += INVOCATIONS) {
-            let own = atomicLoad(&sums[word]);
-            if own > 0u {
-                atomicAdd(&told[sums_at + word], own);
-            }
-        }
-        workgroupBarrier();
     }
 }
