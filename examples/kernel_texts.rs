@@ -8,9 +8,13 @@ use std::path::PathBuf;
 
 use jointsweep::internals::engine::backend::gpu::batch::OnChip;
 use jointsweep::internals::engine::backend::gpu::front::Front;
-use jointsweep::internals::engine::backend::gpu::kernel_texts::{JOINTS, KERNEL_FILES, Sums, Variant};
+use jointsweep::internals::engine::backend::gpu::kernel_texts::{
+    ANSWERS, JOINTS, KERNEL_FILES, Sums, Variant,
+};
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::joints::{MOST_NODES, TERMS};
+use jointsweep::internals::engine::question::Question;
+use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
 
 fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(std::env::args_os().nth(1).expect("a folder to write to"));
@@ -29,5 +33,8 @@ fn main() -> std::io::Result<()> {
         let variant = Variant { terms, ..Variant::plain(Precision::F32, MOST_NODES as u32) };
         std::fs::write(folder.join(format!("joints-{terms}.wgsl")), JOINTS.variant(&variant))?;
     }
-    Ok(())
+    let sweep = SWEEPS[0].answers(1000).expect("it is sound");
+    let question = Question::of(&sweep).expect("a device knows what is asked");
+    let answers = ANSWERS.variant(&Variant::plain(Precision::F32, 64)) + &question.text;
+    std::fs::write(folder.join("answers.wgsl"), answers)
 }

@@ -253,6 +253,21 @@ fn numbers_of_drawn_designs_are_the_processors() {
     }
 }
 
+/// Where what is calculated of inputs is compared with an equal number, a rounding would decide: such designs are left to the processor.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn comparisons_that_a_rounding_would_decide_are_left_open() {
+    let text =
+        study(GRID, "force = '5 kN'", "method = 'grid'", "1 %").source_text().replace("60 mm^2", "25 mm^2");
+    let study = Study::from_text(Path::new("drawn.toml"), text).unwrap();
+    // Holes of 5 mm come first, the thickness is 5 mm everywhere.
+    let of_first = study.cases().unwrap().take_while(|case| case.as_ref().unwrap().joint.hole_radius == 5.0);
+    let of_first = of_first.count() as u64;
+    assert!(of_first > 500);
+    let (both, apart, _) = compare(&study, of_first - 500..of_first + 500);
+    assert_eq!((both, apart), (500, 500));
+}
+
 /// The answers of designs that are drawn on the device are the processor's, however a run is cut.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]

@@ -77,6 +77,11 @@ fn mistakes_are_told_with_their_place() {
         ("peak_pressure < 400", "400", "the unit is missing: a stress (MPa) is meant, like `400 MPa`"),
         ("0 < tangent_stiffness", "0", "the unit is missing: a stiffness (N/mm) is meant, like `0 N/mm`"),
         ("force * force > 4", "4", "the unit is missing: a value in N^2 is meant, like `4 N^2`"),
+        ("hole_radius * thickness > 30", "30", "the unit is missing: a value in mm^2 is meant, like `30 mm^2`"),
+        ("force^2 / thickness > 2", "2", "the unit is missing: a value in N^2/mm is meant, like `2 N^2 / (1 mm)`"),
+        ("2 mm^thickness > 1", "^", "the power of a unit is a number, like `mm^2`; put the value in brackets"),
+        ("2 N/mm^(2) > 1 MPa", "^", "the power of a unit is a number, like `mm^2`"),
+        ("2 mm^1000 > 1", "^", "the power of a unit is a number"),
         ("force_error < hole_radius", "force_error < hole_radius", "a number without a unit and a length (mm)"),
         ("max(force, energy) > 1 N", "force, energy", "a force (N) and an energy (mJ) cannot be compared"),
         ("exp(force)", "force", "exp is of a number without a unit, this is a force (N); divide it by a value, like `/ (1 N)`"),
@@ -197,6 +202,13 @@ fn units_go_through_the_calculation() {
         ("2 kN/m", "tangent_stiffness", 2.0),
         ("1 lbf/in", "tangent_stiffness", 0.175126835246476),
         ("2 kN / (1 cm)", "tangent_stiffness", 200.0),
+        // Powers are those of units, not of the value before them.
+        ("4 N/mm^2", "peak_pressure", 4.0),
+        ("3 kN/cm ^ 2", "peak_pressure", 30.0),
+        ("5 N * 2 cm^2 / 1 mm^2", "force", 1000.0),
+        ("2 cm^2 * 3 N * 1 cm^-1", "energy", 60.0),
+        ("(2 mm)^2 / (1 mm)", "hole_radius", 4.0),
+        ("2 mm^2^0.5", "hole_radius", std::f64::consts::SQRT_2),
         ("3 J", "energy", 3e3),
         ("3 N * 2 m", "energy", 6e3),
         ("1 rad", "contact_half_angle", 57.29577951308232),
@@ -206,6 +218,19 @@ fn units_go_through_the_calculation() {
     ] {
         let found = Expression::value(text, unit(column)).unwrap();
         assert!((found - value).abs() <= 1e-13 * value, "{text}: {found}");
+    }
+    // What is proposed where a unit is missing is what was meant.
+    for (quantity, value) in [
+        ("force^2", 7.0),
+        ("hole_radius * thickness", 0.5),
+        ("force^2 / thickness * 3", 30.0),
+        ("1 / energy^2", 2.0),
+    ] {
+        let said = Expression::condition(&format!("{quantity} > {value}")).unwrap_err();
+        let (_, example) = said.split_once("like `").unwrap();
+        let example = example.split_once('`').unwrap().0;
+        let unit = Expression::quantity(quantity).unwrap().unit();
+        assert_eq!(Expression::value(example, unit).unwrap(), value, "{example}");
     }
     for (text, column, problem) in [
         ("3", "force", "the unit is missing: a force (N) is meant, like `3 N`"),

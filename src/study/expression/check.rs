@@ -83,7 +83,7 @@ fn same_unit(a: &Part, b: &Part, done: &str) -> Result<Unit, Complaint> {
     };
     if let Some((value, unit, part)) = bare {
         let problem =
-            format!("the unit is missing: {} is meant, like `{value} {}`", unit.said(), unit.text());
+            format!("the unit is missing: {} is meant, like `{}`", unit.said(), unit.example(value));
         return Err(Complaint::new(part.place.clone(), problem));
     }
     Err(Complaint::new(around(a, b), format!("{} and {} cannot be {done}", unit_a.said(), unit_b.said())))

@@ -168,6 +168,41 @@ fn unit_name<'a>(input: &mut Input<'a>) -> Result<&'a str, EmptyError> {
     alt(("%".take(), (letters(), "/", letters()).take())).parse_next(input)
 }
 
+/// A unit by its name, with its power if one follows, and what one of it is in the unit of the tables; `None` where there is no such unit. The power is that of the last name
+/// alone: `2 mm^2` is two square millimetres, `N/mm^2` a stress.
+fn powered(input: &mut Input, name: &str) -> Result<Option<(Unit, f64)>, Complaint> {
+    let known = |name: &str| units::find(name).map(|(dimension, factor)| (Unit::of(dimension), factor));
+    let over = |(above, below): ((Unit, f64), (Unit, f64))| (above.0.over(below.0), above.1 / below.1);
+    let parts = name.split_once('/').and_then(|(above, below)| known(above).zip(known(below)));
+    let Some(whole) = known(name).or(parts.map(over)) else { return Ok(None) };
+    let before = *input;
+    blanks(input);
+    let start = input.current_token_start();
+    let is_powered: Result<Option<&str>, EmptyError> = opt("^").parse_next(input);
+    if !is_powered.is_ok_and(|sign| sign.is_some()) {
+        *input = before;
+        return Ok(Some(whole));
+    }
+    blanks(input);
+    let power = take(input, signed_number).and_then(|digits| digits.parse::<f64>().ok());
+    let Some(power) = power.filter(|power| power.abs() <= LARGEST_POWER) else {
+        let last = name.rsplit('/').next().unwrap_or(name);
+        let problem = format!(
+            "the power of a unit is a number, like `{last}^2`; put the value in brackets to raise it, too: `(2 {name}) ^ ...`"
+        );
+        return Err(Complaint::new(start..start + 1, problem));
+    };
+    let raised = |(unit, factor): (Unit, f64)| (unit.to_the(power), factor.powf(power));
+    Ok(Some(parts.map_or_else(|| raised(whole), |(above, below)| over((above, raised(below))))))
+}
+
+/// Of units: beyond it they are nobody's.
+const LARGEST_POWER: f64 = 100.0;
+
+fn signed_number<'a>(input: &mut Input<'a>) -> Result<&'a str, EmptyError> {
+    (opt('-'), number).take().parse_next(input)
+}
+
 /// The number behind which `input` stands, with the unit that may follow.
 fn quantity(input: &mut Input, digits: &str, start: usize) -> Result<(f64, Unit), Complaint> {
     let place = start..start + digits.len();
@@ -179,22 +214,22 @@ fn quantity(input: &mut Input, digits: &str, start: usize) -> Result<(f64, Unit)
     let before = *input;
     blanks(input);
     let unit_start = input.current_token_start();
-    let with_unit = |(dimension, factor): (units::Dimension, f64)| {
+    let with_unit = |(unit, factor): (Unit, f64)| {
         let value = units::in_table_units(value, factor);
-        if value.is_finite() { Ok((value, Unit::of(dimension))) } else { too_large(place.clone()) }
+        if value.is_finite() { Ok((value, unit)) } else { too_large(place.clone()) }
     };
     // `N/mm` first: `2 N/thickness` is a force over a column.
     let behind = *input;
     match take(input, unit_name) {
         Some("%") => return Ok((units::tidy(value / 100.0), Unit::NONE)),
-        Some(unit) => match units::find(unit) {
+        Some(unit) => match powered(input, unit)? {
             Some(found) => return with_unit(found),
             None => *input = behind,
         },
         None => {}
     }
     match take(input, name) {
-        Some(word) if !KEYWORDS.contains(&word) => match units::find(word) {
+        Some(word) if !KEYWORDS.contains(&word) => match powered(input, word)? {
             Some(found) => with_unit(found),
             None => {
                 let problem =

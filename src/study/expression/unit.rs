@@ -44,8 +44,35 @@ impl Unit {
         Unit(self.0.map(|own| own * power))
     }
 
+    /// What it is a product of, and what it is over.
+    fn parts(self) -> [Vec<String>; 2] {
+        [1.0, -1.0].map(|sign| {
+            let powers = self.0.map(|power| power * sign);
+            let named = powers.into_iter().zip(["N", "mm", "deg"]).filter(|(power, _)| *power > SAME);
+            let written = named.map(|(power, name)| match (power - 1.0).abs() < SAME {
+                true => name.to_string(),
+                false => format!("{name}^{}", (power * 1e6).round() / 1e6),
+            });
+            written.collect()
+        })
+    }
+
     fn dimension(self) -> Option<Dimension> {
         Dimension::ALL.into_iter().find(|dimension| Unit::of(*dimension) == self)
+    }
+
+    /// A value of it as an expression has it: `3 MPa`, `3 N^2 / (1 mm)`.
+    pub fn example(self, value: f64) -> String {
+        if let Some(dimension) = self.dimension() {
+            return format!("{value} {}", dimension.unit());
+        }
+        let [above, below] = self.parts();
+        let mut above = above.into_iter();
+        let first = above.next().map_or(value.to_string(), |first| format!("{value} {first}"));
+        let others = above.map(|other| format!(" * (1 {other})"));
+        others
+            .chain(below.into_iter().map(|other| format!(" / (1 {other})")))
+            .fold(first, |text, more| text + &more)
     }
 
     /// As in the heads of tables: "MPa", "N^2/mm"; "-" for none.
@@ -56,16 +83,7 @@ impl Unit {
         if let Some(dimension) = self.dimension() {
             return dimension.unit().to_string();
         }
-        let part = |sign: f64| {
-            let powers = self.0.map(|power| power * sign);
-            let named = powers.into_iter().zip(["N", "mm", "deg"]).filter(|(power, _)| *power > SAME);
-            let written = named.map(|(power, name)| match (power - 1.0).abs() < SAME {
-                true => name.to_string(),
-                false => format!("{name}^{}", (power * 1e6).round() / 1e6),
-            });
-            written.collect::<Vec<_>>()
-        };
-        let (above, below) = (part(1.0), part(-1.0));
+        let [above, below] = self.parts();
         let above = if above.is_empty() { "1".to_string() } else { above.join(" ") };
         match below.as_slice() {
             [] => above,
