@@ -8,6 +8,9 @@ mod common {
     pub mod draws;
 }
 
+use std::ops::Range;
+use std::path::Path;
+
 use common::draws;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::device_solver::DeviceSolver;
@@ -19,14 +22,20 @@ use jointsweep::internals::engine::backend::gpu::front_topology::{FrontTopology,
 use jointsweep::internals::engine::backend::gpu::joint_kernel::JointKernel;
 use jointsweep::internals::engine::backend::gpu::kernels::{Kernels, Making, Precision};
 use jointsweep::internals::engine::backend::gpu::layout::MeshLayout;
-use jointsweep::internals::engine::backend::joints::{ENDED, STATE_NUMBERS};
+use jointsweep::internals::engine::backend::joints::{ENDED, STATE_NUMBERS, SolvedJoints};
 use jointsweep::internals::engine::body_request::mesh_class;
+use jointsweep::internals::engine::interpolation::drawn_on_device::Drawing;
+use jointsweep::internals::engine::interpolation::fit_plan::InterpolationPlan;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::BackendKind;
+use jointsweep::internals::engine::question::Asker;
+use jointsweep::internals::engine::question::counted::Counted;
+use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
 use jointsweep::internals::mechanics::body::{Body, annulus};
 use jointsweep::internals::mechanics::compliance::ring_modes::RingModes;
 use jointsweep::internals::mechanics::material::Idealization;
-use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
+use jointsweep::internals::output::sinks::Sinks;
+use jointsweep::internals::study::config::{MethodChoice, SolveOptions, Study};
 use rlimit::Resource;
 
 /// Software Vulkan takes its memory from the process, which may have no more than it has and some.
@@ -36,6 +45,7 @@ fn a_device_without_memory_loses_no_design() {
     let gpu = Adapters::enumerate().open(AdapterChoice::Named("llvmpipe")).unwrap();
     elimination_goes_on_with_smaller_buffers(&gpu);
     joints_go_on_in_smaller_flights(&gpu);
+    drawn_designs_go_on_in_smaller_flights(&gpu);
     iteration_is_left_to_the_processor(&gpu);
 }
 
@@ -119,6 +129,54 @@ fn joints_go_on_in_smaller_flights(gpu: &GpuDevice) {
     assert_eq!(found.each_ref().map(Vec::len), [10, MANY_JOINTS].map(|count| count * expected.len()));
     assert!(found.iter().flat_map(|found| found.chunks(expected.len())).all(|own| own == expected));
 }
+
+/// Designs that the device draws come in smaller flights, too, and are counted as those of small batches are.
+fn drawn_designs_go_on_in_smaller_flights(gpu: &GpuDevice) {
+    // Many loads take more room than time.
+    let text = SWEEPS[0]
+        .answers(1_000_000)
+        .unwrap()
+        .source_text()
+        .replace("count = 10, spacing", "count = 100, spacing");
+    let study = Study::from_text(Path::new("drawn.toml"), text).unwrap();
+    assert_eq!(study.steps_per_design(), 100);
+    let sinks = Sinks::of(&study);
+    let asking = sinks.asking().unwrap();
+    let drawing = Drawing::of(&study, asking.question()).unwrap();
+    let choice = GpuChoice { joints: SolvedJoints::Interpolated, ..GpuChoice::new(gpu, Precision::F32) };
+    let ladder = || {
+        let ladder = Ladder::new(study.solve).interpolating(InterpolationPlan::of_study(&study));
+        ladder.asked_by(Some(&asking)).on(Box::new(choice.condenser().unwrap()))
+    };
+    let counted = |ladder: &mut Ladder, numbers: Range<u64>| {
+        let counting = ladder.begin_drawn(&drawing, numbers).unwrap();
+        ladder.finish_count(&study, counting).unwrap().unwrap().0
+    };
+    let submits = |ladder: &Ladder| ladder.library.device().unwrap().counts().submits;
+    let mut few = ladder();
+    let mut expected = Counted::none(asking.question());
+    (0..MANY_DRAWN).step_by(500).for_each(|first| expected.merge(&counted(&mut few, first..first + 500)));
+    let mut many = ladder();
+    counted(&mut many, 0..64);
+    let before = submits(&many);
+    // Flights of half of them take 80 MB each, two at a time. wgpu takes memory in blocks of 128 MB, of which there may be one more.
+    let allowed = virtual_memory() + (160 << 20);
+    let (soft, hard) = rlimit::getrlimit(Resource::AS).unwrap();
+    rlimit::setrlimit(Resource::AS, allowed, hard).unwrap();
+    let begun = many.begin_drawn(&drawing, 0..MANY_DRAWN);
+    rlimit::setrlimit(Resource::AS, soft, hard).unwrap();
+    assert_eq!(many.library.lost(), None);
+    rlimit::setrlimit(Resource::AS, allowed, hard).unwrap();
+    let found = many.finish_count(&study, begun.unwrap()).unwrap().unwrap().0;
+    rlimit::setrlimit(Resource::AS, soft, hard).unwrap();
+    assert_eq!(many.library.lost(), None);
+    assert!(submits(&many) > before + 2, "{:?}", many.library.device().unwrap().counts());
+    assert!(found.designs > MANY_DRAWN * 9 / 10);
+    let of = |counted: &Counted| (counted.designs, counted.rows, counted.kept_rows, counted.forces);
+    assert_eq!(of(&found), of(&expected));
+}
+
+const MANY_DRAWN: u64 = 20_000;
 
 /// In two flights, if there is the memory.
 const MANY_LOADS: usize = 1000;

@@ -240,6 +240,12 @@ impl GpuDevice {
         self.queue.submit([encoder.finish()]);
     }
 
+    /// Submits what was written and waits for it: wgpu keeps what is written to, and what that is written from, until then.
+    pub(crate) fn settle(&self) -> Result<(), GpuError> {
+        let submission = self.queue.submit([]);
+        self.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(LONGEST_WAIT) })
+    }
+
     /// Waits for all work submitted so far: what times dispatches does.
     #[cfg(feature = "files")]
     pub(crate) fn wait(&self) -> Result<(), GpuError> {

@@ -37,7 +37,9 @@ impl JointKernel {
         if !gpu.facts.features.f64 || self.most_designs(gpu, &drawn.settings) == 0 {
             return Ok(false);
         }
-        let Some(mut parameters) = self.met(gpu, &drawn.tables)? else { return Ok(false) };
+        if !self.have_room(gpu, &drawn.tables)? {
+            return Ok(false);
+        }
         self.make_stages(gpu, &drawn.tables)?;
         self.make_answers(gpu, &drawn.asked.question.text)?;
         if self.draw.as_ref().is_none_or(|(known, _)| known != drawn.functions) {
@@ -50,7 +52,7 @@ impl JointKernel {
         while start < end {
             self.land_all_but(gpu, IN_FLIGHT - 1)?;
             let count = self.most_designs(gpu, &drawn.settings).min((end - start) as usize);
-            match self.fly_drawn(gpu, drawn, &parameters, (start, count.max(1))) {
+            match self.fly_drawn(gpu, drawn, (start, count.max(1))) {
                 Ok(flight) => {
                     start += flight.joints as u32;
                     if let Some(own) = self.batches.back_mut() {
@@ -62,28 +64,18 @@ impl JointKernel {
                     if !is_memory || !self.halve(gpu)? {
                         return Err(error);
                     }
-                    // Tables have gone with the rest.
-                    match self.met(gpu, &drawn.tables)? {
-                        Some(again) => parameters = again,
-                        None => return Err(error),
-                    }
                 }
             }
         }
         Ok(true)
     }
 
-    /// Parameters of joints whose tables are on the device then; `None` where there is no room for all of them.
-    fn met(
-        &mut self,
-        gpu: &GpuDevice,
-        tables: &[JointTables],
-    ) -> Result<Option<Vec<JointParameters>>, GpuError> {
+    /// Brings tables to the device that are not there yet; false where it has no room for all of them.
+    fn have_room(&mut self, gpu: &GpuDevice, tables: &[JointTables]) -> Result<bool, GpuError> {
         let all: Vec<&JointTables> = tables.iter().collect();
         let (met, bytes) = self.arenas.tables.meet(gpu, &all)?;
         self.counts.bytes_up += bytes;
-        let parameters = || tables.iter().map(|own| self.arenas.tables.parameters(own)).collect();
-        Ok((met == tables.len()).then(parameters))
+        Ok(met == tables.len())
     }
 
     /// Designs of a flight at most.
@@ -98,14 +90,20 @@ impl JointKernel {
         &mut self,
         gpu: &GpuDevice,
         drawn: &DrawnDesigns,
-        parameters: &[JointParameters],
         (first, count): (u32, usize),
     ) -> Result<Flight, GpuError> {
+        // They go where memory is short.
+        if !self.have_room(gpu, &drawn.tables)? {
+            let what = "room for tables of joints".to_string();
+            return Err(GpuError::Lacks { adapter: gpu.facts.name.clone(), what });
+        }
+        let tables = drawn.tables.iter();
+        let parameters: Vec<JointParameters> = tables.map(|own| self.arenas.tables.parameters(own)).collect();
         let question = &drawn.asked.question;
         let parts = question.layout.worth_reading(&drawn.asked.ranges, count);
         let wanted = Wanted::Told(question.layout.clone(), parts);
         let mut buffers = self.free.pop().unwrap_or_default();
-        let reading = self.submit_drawn(gpu, &mut buffers, drawn, parameters, (first, count), &wanted)?;
+        let reading = self.submit_drawn(gpu, &mut buffers, drawn, &parameters, (first, count), &wanted)?;
         Ok(Flight { joints: count, wanted, on_device: Some((buffers, reading)) })
     }
 

@@ -201,6 +201,7 @@ impl JointKernel {
         self.most_bytes /= 2;
         self.free.clear();
         self.arenas = Arenas::default();
+        gpu.settle()?;
         Ok(true)
     }
 
