@@ -2,14 +2,13 @@
 
 use std::ops::Range;
 
-use bytemuck::{Pod, Zeroable};
-
 use crate::engine::backend::joints::{AskedOfJoints, JOINT_NUMBERS, JointTables, STATE_NUMBERS};
 use crate::engine::question::tables::DESIGN_NUMBERS;
 
 /// As `shaders/draw.wgsl` has it.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "gpu", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub struct DrawSettings {
     /// The first design of a flight, and how many there are.
     pub first: u32,
