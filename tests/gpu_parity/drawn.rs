@@ -274,12 +274,15 @@ fn comparisons_that_a_rounding_would_decide_are_left_open() {
 fn answers_of_drawn_designs_are_the_processors() {
     const DESIGNS: u64 = 3000;
     let force = "force = ['1 kN', '5 kN', '20 kN']";
-    for (plate, sampling) in [(ANNULI, LATIN), (BLOCKS, SOBOL)] {
+    // At 0.1 % some curves have six trial pressures and others ten.
+    for (plate, sampling, accuracy) in
+        [(ANNULI, LATIN, "1 %"), (ANNULI, SOBOL, "0.1 %"), (BLOCKS, SOBOL, "1 %")]
+    {
         // Of middling walls: whatever is left to meshes the device condenses in f32.
         let joint = [SIZES, CORED_DISCS, plate].concat();
         let joint =
             joint.replace("from = 1.2, to = 50", "from = 2, to = 5").replace("from = 1.3", "from = 2");
-        let study = study(&joint, force, sampling, "1 %");
+        let study = study(&joint, force, sampling, accuracy);
         let answered = |designs: Chosen, on_device, threads| answered(&study, designs, on_device, threads);
         let on_device = |designs, threads| answered(Chosen::Range(designs), Some(Making::Trusted), threads);
         let found = on_device(0..DESIGNS, 2);
@@ -296,8 +299,9 @@ fn answers_of_drawn_designs_are_the_processors() {
             |counts: &Counts| (counts.designs, counts.rows, counts.kept_rows, counts.by_status.by_text());
         assert_eq!(of(&found.counts), of(&expected.counts));
         assert!(found.counts.kept_rows.unwrap() > DESIGNS / 4);
-        // Designs do not go up: of each batch tables alone, and of blocks the samples of their fits.
-        assert!(plate == BLOCKS || asked.bytes_up < 40_000 * asked.submits, "{asked:?}");
+        // Designs do not go up: of each batch tables alone. Those of fits, which go up once, are large at 0.1 %, and fits of blocks have samples.
+        let is_small = plate == ANNULI && accuracy == "1 %";
+        assert!(!is_small || asked.bytes_up < 40_000 * asked.submits, "{asked:?}");
         let mut parts = on_device(0..1111, 8);
         let more = on_device(1111..DESIGNS, 2);
         parts.answers.merge(&more.answers).unwrap();

@@ -7,11 +7,9 @@ use wgpu::BufferUsages;
 
 use super::context::{GpuDevice, GpuError};
 use super::dispatch::{self, Argument, PassTimes, Reading};
-use super::joint_kernel::{
-    ASKING, Asking, Batch, Bound, Buffers, DESIGN_BYTES, Flight, JointKernel, TRAVELLING, Wanted, bytes,
-    pieces,
-};
+use super::joint_kernel::{ASKING, Batch, Buffers, Flight, JointKernel, TRAVELLING, Wanted, bytes};
 use super::joint_load::Placed;
+use super::joint_passes::{Asking, Bound, DESIGN_BYTES, pieces};
 use super::joint_tables::JointParameters;
 use super::kernel_texts::{DRAW, Variant};
 use super::kernels::{Making, Precision, Stage};

@@ -19,6 +19,7 @@ pub mod elimination;
 pub mod joint_tables;
 pub mod near_field_tables;
 pub mod joint_load;
+mod joint_passes;
 pub mod joint_kernel;
 pub mod drawn_joints;
 pub mod solver;
