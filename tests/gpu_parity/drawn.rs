@@ -152,6 +152,25 @@ youngs_modulus   = { from = "70 GPa", to = "210 GPa" }
 poissons_ratio   = { from = 0.1, to = 0.46 }
 "#;
 
+/// One value after the other of all quantities that have any.
+const ZIP: &str = r#"
+[joint]
+idealization     = "plane-stress"
+hole_radius      = { from = "5 mm", to = "9 mm", count = 30000 }
+radial_clearance = { from = "10 um", to = "200 um", spacing = "log", count = 30000 }
+thickness        = "5 mm"
+[joint.pin]
+model             = "rigid-core"
+core_radius_ratio = { from = 0.05, to = 0.6, count = 30000 }
+youngs_modulus    = "210 GPa"
+poissons_ratio    = { from = -0.3, to = 0.45, count = 30000 }
+[joint.plate]
+model              = "annulus"
+outer_radius_ratio = { from = 1.3, to = 50, spacing = "log", count = 30000 }
+youngs_modulus     = "70 GPa"
+poissons_ratio     = 0.3
+"#;
+
 /// With few values of each quantity.
 const GRID: &str = r#"
 [joint]
@@ -242,6 +261,7 @@ fn numbers_of_drawn_designs_are_the_processors() {
         (&halves, indentation, LATIN, "1 %"),
         (&concentric, force, LATIN, "0.1 %"),
         (&GRID.to_string(), force, "method = 'grid'", "1 %"),
+        (&ZIP.to_string(), force, "method = 'zip'", "1 %"),
     ] {
         let study = study(joint, loads, sampling, accuracy);
         // Beyond the first block of a Sobol sequence.
