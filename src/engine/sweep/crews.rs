@@ -341,7 +341,18 @@ fn all_of(study: &Study, numbers: Range<u64>) -> Result<Vec<DesignCase>, Error> 
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+
+    /// Designs that no device draws are those of their numbers, in order.
+    #[test]
+    fn what_no_device_draws_is_drawn_by_numbers() {
+        let config = include_str!("../../../configs/random.toml");
+        let study = Study::from_text(Path::new("random.toml"), config.to_string()).unwrap();
+        let cases = all_of(&study, 70..333).unwrap();
+        assert!(cases.iter().map(|case| case.index).eq(70..333));
+    }
 
     /// All threads are in crews, and all crews have batches.
     #[test]
