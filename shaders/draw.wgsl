@@ -233,13 +233,17 @@ fn logarithm(number: wide) -> wide {
 
 // --- Bodies. ---
 
+// A body of a joint.
 struct Side {
+    // Its place among the fits of its side.
     fit: u32,
-    // Infinite body, and its compliance over the unit.
+    // Of the infinite body, and what they are multiplied by, 1/MPa.
     even: wide,
     odd: wide,
     share: wide,
+    // |ln r| of its thinnest wall.
     least_depth: wide,
+    // E', MPa.
     plane_modulus: wide,
 }
 
@@ -251,6 +255,7 @@ fn kolosov(is_strain: bool, nu: wide) -> wide {
     return select((3.0 - nu) / (1.0 + nu), 3.0 - 4.0 * nu, is_strain);
 }
 
+// Writes the next number of the design.
 fn put(number: wide) {
     let rounded = f32(number);
     is_known = is_known && is_finite(wide(rounded));
@@ -258,7 +263,8 @@ fn put(number: wide) {
     at += 1u;
 }
 
-// Finds a body in its fit. Its coordinates go to `joints_at`, what is known of its errors to `bounds_at`.
+// Finds the body of a side (0 the pin, 1 the plate) in its fit. Its coordinates over the box of that go to `joints_at`, what is known of its
+// errors to `bounds_at`.
 fn side_of(side: u32, joints_at: u32, bounds_at: u32) -> Side {
     let table = settings.sides_at[side];
     let parameter_count = words[table];
@@ -358,6 +364,7 @@ fn side_of(side: u32, joints_at: u32, bounds_at: u32) -> Side {
     return body;
 }
 
+// Writes the numbers of the design whose values are drawn; tells what its joint has in common with others, or `NOWHERE`.
 fn describe() -> u32 {
     let hole_radius = drawn[HOLE_RADIUS];
     let radial_clearance = drawn[RADIAL_CLEARANCE];
