@@ -277,15 +277,16 @@ impl Bench<'_> {
             let budget = &self.sweeps.budget;
             let is_in_time = before < PATIENCE.as_secs_f64() && !budget.is_over() && budget.bears(forecast);
             let answered = is_in_time.then(|| self.sweeps.with_answers(&study, Some(gpu))).transpose()?;
-            let Some(gpu_seconds) = answered.flatten() else {
+            let Some((gpu_seconds, asked)) = answered.flatten() else {
                 self.left_out(files, &format!("answers to {designs} designs and more"));
                 break;
             };
             let is_for_cpu = designs <= self.effort.most_on_cpu;
-            let cpu_seconds =
-                is_for_cpu.then(|| self.sweeps.with_answers(&study, None)).transpose()?.flatten();
+            let on_cpu = is_for_cpu.then(|| self.sweeps.with_answers(&study, None)).transpose()?.flatten();
+            let cpu_seconds = on_cpu.map(|(seconds, _)| seconds);
             say(&format!("answers to {designs} designs: {}", duration(gpu_seconds)));
-            rows.push(AnswersRow { designs, gpu_seconds, cpu_seconds });
+            let is_timed = gpu.device.is_timed();
+            rows.push(AnswersRow { designs, gpu_seconds, cpu_seconds, asked, is_timed });
             files.save_answers(&rows)?;
         }
         Ok(())

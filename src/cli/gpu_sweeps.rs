@@ -6,6 +6,7 @@ use std::time::{Instant, SystemTime};
 
 use jointsweep::Error;
 use jointsweep::internals::engine::agreement::worst_difference;
+use jointsweep::internals::engine::backend::Counts;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::gpu::context::GpuDevice;
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
@@ -100,15 +101,20 @@ impl TimedSweeps<'_> {
     pub fn with_table(&self, study: &Study, gpu: GpuChoice) -> Result<Option<(f64, u64)>, Error> {
         let scratch = Scratch::new()?;
         let folder = ResultFolder::of_run(Some(&scratch.0), study);
-        let Some(seconds) = self.written(study, &folder, Some(gpu))? else { return Ok(None) };
+        let Some((seconds, _)) = self.written(study, &folder, Some(gpu))? else { return Ok(None) };
         let path: PathBuf = folder.table(study);
         let bytes =
             std::fs::metadata(&path).map_err(|source| Error::Io { action: "read", path, source })?.len();
         Ok(Some((seconds, bytes)))
     }
 
-    /// Wall time of a sweep on the GPU, or the processor, with its answers on disk, s; nothing where time runs out.
-    pub fn with_answers(&self, study: &Study, gpu: Option<GpuChoice>) -> Result<Option<f64>, Error> {
+    /// Wall time of a sweep on the GPU, or the processor, with its answers on disk, s, and what was asked of the GPU; nothing
+    /// where time runs out.
+    pub fn with_answers(
+        &self,
+        study: &Study,
+        gpu: Option<GpuChoice>,
+    ) -> Result<Option<(f64, Counts)>, Error> {
         let scratch = Scratch::new()?;
         self.written(study, &ResultFolder::of_run(Some(&scratch.0), study), gpu)
     }
@@ -118,7 +124,7 @@ impl TimedSweeps<'_> {
         study: &Study,
         folder: &ResultFolder,
         gpu: Option<GpuChoice>,
-    ) -> Result<Option<f64>, Error> {
+    ) -> Result<Option<(f64, Counts)>, Error> {
         let started = Instant::now();
         let conditions = Conditions { gpu, threads: self.threads, started: SystemTime::now() };
         let mut recorder = Recorder::new(folder.claim("of bench-gpu")?, study, &conditions)?;
@@ -139,7 +145,7 @@ impl TimedSweeps<'_> {
         if let Some(gpu) = gpu {
             self.is_measured(&statistics, gpu.precision)?;
         }
-        Ok(Some(seconds))
+        Ok(Some((seconds, statistics.asked)))
     }
 
     /// Wall time of a sweep on the processor, s; nothing where time runs out.

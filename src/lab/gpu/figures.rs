@@ -60,6 +60,9 @@ pub struct AnswersRow {
     pub designs: u64,
     pub gpu_seconds: f64,
     pub cpu_seconds: Option<f64>,
+    /// Of the device, and whether that tells how long its work took.
+    pub asked: Counts,
+    pub is_timed: bool,
 }
 
 impl GpuSweep {
@@ -224,8 +227,8 @@ pub fn scaling(rows: &[ScalingRow]) -> String {
 
 /// `answers.csv`.
 pub fn answers(rows: &[AnswersRow]) -> String {
-    let mut text = "designs,gpu_wall_s,gpu_designs_per_s,cpu_wall_s,cpu_designs_per_s\n".to_string();
-    for AnswersRow { designs, gpu_seconds, cpu_seconds } in rows {
+    let mut text = "designs,gpu_wall_s,gpu_designs_per_s,cpu_wall_s,cpu_designs_per_s,gpu_busy_s,waits,bytes_up,bytes_down\n".to_string();
+    for AnswersRow { designs, gpu_seconds, cpu_seconds, asked, is_timed } in rows {
         let rate = |seconds: f64| *designs as f64 / seconds;
         text += &line(&[
             designs.to_string(),
@@ -233,6 +236,10 @@ pub fn answers(rows: &[AnswersRow]) -> String {
             number(rate(*gpu_seconds)),
             optional(*cpu_seconds),
             optional(cpu_seconds.map(rate)),
+            optional(is_timed.then(|| asked.busy.as_secs_f64())),
+            asked.waits.to_string(),
+            asked.bytes_up.to_string(),
+            asked.bytes_down.to_string(),
         ]);
     }
     text
@@ -396,10 +403,22 @@ mod tests {
 
     #[test]
     fn answers_have_rates_of_both() {
-        let row = AnswersRow { designs: 100, gpu_seconds: 2.0, cpu_seconds: Some(4.0) };
-        let text = answers(&[row, AnswersRow { cpu_seconds: None, ..row }]);
+        let asked = Counts {
+            busy: Duration::from_millis(500),
+            waits: 3,
+            bytes_up: 7,
+            bytes_down: 9,
+            ..Counts::default()
+        };
+        let row =
+            AnswersRow { designs: 100, gpu_seconds: 2.0, cpu_seconds: Some(4.0), asked, is_timed: true };
+        let text = answers(&[row, AnswersRow { cpu_seconds: None, is_timed: false, ..row }]);
         let lines: Vec<&str> = text.lines().skip(1).collect();
-        assert_eq!(lines, ["100,2.00000e0,5.00000e1,4.00000e0,2.50000e1", "100,2.00000e0,5.00000e1,,"]);
+        let expected = [
+            "100,2.00000e0,5.00000e1,4.00000e0,2.50000e1,5.00000e-1,3,7,9",
+            "100,2.00000e0,5.00000e1,,,,3,7,9",
+        ];
+        assert_eq!(lines, expected);
     }
 
     #[test]
