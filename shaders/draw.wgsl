@@ -31,18 +31,6 @@ struct Settings {
     more_padding: vec2<u32>,
 }
 
-// As `joints.wgsl` has it.
-struct Place {
-    parameters: u32,
-    numbers_at: u32,
-    found_at: u32,
-    load_count: u32,
-    works_at: vec2<u32>,
-    terms: u32,
-    padding: u32,
-    near_fields_at: vec4<u32>,
-}
-
 @group(0) @binding(0) var<uniform> settings: Settings;
 // Entries of quantities (`study/draw_tables.rs`), then what `backend/drawn.rs` has of bodies and pairs.
 @group(0) @binding(1) var<storage, read> words: array<u32>;

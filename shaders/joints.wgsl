@@ -42,19 +42,6 @@ struct JointParameters {
     padding: vec2<u32>,
 }
 
-// Of a joint: its parameters, where its numbers and what is found of it begin, and how many loads it has; of pin and plate where works
-// begin, or `ELSEWHERE` or `MISSING`, and the two near fields between which they lie. Its trial pressures tell which kernel it is for.
-struct Place {
-    parameters: u32,
-    numbers_at: u32,
-    found_at: u32,
-    load_count: u32,
-    works_at: vec2<u32>,
-    terms: u32,
-    padding: u32,
-    near_fields_at: vec4<u32>,
-}
-
 @group(0) @binding(0) var<storage, read> parameters: array<JointParameters>;
 @group(0) @binding(1) var<storage, read> tables: array<u32>;
 @group(0) @binding(2) var<storage, read> places: array<Place>;

@@ -75,13 +75,10 @@ pub enum Counting {
 /// What is counted, and designs that something is left to do of.
 pub type Finished = (Counted, Vec<(DesignCase, Verdict)>);
 
-/// Designs of a study by their numbers, which ascend.
-fn drawn_again(study: &Study, left: &[(u64, Verdict)]) -> Result<Vec<(DesignCase, Verdict)>, Error> {
-    let draw = |left: &[(u64, Verdict)]| -> Result<Vec<(DesignCase, Verdict)>, Error> {
-        let cases = study.cases_at(left.iter().map(|(number, _)| *number))?;
-        cases.zip(left).map(|(case, (_, verdict))| Ok((case?, *verdict))).collect()
-    };
-    let drawn: Vec<_> = left.par_chunks(MANY).map(draw).collect::<Result<_, Error>>()?;
+/// Designs of a study by their numbers, which ascend: those that no device draws, or has left.
+pub fn drawn_here(study: &Study, numbers: &[u64]) -> Result<Vec<DesignCase>, Error> {
+    let draw = |numbers: &[u64]| study.cases_at(numbers.iter().copied())?.collect::<Result<Vec<_>, _>>();
+    let drawn: Vec<_> = numbers.par_chunks(MANY).map(draw).collect::<Result<_, Error>>()?;
     Ok(drawn.into_iter().flatten().collect())
 }
 
@@ -205,9 +202,9 @@ impl<'a> Ladder<'a> {
             }
             Counting::Drawn(numbers) => {
                 let all = numbers.map(|number| (number, verdict(true)));
-                let left: Vec<(u64, Verdict)> =
-                    all.filter(|(_, verdict)| *verdict != Verdict::Counted).collect();
-                drawn_again(study, &left)
+                let left = all.filter(|(_, verdict)| *verdict != Verdict::Counted);
+                let (numbers, verdicts): (Vec<u64>, Vec<Verdict>) = left.unzip();
+                drawn_here(study, &numbers).map(|cases| cases.into_iter().zip(verdicts).collect())
             }
         };
         Some(left.map(|left| (counted, left)))

@@ -203,3 +203,14 @@ impl Spaces {
         });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wide_contacts_are_told_by_sides_too() {
+        let differences = [WIDE_COSINE / WIDE.cos() - 1.0, WIDE_TANGENT / (0.5 * WIDE).tan() - 1.0];
+        assert!(differences.iter().all(|difference| difference.abs() < 1e-15), "{differences:?}");
+    }
+}

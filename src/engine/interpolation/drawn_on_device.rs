@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::engine::accuracy::known_errors::{COLUMNS, DEPTHS, Group, Known};
+use crate::engine::accuracy::known_errors::{DEPTHS, Group, Known};
 use crate::engine::backend::drawn::{
     DrawSettings, DrawnDesigns, DrawnShape, LoadKind, MOST_KINDS, NOWHERE, SIDE_WORDS, TERMS_SHIFT,
 };
@@ -80,6 +80,9 @@ fn cuts(state: Idealization) -> Vec<f64> {
 /// Below all of them.
 const LEAST_RATIO: f64 = -0.9;
 
+/// A depth of a wall that is neither thin nor deep.
+const MIDDLING: f64 = 0.5 * (DEPTHS[4] + DEPTHS[5]);
+
 /// A fit of bodies of one side, and where among the tables of the question its bounds are.
 struct OfSide<'a> {
     key: FamilyKey,
@@ -114,7 +117,7 @@ impl Tables {
                 let from = self.words.len();
                 for poissons_ratio in firsts {
                     let probe = Probe { shape, support, state, poissons_ratio };
-                    let key = FamilyKey::of(&probe.body(probe.middling()), half_ring);
+                    let key = FamilyKey::of(&probe.body(MIDDLING), half_ring);
                     let place = key.and_then(|key| fits.iter().position(|own| own.key == key));
                     let row = match place {
                         Some(place) => [place as u32, self.add(probe.known(fits[place].fit))],
@@ -187,16 +190,11 @@ impl Probe {
         }
     }
 
-    /// Neither thin nor deep.
-    fn middling(self) -> f64 {
-        0.5 * (DEPTHS[4] + DEPTHS[5])
-    }
-
     /// The deepest of them that are known, then of each depth what meshes leave.
     fn known(self, fit: &FittedFamily) -> Vec<f64> {
         let deepest = match fit.bound.known_level() {
             None => f64::INFINITY,
-            Some(_) => Group::of(&self.body(self.middling())).map_or(0.0, |group| group.depths()[1]),
+            Some(_) => Group::of(&self.body(MIDDLING)).map_or(0.0, |group| group.depths()[1]),
         };
         let of_depth = |depth: &f64| -> Known {
             // Just within.
@@ -306,5 +304,3 @@ fn pair_of<'a>(spaces: &'a Spaces, fits: [&'a FittedFamily; 2], key: SpaceKey) -
     // Whatever the clearance, which the kernel looks at.
     tables.are_for_devices(&Outlines::ALIKE).then_some(tables)
 }
-
-const _: () = assert!(COLUMNS.len() + 1 == size_of::<Known>() / size_of::<f64>());

@@ -9,7 +9,6 @@
 //!   crew 2       2     5
 //! ```
 
-use std::ops::Range;
 use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::Duration;
@@ -23,7 +22,7 @@ use crate::engine::backend::precision::Precision;
 use crate::engine::drawing::{Batch, Chosen, Drawn, FIRST_BATCH, joined};
 use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
-use crate::engine::ladder::{Counting, Ladder};
+use crate::engine::ladder::{Counting, Ladder, drawn_here};
 use crate::engine::law_fit::add_laws;
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::question::counted::Verdict;
@@ -265,7 +264,7 @@ impl<'a, T: Send> Crew<'a, T> {
                 if let Some(counting) = counting {
                     return Ok(Begun::Counting(counting));
                 }
-                all_of(study, numbers)?
+                drawn_here(study, &numbers.collect::<Vec<_>>())?
             }
         };
         Ok(match ladder.begin_count(cases) {
@@ -328,17 +327,6 @@ fn outcomes(ladder: &mut Ladder, cases: Vec<DesignCase>) -> Vec<DesignOutcome> {
     cases.map(|(case, answer)| DesignOutcome::new(case, answer)).collect()
 }
 
-/// The designs of these numbers, which no device draws.
-fn all_of(study: &Study, numbers: Range<u64>) -> Result<Vec<DesignCase>, Error> {
-    let all: Vec<u64> = numbers.collect();
-    let some = |numbers: &[u64]| -> Result<Vec<DesignCase>, Error> {
-        let first = numbers.first().map_or(0, |first| *first as usize);
-        study.cases()?.skip(first).take(numbers.len()).collect()
-    };
-    let drawn: Vec<_> = all.par_chunks(FIRST_BATCH).map(some).collect::<Result<_, Error>>()?;
-    Ok(drawn.into_iter().flatten().collect())
-}
-
 #[cfg(test)]
 mod tests {
     use std::path::Path;
@@ -350,8 +338,9 @@ mod tests {
     fn what_no_device_draws_is_drawn_by_numbers() {
         let config = include_str!("../../../configs/random.toml");
         let study = Study::from_text(Path::new("random.toml"), config.to_string()).unwrap();
-        let cases = all_of(&study, 70..333).unwrap();
-        assert!(cases.iter().map(|case| case.index).eq(70..333));
+        let numbers: Vec<u64> = (70..333).chain([400, 9999]).collect();
+        let cases = drawn_here(&study, &numbers).unwrap();
+        assert!(cases.iter().map(|case| case.index).eq(numbers));
     }
 
     /// All threads are in crews, and all crews have batches.

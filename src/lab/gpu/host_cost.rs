@@ -90,18 +90,18 @@ impl HostCost {
             *seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Seen::default();
         }
         let drawing = asker.filter(|_| draws).and_then(|asker| Drawing::of(study, asker.question()));
-        let mut left = cost.designs..study.design_count();
-        while let Some(drawing) = drawing.as_ref().filter(|_| !left.is_empty()) {
+        let all = 0..if drawing.is_some() { study.design_count() } else { 0 };
+        for first in all.clone().step_by(batch_size) {
             let before = processor_seconds().unwrap_or(f64::NAN);
-            let numbers = left.start..left.end.min(left.start + batch_size as u64);
-            left.start = numbers.end;
+            let numbers = first..all.end.min(first + batch_size as u64);
             cost.designs += numbers.end - numbers.start;
-            let counting = ladder.begin_drawn(drawing, numbers);
+            let counting = drawing.as_ref().and_then(|drawing| ladder.begin_drawn(drawing, numbers));
             let counted = counting.and_then(|counting| ladder.finish_count(study, counting)?.ok());
             cost.on_device += counted.map_or(0, |(counted, _)| counted.designs);
             cost.solving += processor_seconds().unwrap_or(f64::NAN) - before;
         }
-        while drawing.is_none() {
+        let mut cases = cases.take_while(|_| drawing.is_none());
+        loop {
             let before = processor_seconds().unwrap_or(f64::NAN);
             let batch: Vec<DesignCase> = cases.by_ref().take(batch_size).flatten().collect();
             let drawn = processor_seconds().unwrap_or(f64::NAN);

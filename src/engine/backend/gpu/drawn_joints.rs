@@ -50,20 +50,8 @@ impl JointKernel {
         while start < end {
             self.land_all_but(gpu, IN_FLIGHT - 1)?;
             let count = self.most_designs(gpu, &drawn.settings).min((end - start) as usize);
-            match self.fly_drawn(gpu, drawn, (start, count.max(1))) {
-                Ok(flight) => {
-                    start += flight.joints as u32;
-                    if let Some(own) = self.batches.back_mut() {
-                        own.flights.push_back(flight);
-                    }
-                }
-                Err(error) => {
-                    let is_memory = matches!(error, GpuError::OutOfMemory { .. });
-                    if !is_memory || !self.halve(gpu)? {
-                        return Err(error);
-                    }
-                }
-            }
+            let flown = self.fly_drawn(gpu, drawn, (start, count.max(1)));
+            start += self.on_its_way(gpu, flown)? as u32;
         }
         Ok(true)
     }

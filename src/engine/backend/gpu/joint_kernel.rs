@@ -20,7 +20,7 @@ use crate::engine::question::counted::{Layout, Told};
 
 /// What goes up or down with a flight at most, bytes; with less the device is given up.
 const MOST_BYTES: u64 = 64 << 20;
-pub(super) const FEWEST_BYTES: u64 = 1 << 20;
+const FEWEST_BYTES: u64 = 1 << 20;
 
 /// The kernel with the tables it has been given, and batches on their way through it.
 pub struct JointKernel {
@@ -155,20 +155,8 @@ impl JointKernel {
         let mut first = 0;
         while first < batch.joints.len() {
             self.land_all_but(gpu, IN_FLIGHT - 1)?;
-            match self.fly(gpu, batch, first, works) {
-                Ok((count, flight)) => {
-                    first += count;
-                    if let Some(own) = self.batches.back_mut() {
-                        own.flights.push_back(flight);
-                    }
-                }
-                Err(error) => {
-                    let is_memory = matches!(error, GpuError::OutOfMemory { .. });
-                    if !is_memory || !self.halve(gpu)? {
-                        return Err(error);
-                    }
-                }
-            }
+            let flown = self.fly(gpu, batch, first, works);
+            first += self.on_its_way(gpu, flown)?;
         }
         Ok(())
     }
@@ -185,18 +173,32 @@ impl JointKernel {
         Ok(())
     }
 
-    /// What can be done where there was no memory for a flight: the next ones have half of it. What is in flight keeps its buffers until it
-    /// has landed. `false` where that is too little.
-    pub(super) fn halve(&mut self, gpu: &GpuDevice) -> Result<bool, GpuError> {
-        if self.most_bytes <= FEWEST_BYTES {
-            return Ok(false);
+    /// Adds a flight to the last batch; tells how many joints are on their way with it: none where there was no memory, and the next one may
+    /// take half of it.
+    pub(super) fn on_its_way(
+        &mut self,
+        gpu: &GpuDevice,
+        flown: Result<Flight, GpuError>,
+    ) -> Result<usize, GpuError> {
+        match flown {
+            Ok(flight) => {
+                let joints = flight.joints;
+                if let Some(own) = self.batches.back_mut() {
+                    own.flights.push_back(flight);
+                }
+                Ok(joints)
+            }
+            Err(GpuError::OutOfMemory { .. }) if self.most_bytes > FEWEST_BYTES => {
+                // What is in flight keeps its buffers until it has landed, and what was written to until that is submitted.
+                self.land_all_but(gpu, 0)?;
+                self.most_bytes /= 2;
+                self.free.clear();
+                self.arenas = Arenas::default();
+                gpu.settle()?;
+                Ok(0)
+            }
+            Err(error) => Err(error),
         }
-        self.land_all_but(gpu, 0)?;
-        self.most_bytes /= 2;
-        self.free.clear();
-        self.arenas = Arenas::default();
-        gpu.settle()?;
-        Ok(true)
     }
 
     /// How often flights were halved for want of memory.
@@ -288,14 +290,14 @@ impl JointKernel {
         Ok(())
     }
 
-    /// As many joints from one on as there is room for, one at least; tells how many.
+    /// As many joints from one on as there is room for, one at least.
     fn fly(
         &mut self,
         gpu: &GpuDevice,
         batch: &JointBatch,
         first: usize,
         works: Option<&KeptWorks>,
-    ) -> Result<(usize, Flight), GpuError> {
+    ) -> Result<Flight, GpuError> {
         let load = self.arenas.load(gpu, (batch, first), works, self.most_bytes)?;
         self.counts.bytes_up += load.of_tables;
         let joints = load.count.max(1);
@@ -307,13 +309,13 @@ impl JointKernel {
             None => Wanted::Found(load.found_bytes as usize / size_of::<f32>()),
         };
         if load.count == 0 {
-            return Ok((1, Flight { joints, wanted, on_device: None }));
+            return Ok(Flight { joints, wanted, on_device: None });
         }
         let mut buffers = self.free.pop().unwrap_or_default();
         let asked = batch.asked.as_ref().map(|asked| &asked.tables[..]);
         let numbers = (&batch.numbers[load.numbers.clone()], works);
         let reading = self.submit(gpu, &mut buffers, &load, numbers, (asked, &wanted))?;
-        Ok((joints, Flight { joints, wanted, on_device: Some((buffers, reading)) }))
+        Ok(Flight { joints, wanted, on_device: Some((buffers, reading)) })
     }
 
     fn submit(

@@ -206,7 +206,10 @@ pub const ELIMINATE: KernelFile = KernelFile {
 /// From bodies, as they lie in fits or are condensed, and loads to states of contact.
 pub const JOINTS: KernelFile = KernelFile {
     name: "joints",
-    text: include_str!("../../../../shaders/joints.wgsl"),
+    text: concat!(
+        include_str!("../../../../shaders/joint_place.wgsl"),
+        include_str!("../../../../shaders/joints.wgsl")
+    ),
     entry_points: &["solve_joints"],
     bindings: &[
         ("parameters", Read),
@@ -243,7 +246,10 @@ pub const JOINTS: KernelFile = KernelFile {
 /// From numbers of designs to what the two others are given of them; each question adds its own functions.
 pub const DRAW: KernelFile = KernelFile {
     name: "draw",
-    text: include_str!("../../../../shaders/draw.wgsl"),
+    text: concat!(
+        include_str!("../../../../shaders/joint_place.wgsl"),
+        include_str!("../../../../shaders/draw.wgsl")
+    ),
     entry_points: &["draw"],
     bindings: &[
         ("settings", Uniform),
