@@ -17,6 +17,8 @@ enum How {
     Condensed,
     Interpolated,
     Counted,
+    /// Condensed, and their rows counted.
+    CondensedAndCounted,
     /// The same of designs that the device draws.
     Drawn,
 }
@@ -37,13 +39,17 @@ fn main() {
         (&SWEEPS[0], Precision::F32, How::Counted),
         (&SWEEPS[1], Precision::F32, How::Condensed),
         (&SWEEPS[0], Precision::F32, How::Drawn),
+        (&SWEEPS[0], Precision::F32, How::CondensedAndCounted),
+        (&SWEEPS[1], Precision::F32, How::CondensedAndCounted),
+        (&SWEEPS[2], Precision::F32, How::CondensedAndCounted),
     ];
     for (number, (sweep, precision, how)) in (1..).zip(lines) {
         if line.is_some_and(|line| line != number) {
             continue;
         }
         let study = match how {
-            How::Counted | How::Drawn => sweep.answers(designs),
+            How::Counted | How::Drawn => sweep.answers(designs, true),
+            How::CondensedAndCounted => sweep.answers(designs, false),
             _ => sweep.study(designs, how == How::Interpolated),
         };
         let study = study.unwrap();

@@ -12,7 +12,8 @@
 @group(0) @binding(1) var<storage, read> joints: array<f32>;
 // Numbers and tables of the question, and bounds of fits. Counts and places are whole numbers.
 @group(0) @binding(2) var<storage, read> asked: array<f32>;
-// Of each design: where its numbers in `joints` and what is found of it begin, and how many loads it has.
+// Of each design: where its numbers in `joints` and what is found of it begin, how many loads it has, and how many numbers its joint has
+// behind those of its loads.
 @group(0) @binding(3) var<storage, read> designs: array<vec4<u32>>;
 // Counts, then a verdict for each design.
 @group(0) @binding(4) var<storage, read_write> told: array<atomic<u32>>;
@@ -26,6 +27,10 @@ struct Row {
     // Where the numbers of the design that the processor gives begin, and those of the load.
     givens_at: u32,
     row_givens_at: u32,
+    // There is no state, or it may want one thing or another.
+    is_unsure: bool,
+    // What it wants of the next attempt, as a verdict; `OPEN` where nothing.
+    want: u32,
     // All of it is surely good.
     is_good: bool,
     is_large: bool,
@@ -213,13 +218,26 @@ fn bound_at(body_at: u32, half_angle: f32) -> f32 {
     return sqrt(of_fit + of_mesh * of_mesh);
 }
 
+// Twin: `ForceError::want`.
+fn want_of(bodies: f32, pressure: f32, curve: f32, outlines: f32, pressure_is_positive: bool) -> u32 {
+    let allowed = asked[ACCURACY];
+    let accuracy = allowed - select(0.0, outlines, outlines < 0.5 * allowed);
+    if LEAST_ERROR + bodies > accuracy {
+        return FINER_MESH;
+    }
+    if pressure_is_positive && bodies + pressure + curve <= accuracy {
+        return OPEN;
+    }
+    return select(MORE_TERMS, MORE_NODES, pressure_is_positive && curve > pressure);
+}
+
 fn found_number(value: f32) -> vec2<f32> {
     return vec2<f32>(value, FOUND * abs(value));
 }
 
 fn row_of(design: vec4<u32>, load: u32) -> Row {
-    // Behind the numbers of a joint of interpolated bodies.
-    let at = design.x + JOINT_NUMBERS + 2u * design.z;
+    // Behind all numbers of the joint.
+    let at = design.x + JOINT_NUMBERS + 2u * design.z + design.w;
     let ratio = joints[design.x + JOINT_NUMBERS - 2u];
     let hole_radius = joints[at];
     let thickness = joints[at + 1u];
@@ -273,8 +291,11 @@ fn row_of(design: vec4<u32>, load: u32) -> Row {
     let sine = sin(half_angle);
     let of_width = select(1.0, OF_SINE * sine, half_angle < SIXTH_OF_PI);
     let of_outlines = of_width * (of_all + of_shear * sine * sine);
-    let of_rest = truncation + LEAST_ERROR + ROUGH * found[design.y];
-    let total = vec2<f32>(least, most) + of_rest + of_outlines;
+    let of_curve = LEAST_ERROR + ROUGH * found[design.y];
+    let total = vec2<f32>(least, most) + truncation + of_curve + of_outlines;
+    let is_positive = found[found_at + 8u] > 0.0;
+    row.want = want_of(most, truncation, of_curve, of_outlines, is_positive);
+    let is_close = row.want != want_of(least, truncation, of_curve, of_outlines, is_positive);
     row.force_error = vec2<f32>(
         0.5 * (total.x + total.y),
         0.5 * (total.y - total.x) + OF_ERRORS * total.y + NOISE,
@@ -285,8 +306,10 @@ fn row_of(design: vec4<u32>, load: u32) -> Row {
     let remarked = max(asked[ACCURACY], LARGE_DISPLACEMENT);
     let is_sure = abs(linearity - remarked) > row.linearity_error.y + ROUNDED * remarked;
     row.is_large = linearity > remarked;
-    row.is_good = found[found_at] == ENDED && found[found_at + 8u] > 0.0 && is_a_push && is_accurate && is_sure
-        && is_finite(wide(total.y)) && is_finite(wide(peak)) && is_finite(wide(indentation));
+    let is_there = found[found_at] == ENDED && is_a_push && is_finite(wide(total.y)) && is_finite(wide(peak))
+        && is_finite(wide(indentation));
+    row.is_unsure = is_close || !is_there;
+    row.is_good = is_there && is_positive && is_accurate && is_sure;
     return row;
 }
 
@@ -383,28 +406,45 @@ fn is_candidate(row: Row) -> bool {
     return true;
 }
 
+// Of one that has a state.
+fn verdict_of_row(row: Row) -> u32 {
+    if !row.is_good {
+        return OPEN;
+    }
+    let wanted = condition(row);
+    if wanted.y != 0.0 {
+        return OPEN;
+    }
+    if wanted.x == 0.0 {
+        return COUNTED;
+    }
+    if !is_countable(row) {
+        return OPEN;
+    }
+    return select(COUNTED, CANDIDATE, is_candidate(row));
+}
+
 fn verdict_of(design: vec4<u32>) -> u32 {
     // One that was drawn here and is in no fit has no loads.
-    var verdict = select(COUNTED, OPEN, design.z == 0u);
+    var is_open = design.z == 0u;
+    var verdict = COUNTED;
+    var want = OPEN;
     for (var load = 0u; load < design.z; load += 1u) {
         let row = row_of(design, load);
-        if !row.is_good {
+        if row.is_unsure {
             return OPEN;
         }
-        let wanted = condition(row);
-        if wanted.y != 0.0 {
-            return OPEN;
+        want = max(want, row.want);
+        if !is_open {
+            let own = verdict_of_row(row);
+            is_open = own == OPEN;
+            verdict = max(verdict, own);
         }
-        if wanted.x == 1.0 {
-            if !is_countable(row) {
-                return OPEN;
-            }
-            if is_candidate(row) {
-                verdict = CANDIDATE;
-            }
+        if is_open && asked[ON_MESHES] == 0.0 {
+            return OPEN;
         }
     }
-    return verdict;
+    return select(verdict, want, is_open);
 }
 
 // What is asked of all rows of a design together.
@@ -508,7 +548,7 @@ fn answer(
         design = designs[place.x];
         let verdict = verdict_of(design);
         atomicStore(&told[whole(VERDICTS_AT) + place.x], verdict);
-        is_counted = verdict != OPEN;
+        is_counted = verdict == COUNTED || verdict == CANDIDATE;
     }
     let quantity_count = whole(QUANTITY_COUNT);
     // Once where none is summed.

@@ -273,7 +273,7 @@ impl Bench<'_> {
         for designs in sizes(most) {
             let before = rows.last().map_or(0.0, |row| row.gpu_seconds);
             let forecast = before * designs as f64 / rows.last().map_or(1, |row| row.designs) as f64;
-            let study = FIRST.answers(designs)?;
+            let study = FIRST.answers(designs, true)?;
             let budget = &self.sweeps.budget;
             let is_in_time = before < PATIENCE.as_secs_f64() && !budget.is_over() && budget.bears(forecast);
             let answered = is_in_time.then(|| self.sweeps.with_answers(&study, Some(gpu))).transpose()?;

@@ -101,16 +101,16 @@ pub fn given<'a, 'b>(
     };
     let joint = DeviceJoint { bodies: [body(0), body(1)], outlines };
     let loads = cases.flat_map(|case| JointScale::of(&case.joint).loads_in_contact(&case.steps));
-    let load_count = joint.numbers(loads, numbers)?;
+    let [load_count, amplitude_count] = joint.numbers(loads, numbers)?;
     let condensed = bodies.map(|body| match body {
         GivenBody::Solved(_) => None,
         GivenBody::OnDevice(body) => Some(body.place),
     });
-    Some(Given { tables, load_count, condensed, kept: joint.even() })
+    Some(Given { tables, load_count, amplitude_count, condensed, kept: joint.even() })
 }
 
-/// The answers to the designs of a joint that was given, from what a device has found, if all of them are good enough; `own` is what is
-/// known of a body.
+/// The answers to the designs of a joint that was given, from what a device has found, and what each wants; nothing where one has no state. `own` is
+/// what is known of a body.
 pub fn judged_designs<'a, 'b>(
     spaces: &Spaces,
     plan: &'b JointPlan,
@@ -128,7 +128,7 @@ pub fn judged_designs<'a, 'b>(
         // As many as the design has loads in contact.
         let own = states.by_ref().map(|found| Ok((found.state, errors_of_bodies(&errors, &found))));
         let (answer, want) = judged(case, &outlines, solving, of_curve, own);
-        (want == Want::Nothing).then_some((answer, want))
+        answer.steps.iter().all(|step| step.response.is_some()).then_some((answer, want))
     };
     cases.map(answer).collect()
 }

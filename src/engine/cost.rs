@@ -244,8 +244,10 @@ pub struct DesignParts {
     /// The same of interpolated bodies.
     pub interpolated: Part,
     pub others: f64,
-    /// What of `others` is rows of interpolated designs.
-    pub interpolated_rows: f64,
+    /// What of `others` is rows of interpolated designs,
+    pub rows_of_interpolated: f64,
+    /// and of designs on meshes whose joints a device may solve.
+    pub rows_on_meshes: f64,
 }
 
 /// Some things, and what they take on the processor, s.
@@ -299,7 +301,7 @@ impl DesignCost<'_> {
             let of_rows = rows * row.seconds();
             return DesignParts {
                 interpolated: Part { count: 1.0, seconds: Unit::InterpolatedDesign.seconds() },
-                interpolated_rows: of_rows,
+                rows_of_interpolated: of_rows,
                 others: of_rows,
                 ..DesignParts::default()
             };
@@ -318,6 +320,7 @@ impl DesignCost<'_> {
         let mut parts = DesignParts {
             on_meshes: needs.for_devices,
             others: of_rows.seconds() + needs.seconds - needs.for_devices.seconds,
+            rows_on_meshes: if needs.for_devices.count > 0.0 { rows * row.seconds() } else { 0.0 },
             ..DesignParts::default()
         };
         for group in needs.groups.values() {

@@ -15,9 +15,19 @@ pub const JOINTS_TOGETHER: usize = 16;
 pub struct Given<'a, T> {
     pub tables: JointTables<'a>,
     pub load_count: u32,
+    /// Numbers behind those of the loads.
+    pub amplitude_count: u32,
     /// Of pin and plate, where the device condenses it.
     pub condensed: [Option<CondensedBody>; 2],
     pub kept: T,
+}
+
+impl<'a, T> Given<'a, T> {
+    /// With something else that is kept.
+    pub fn keeping<U>(self, kept: U) -> Given<'a, U> {
+        let Given { tables, load_count, amplitude_count, condensed, .. } = self;
+        Given { tables, load_count, amplitude_count, condensed, kept }
+    }
 }
 
 /// Joints that a device has, of some things in their order; nothing for those that it has not.
@@ -43,9 +53,9 @@ pub fn gathered<'a, I: Sync, T: Send>(
             if given.is_none() {
                 portion.numbers.truncate(at);
             }
-            let own = given.map(|Given { tables, load_count, condensed, kept }| {
-                let tables = portion.place_of(tables);
-                (kept, BatchedJoint { tables, numbers_at: at as u32, load_count, condensed })
+            let own = given.map(|Given { tables, load_count, amplitude_count, condensed, kept }| {
+                let (tables, numbers_at) = (portion.place_of(tables), at as u32);
+                (kept, BatchedJoint { tables, numbers_at, load_count, amplitude_count, condensed })
             });
             portion.kept.push(own);
         }

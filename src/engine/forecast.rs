@@ -21,8 +21,8 @@ pub struct Demand {
     pub on_meshes: Part,
     pub interpolated: Part,
     pub others: f64,
-    /// What of `others` a device does that solves these interpolated joints: it counts their rows where none is written.
-    pub counted: f64,
+    /// What of `others` a device does that solves joints on meshes, and interpolated ones: it counts their rows where none is written.
+    pub counted: [f64; 2],
     /// Whether a device with f64 draws those designs itself: nothing is made for them here.
     pub drawn: bool,
 }
@@ -84,7 +84,8 @@ impl Demand {
             sum.on_meshes += parts.on_meshes;
             sum.interpolated += parts.interpolated;
             sum.others += parts.others;
-            sum.interpolated_rows += parts.interpolated_rows;
+            sum.rows_on_meshes += parts.rows_on_meshes;
+            sum.rows_of_interpolated += parts.rows_of_interpolated;
             seen += 1.0;
             if parts.bodies.count > 0.0 {
                 on_meshes += 1.0;
@@ -108,7 +109,8 @@ impl Demand {
             on_meshes: sum.on_meshes * of_all,
             interpolated: sum.interpolated * of_all,
             others: sum.others * of_all,
-            counted: question.as_ref().map_or(0.0, |_| sum.interpolated_rows * of_all),
+            counted: [sum.rows_on_meshes, sum.rows_of_interpolated]
+                .map(|rows| if question.is_some() { rows * of_all } else { 0.0 }),
             drawn: question.is_some_and(|question| Drawing::of(study, &question).is_some()),
         })
     }
@@ -124,7 +126,7 @@ impl Demand {
         let [mut on_threads, mut on_device] = [self.others, self.bodies.seconds * rates.device];
         let mut host = rates.host * self.bodies.count;
         for (joints, counted, is_on_meshes) in
-            [(self.on_meshes, 0.0, true), (self.interpolated, self.counted, false)]
+            [(self.on_meshes, self.counted[0], true), (self.interpolated, self.counted[1], false)]
         {
             match rates.joints.filter(|joints| joints.on_meshes || !is_on_meshes) {
                 Some(rates) => {
@@ -205,7 +207,7 @@ mod tests {
         let demand = Demand::worth_a_device(&interpolated(3_000_000), 1, None).unwrap();
         assert!((demand.interpolated.count / 3e6 - 1.0).abs() < 0.05, "{demand:?}");
         assert!(demand.interpolated.seconds > 10.0 * demand.bodies.seconds, "{demand:?}");
-        assert_eq!(demand.counted, 0.0);
+        assert_eq!(demand.counted, [0.0; 2]);
     }
 
     /// Where answers are all that is asked for, rows of interpolated designs may be the device's; to the processor they are less than written ones.
@@ -218,10 +220,17 @@ mod tests {
         };
         let [written, answered] = ["", "[reduce]\nstatistics = [\"force\"]"].map(of);
         assert_eq!(answered.interpolated, written.interpolated);
-        assert_eq!(written.counted, 0.0);
-        assert!(answered.counted > 0.5 * answered.others, "{answered:?}");
+        assert_eq!(written.counted, [0.0; 2]);
+        assert!(answered.counted[1] > 0.5 * answered.others, "{answered:?}");
         assert!(answered.others < written.others, "{answered:?}");
-        // A device with f64 draws them, too, whose numbers are not made here then.
+        let on_meshes = study(
+            3_000_000,
+            "interpolation = \"off\"",
+            "interpolation = \"off\"\n[reduce]\nstatistics = [\"force\"]",
+        );
+        let [of_meshes, of_interpolated] = Demand::worth_a_device(&on_meshes, 1, None).unwrap().counted;
+        assert!((of_meshes / answered.counted[1] - 1.0).abs() < 0.05 && of_interpolated == 0.0);
+        // A device with f64 draws interpolated ones, too, whose numbers are not made here then.
         assert!(answered.drawn && !written.drawn);
         let rates =
             Rates { device: 0.0, start: 0.0, joints: Some(JointRates { device: 0.0, ..JOINTS }), ..RATES };
@@ -285,7 +294,7 @@ mod tests {
             on_meshes: part(1e6, 0.0),
             interpolated: part(0.0, 0.0),
             others: 16.0,
-            counted: 0.0,
+            counted: [0.0; 2],
             drawn: false,
         };
         let Forecast { processor, device } = demand.forecast(&RATES, 2);
@@ -321,7 +330,7 @@ mod tests {
             on_meshes: part(1e6, 40.0),
             interpolated: none,
             others: 4.0,
-            counted: 0.0,
+            counted: [0.0; 2],
             drawn: false,
         };
         let interpolated = Demand { on_meshes: none, interpolated: part(1e6, 40.0), ..on_meshes };
@@ -339,12 +348,17 @@ mod tests {
                 assert_eq!((processor, device), (44.0, expected), "{joints:?}");
             }
         }
-        // Rows that the device counts with interpolated joints are nothing to the threads.
-        let counting = Demand { counted: 3.0, ..interpolated };
-        let swift = JointRates { device: 0.05, ..joints(true) };
-        for (joints, expected) in [(Some(swift), 3.0), (None, 44.0)] {
+        // Rows that the device counts with the joints that it solves are nothing to the threads.
+        let counting = Demand { counted: [0.0, 3.0], ..interpolated };
+        let on_meshes = Demand { counted: [3.0, 0.0], ..on_meshes };
+        let swift = |are_on_meshes| Some(JointRates { device: 0.05, ..joints(are_on_meshes) });
+        for (joints, of_meshes, of_interpolated) in
+            [(swift(true), 3.0, 3.0), (swift(false), 44.0, 3.0), (None, 44.0, 44.0)]
+        {
             let rates = Rates { start: 0.0, joints, ..RATES };
-            assert_eq!(counting.forecast(&rates, 1).device, expected, "{joints:?}");
+            for (demand, expected) in [(on_meshes, of_meshes), (counting, of_interpolated)] {
+                assert_eq!(demand.forecast(&rates, 1).device, expected, "{joints:?}");
+            }
         }
     }
 }

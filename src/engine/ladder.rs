@@ -66,8 +66,8 @@ impl Attempt<'_> {
 
 /// Designs whose rows a device counts.
 pub enum Counting {
-    /// With, of each, whether the device has it.
-    Given { cases: Vec<DesignCase>, are_there: Vec<bool> },
+    /// With, of each, whether the device has it, and in how many batches.
+    Given { cases: Vec<DesignCase>, are_there: Vec<bool>, batches: usize },
     /// By their numbers.
     Drawn(Range<u64>),
 }
@@ -164,12 +164,34 @@ impl<'a> Ladder<'a> {
 
     /// Has a device begin to count the rows of `cases` for who asks; nothing where nobody does, or no device counts.
     pub fn begin_count(&mut self, cases: Vec<DesignCase>) -> Result<Counting, Vec<DesignCase>> {
-        let Ladder { interpolation, library, spaces, asker, .. } = self;
-        let (Some(interpolation), Some(asker)) = (interpolation, *asker) else { return Err(cases) };
-        match interpolation.begin_count(library, spaces, &cases, asker) {
-            Some(are_there) => Ok(Counting::Given { cases, are_there }),
-            None => Err(cases),
+        let Some(asker) = self.asker else { return Err(cases) };
+        let Ladder { interpolation, library, spaces, .. } = self;
+        let (are_there, batches) = match interpolation {
+            Some(interpolation) => match interpolation.begin_count(library, spaces, &cases, asker) {
+                Some(are_there) => (are_there, 1),
+                None => return Err(cases),
+            },
+            None if library.solves_joints() == SolvedJoints::All
+                && self.options.method != MethodChoice::ClosedForm =>
+            {
+                self.begin_count_whole(&cases, asker)
+            }
+            None => return Err(cases),
+        };
+        match batches {
+            0 => Err(cases),
+            batches => Ok(Counting::Given { cases, are_there, batches }),
         }
+    }
+
+    /// The same of designs whose bodies a device condenses for it.
+    fn begin_count_whole(&mut self, cases: &[DesignCase], asker: &dyn Asker) -> (Vec<bool>, usize) {
+        let Ladder { library, spaces, options: SolveOptions { method, accuracy }, .. } = self;
+        let cheapest = |(index, case)| Some((index, JointPlan::cheapest(case, *method, *accuracy).ok()?));
+        let open: Vec<(usize, JointPlan)> =
+            cases.par_iter().enumerate().with_min_len(MANY).filter_map(cheapest).collect();
+        let mut whole = WholeJoints { library, spaces, accuracy: *accuracy, contact: Duration::ZERO };
+        whole.begin_count(cases, &open, asker)
     }
 
     /// Has a device draw the designs of these numbers and count their rows; nothing where none can.
@@ -185,8 +207,12 @@ impl<'a> Ladder<'a> {
     /// where the device is lost.
     pub fn finish_count(&mut self, study: &Study, counting: Counting) -> Option<Result<Finished, Error>> {
         let question = self.asker?.question();
+        let batches = match &counting {
+            Counting::Given { batches, .. } => *batches,
+            Counting::Drawn(_) => 1,
+        };
         let (mut counted, mut verdicts) = (Counted::none(question), Vec::new());
-        for told in self.library.finish_answers().unwrap_or_default() {
+        for told in (0..batches).flat_map(|_| self.library.finish_answers()).flatten() {
             let (more, own) = question.read(&told);
             counted.merge(&more);
             verdicts.extend(own);
@@ -195,7 +221,7 @@ impl<'a> Ladder<'a> {
         let mut verdict =
             |is_there: bool| is_there.then(|| verdicts.next()).flatten().unwrap_or(Verdict::Open);
         let left = match counting {
-            Counting::Given { cases, are_there } => {
+            Counting::Given { cases, are_there, .. } => {
                 let verdicts: Vec<Verdict> = are_there.into_iter().map(verdict).collect();
                 let all = cases.into_par_iter().zip(verdicts).with_min_len(MANY);
                 Ok(all.filter(|(_, verdict)| *verdict != Verdict::Counted).collect())
@@ -212,6 +238,15 @@ impl<'a> Ladder<'a> {
 
     /// Answers to `cases`, in their order.
     pub fn answers(&mut self, cases: &[DesignCase]) -> Vec<Answer> {
+        self.answers_beyond(cases, |_| Want::Nothing)
+    }
+
+    /// The same where it is known of some what their first attempts leave to be wanted, by their places.
+    pub fn answers_beyond(
+        &mut self,
+        cases: &[DesignCase],
+        want: impl Fn(usize) -> Want + Sync,
+    ) -> Vec<Answer> {
         let SolveOptions { method, accuracy } = self.options;
         if method == MethodChoice::ClosedForm {
             return cases.par_iter().map(closed_form).collect();
@@ -221,8 +256,11 @@ impl<'a> Ladder<'a> {
             answers = interpolation.solve(&mut self.library, &mut self.spaces, cases, self.asker.is_none());
         }
         let left: Vec<usize> = (0..cases.len()).filter(|index| answers[*index].is_none()).collect();
-        let cheapest = |index: &usize| (*index, JointPlan::cheapest(&cases[*index], method, accuracy));
-        let plans: Vec<_> = left.par_iter().with_min_len(MANY).map(cheapest).collect();
+        let first = |index: &usize| {
+            let cheapest = JointPlan::cheapest(&cases[*index], method, accuracy);
+            (*index, cheapest.map(|plan| plan.next(want(*index)).unwrap_or(plan)))
+        };
+        let plans: Vec<_> = left.par_iter().with_min_len(MANY).map(first).collect();
         let mut open = Vec::with_capacity(plans.len());
         for (index, plan) in plans {
             match plan {

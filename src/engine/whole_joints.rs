@@ -11,7 +11,8 @@ use rayon::prelude::*;
 
 use crate::engine::accuracy::Want;
 use crate::engine::accuracy::body_errors::OwnError;
-use crate::engine::backend::joints::CondensedBody;
+use crate::engine::accuracy::fit_bound::FitBound;
+use crate::engine::backend::joints::{AskedOfJoints, CondensedBody};
 use crate::engine::backend::{Device, IN_FLIGHT};
 use crate::engine::bodies::BodyLibrary;
 use crate::engine::body_portions::{self, MANY, Portion};
@@ -20,8 +21,10 @@ use crate::engine::contact_on_device::{BodyOnDevice, GivenBody, given, is_for_de
 use crate::engine::device_joints::{JOINTS_TOGETHER, Underway, gathered};
 use crate::engine::hashed::Hashed;
 use crate::engine::joint_contact::{Alike, joint_key};
-use crate::engine::outcome::Answer;
+use crate::engine::outcome::{Answer, Method};
 use crate::engine::plan::JointPlan;
+use crate::engine::question::Asker;
+use crate::engine::question::tables::Standing;
 use crate::engine::spaces::{Needs, Spaces};
 use crate::engine::stopwatch::Stopwatch;
 use crate::mechanics::compliance::near_field::{NearField, NearFieldClass};
@@ -31,6 +34,9 @@ use crate::study::design::DesignCase;
 /// Designs tried together go to a device in so many portions, none smaller than `FEWEST` but the last: each keeps a large device busy.
 const PORTIONS: usize = 4;
 const FEWEST: usize = 1024;
+
+/// Of designs whose rows are counted: the device has those behind them meanwhile.
+const COUNTED_TOGETHER: usize = 8192;
 
 /// Of all that go there.
 pub fn portions<T>(all: &[T]) -> std::slice::Chunks<'_, T> {
@@ -106,8 +112,59 @@ impl WholeJoints<'_, '_> {
         answers
     }
 
-    /// Gives the device a portion, if it has room for it.
-    fn begin<'a>(&mut self, cases: &[DesignCase], open: &'a [(u32, Open<'a>)]) -> Option<Begun<'a>> {
+    /// Has the device count the rows of those designs of a study that it can solve; tells of each whether it has it, and in how many batches they
+    /// come.
+    pub fn begin_count(
+        &mut self,
+        cases: &[DesignCase],
+        open: &[(usize, JointPlan)],
+        asker: &dyn Asker,
+    ) -> (Vec<bool>, usize) {
+        let question = asker.question();
+        let standing = Standing::new(question, asker.limits()).on_meshes();
+        let mut tables = standing.tables();
+        let no_bound_at = tables.len();
+        tables.extend(FitBound::of_none::<f32>());
+        let rounding = self.library.device().map_or(0.0, Device::rounding);
+        let is_counted = |(_, plan): &Open| plan.method() == Method::Fe && is_for_devices(plan);
+        let whole: Vec<(u32, Open)> = (0..).zip(open).filter(|(_, open)| is_counted(open)).collect();
+        let (mut are_there, mut batches) = (vec![false; cases.len()], 0);
+        for portion in whole.chunks(COUNTED_TOGETHER) {
+            let met = self.meet(portion);
+            let Some(mut device) = self.library.take_device() else { break };
+            let around = self.library.near_fields(&met.laid.near_fields);
+            let give = |place: &usize, numbers: &mut Vec<f32>| {
+                let (index, plan) = portion[*place].1;
+                let case = &cases[*index];
+                let own = std::iter::once(case);
+                let given =
+                    given(self.spaces, plan, met.bodies(*place, self.library, &around), own, numbers)?;
+                let errors =
+                    [&plan.pin, &plan.plate].map(|request| (known_error(request, rounding), no_bound_at));
+                let errors = errors.each_ref().map(|(error, at)| (error, *at));
+                let is_for_device = standing.push_design(case, given.kept, errors, numbers);
+                // No state comes back that would have to be judged.
+                is_for_device.then(|| given.keeping(()))
+            };
+            let places: Vec<usize> = (0..portion.len()).collect();
+            let (mut batch, underway) = gathered(&places, JOINTS_TOGETHER, give);
+            batch.near_fields = met.laid.near_fields.iter().copied().zip(around).collect();
+            let (tables, ranges) = (tables.clone(), standing.ranges());
+            batch.asked = Some(AskedOfJoints { question, tables, ranges });
+            let begun = device.begin_whole(&met.laid.groups, &batch);
+            if !self.library.give_back(device, begun) {
+                break;
+            }
+            batches += 1;
+            for ((_, (index, _)), is_there) in portion.iter().zip(underway.are_there()) {
+                are_there[*index] = is_there;
+            }
+        }
+        (are_there, batches)
+    }
+
+    /// Finds the bodies of a portion, and makes what the device is given of them and their spaces.
+    fn meet(&mut self, open: &[(u32, Open)]) -> MetPortion {
         let started = Stopwatch::start();
         let plans = open.par_iter().with_min_len(MANY).map(|(_, (_, plan))| plan);
         let requests = plans.clone().map(|plan| [&plan.pin, &plan.plate].map(Hashed::new));
@@ -115,11 +172,11 @@ impl WholeJoints<'_, '_> {
         let mut distinct = Distinct::default();
         let places: Vec<[u32; 2]> =
             requests.into_iter().map(|own| own.map(|request| distinct.place(request))).collect();
-        let Laid { groups, near_fields: classes, met } = Laid::of(&distinct, self.library);
-        self.library.prepare_near_fields(&classes);
+        let laid = Laid::of(&distinct, self.library);
+        self.library.prepare_near_fields(&laid.near_fields);
         let needs = plans.zip(&places).fold(Needs::default, |needs, (plan, places)| {
             let own = [&plan.pin, &plan.plate].into_iter().zip(places);
-            own.fold(needs, |needs, (request, place)| match met[*place as usize] {
+            own.fold(needs, |needs, (request, place)| match laid.met[*place as usize] {
                 Met::Solved(handle) => needs.with((plan.space, &self.library.body(handle).compliance)),
                 Met::OnDevice { modes, .. } => {
                     needs.with_modes(plan.space, BodyOnDevice::band_count(&request.body), Some(&modes))
@@ -128,22 +185,29 @@ impl WholeJoints<'_, '_> {
         });
         self.spaces.meet(needs.reduce(Needs::default, Needs::and));
         self.library.times.shared += started.elapsed();
+        MetPortion { places, laid }
+    }
+
+    /// Gives the device a portion, if it has room for it.
+    fn begin<'a>(&mut self, cases: &[DesignCase], open: &'a [(u32, Open<'a>)]) -> Option<Begun<'a>> {
+        let met = self.meet(open);
         let key =
             |((_, (index, plan)), own): (&(u32, Open), &[u32; 2])| joint_key(*own, plan, &cases[*index]);
-        let alike = Alike::of(open.par_iter().with_min_len(MANY).zip(&places).map(key).collect());
+        let alike = Alike::of(open.par_iter().with_min_len(MANY).zip(&met.places).map(key).collect());
         let mut device = self.library.take_device()?;
         let (library, spaces) = (&*self.library, &*self.spaces);
-        let around = library.near_fields(&classes);
+        let around = library.near_fields(&met.laid.near_fields);
         let give = |joint: &Range<u32>, numbers: &mut Vec<f32>| {
             let own = alike.places(joint);
             let first = own[0] as usize;
-            let bodies = places[first].map(|place| met[place as usize].given(library, &around));
+            let bodies = met.bodies(first, library, &around);
             let own_cases = own.iter().map(|place| &cases[open[*place as usize].1.0]);
             given(spaces, &open[first].1.1, bodies, own_cases, numbers)
         };
         let (mut batch, underway) = gathered(&alike.joints, JOINTS_TOGETHER, give);
-        batch.near_fields = classes.iter().copied().zip(around).collect();
-        let begun = if batch.joints.is_empty() { Ok(false) } else { device.begin_whole(&groups, &batch) };
+        batch.near_fields = met.laid.near_fields.iter().copied().zip(around).collect();
+        let begun =
+            if batch.joints.is_empty() { Ok(false) } else { device.begin_whole(&met.laid.groups, &batch) };
         let is_begun = self.library.give_back(device, begun);
         is_begun.then_some(Begun { open, alike, underway })
     }
@@ -185,7 +249,25 @@ fn known_error(request: &BodyRequest, rounding: f64) -> OwnError<'_> {
     }
 }
 
-/// The bodies of a portion as the device is given them.
+/// The bodies of a portion, and of each design those of its pin and plate among them.
+struct MetPortion {
+    places: Vec<[u32; 2]>,
+    laid: Laid,
+}
+
+impl MetPortion {
+    /// Of a design by its place in the portion.
+    fn bodies<'a>(
+        &self,
+        design: usize,
+        library: &'a BodyLibrary,
+        around: &[&'a NearField],
+    ) -> [GivenBody<'a>; 2] {
+        self.places[design].map(|place| self.laid.met[place as usize].given(library, around))
+    }
+}
+
+/// The different bodies of a portion as the device is given them.
 struct Laid {
     groups: Vec<Group>,
     near_fields: Vec<NearFieldClass>,

@@ -134,7 +134,7 @@ fn joints_go_on_in_smaller_flights(gpu: &GpuDevice) {
 fn drawn_designs_go_on_in_smaller_flights(gpu: &GpuDevice) {
     // Many loads take more room than time.
     let text = SWEEPS[0]
-        .answers(1_000_000)
+        .answers(1_000_000, true)
         .unwrap()
         .source_text()
         .replace("count = 10, spacing", "count = 100, spacing");

@@ -9,6 +9,7 @@ use jointsweep::internals::engine::backend::joints::SolvedJoints;
 use jointsweep::internals::engine::drawing::Chosen;
 use jointsweep::internals::engine::question::{Asker, TRUSTED};
 use jointsweep::internals::engine::sweep::{self, Digest, SolvedDesigns, Statistics, SweepOptions};
+use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
 use jointsweep::internals::output::counts::Counts;
 use jointsweep::internals::output::reduce::Reductions;
 use jointsweep::internals::output::sinks::{Rows, Sinks};
@@ -59,22 +60,26 @@ pub struct Answered {
     pub counted: [u64; 2],
 }
 
-/// The answers of some designs, on a device that counts rows with kernels made so, or on the processor alone.
+/// The answers of some designs, on a device that counts rows of interpolated joints with kernels made so, or on the processor alone.
 pub fn answered(study: &Study, designs: Chosen, on_device: Option<Making>, threads: usize) -> Answered {
+    let joints = SolvedJoints::Interpolated;
+    let gpu =
+        on_device.map(|making| GpuChoice { joints, making, ..GpuChoice::new(device(), Precision::F32) });
+    answered_by(study, designs, gpu, true, threads)
+}
+
+/// The same by any choice of a device, which `counts` rows if it can.
+fn answered_by(
+    study: &Study,
+    designs: Chosen,
+    gpu: Option<GpuChoice>,
+    counts: bool,
+    threads: usize,
+) -> Answered {
     let sinks = Sinks::of(study);
     let asking = sinks.asking().unwrap();
-    let on_device = on_device.map(|making| GpuChoice {
-        joints: SolvedJoints::Interpolated,
-        making,
-        ..GpuChoice::new(device(), Precision::F32)
-    });
-    let options = SweepOptions {
-        threads,
-        gpu: on_device,
-        asker: Some(&asking as &dyn Asker),
-        designs,
-        ..SweepOptions::default()
-    };
+    let asker = counts.then_some(&asking as &dyn Asker);
+    let options = SweepOptions { threads, gpu, asker, designs, ..SweepOptions::default() };
     let make = |solved: SolvedDesigns| {
         let of_device = solved.on_device.as_ref();
         let counted = of_device.map_or([0; 2], |own| [own.counted.designs, own.candidates.len() as u64]);
@@ -144,6 +149,20 @@ histogram  = [{ of = "peak_pressure", bins = 12 }, { of = "indentation", from = 
 
 const DESIGNS: u64 = 1200;
 
+/// The same counts, and numbers as the manifest has them; the greatest estimate of an error is known so well, relative.
+fn assert_alike(found: &Counts, expected: &Counts, of_errors: f64) {
+    let of = |counts: &Counts| {
+        (counts.designs, counts.rows, counts.kept_rows, counts.failed_rows, counts.by_status.by_text())
+    };
+    assert_eq!(of(found), of(expected));
+    assert!(found.kept_rows.unwrap() > DESIGNS / 2);
+    assert!((found.greatest_linearity_error / expected.greatest_linearity_error - 1.0).abs() < 1e-4);
+    assert!((found.greatest_force_error / expected.greatest_force_error - 1.0).abs() < of_errors);
+    for (own, theirs) in found.forces_n.unwrap().iter().zip(expected.forces_n.unwrap()) {
+        assert!((own / theirs - 1.0).abs() < 1e-4);
+    }
+}
+
 /// Each kind of answer, loads of either kind, conditions of inputs, loads and results.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
@@ -175,17 +194,7 @@ fn counted_answers_are_the_processors() {
         assert!(10 * counted > 8 * DESIGNS, "{counted} {select}");
         // Small batches have little to compare with.
         assert!(2 * candidates < DESIGNS, "{candidates}");
-        let of = |counts: &Counts| {
-            (counts.designs, counts.rows, counts.kept_rows, counts.failed_rows, counts.by_status.by_text())
-        };
-        assert_eq!(of(&found.counts), of(&expected.counts));
-        assert!(found.counts.kept_rows.unwrap() > DESIGNS / 2);
-        let [own, theirs] = [&found.counts, &expected.counts];
-        assert!((own.greatest_linearity_error / theirs.greatest_linearity_error - 1.0).abs() < 1e-4);
-        assert!((own.greatest_force_error / theirs.greatest_force_error - 1.0).abs() < 0.1);
-        for (own, theirs) in own.forces_n.unwrap().iter().zip(theirs.forces_n.unwrap()) {
-            assert!((own / theirs - 1.0).abs() < 1e-4);
-        }
+        assert_alike(&found.counts, &expected.counts, 0.1);
         // One submission and one wait a batch, and few that values far out have asked for: of large batches none may be left.
         let Asked { submits, waits, .. } = found.statistics.asked;
         assert!(submits == waits && (batches..batches + 2).contains(&waits), "{waits} of {batches}");
@@ -195,6 +204,49 @@ fn counted_answers_are_the_processors() {
     println!("sums differ by {:.1e}, quantiles by {:.1e}", worst[0], worst[1]);
     // What is found in f32 differs by a few roundings.
     assert!(worst[0] < 3e-5, "{worst:?}");
+}
+
+/// The study with bodies on meshes, each condensed.
+fn on_meshes(study: &Study) -> Study {
+    let text = format!("{}[solve]\nmethod = \"fe\"\ninterpolation = \"off\"\n", study.source_text());
+    Study::from_text(Path::new("asked.toml"), text).unwrap()
+}
+
+/// The same of bodies on meshes, whose works never leave the device: what it counts is what its rows come to where they come back.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn rows_of_bodies_on_meshes_are_counted_too() {
+    let by = GpuChoice { joints: SolvedJoints::All, ..GpuChoice::new(device(), Precision::F32) };
+    let batches = 1 + (DESIGNS - 64).div_ceil(by.batch_size(false) as u64);
+    let mut are_good_at_once = 0;
+    let of_meshes = "step != 1 and method == 'fe' and method != 'interpolated'";
+    for (name, study) in [
+        ("forces", study("force = ['1 kN', '2 kN', '5 kN']", "peak_pressure < 100 MPa", ALL)),
+        (
+            "indentations",
+            study("indentation = { from = '0.002 mm', to = '0.02 mm', count = 4 }", of_meshes, ALL),
+        ),
+        ("concentric, 0.1 %", SWEEPS[1].answers(DESIGNS, false).unwrap()),
+        ("blocks", SWEEPS[2].answers(DESIGNS, false).unwrap()),
+    ] {
+        let study = if study.interpolation { on_meshes(&study) } else { study };
+        let designs = Chosen::Range(0..DESIGNS);
+        let [found, expected] =
+            [true, false].map(|counts| answered_by(&study, designs.clone(), Some(by), counts, 2));
+        let [of_sums, _] = compare(&found.answers, &expected.answers);
+        let ([counted, candidates], waits) = (found.counted, found.statistics.asked.waits);
+        println!("{name}: {counted} counted, {candidates} solved again, {waits} waits, {of_sums:.1e}");
+        assert!(10 * counted > 6 * DESIGNS && 2 * candidates < DESIGNS, "{counted} {candidates}");
+        assert_eq!((expected.counted, found.statistics.designs_on_cpu), ([0; 2], 0));
+        // One wait for what is counted, one for what is solved again, and few for values that lie farther out than was known.
+        if counted * 100 > 99 * DESIGNS {
+            are_good_at_once += 1;
+            assert!((batches..=2 * batches + 2).contains(&waits), "{waits} of {batches}");
+        }
+        assert!(of_sums < 3e-5, "{of_sums:e}");
+        assert_alike(&found.counts, &expected.counts, 0.02);
+    }
+    assert!(are_good_at_once >= 2);
 }
 
 /// What is counted does not depend on where a run was cut, nor on how many crews have counted.

@@ -11,6 +11,7 @@ use jointsweep::internals::engine::backend::{Counts, Device, Works};
 use jointsweep::internals::engine::body_request::Group;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::DesignOutcome;
+use jointsweep::internals::engine::question::counted::Told;
 use jointsweep::internals::study::design::DesignCase;
 
 use super::*;
@@ -69,6 +70,10 @@ impl Device for Watched<'_> {
         self.condenser.finish_joints()
     }
 
+    fn finish_answers(&mut self) -> Result<Vec<Told>, GpuError> {
+        self.condenser.finish_answers()
+    }
+
     fn stages(&self) -> Vec<(&'static str, Duration)> {
         self.condenser.stages()
     }
@@ -104,16 +109,26 @@ impl Watching {
         ladder: Ladder,
         cases: impl IntoIterator<Item = &'c [DesignCase]>,
     ) -> (Vec<Vec<DesignOutcome>>, Given, Counts) {
+        self.ask(gpu, ladder, |ladder| cases.into_iter().map(|cases| ladder.solve(cases)).collect())
+    }
+
+    /// What comes of a ladder on a device, what that was given, and what was asked of it.
+    pub fn ask<T>(
+        &self,
+        gpu: &GpuDevice,
+        ladder: Ladder,
+        ask: impl FnOnce(&mut Ladder) -> T,
+    ) -> (T, Given, Counts) {
         let kernels = Kernels::with_tree(gpu, Precision::F32, INVOCATIONS, Making::Checked).unwrap();
         let condenser = GpuCondenser::with(kernels, DeviceSolver::Auto).solving_joints(self.joints);
         let given = Mutex::default();
         let left = VecDeque::new();
         let device = Watched { condenser, given: &given, leaves_bodies: self.leaves_bodies, left };
         let mut ladder = ladder.on(Box::new(device));
-        let outcomes = cases.into_iter().map(|cases| ladder.solve(cases)).collect();
+        let found = ask(&mut ladder);
         assert_eq!(ladder.library.lost(), None);
         let counts = ladder.library.device().unwrap().counts();
         drop(ladder);
-        (outcomes, given.into_inner().unwrap(), counts)
+        (found, given.into_inner().unwrap(), counts)
     }
 }

@@ -2,13 +2,16 @@
 
 use std::ops::ControlFlow;
 
+use jointsweep::internals::engine::accuracy::Want;
 use jointsweep::internals::engine::backend::Counts;
 use jointsweep::internals::engine::backend::choice::GpuChoice;
 use jointsweep::internals::engine::backend::joints::SolvedJoints;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{BackendKind, DesignOutcome, Method};
+use jointsweep::internals::engine::question::counted::Verdict;
 use jointsweep::internals::engine::sweep::{self, SweepOptions};
 use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
+use jointsweep::internals::output::sinks::Sinks;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::DesignCase;
 
@@ -75,6 +78,47 @@ fn whole_joints_are_those_of_the_processor() {
         assert!(greatest(worst) < 6e-5, "{name}: {shown}");
         // However many there are at a time.
         assert_eq!(rows(&few), rows(&found[..40]), "{name}");
+    }
+}
+
+/// Of designs whose first attempt is not good enough the kernel that counts rows says what they want, as the processor does of the states: the next
+/// attempt at them is their second one.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn what_counted_designs_want_is_known() {
+    let watching = Watching { joints: SolvedJoints::All, leaves_bodies: false };
+    for (sweep, least) in [(SWEEPS[1], 40), (SWEEPS[2], 40)] {
+        let study = sweep.answers(300, false).unwrap();
+        let cases: Vec<DesignCase> = study.cases().unwrap().map(Result::unwrap).collect();
+        let sinks = Sinks::of(&study);
+        let asking = sinks.asking().unwrap();
+        let ladder = || Ladder::new(study.solve).in_double();
+        let (expected, of_all, _) = watching.ask(device(), ladder(), |ladder| ladder.solve(&cases));
+        let count_and_solve = |ladder: &mut Ladder| -> Vec<DesignOutcome> {
+            let counting = ladder.begin_count(cases.clone()).ok().unwrap();
+            let (_, left) = ladder.finish_count(&study, counting).unwrap().unwrap();
+            let is_wanting = |(_, verdict): &(DesignCase, Verdict)| verdict.want() != Want::Nothing;
+            let wanting: Vec<(DesignCase, Verdict)> = left.into_iter().filter(is_wanting).collect();
+            let (cases, verdicts): (Vec<DesignCase>, Vec<Verdict>) = wanting.into_iter().unzip();
+            let answers = ladder.answers_beyond(&cases, |place| verdicts[place].want());
+            cases.into_iter().zip(answers).map(|(case, answer)| DesignOutcome::new(case, answer)).collect()
+        };
+        let (found, given, _) = watching.ask(device(), ladder().asked_by(Some(&asking)), count_and_solve);
+        println!("{}, {}: {} want more, {given:?}, {of_all:?}", sweep.scene, sweep.accuracy, found.len());
+        let first = |given: &Given| given.whole[0].map_or(0, |[_, joints]| joints);
+        assert_eq!((first(&given), first(&of_all)), (300, 300));
+        // No attempt more, and all that the second one had but for those that had no state.
+        let [seconds, all] = [&given, &of_all].map(|given| given.whole[1].map_or(0, |[_, joints]| joints));
+        assert_eq!(given.whole.len(), of_all.whole.len());
+        assert!(
+            found.len() >= least && seconds <= all && all - seconds <= of_all.long / 2,
+            "{seconds} {all}"
+        );
+        for outcome in &found {
+            let of_all = &expected[outcome.case.index as usize];
+            assert_eq!(outcome.case.index, of_all.case.index);
+            assert_eq!(outcome.steps, of_all.steps, "{:?}", outcome.case);
+        }
     }
 }
 

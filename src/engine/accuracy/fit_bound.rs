@@ -110,6 +110,11 @@ impl FitBound {
         [count].into_iter().chain(self.angles.iter().copied()).chain(self.around.iter().flatten().copied())
     }
 
+    /// The table where bodies are in no fit, in whatever numbers.
+    pub fn of_none<T: Default>() -> [T; 1 + KINDS] {
+        std::array::from_fn(|_| T::default())
+    }
+
     /// At the arcs that contact comes to, of all bodies, without what is known of the meshes.
     pub fn near(&self) -> impl Iterator<Item = f64> {
         let near = self.angles.iter().zip(&self.of_most).filter(|(half_angle, _)| **half_angle < WIDEST);

@@ -96,12 +96,13 @@ pub struct AskedOfJoints<'a> {
     pub ranges: Vec<Option<[f64; 2]>>,
 }
 
-/// Where a joint's tables are in a batch, where its numbers begin, and how many loads it has.
+/// Where a joint's tables are in a batch, where its numbers begin, how many loads it has, and how many numbers behind those of the loads.
 #[derive(Clone, Copy, Debug)]
 pub struct BatchedJoint {
     pub tables: u32,
     pub numbers_at: u32,
     pub load_count: u32,
+    pub amplitude_count: u32,
     /// Of pin and plate, where the device condenses it.
     pub condensed: [Option<CondensedBody>; 2],
 }
@@ -212,8 +213,13 @@ impl DeviceJoint<'_> {
         [self.outlines.tilt(), Tilt::NONE]
     }
 
-    /// As the kernel has them, under some loads; tells how many these are. `None` where there are none, or too many.
-    pub fn numbers(&self, loads: impl Iterator<Item = DimensionlessLoad>, to: &mut Vec<f32>) -> Option<u32> {
+    /// As the kernel has them, under some loads; tells how many these are, and how many numbers are behind theirs. `None` where there are none, or
+    /// too many.
+    pub fn numbers(
+        &self,
+        loads: impl Iterator<Item = DimensionlessLoad>,
+        to: &mut Vec<f32>,
+    ) -> Option<[u32; 2]> {
         let even = self.even();
         for DeviceBody { infinite, share, amplitudes } in &self.bodies {
             let place = match amplitudes {
@@ -233,6 +239,7 @@ impl DeviceJoint<'_> {
             to.extend([of_indentation, of_force / even].map(|number| number as f32));
             load_count += 1;
         }
+        let before = to.len();
         for (DeviceBody { infinite, amplitudes, .. }, tilt) in self.bodies.iter().zip(tilts) {
             match amplitudes {
                 Amplitudes::Fit(_) => {}
@@ -243,7 +250,8 @@ impl DeviceJoint<'_> {
                 }
             }
         }
-        (1..=MOST_LOADS).contains(&load_count).then_some(load_count as u32)
+        let are_right = (1..=MOST_LOADS).contains(&load_count);
+        are_right.then_some([load_count, to.len() - before].map(|count| count as u32))
     }
 }
 

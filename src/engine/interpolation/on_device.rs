@@ -55,8 +55,8 @@ impl Interpolation {
             tables.extend(fit.bound.table().map(|number| number as f32));
         }
         let give = |case: &DesignCase, numbers: &mut Vec<f32>| {
-            let Given { tables, load_count, condensed, kept } = self.given(spaces, case, numbers)?;
-            let (MetJoint { members, fits, points, .. }, even) = &kept;
+            let given = self.given(spaces, case, numbers)?;
+            let (MetJoint { members, fits, points, .. }, even) = &given.kept;
             let errors = [0, 1].map(|side| {
                 (
                     OwnError::Fit(fits[side].error(&members[side].body, &points[side])),
@@ -64,9 +64,9 @@ impl Interpolation {
                 )
             });
             let errors = errors.each_ref().map(|(error, at)| (error, *at));
+            let is_for_device = standing.push_design(case, *even, errors, numbers);
             // No state comes back that would have to be judged.
-            let given = Given { tables, load_count, condensed, kept: () };
-            standing.push_design(case, *even, errors, numbers).then_some(given)
+            is_for_device.then(|| given.keeping(()))
         };
         let (mut batch, underway) = gathered(cases, TOGETHER, give);
         batch.asked = Some(AskedOfJoints { question, tables, ranges: standing.ranges() });
@@ -93,9 +93,9 @@ impl Interpolation {
             |side: usize| fits[side].on_device((&members[side].body, &points[side], members[side].share));
         let joint = DeviceJoint { bodies: [body(0)?, body(1)?], outlines: *outlines };
         let loads = JointScale::of(&case.joint).loads_in_contact(&case.steps);
-        let load_count = joint.numbers(loads, numbers)?;
+        let [load_count, amplitude_count] = joint.numbers(loads, numbers)?;
         let even = joint.even();
-        Some(Given { tables, load_count, condensed: [None; 2], kept: (met, even) })
+        Some(Given { tables, load_count, amplitude_count, condensed: [None; 2], kept: (met, even) })
     }
 
     /// The answer from what a device has found, if that is good enough.

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::{AskedHistogram, AskedQuantity, Question};
+use crate::engine::accuracy::Want;
 
 /// Numbers that are counted have binary exponents from this on, and so many of them, of either sign.
 pub const FIRST_EXPONENT: i32 = -32;
@@ -57,6 +58,36 @@ pub enum Verdict {
     Counted,
     /// It is counted, but may have a row among the extreme ones.
     Candidate,
+    /// As open ones, but it is known what it wants (`Want`).
+    MoreNodes,
+    MoreTerms,
+    FinerMesh,
+}
+
+impl Verdict {
+    const ALL: [Verdict; 6] = [
+        Verdict::Open,
+        Verdict::Counted,
+        Verdict::Candidate,
+        Verdict::MoreNodes,
+        Verdict::MoreTerms,
+        Verdict::FinerMesh,
+    ];
+
+    /// As a device tells it.
+    fn of(word: u32) -> Verdict {
+        Verdict::ALL.into_iter().find(|own| *own as u32 == word).unwrap_or(Verdict::Open)
+    }
+
+    /// What the first attempt at the design has left to be wanted, as far as is known.
+    pub fn want(self) -> Want {
+        match self {
+            Verdict::Open | Verdict::Counted | Verdict::Candidate => Want::Nothing,
+            Verdict::MoreNodes => Want::MoreNodes,
+            Verdict::MoreTerms => Want::MoreTerms,
+            Verdict::FinerMesh => Want::FinerMesh,
+        }
+    }
 }
 
 /// Of the rows of some designs, by a device. Equal for the same designs, whatever batches they came in.
@@ -215,12 +246,8 @@ impl Question {
             quantities: self.layout.quantities.iter().map(quantity).collect(),
             histograms: histograms.map(histogram).collect(),
         };
-        let verdict = |word: &u32| match *word {
-            word if word == Verdict::Counted as u32 => Verdict::Counted,
-            word if word == Verdict::Candidate as u32 => Verdict::Candidate,
-            _ => Verdict::Open,
-        };
-        (counted, words(self.layout.verdicts, told.designs).iter().map(verdict).collect())
+        let verdicts = words(self.layout.verdicts, told.designs).iter();
+        (counted, verdicts.map(|word| Verdict::of(*word)).collect())
     }
 }
 

@@ -96,7 +96,13 @@ fn leaf(operation: &Operation, place: usize, asked: AskedLoad) -> Option<Part> {
         },
         Operation::WordIs(WordTest { column: WordColumn::Result(quantity), word, equal }) => match quantity {
             // Of the rows that are counted on a device.
-            Quantity::Method => made(&sure((word == Method::Interpolated.name()) == equal)),
+            Quantity::Method if word == Method::Fe.name() => {
+                made(&format!("told_by((asked[ON_MESHES] > 0.0) == {equal})"))
+            }
+            Quantity::Method if word == Method::Interpolated.name() => {
+                made(&format!("told_by((asked[ON_MESHES] > 0.0) != {equal})"))
+            }
+            Quantity::Method => made(&sure(!equal)),
             Quantity::Status if word == "ok" => made(&format!("told_by(row.is_large != {equal})")),
             Quantity::Status if word == Remark::LargeDisplacement.text() => {
                 made(&format!("told_by(row.is_large == {equal})"))

@@ -15,8 +15,8 @@ use crate::study::config::Study;
 use crate::study::expression::Expression;
 use crate::study::reduce::{Objective, Order, Reduce};
 
-/// How far a device's number is from the processor's, at most, relative: of what it finds, of what it adds to that in calculating (each
-/// operation), and of what it is given.
+/// How far a device's number is from the processor's, at most, relative: of what it finds of the same bodies, of what it adds to that in
+/// calculating (each operation), and of what it is given.
 pub const FOUND: f64 = 3e-5;
 pub const CALCULATED: f64 = 1e-6;
 pub const ROUNDED: f64 = 1.2e-7;

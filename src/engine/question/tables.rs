@@ -30,6 +30,8 @@ pub enum Field {
     GivenOfRow,
     VerdictsAt,
     ColumnBeginsAt,
+    /// 1 where bodies are on meshes, 0 where they are interpolated.
+    OnMeshes,
     /// How many these are.
     Count,
 }
@@ -41,11 +43,13 @@ const FARTHEST: f64 = f32::MAX as f64;
 pub struct Standing<'a> {
     question: &'a Question,
     limits: Limits,
+    on_meshes: bool,
     /// Of each axis that is given the scores of points, ascending.
     scores: Vec<Vec<f64>>,
 }
 
 impl<'a> Standing<'a> {
+    /// Of interpolated bodies.
     pub fn new(question: &'a Question, mut limits: Limits) -> Standing<'a> {
         limits.points.truncate(MOST_POINTS);
         let scores = (0..question.axes.len()).map(|axis| {
@@ -53,16 +57,22 @@ impl<'a> Standing<'a> {
             scores.sort_by(f64::total_cmp);
             scores
         });
-        Standing { question, scores: scores.collect(), limits }
+        Standing { question, scores: scores.collect(), limits, on_meshes: false }
     }
 
-    /// Before the bounds of fits.
+    /// Of bodies on meshes.
+    pub fn on_meshes(self) -> Standing<'a> {
+        Standing { on_meshes: true, ..self }
+    }
+
+    /// Before the bounds of fits, or one of none (`FitBound::of_none`).
     pub fn tables(&self) -> Vec<f32> {
-        let Standing { question, limits, .. } = self;
+        let Standing { question, limits, on_meshes, .. } = self;
         let mut tables = vec![0.0; Field::Count as usize];
         let set = |tables: &mut Vec<f32>, field: Field, number: usize| tables[field as usize] = number as f32;
         let begin = |tables: &mut Vec<f32>, field: Field| tables[field as usize] = tables.len() as f32;
         tables[Field::Accuracy as usize] = question.accuracy as f32;
+        set(&mut tables, Field::OnMeshes, usize::from(*on_meshes));
         set(&mut tables, Field::GivenOfDesign, question.givens.of_design.len());
         set(&mut tables, Field::GivenOfRow, question.givens.of_row.len());
         set(&mut tables, Field::VerdictsAt, question.layout.verdicts);
@@ -132,8 +142,12 @@ impl<'a> Standing<'a> {
         let scene = [joint.hole_radius, joint.thickness, even, clearance, softest, of_all, of_shear];
         to.extend(scene.map(|number| number as f32));
         for (error, at) in errors {
-            let OwnError::Fit(bound) = error else { return false };
-            let (kind, of_mesh) = bound.numbers();
+            let (kind, of_mesh) = match error {
+                OwnError::Fit(bound) => bound.numbers(),
+                OwnError::Mesh(known) => (0, *known),
+                OwnError::Nothing => (0, [0.0; _]),
+                OwnError::CutModes(_) | OwnError::Bed(_) => return false,
+            };
             to.extend([at as f32, kind as f32].into_iter().chain(of_mesh.map(|error| error as f32)));
         }
         let Givens { of_design, of_row } = &self.question.givens;

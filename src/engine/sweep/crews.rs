@@ -24,7 +24,7 @@ use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::{Counting, Ladder, drawn_here};
 use crate::engine::law_fit::add_laws;
-use crate::engine::outcome::DesignOutcome;
+use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::engine::question::counted::Verdict;
 use crate::error::Error;
 use crate::study::config::Study;
@@ -244,7 +244,8 @@ impl<'a, T: Send> Crew<'a, T> {
                 self.knows_limits = true;
             }
             Some(Ok(Begun::Cases(cases))) => {
-                let mut outcomes = outcomes(&mut self.ladder, cases);
+                let answers = self.ladder.answers(&cases);
+                let mut outcomes = outcomes(cases, answers);
                 if self.fits_laws {
                     add_laws(&mut self.ladder, &mut outcomes);
                 }
@@ -281,13 +282,14 @@ impl<'a, T: Send> Crew<'a, T> {
             Err(error) => return Some(Err(error)),
         };
         let (cases, verdicts): (Vec<DesignCase>, Vec<Verdict>) = left.into_iter().unzip();
-        let mut solved = outcomes(ladder, cases);
+        let answers = ladder.answers_beyond(&cases, |place| verdicts[place].want());
+        let mut solved = outcomes(cases, answers);
         (*asker)?.look(&mut solved);
         let (mut outcomes, mut candidates) = (Vec::new(), Vec::new());
         for (outcome, verdict) in solved.into_iter().zip(verdicts) {
             match verdict {
                 Verdict::Candidate => candidates.push(outcome),
-                Verdict::Open | Verdict::Counted => outcomes.push(outcome),
+                _ => outcomes.push(outcome),
             }
         }
         Some(Ok(SolvedDesigns { outcomes, on_device: Some(CountedDesigns { counted, candidates }) }))
@@ -320,9 +322,8 @@ impl<'a, T: Send> Crew<'a, T> {
     }
 }
 
-/// Solves designs.
-fn outcomes(ladder: &mut Ladder, cases: Vec<DesignCase>) -> Vec<DesignOutcome> {
-    let answers = ladder.answers(&cases);
+/// Of designs with their answers.
+fn outcomes(cases: Vec<DesignCase>, answers: Vec<Answer>) -> Vec<DesignOutcome> {
     let cases = cases.into_par_iter().with_min_len(FIRST_BATCH).zip(answers);
     cases.map(|(case, answer)| DesignOutcome::new(case, answer)).collect()
 }

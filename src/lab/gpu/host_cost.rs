@@ -225,7 +225,8 @@ impl Device for EmptyCondenser<'_> {
         let before = processor_seconds().unwrap_or(f64::NAN);
         let is_begun = self.condenser.begin_whole(groups, batch)?;
         let between = processor_seconds().unwrap_or(f64::NAN);
-        self.stand_in_states.extend(is_begun.then(|| stand_in_states(batch)));
+        let has_states = is_begun && batch.asked.is_none();
+        self.stand_in_states.extend(has_states.then(|| stand_in_states(batch)));
         self.tell_call(before, between);
         Ok(is_begun)
     }

@@ -57,9 +57,9 @@ impl MeasuredSweep {
         self.with(designs, is_interpolated, &[])
     }
 
-    /// Interpolated, with answers instead of a table: which designs meet a requirement, statistics of them, and the best.
-    pub fn answers(&self, designs: u64) -> Result<Study, Error> {
-        self.with(designs, true, &ANSWERS)
+    /// With answers instead of a table: which designs meet a requirement, statistics of them, and the best.
+    pub fn answers(&self, designs: u64, is_interpolated: bool) -> Result<Study, Error> {
+        self.with(designs, is_interpolated, &ANSWERS)
     }
 
     fn with(&self, designs: u64, is_interpolated: bool, more: &[&str]) -> Result<Study, Error> {
@@ -90,8 +90,8 @@ mod tests {
                 let case = study.cases().unwrap().next().unwrap().unwrap();
                 assert_eq!(case.joint.plate.shape.name == "block", sweep.scene == "blocks");
                 assert_eq!(study.solve.method.name(), "fe");
-                let answers = sweep.answers(designs).unwrap();
-                assert_eq!((answers.design_count(), answers.interpolation), (designs, true));
+                let answers = sweep.answers(designs, is_interpolated).unwrap();
+                assert_eq!((answers.design_count(), answers.interpolation), (designs, is_interpolated));
             }
         }
     }

@@ -197,10 +197,11 @@ impl MeasuredJoint {
         for _ in 0..count {
             let numbers_at = batch.numbers.len() as u32;
             let loads = indentations.iter().map(|over| DimensionlessLoad::Indentation(CLEARANCE * over));
-            let load_count = joint.numbers(loads, &mut batch.numbers);
-            let load_count =
-                load_count.unwrap_or_else(|| unreachable!("there are some loads, and not too many"));
-            batch.joints.push(BatchedJoint { tables: 0, numbers_at, load_count, condensed: [None; 2] });
+            let counts = joint.numbers(loads, &mut batch.numbers);
+            let [load_count, amplitude_count] =
+                counts.unwrap_or_else(|| unreachable!("there are some loads, and not too many"));
+            let condensed = [None; 2];
+            batch.joints.push(BatchedJoint { tables: 0, numbers_at, load_count, amplitude_count, condensed });
         }
         batch
     }

@@ -36,7 +36,7 @@ pub(super) struct Load {
     pub parameters: Vec<JointParameters>,
     /// Of each count of trial pressures.
     pub places: Vec<(usize, Vec<Placed>)>,
-    /// Of each joint where its numbers and what is found of it begin, and its loads; where rows are counted.
+    /// Of each joint where its numbers and what is found of it begin, its loads and amplitudes; where rows are counted.
     pub designs: Vec<[u32; 4]>,
     /// Their numbers, among those of the batch.
     pub numbers: Range<usize>,
@@ -118,7 +118,7 @@ impl Arenas {
                 near_fields_at,
             };
             if batch.asked.is_some() {
-                load.designs.push([numbers_at, found_at, joint.load_count, 0]);
+                load.designs.push([numbers_at, found_at, joint.load_count, joint.amplitude_count]);
             }
             match load.places.iter_mut().find(|(own, _)| *own == terms) {
                 Some((_, places)) => places.push(placed),
