@@ -17,6 +17,7 @@ use jointsweep::internals::engine::question::counted::{
 use jointsweep::internals::engine::question::formula::value;
 use jointsweep::internals::engine::question::tables::Standing;
 use jointsweep::internals::engine::question::{Asker, Limits, Question};
+use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
 use jointsweep::internals::output::sinks::Sinks;
 use jointsweep::internals::study::config::Study;
 
@@ -164,7 +165,12 @@ impl Device for Lost {
     }
 
     fn solves_joints(&self) -> SolvedJoints {
-        SolvedJoints::Interpolated
+        SolvedJoints::All
+    }
+
+    fn begin_whole(&mut self, groups: &[Group], batch: &JointBatch) -> Result<bool, GpuError> {
+        assert!(batch.asked.is_some() && batch.joints.len() > 50 && !groups.is_empty());
+        Ok(true)
     }
 
     fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
@@ -230,6 +236,23 @@ fn a_lost_device_leaves_all_designs() {
         // From then on nothing is begun.
         assert!(ladder.begin_count(cases).is_err() && ladder.begin_drawn(&drawing, 0..10).is_none());
     }
+}
+
+/// The same of bodies on meshes.
+#[test]
+fn a_lost_device_leaves_all_designs_on_meshes() {
+    let study = SWEEPS[0].answers(60, false).unwrap();
+    let sinks = Sinks::of(&study);
+    let asking = sinks.asking().unwrap();
+    let mut ladder = Ladder::new(study.solve).asked_by(Some(&asking)).on(Box::new(Lost));
+    let cases: Vec<_> = study.cases().unwrap().map(Result::unwrap).collect();
+    let counting = ladder.begin_count(cases.clone()).ok().unwrap();
+    let (counted, left) = ladder.finish_count(&study, counting).unwrap().unwrap();
+    assert_eq!((counted.designs, counted.rows), (0, 0));
+    assert!(left.iter().all(|(_, verdict)| *verdict == Verdict::Open));
+    assert!(left.iter().map(|(case, _)| case.index).eq(0..60));
+    assert_eq!(ladder.library.lost(), Some(&lost()));
+    assert!(ladder.begin_count(cases).is_err());
 }
 
 /// Where rows are written, too, or nothing is asked, nobody asks a device.
