@@ -220,7 +220,7 @@ impl Bench<'_> {
         let mut scaling = Vec::new();
         let [first, others @ ..] = &SWEEPS;
         self.sizes(files, &mut scaling, *first, best, most)?;
-        self.answers(files, GpuChoice::new(self.sweeps.gpu, best), self.effort.most_of_answers)?;
+        self.answers(files, GpuChoice::new(self.sweeps.gpu, best), most)?;
         let rows = self.precisions(files, &scaling, precisions, checks)?;
         let kernels = self.kernels(files, &peaks_of, precisions, best)?;
         for measured in others {
@@ -267,27 +267,34 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Interpolated, with answers instead of a table: every size that there is time for.
+    /// With answers instead of a table, condensed and then interpolated: every size that there is time for.
     fn answers(&self, files: &mut GpuBenchmark, gpu: GpuChoice, most: u64) -> Result<(), Error> {
         let mut rows: Vec<AnswersRow> = Vec::new();
-        for designs in sizes(most) {
-            let before = rows.last().map_or(0.0, |row| row.gpu_seconds);
-            let forecast = before * designs as f64 / rows.last().map_or(1, |row| row.designs) as f64;
-            let study = FIRST.answers(designs, true)?;
-            let budget = &self.sweeps.budget;
-            let is_in_time = before < PATIENCE.as_secs_f64() && !budget.is_over() && budget.bears(forecast);
-            let answered = is_in_time.then(|| self.sweeps.with_answers(&study, Some(gpu))).transpose()?;
-            let Some((gpu_seconds, asked)) = answered.flatten() else {
-                self.left_out(files, &format!("answers to {designs} designs and more"));
-                break;
-            };
-            let is_for_cpu = designs <= self.effort.most_on_cpu;
-            let on_cpu = is_for_cpu.then(|| self.sweeps.with_answers(&study, None)).transpose()?.flatten();
-            let cpu_seconds = on_cpu.map(|(seconds, _)| seconds);
-            say(&format!("answers to {designs} designs: {}", duration(gpu_seconds)));
-            let is_timed = gpu.device.is_timed();
-            rows.push(AnswersRow { designs, gpu_seconds, cpu_seconds, asked, is_timed });
-            files.save_answers(&rows)?;
+        for (is_interpolated, bodies, most) in
+            [(false, "condensed", most), (true, "interpolated", self.effort.most_of_answers)]
+        {
+            let mut before: Option<(u64, f64)> = None;
+            for designs in sizes(most) {
+                let forecast = before.map_or(0.0, |(known, taken)| taken * designs as f64 / known as f64);
+                let is_long = before.is_some_and(|(_, taken)| taken > PATIENCE.as_secs_f64());
+                let budget = &self.sweeps.budget;
+                let is_in_time = !is_long && !budget.is_over() && budget.bears(forecast);
+                let study = FIRST.answers(designs, is_interpolated)?;
+                let answered = is_in_time.then(|| self.sweeps.with_answers(&study, Some(gpu))).transpose()?;
+                let Some((gpu_seconds, asked)) = answered.flatten() else {
+                    self.left_out(files, &format!("answers to {designs} designs and more, {bodies}"));
+                    break;
+                };
+                let is_for_cpu = designs <= self.effort.most_on_cpu;
+                let on_cpu =
+                    is_for_cpu.then(|| self.sweeps.with_answers(&study, None)).transpose()?.flatten();
+                let cpu_seconds = on_cpu.map(|(seconds, _)| seconds);
+                say(&format!("answers to {designs} designs, {bodies}: {}", duration(gpu_seconds)));
+                before = Some((designs, gpu_seconds));
+                let is_timed = gpu.device.is_timed();
+                rows.push(AnswersRow { is_interpolated, designs, gpu_seconds, cpu_seconds, asked, is_timed });
+                files.save_answers(&rows)?;
+            }
         }
         Ok(())
     }

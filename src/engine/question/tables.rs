@@ -43,6 +43,8 @@ const FARTHEST: f64 = f32::MAX as f64;
 pub struct Standing<'a> {
     question: &'a Question,
     limits: Limits,
+    /// Watches of what is given, each with its limit.
+    given: Vec<(&'a Watch, f64)>,
     on_meshes: bool,
     /// Of each axis that is given the scores of points, ascending.
     scores: Vec<Vec<f64>>,
@@ -57,7 +59,9 @@ impl<'a> Standing<'a> {
             scores.sort_by(f64::total_cmp);
             scores
         });
-        Standing { question, scores: scores.collect(), limits, on_meshes: false }
+        let scores = scores.collect();
+        let given = watches(question, &limits).filter(|(watch, _)| is_given(question, watch)).collect();
+        Standing { question, limits, given, on_meshes: false, scores }
     }
 
     /// Of bodies on meshes.
@@ -172,8 +176,8 @@ impl<'a> Standing<'a> {
         let score = |watch: &Watch| {
             watch.sign * value(self.question.quantities[watch.quantity].of.operations(), case, step)
         };
-        let is_extreme = |(watch, limit): (&Watch, f64)| self.is_given(watch) && score(watch) < limit;
-        to.push(if self.watches().any(is_extreme) { 1.0 } else { 0.0 });
+        let is_extreme = |(watch, limit): &(&Watch, f64)| score(watch) < *limit;
+        to.push(if self.given.iter().any(is_extreme) { 1.0 } else { 0.0 });
         let rank = |(axis, watch): (usize, &Watch)| match self.is_given(watch) {
             true => self.rank(axis, score(watch)),
             false => 0.0,
@@ -193,20 +197,28 @@ impl<'a> Standing<'a> {
         (0..self.question.quantities.len()).map(range).collect()
     }
 
-    /// Each with its limit.
     fn watches(&self) -> impl Iterator<Item = (&Watch, f64)> {
-        let limit = |place: usize| self.limits.watches.get(place).copied().unwrap_or(f64::INFINITY);
-        self.question.watches.iter().enumerate().map(move |(place, watch)| (watch, limit(place)))
+        watches(self.question, &self.limits)
     }
 
     fn is_given(&self, watch: &Watch) -> bool {
-        self.question.quantities[watch.quantity].is_given
+        is_given(self.question, watch)
     }
 
     /// How many points have no greater score along an axis: of two scores the greater one has no smaller rank.
     fn rank(&self, axis: usize, score: f64) -> f32 {
         self.scores[axis].partition_point(|own| *own <= score) as f32
     }
+}
+
+/// Each with its limit.
+fn watches<'a>(question: &'a Question, limits: &Limits) -> impl Iterator<Item = (&'a Watch, f64)> {
+    let limit = |place: usize| limits.watches.get(place).copied().unwrap_or(f64::INFINITY);
+    question.watches.iter().enumerate().map(move |(place, watch)| (watch, limit(place)))
+}
+
+fn is_given(question: &Question, watch: &Watch) -> bool {
+    question.quantities[watch.quantity].is_given
 }
 
 /// In f32, and no smaller.

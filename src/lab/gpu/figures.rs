@@ -54,9 +54,11 @@ pub struct ScalingRow {
     pub gpu_interpolated_seconds: Option<f64>,
 }
 
-/// A sweep that is interpolated, with answers instead of a table: wall times of the whole, s.
+/// A sweep with answers instead of a table: wall times of the whole, s.
 #[derive(Clone, Copy, Debug)]
 pub struct AnswersRow {
+    /// Whether its bodies are interpolated; all are condensed otherwise.
+    pub is_interpolated: bool,
     pub designs: u64,
     pub gpu_seconds: f64,
     pub cpu_seconds: Option<f64>,
@@ -227,10 +229,11 @@ pub fn scaling(rows: &[ScalingRow]) -> String {
 
 /// `answers.csv`.
 pub fn answers(rows: &[AnswersRow]) -> String {
-    let mut text = "designs,gpu_wall_s,gpu_designs_per_s,cpu_wall_s,cpu_designs_per_s,gpu_busy_s,waits,bytes_up,bytes_down\n".to_string();
-    for AnswersRow { designs, gpu_seconds, cpu_seconds, asked, is_timed } in rows {
+    let mut text = "bodies,designs,gpu_wall_s,gpu_designs_per_s,cpu_wall_s,cpu_designs_per_s,gpu_busy_s,waits,bytes_up,bytes_down\n".to_string();
+    for AnswersRow { is_interpolated, designs, gpu_seconds, cpu_seconds, asked, is_timed } in rows {
         let rate = |seconds: f64| *designs as f64 / seconds;
         text += &line(&[
+            (if *is_interpolated { "interpolated" } else { "condensed" }).to_string(),
             designs.to_string(),
             number(*gpu_seconds),
             number(rate(*gpu_seconds)),
@@ -410,13 +413,20 @@ mod tests {
             bytes_down: 9,
             ..Counts::default()
         };
-        let row =
-            AnswersRow { designs: 100, gpu_seconds: 2.0, cpu_seconds: Some(4.0), asked, is_timed: true };
-        let text = answers(&[row, AnswersRow { cpu_seconds: None, is_timed: false, ..row }]);
+        let row = AnswersRow {
+            is_interpolated: true,
+            designs: 100,
+            gpu_seconds: 2.0,
+            cpu_seconds: Some(4.0),
+            asked,
+            is_timed: true,
+        };
+        let without = AnswersRow { is_interpolated: false, cpu_seconds: None, is_timed: false, ..row };
+        let text = answers(&[row, without]);
         let lines: Vec<&str> = text.lines().skip(1).collect();
         let expected = [
-            "100,2.00000e0,5.00000e1,4.00000e0,2.50000e1,5.00000e-1,3,7,9",
-            "100,2.00000e0,5.00000e1,,,,3,7,9",
+            "interpolated,100,2.00000e0,5.00000e1,4.00000e0,2.50000e1,5.00000e-1,3,7,9",
+            "condensed,100,2.00000e0,5.00000e1,,,,3,7,9",
         ];
         assert_eq!(lines, expected);
     }
