@@ -36,7 +36,7 @@ const PORTIONS: usize = 4;
 const FEWEST: usize = 1024;
 
 /// Of designs whose rows are counted: the device has those behind them meanwhile.
-const COUNTED_TOGETHER: usize = 8192;
+const COUNTED_TOGETHER: usize = 4096;
 
 /// Of all that go there.
 pub fn portions<T>(all: &[T]) -> std::slice::Chunks<'_, T> {
@@ -129,7 +129,8 @@ impl WholeJoints<'_, '_> {
         let is_counted = |(_, plan): &Open| plan.method() == Method::Fe && is_for_devices(plan);
         let whole: Vec<(u32, Open)> = (0..).zip(open).filter(|(_, open)| is_counted(open)).collect();
         let (mut are_there, mut batches) = (vec![false; cases.len()], 0);
-        for portion in whole.chunks(COUNTED_TOGETHER) {
+        let (mut left, mut together) = (&whole[..], COUNTED_TOGETHER);
+        while let Some((portion, others)) = left.split_at_checked(together.min(left.len()).max(1)) {
             let met = self.meet(portion);
             let Some(mut device) = self.library.take_device() else { break };
             let around = self.library.near_fields(&met.laid.near_fields);
@@ -153,8 +154,14 @@ impl WholeJoints<'_, '_> {
             batch.asked = Some(AskedOfJoints { question, tables, ranges });
             let begun = device.begin_whole(&met.laid.groups, &batch);
             if !self.library.give_back(device, begun) {
-                break;
+                if self.library.lost().is_some() || portion.len() <= FEWEST {
+                    break;
+                }
+                // There may be room for fewer.
+                together = portion.len() / 2;
+                continue;
             }
+            left = others;
             batches += 1;
             for ((_, (index, _)), is_there) in portion.iter().zip(underway.are_there()) {
                 are_there[*index] = is_there;

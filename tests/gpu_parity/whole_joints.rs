@@ -122,6 +122,27 @@ fn what_counted_designs_want_is_known() {
     }
 }
 
+/// Where a device has no room for the bodies of all designs that it is to count, it counts fewer at a time.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn counted_designs_come_in_parts_where_room_is_short() {
+    let study = SWEEPS[0].answers(2000, false).unwrap();
+    let cases: Vec<DesignCase> = study.cases().unwrap().map(Result::unwrap).collect();
+    let sinks = Sinks::of(&study);
+    let asking = sinks.asking().unwrap();
+    let mut small = device().clone();
+    small.facts.limits.binding_bytes = 700_000;
+    let watching = Watching { joints: SolvedJoints::All, leaves_bodies: false };
+    let ladder = Ladder::new(study.solve).asked_by(Some(&asking));
+    let (counted, given, _) = watching.ask(&small, ladder, |ladder| {
+        let counting = ladder.begin_count(cases).ok().unwrap();
+        ladder.finish_count(&study, counting).unwrap().unwrap().0.designs
+    });
+    println!("{counted} counted, {given:?}");
+    assert!(given.whole[0].is_none() && given.whole[1].is_some() && given.whole.len() == 3, "{given:?}");
+    assert!(counted > 1700, "{counted}");
+}
+
 /// A portion is waited for once, and of its bodies nothing comes back.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
@@ -192,8 +213,8 @@ fn what_is_left_goes_the_long_way() {
         all.iter().flat_map(|outcome| &outcome.steps).map(|step| step.response.is_some()).collect()
     };
     assert_eq!(answers(&found), answers(&expected));
-    // With those that are asked for again on a finer mesh: 28 where nobody looks at what rounding has spoilt.
-    assert!(given.long > 50 && given.long < 100, "{given:?}");
+    // With those that are asked for again on a finer mesh: 2 where nobody looks at what rounding has spoilt.
+    assert!(given.long > 30 && given.long < 100, "{given:?}");
     // Devices without room for all tables together, and for some tables and meshes at all.
     let cases = designs(132, 200, concentric);
     for (bytes, least) in [(700_000, 190), (100_000, 20)] {
