@@ -33,7 +33,7 @@ fn main() -> std::io::Result<()> {
         let variant = Variant { terms, ..Variant::plain(Precision::F32, MOST_NODES as u32) };
         std::fs::write(folder.join(format!("joints-{terms}.wgsl")), JOINTS.variant(&variant))?;
     }
-    let sweep = SWEEPS[0].answers(1000).expect("it is sound");
+    let sweep = SWEEPS[0].answers(1000, true).expect("it is sound");
     let question = Question::of(&sweep).expect("a device knows what is asked");
     let answers = ANSWERS.variant(&Variant::plain(Precision::F32, 64)) + &question.text;
     std::fs::write(folder.join("answers.wgsl"), answers)
