@@ -2,6 +2,8 @@
 //! on the next one until it is good enough or there is no more. Rungs are bodies interpolated between others, then plans of
 //! ever finer meshes and pressure spaces; whatever condenses the bodies.
 
+pub mod counting;
+
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::time::Duration;
@@ -18,7 +20,6 @@ use crate::engine::body_request::{BodyHandle, JointBodies};
 use crate::engine::contact_on_device::{GivenBody, given, judged_designs};
 use crate::engine::device_joints::{JOINTS_TOGETHER, Underway, gathered};
 use crate::engine::hashed::Hashed;
-use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::interpolation::interpolated::Interpolation;
 use crate::engine::joint_contact::{Alike, ContactRoom, SolvedPlan, joint_key, own_error, solve_designs};
@@ -26,13 +27,11 @@ use crate::engine::known_bodies::RequestKey;
 use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::engine::plan::JointPlan;
 use crate::engine::question::Asker;
-use crate::engine::question::counted::{Counted, Verdict};
 use crate::engine::row::{closed_form, refused};
 use crate::engine::spaces::{Needs, Spaces};
 use crate::engine::stopwatch::Stopwatch;
 use crate::engine::whole_joints::{WholeJoints, portions};
-use crate::error::Error;
-use crate::study::config::{MethodChoice, SolveOptions, Study};
+use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
 
 /// The answers to the designs of a joint, and what they have taken.
@@ -62,24 +61,6 @@ impl Attempt<'_> {
     ) -> impl Iterator<Item = &'b DesignCase> + Clone {
         self.alike.places(joint).iter().map(|place| &cases[self.open[*place as usize].0])
     }
-}
-
-/// Designs whose rows a device counts.
-pub enum Counting {
-    /// With, of each, whether the device has it, and in how many batches.
-    Given { cases: Vec<DesignCase>, are_there: Vec<bool>, batches: usize },
-    /// By their numbers.
-    Drawn(Range<u64>),
-}
-
-/// What is counted, and designs that something is left to do of.
-pub type Finished = (Counted, Vec<(DesignCase, Verdict)>);
-
-/// Designs of a study by their numbers, which ascend: those that no device draws, or has left.
-pub fn drawn_here(study: &Study, numbers: &[u64]) -> Result<Vec<DesignCase>, Error> {
-    let draw = |numbers: &[u64]| study.cases_at(numbers.iter().copied())?.collect::<Result<Vec<_>, _>>();
-    let drawn: Vec<_> = numbers.par_chunks(MANY).map(draw).collect::<Result<_, Error>>()?;
-    Ok(drawn.into_iter().flatten().collect())
 }
 
 /// Joints that a thread takes at a time, to solve them.
@@ -160,80 +141,6 @@ impl<'a> Ladder<'a> {
     pub fn solve(&mut self, cases: &[DesignCase]) -> Vec<DesignOutcome> {
         let answers = self.answers(cases);
         cases.iter().zip(answers).map(|(case, answer)| DesignOutcome::new(case.clone(), answer)).collect()
-    }
-
-    /// Has a device begin to count the rows of `cases` for who asks; nothing where nobody does, or no device counts.
-    pub fn begin_count(&mut self, cases: Vec<DesignCase>) -> Result<Counting, Vec<DesignCase>> {
-        let Some(asker) = self.asker else { return Err(cases) };
-        let Ladder { interpolation, library, spaces, .. } = self;
-        let (are_there, batches) = match interpolation {
-            Some(interpolation) => match interpolation.begin_count(library, spaces, &cases, asker) {
-                Some(are_there) => (are_there, 1),
-                None => return Err(cases),
-            },
-            None if library.solves_joints() == SolvedJoints::All
-                && self.options.method != MethodChoice::ClosedForm =>
-            {
-                self.begin_count_whole(&cases, asker)
-            }
-            None => return Err(cases),
-        };
-        match batches {
-            0 => Err(cases),
-            batches => Ok(Counting::Given { cases, are_there, batches }),
-        }
-    }
-
-    /// The same of designs whose bodies a device condenses for it.
-    fn begin_count_whole(&mut self, cases: &[DesignCase], asker: &dyn Asker) -> (Vec<bool>, usize) {
-        let Ladder { library, spaces, options: SolveOptions { method, accuracy }, .. } = self;
-        let cheapest = |(index, case)| Some((index, JointPlan::cheapest(case, *method, *accuracy).ok()?));
-        let open: Vec<(usize, JointPlan)> =
-            cases.par_iter().enumerate().with_min_len(MANY).filter_map(cheapest).collect();
-        let mut whole = WholeJoints { library, spaces, accuracy: *accuracy, contact: Duration::ZERO };
-        whole.begin_count(cases, &open, asker)
-    }
-
-    /// Has a device draw the designs of these numbers and count their rows; nothing where none can.
-    pub fn begin_drawn(&mut self, drawing: &Drawing, numbers: Range<u64>) -> Option<Counting> {
-        let Ladder { interpolation, library, spaces, asker, .. } = self;
-        let (interpolation, asker) = (interpolation.as_mut()?, (*asker)?);
-        let designs = u32::try_from(numbers.start).ok()?..u32::try_from(numbers.end).ok()?;
-        let is_begun = interpolation.begin_drawn(library, spaces, drawing, asker, designs);
-        is_begun.then_some(Counting::Drawn(numbers))
-    }
-
-    /// What is counted of the designs of a study that were begun before all others, and those of them that something is left to do of: all
-    /// where the device is lost.
-    pub fn finish_count(&mut self, study: &Study, counting: Counting) -> Option<Result<Finished, Error>> {
-        let question = self.asker?.question();
-        let batches = match &counting {
-            Counting::Given { batches, .. } => *batches,
-            Counting::Drawn(_) => 1,
-        };
-        let (mut counted, mut verdicts) = (Counted::none(question), Vec::new());
-        for told in (0..batches).flat_map(|_| self.library.finish_answers()).flatten() {
-            let (more, own) = question.read(&told);
-            counted.merge(&more);
-            verdicts.extend(own);
-        }
-        let mut verdicts = verdicts.into_iter();
-        let mut verdict =
-            |is_there: bool| is_there.then(|| verdicts.next()).flatten().unwrap_or(Verdict::Open);
-        let left = match counting {
-            Counting::Given { cases, are_there, .. } => {
-                let verdicts: Vec<Verdict> = are_there.into_iter().map(verdict).collect();
-                let all = cases.into_par_iter().zip(verdicts).with_min_len(MANY);
-                Ok(all.filter(|(_, verdict)| *verdict != Verdict::Counted).collect())
-            }
-            Counting::Drawn(numbers) => {
-                let all = numbers.map(|number| (number, verdict(true)));
-                let left = all.filter(|(_, verdict)| *verdict != Verdict::Counted);
-                let (numbers, verdicts): (Vec<u64>, Vec<Verdict>) = left.unzip();
-                drawn_here(study, &numbers).map(|cases| cases.into_iter().zip(verdicts).collect())
-            }
-        };
-        Some(left.map(|left| (counted, left)))
     }
 
     /// Answers to `cases`, in their order.
