@@ -81,6 +81,8 @@ pub struct Drawer<'a> {
     bodies: Vec<Distinct>,
     /// Whether a device draws.
     on_device: bool,
+    /// Batches at the beginning that are small ones.
+    small: usize,
 }
 
 impl<'a> Drawer<'a> {
@@ -91,7 +93,7 @@ impl<'a> Drawer<'a> {
         let listed = is_listed.then(|| chosen.cases(study, left.clone())).transpose()?;
         let hands = if is_listed { 1 } else { (threads / SOLVING).max(1) };
         let bodies = (0..hands).map(|_| Distinct::default()).collect();
-        Ok(Drawer { study, chosen, left, listed, bodies, on_device: false })
+        Ok(Drawer { study, chosen, left, listed, bodies, on_device: false, small: 1 })
     }
 
     /// That hands over numbers, from which a device draws the designs.
@@ -99,8 +101,13 @@ impl<'a> Drawer<'a> {
         Drawer { on_device, ..self }
     }
 
-    /// Draws all in batches, up to the first that cannot be read or that nobody takes; tells how many different bodies there were. The first batch is a small one,
-    /// unless a whole one `is_soon` solved.
+    /// That begins with so many small batches.
+    pub fn with_small(self, small: usize) -> Drawer<'a> {
+        Drawer { small, ..self }
+    }
+
+    /// Draws all in batches, up to the first that cannot be read or that nobody takes; tells how many different bodies there were. The first ones are
+    /// small, unless a whole one `is_soon` solved.
     pub fn draw_all(
         &mut self,
         batch_size: usize,
@@ -120,13 +127,16 @@ impl<'a> Drawer<'a> {
             }
         }
         let mut batch = first;
+        let mut small = self.small.saturating_sub(1);
         loop {
             let is_last = batch.as_ref().is_ok_and(Vec::is_empty);
             let is_broken = batch.is_err();
             if is_last || !hand_over(batch.map(Batch::Cases)) || is_broken {
                 break;
             }
-            batch = self.draw(self.to_a_multiple(batch_size));
+            let most = if small > 0 { FIRST_BATCH } else { batch_size };
+            small = small.saturating_sub(1);
+            batch = self.draw(self.to_a_multiple(batch_size).min(most));
         }
         let mut bodies = std::mem::take(&mut self.bodies).into_iter();
         let mut all = bodies.next().unwrap_or_default();
@@ -275,9 +285,9 @@ mod tests {
     #[test]
     fn a_sweep_begins_with_a_whole_batch_where_that_is_soon_solved() {
         let study = study();
-        let sizes = |is_soon: bool| -> Vec<usize> {
+        let sizes = |small: usize, is_soon: bool| -> Vec<usize> {
             let (sender, drawn) = sync_channel(10);
-            let mut drawer = Drawer::new(&study, &Chosen::All, 1).unwrap();
+            let mut drawer = Drawer::new(&study, &Chosen::All, 1).unwrap().with_small(small);
             drawer.draw_all(
                 1024,
                 |first| is_soon && first.len() == FIRST_BATCH,
@@ -288,8 +298,9 @@ mod tests {
             assert!(batches.iter().flatten().map(|case| case.index).eq(0..2500));
             batches.iter().map(Vec::len).collect()
         };
-        assert_eq!(sizes(false), [64, 960, 1024, 452]);
-        assert_eq!(sizes(true), [1024, 1024, 452]);
+        assert_eq!(sizes(1, false), [64, 960, 1024, 452]);
+        assert_eq!(sizes(3, false), [64, 64, 64, 832, 1024, 452]);
+        assert_eq!(sizes(1, true), [1024, 1024, 452]);
     }
 
     /// Where a device draws, numbers are handed over in batches that end like those of designs, up to the first that nobody takes, and as many

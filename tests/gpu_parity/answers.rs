@@ -239,6 +239,10 @@ fn rows_of_bodies_on_meshes_are_counted_too() {
             "{name}: {counted} counted, {candidates} solved again, {waits} waits ({of_rows}), {of_sums:.1e}"
         );
         assert!(10 * counted > 6 * DESIGNS && 2 * candidates < DESIGNS, "{counted} {candidates}");
+        // Crews that begin all at once have little to compare with, but not for long.
+        let [of_crews, candidates] = answered_by(&study, designs.clone(), Some(by), true, 8).counted;
+        println!("{of_crews} counted by crews, {candidates} solved again");
+        assert!(of_crews == counted && 2 * candidates < DESIGNS, "{of_crews} {counted} {candidates}");
         assert_eq!((expected.counted, found.statistics.designs_on_cpu), ([0; 2], 0));
         // Beside the waits of all attempts one a batch for those designs that are solved again; none for first attempts of which it is known what
         // they leave to be wanted.

@@ -159,7 +159,11 @@ pub fn run_digested<T: Send>(
     let (digested_sender, digested) = sync_channel(1);
     let plan = InterpolationPlan::of_study(study);
     let drawing = plan.as_ref().and_then(|_| drawing(study, options));
-    let mut drawer = Drawer::new(study, &options.designs, threads)?.on_device(drawing.is_some());
+    // Each crew that has rows counted needs some to compare others with. Of fits the first batch is the lead's alone.
+    let counts_on_meshes = options.gpu.is_some() && options.asker.is_some() && plan.is_none();
+    let small = if counts_on_meshes { crews.count() } else { 1 };
+    let drawer = Drawer::new(study, &options.designs, threads)?;
+    let mut drawer = drawer.on_device(drawing.is_some()).with_small(small);
     let on_processor = if plan.is_some() { INTERPOLATED_BATCH } else { BATCH };
     let most = options.gpu.map_or(on_processor, |gpu| match &drawing {
         Some(_) => gpu.drawn_batch_size(),
