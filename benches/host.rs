@@ -1,5 +1,6 @@
 //! What processors do around a GPU, in time of all threads a design: sweeps of designs that are all different, finite elements at 1 % and, the
-//! sixth one, at 0.1 %, with kernels that do nothing; the fifth and the last ask for answers alone, the last of designs that the device draws. `condense`: from the bodies of a batch to their works or to the states of their joints, or from interpolated joints to these; `rest`: plans, keys, near fields, contact, what is judged. `cargo bench --bench host [-- DESIGNS [REPEATS [LINE]]]`, of one line where its number is given. Any Vulkan device will do, software too; no table is written.
+//! sixth and ninth, at 0.1 %, with kernels that do nothing; the fifth and all from the seventh on ask for answers alone, the seventh of designs that
+//! the device draws, those behind it of condensed bodies. `condense`: from the bodies of a batch to their works or to the states of their joints, or from interpolated joints to these; `rest`: plans, keys, near fields, contact, what is judged. `cargo bench --bench host [-- DESIGNS [REPEATS [LINE]]]`, of one line where its number is given. Any Vulkan device will do, software too; no table is written.
 //! The first of some repeats lays out the topologies that the others find on the device.
 
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters};
@@ -17,10 +18,10 @@ enum How {
     Condensed,
     Interpolated,
     Counted,
-    /// Condensed, and their rows counted.
-    CondensedAndCounted,
     /// The same of designs that the device draws.
     Drawn,
+    /// Condensed, and their rows counted.
+    CondensedAndCounted,
 }
 
 fn main() {

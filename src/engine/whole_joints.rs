@@ -142,7 +142,6 @@ impl WholeJoints<'_, '_> {
                     given(self.spaces, plan, met.bodies(*place, self.library, &around), own, numbers)?;
                 let errors =
                     [&plan.pin, &plan.plate].map(|request| (known_error(request, rounding), no_bound_at));
-                let errors = errors.each_ref().map(|(error, at)| (error, *at));
                 let is_for_device = standing.push_design(case, given.kept, errors, numbers);
                 // No state comes back that would have to be judged.
                 is_for_device.then(|| given.keeping(()))

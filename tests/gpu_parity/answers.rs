@@ -243,7 +243,7 @@ fn rows_of_bodies_on_meshes_are_counted_too() {
         let [of_crews, candidates] = answered_by(&study, designs.clone(), Some(by), true, 8).counted;
         println!("{of_crews} counted by crews, {candidates} solved again");
         assert!(of_crews == counted && 2 * candidates < DESIGNS, "{of_crews} {counted} {candidates}");
-        assert_eq!((expected.counted, found.statistics.designs_on_cpu), ([0; 2], 0));
+        assert_eq!(found.statistics.designs_on_cpu, 0);
         // Beside the waits of all attempts one a batch for those designs that are solved again; none for first attempts of which it is known what
         // they leave to be wanted.
         assert!((batches..=of_rows + batches).contains(&waits), "{waits}, {of_rows}");

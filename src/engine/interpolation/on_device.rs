@@ -63,7 +63,6 @@ impl Interpolation {
                     bounds_at[fits[side].number],
                 )
             });
-            let errors = errors.each_ref().map(|(error, at)| (error, *at));
             let is_for_device = standing.push_design(case, *even, errors, numbers);
             // No state comes back that would have to be judged.
             is_for_device.then(|| given.keeping(()))

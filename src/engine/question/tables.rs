@@ -134,7 +134,7 @@ impl<'a> Standing<'a> {
         &self,
         case: &DesignCase,
         even: f64,
-        errors: [(&OwnError, usize); 2],
+        errors: [(OwnError, usize); 2],
         to: &mut Vec<f32>,
     ) -> bool {
         let DesignCase { joint, steps, .. } = case;
@@ -148,7 +148,7 @@ impl<'a> Standing<'a> {
         for (error, at) in errors {
             let (kind, of_mesh) = match error {
                 OwnError::Fit(bound) => bound.numbers(),
-                OwnError::Mesh(known) => (0, *known),
+                OwnError::Mesh(known) => (0, known),
                 OwnError::Nothing => (0, [0.0; _]),
                 OwnError::CutModes(_) | OwnError::Bed(_) => return false,
             };

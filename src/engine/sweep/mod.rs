@@ -12,6 +12,7 @@ use digestion::{Digested, digest_all};
 
 use crate::engine::backend::Counts;
 use crate::engine::backend::choice::GpuChoice;
+use crate::engine::backend::joints::SolvedJoints;
 use crate::engine::cost::DesignCost;
 use crate::engine::drawing::{Chosen, Drawer, FIRST_BATCH, joined};
 use crate::engine::interpolation::drawn_on_device::Drawing;
@@ -160,7 +161,8 @@ pub fn run_digested<T: Send>(
     let plan = InterpolationPlan::of_study(study);
     let drawing = plan.as_ref().and_then(|_| drawing(study, options));
     // Each crew that has rows counted needs some to compare others with. Of fits the first batch is the lead's alone.
-    let counts_on_meshes = options.gpu.is_some() && options.asker.is_some() && plan.is_none();
+    let solves_all = options.gpu.is_some_and(|gpu| gpu.joints == SolvedJoints::All);
+    let counts_on_meshes = solves_all && options.asker.is_some() && plan.is_none();
     let small = if counts_on_meshes { crews.count() } else { 1 };
     let drawer = Drawer::new(study, &options.designs, threads)?;
     let mut drawer = drawer.on_device(drawing.is_some()).with_small(small);
