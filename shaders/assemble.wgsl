@@ -3,9 +3,9 @@
 //
 // From a few numbers of each body to the values of its stiffness.
 //
-// One workgroup makes one body. Its invocations stride over lines of the mesh, then over the points of its elements,
-// then over the values of the matrix; every value gathers from its elements, so nothing is added atomically and a run
-// repeats bit for bit.
+// One workgroup makes one body. Its invocations stride over lines of the mesh, then over halves of its elements, two points each,
+// then over the pairs of nodes that have an element in common, four values each. A pair gathers from its elements, so nothing is added
+// atomically and a run repeats bit for bit. What a pair reads, of either node in each element, is 32 bytes in f32, in two pieces.
 //
 // Coordinates are kept as the reach of a node from the ring's node of its line: an element's shape then comes from
 // differences of reaches and from the ring's steps, which the host took in f64. Two coordinates are never subtracted,
@@ -23,6 +23,8 @@ struct AssembleParameters {
     element_count: u32,
     // Of one body's matrix.
     value_count: u32,
+    // Pairs of nodes that have values (`gather::Gather`).
+    pair_count: u32,
     // Systems of one body, a multiple of four, or one.
     system_count: u32,
     // Straight sides of the far boundary; 0 where it is round and all lines of a body are alike.
@@ -34,8 +36,9 @@ struct AssembleParameters {
     bodies_at: u32,
     shared_numbers_at: u32,
     element_grid_at: u32,
-    source_starts_at: u32,
+    pair_starts_at: u32,
     sources_at: u32,
+    value_places_at: u32,
     geometry_at: u32,
     values_at: u32,
     states_at: u32,
@@ -51,14 +54,15 @@ struct AssembleParameters {
 // then the derivatives of the shape functions by (xi, eta), [point][node]; then for each straight side the direction of
 // its foot, and (angle of the foot, 1 where the holding changes at the corner at its end).
 @group(0) @binding(2) var<storage, read> shared_numbers: array<wide2>;
-// Of each topology three lists, each where its parameters say:
+// Of each topology four lists, each where its parameters say:
 // element_grid: [element][node]: grid index.
-// source_starts: [value]: its first source; the end of the last one closes the list.
-// sources: [source]: (element * 16 + i) * 16 + j of the element entry that is added.
+// pair_starts: [pair]: its first source; the end of the last one closes the list.
+// sources: [source]: (element * 8 + the row's node) * 8 + the column's node.
+// value_places: [xx, xy, yx, yy][pair]: where it belongs, or NO_PLACE.
 @group(0) @binding(3) var<storage, read> lists: array<u32>;
-// [body][reach of each grid point, step to each from the one before on its line, then of each point of each element 8 gradients
-// and (|J|, 0)]
-@group(0) @binding(4) var<storage, read_write> geometry: array<wide2>;
+// [body]: of each grid point (its reach, the step to it from the one before on its line); then [element][node][half of the points] the
+// gradients by x and y at two points, times sqrt|J|, so that their products have |J|.
+@group(0) @binding(4) var<storage, read_write> geometry: array<wide4>;
 // [body][value]
 @group(0) @binding(5) var<storage, read_write> values: array<wide>;
 // [body][system]
@@ -69,10 +73,10 @@ var<private> parameters: AssembleParameters;
 
 const NODES = 8u;
 const POINTS = 4u;
-// Gradients and |J| of one point.
-const POINT_SIZE = 9u;
+// Two points each.
+const HALVES = POINTS / 2u;
 
-var<workgroup> sound_points: atomic<u32>;
+var<workgroup> sound_halves: atomic<u32>;
 var<workgroup> sound_total: u32;
 
 struct Line {
@@ -87,8 +91,8 @@ fn shared_at(place: u32) -> wide2 {
     return shared_numbers[parameters.shared_numbers_at + place];
 }
 
-fn source_start(value: u32) -> u32 {
-    return lists[parameters.source_starts_at + value];
+fn first_source(pair: u32) -> u32 {
+    return lists[parameters.pair_starts_at + pair];
 }
 
 fn body_size() -> u32 {
@@ -247,7 +251,7 @@ fn radial_part(line: Line, share: wide) -> wide {
 
 // Reaches of all grid points of a line, and steps to them from the points before: `mesh::Course::point`. In a body with straight
 // sides a mid-side line has (1 less its bow, 0) instead of its reaches, for `bow`.
-fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
+fn reach_of_line(column: u32, numbers: u32, grid: u32) {
     var line: Line;
     if parameters.side_count > 0u {
         line = line_to_side(column, numbers);
@@ -269,7 +273,8 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
     var distance = wide(1.0);
     var part = wide(1.0);
     var reach = wide2(wide(0.0), wide(0.0));
-    geometry[grid + column] = reach;
+    var less = wide(0.0);
+    geometry[grid + column] = wide4();
     for (var layer = 0u; layer < parameters.row_count / 2u; layer++) {
         // From one point to the next, so that thin layers far from the ring keep their digits.
         if parameters.row_count / 2u - layer <= parameters.shrinking_layers {
@@ -290,100 +295,98 @@ fn reach_of_line(column: u32, numbers: u32, grid: u32, steps: u32) {
             step += (more * part + share * (part - part_before)) * aside;
         }
         share += more;
-        let own = reach + step;
+        let half = wide(0.5) * step;
+        var middle = reach + half;
+        var end = reach + step;
+        reach = end;
         if !is_radial && column % 2u == 1u {
-            let before = geometry[grid + row].x;
-            let less = share * (wide(1.0) - part * (wide(1.0) + far));
-            geometry[grid + row + parameters.column_count] = wide2(wide(0.5) * (before + less), wide(0.0));
-            geometry[grid + row + 2u * parameters.column_count] = wide2(less, wide(0.0));
-        } else {
-            geometry[grid + row + parameters.column_count] = reach + wide(0.5) * step;
-            geometry[grid + row + 2u * parameters.column_count] = own;
+            let before = less;
+            less = share * (wide(1.0) - part * (wide(1.0) + far));
+            middle = wide2(wide(0.5) * (before + less), wide(0.0));
+            end = wide2(less, wide(0.0));
         }
-        geometry[steps + row + parameters.column_count] = wide(0.5) * step;
-        geometry[steps + row + 2u * parameters.column_count] = wide(0.5) * step;
-        reach = own;
+        geometry[grid + row + parameters.column_count] = wide4(middle, half);
+        geometry[grid + row + 2u * parameters.column_count] = wide4(end, half);
     }
 }
 
 // Half-way between the lines of corner nodes, but for the bow.
-fn bow(column: u32, grid: u32, steps: u32) {
+fn bow(column: u32, grid: u32) {
     let sagitta = shared_at(2u + 2u * parameters.column_count + column);
     var less_before = wide(0.0);
     for (var row = 0u; row < parameters.row_count; row++) {
-        let at = row * parameters.column_count + column;
-        let place = grid + at;
+        let place = grid + row * parameters.column_count + column;
         let less = geometry[place].x;
-        geometry[place] = wide(0.5) * (geometry[place - 1u] + geometry[place + 1u]) - less * sagitta;
-        if row > 0u {
-            let neighbours = geometry[steps + at - 1u] + geometry[steps + at + 1u];
-            geometry[steps + at] = wide(0.5) * neighbours - (less - less_before) * sagitta;
-        }
+        // Reach and step alike; there is no step to the ring.
+        let change = select(less - less_before, wide(0.0), row == 0u);
+        let bows = wide4(less * sagitta, change * sagitta);
+        geometry[place] = wide(0.5) * (geometry[place - 1u] + geometry[place + 1u]) - bows;
         less_before = less;
     }
 }
 
-// Gradients of the shape functions by x and y, and |J|, at one point of one element; whether |J| > 0.
-fn gradients(item: u32, grid: u32, steps: u32, points: u32) -> bool {
-    let element = item / POINTS;
-    let rule = 2u + 4u * parameters.column_count + (item % POINTS) * NODES;
-    let corners = vec2<u32>(lists[parameters.element_grid_at + element * NODES], lists[parameters.element_grid_at + element * NODES + 1u]);
+// Gradients of the shape functions by x and y at two points of one element, times sqrt|J|; whether |J| > 0 at both.
+fn gradients(item: u32, grid: u32, nodes: u32) -> bool {
+    let element = item / HALVES;
+    let half = item % HALVES;
+    let own_grid = parameters.element_grid_at + element * NODES;
+    let rule = 2u + 4u * parameters.column_count + half * 2u * NODES;
+    let corners = vec2<u32>(lists[own_grid], lists[own_grid + 1u]);
     // Where the element begins: nearest to the ring, and to the load line.
     let first_row = min(corners.x, corners.y) / parameters.column_count;
     let first_column = corners.x % parameters.column_count;
     let row_place = grid + first_row * parameters.column_count;
-    var by_xi = wide2(wide(0.0), wide(0.0));
-    var by_eta = wide2(wide(0.0), wide(0.0));
+    // (x, y) at one point, (x, y) at the other.
+    var by_xi = wide4();
+    var by_eta = wide4();
     for (var node = 0u; node < NODES; node++) {
-        let at = lists[parameters.element_grid_at + element * NODES + node];
+        let at = lists[own_grid + node];
         let own_column = at % parameters.column_count;
-        var place = geometry[row_place + own_column] - geometry[row_place + first_column];
+        var place = geometry[row_place + own_column].xy - geometry[row_place + first_column].xy;
         for (var column = first_column; column < own_column; column++) {
             place += shared_at(2u + parameters.column_count + column);
         }
         for (var row = first_row + 1u; row <= at / parameters.column_count; row++) {
-            place += geometry[steps + row * parameters.column_count + own_column];
+            place += geometry[grid + row * parameters.column_count + own_column].zw;
         }
-        let derivative = shared_at(rule + node);
-        by_xi += derivative.x * place;
-        by_eta += derivative.y * place;
+        let a = shared_at(rule + node);
+        let b = shared_at(rule + NODES + node);
+        by_xi += wide4(a.x * place, b.x * place);
+        by_eta += wide4(a.y * place, b.y * place);
     }
-    let determinant = by_xi.x * by_eta.y - by_xi.y * by_eta.x;
-    let inverse = wide(1.0) / determinant;
-    let out = points + item * POINT_SIZE;
+    let determinants = by_xi.xz * by_eta.yw - by_xi.yw * by_eta.xz;
+    let scales = wide(1.0) / sqrt(determinants);
+    by_xi *= scales.xxyy;
+    by_eta *= scales.xxyy;
     for (var node = 0u; node < NODES; node++) {
-        let derivative = shared_at(rule + node);
-        geometry[out + node] = inverse * wide2(
-            by_eta.y * derivative.x - by_xi.y * derivative.y,
-            by_xi.x * derivative.y - by_eta.x * derivative.x,
+        let a = shared_at(rule + node);
+        let b = shared_at(rule + NODES + node);
+        geometry[nodes + (element * NODES + node) * HALVES + half] = wide4(
+            by_eta.y * a.x - by_xi.y * a.y,
+            by_xi.x * a.y - by_eta.x * a.x,
+            by_eta.w * b.x - by_xi.w * b.y,
+            by_xi.z * b.y - by_eta.z * b.x,
         );
     }
-    geometry[out + NODES] = wide2(determinant, wide(0.0));
-    return is_finite(determinant) && determinant > wide(0.0);
+    return all(determinants > wide2()) && is_finite(determinants.x) && is_finite(determinants.y);
 }
 
-// Entry (i, j) of an element's stiffness: sum over points of |J| B_i^T D B_j.
-fn entry(source: u32, moduli: array<wide, 3>, points: u32) -> wide {
-    let element = source / 256u;
-    let i = (source / 16u) % 16u;
-    let j = source % 16u;
-    let is_direct = i % 2u == j % 2u;
-    let along = select(moduli[1], moduli[0], is_direct);
-    let shear = moduli[2];
-    var sum = wide(0.0);
-    for (var point = 0u; point < POINTS; point++) {
-        let at = points + (element * POINTS + point) * POINT_SIZE;
-        let a = geometry[at + i / 2u];
-        let b = geometry[at + j / 2u];
-        let determinant = geometry[at + NODES].x;
-        // Written out by component: one may not index a value by a variable everywhere.
-        let a_own = select(a.x, a.y, i % 2u == 1u);
-        let a_other = select(a.y, a.x, i % 2u == 1u);
-        let b_own = select(b.x, b.y, j % 2u == 1u);
-        let b_other = select(b.y, b.x, j % 2u == 1u);
-        sum += a_own * (along * determinant * b_own) + a_other * (shear * determinant * b_other);
+// Of the gradients of a source's two nodes the products xx, xy, yx and yy, summed over the points.
+fn products(source: u32, nodes: u32) -> wide4 {
+    let row = nodes + source / NODES * HALVES;
+    let column = nodes + (source / (NODES * NODES) * NODES + source % NODES) * HALVES;
+    let a = geometry[row];
+    let b = geometry[column];
+    let c = geometry[row + 1u];
+    let d = geometry[column + 1u];
+    return a.xxyy * b.xyxy + a.zzww * b.zwzw + c.xxyy * d.xyxy + c.zzww * d.zwzw;
+}
+
+fn put(value: wide, of_pair: u32, pair: u32, body_values: u32) {
+    let place = lists[parameters.value_places_at + of_pair * parameters.pair_count + pair];
+    if place != NO_PLACE {
+        values[body_values + place] = value;
     }
-    return sum;
 }
 
 @compute @workgroup_size(INVOCATIONS)
@@ -395,46 +398,52 @@ fn assemble(
     // Of its topology in the dispatch.
     let body = group.x - parameters.first_body;
     let grid_size = parameters.row_count * parameters.column_count;
-    let point_count = POINTS * parameters.element_count;
+    let half_count = HALVES * parameters.element_count;
     let numbers = parameters.bodies_at + body * body_size();
-    let grid = parameters.geometry_at + body * (2u * grid_size + point_count * POINT_SIZE);
-    let steps = grid + grid_size;
-    let points = steps + grid_size;
+    let grid = parameters.geometry_at + body * (grid_size + NODES * half_count);
+    let nodes = grid + grid_size;
 
     // The memory of a workgroup begins with anything.
     if invocation == 0u {
-        atomicStore(&sound_points, 0u);
+        atomicStore(&sound_halves, 0u);
     }
     for (var column = invocation; column < parameters.column_count; column += INVOCATIONS) {
-        reach_of_line(column, numbers, grid, steps);
+        reach_of_line(column, numbers, grid);
     }
     storageBarrier();
     workgroupBarrier();
     if parameters.side_count > 0u {
         for (var column = 2u * invocation + 1u; column < parameters.column_count; column += 2u * INVOCATIONS) {
-            bow(column, grid, steps);
+            bow(column, grid);
         }
     }
     storageBarrier();
     workgroupBarrier();
-    for (var item = invocation; item < point_count; item += INVOCATIONS) {
-        if gradients(item, grid, steps, points) {
-            atomicAdd(&sound_points, 1u);
+    for (var item = invocation; item < half_count; item += INVOCATIONS) {
+        if gradients(item, grid, nodes) {
+            atomicAdd(&sound_halves, 1u);
         }
     }
     storageBarrier();
     workgroupBarrier();
     if invocation == 0u {
-        sound_total = atomicLoad(&sound_points);
+        sound_total = atomicLoad(&sound_halves);
     }
+    let outcome = select(INVERTED, RUNNING, workgroupUniformLoad(&sound_total) == half_count);
     let moduli = elasticity(bodies[numbers]);
-    let outcome = select(INVERTED, RUNNING, workgroupUniformLoad(&sound_total) == point_count);
-    for (var value = invocation; value < parameters.value_count; value += INVOCATIONS) {
-        var sum = wide(0.0);
-        for (var source = source_start(value); source < source_start(value + 1u); source++) {
-            sum += entry(lists[parameters.sources_at + source], moduli, points);
+    let along = wide4(moduli[0], moduli[1], moduli[1], moduli[0]);
+    let body_values = parameters.values_at + body * parameters.value_count;
+    for (var pair = invocation; pair < parameters.pair_count; pair += INVOCATIONS) {
+        var sum = wide4();
+        for (var source = first_source(pair); source < first_source(pair + 1u); source++) {
+            sum += products(lists[parameters.sources_at + source], nodes);
         }
-        values[parameters.values_at + body * parameters.value_count + value] = sum;
+        // Sum over points of |J| B^T D B.
+        let block = along * sum + moduli[2] * sum.wzyx;
+        put(block.x, 0u, pair, body_values);
+        put(block.y, 1u, pair, body_values);
+        put(block.z, 2u, pair, body_values);
+        put(block.w, 3u, pair, body_values);
     }
     for (var system = invocation; system < parameters.system_count; system += INVOCATIONS) {
         states[parameters.states_at + body * parameters.system_count + system] = SystemState(outcome, 0u);

@@ -1,5 +1,5 @@
 //! The stiffness matrix of a mesh: its sparsity analysed once per topology, its values found per body. Twin of
-//! `shaders/assemble.wgsl`, which sums the points of an element entry where a value gathers it.
+//! `shaders/assemble.wgsl`, which gathers the values of two nodes at a time, and sums over the points of their elements there.
 //!
 //! Rows gather from their elements: every value is the sum of its own short list of element entries, always in
 //! the same order, so there is no scatter, nothing to lock, and a run repeats bit for bit.
@@ -144,11 +144,6 @@ impl Assembly {
     /// The sparse matrix that `values` (of `stiffness_values`) belong to.
     pub fn matrix<'a, T>(&'a self, values: &'a [T]) -> Csr<'a, T> {
         Csr { row_starts: &self.row_starts, columns: &self.columns, values }
-    }
-
-    /// The element entries of every value: where each list starts, with the end of the last, and the entries.
-    pub fn sources(&self) -> (&[u32], &[u32]) {
-        (&self.source_starts, &self.sources)
     }
 
     /// K = sum over elements of integral of B^T D B, over the free unknowns; one value for each of `columns`.

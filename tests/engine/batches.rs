@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use jointsweep::internals::engine::backend::gpu::batch::{
-    Batch, BatchError, BodyCounts, KernelFacts, LONGEST, MOST_BYTES, MOST_TRIPS, OnChip, SHORTEST, TARGET,
-    adapted, batches,
+    AssembleCounts, Batch, BatchError, BodyCounts, KernelFacts, LONGEST, MOST_BYTES, MOST_TRIPS, OnChip,
+    SHORTEST, TARGET, adapted, batches,
 };
 use jointsweep::internals::engine::backend::gpu::context::DeviceLimits;
 
@@ -25,9 +25,10 @@ const BODY: BodyCounts = BodyCounts {
     topology: 0,
     unknowns: 150,
     matrix_values: 4_000,
+    assemble: AssembleCounts { lines: 21, layers: 5, elements: 50, pairs: 1_100 },
     longest_row: 42,
     ring_columns: 21,
-    geometry: 1_200,
+    geometry: 900,
 };
 
 /// The batches, after the promise that holds for all of them: in order, nothing lost or doubled, one topology each.
@@ -63,7 +64,7 @@ fn no_bodies_are_no_batches() {
 fn a_buffer_is_filled_to_its_last_byte() {
     let many_values = BodyCounts { matrix_values: 100_000, ..BODY };
     let many_columns = BodyCounts { ring_columns: 120, unknowns: 10, longest_row: 10, ..BODY };
-    let fine_mesh = BodyCounts { geometry: 100_000, ..BODY };
+    let fine_mesh = BodyCounts { geometry: 50_000, ..BODY };
     for body in [BODY, many_values, many_columns, fine_mesh] {
         let bodies = [body; 10];
         let bytes = body.bytes(4, 4).iter().map(|(_, bytes)| *bytes).max().unwrap();
@@ -89,7 +90,7 @@ fn each_buffer_is_counted() {
     assert_eq!(fullest(BodyCounts { matrix_values: 100_000, ..BODY }), ("matrix values", 400_000));
     let wide = BodyCounts { ring_columns: 121, unknowns: 10, ..BODY };
     assert_eq!(fullest(wide), ("compliance", 121 * 124 * 4));
-    assert_eq!(fullest(BodyCounts { geometry: 100_000, ..BODY }), ("geometry", 800_000));
+    assert_eq!(fullest(BodyCounts { geometry: 50_000, ..BODY }), ("geometry", 800_000));
     let total = |real, wide| -> u64 { BODY.bytes(real, wide).iter().map(|(_, bytes)| bytes).sum() };
     assert_eq!(total(8, 8), 2 * total(4, 4));
     // In mixed precision there are two sets of matrices, and only the iterates are narrow.
@@ -99,7 +100,7 @@ fn each_buffer_is_counted() {
 
 #[test]
 fn a_body_that_fits_no_buffer_is_named_and_those_before_it_do_not_hide_it() {
-    let huge = BodyCounts { geometry: 1 << 25, ..BODY };
+    let huge = BodyCounts { geometry: 1 << 24, ..BODY };
     let error = batches(&[BODY, BODY, huge, BODY], &KERNEL, &LIMITS).unwrap_err();
     let (needed, limit) = (1 << 28, 1 << 27);
     assert_eq!(error, BatchError::BodyTooLarge { body: 2, what: "geometry", needed, limit });
@@ -161,15 +162,17 @@ fn steps_stay_below_the_bound_on_loop_trips() {
     assert_eq!(error, BatchError::TooManyTrips { body: 0, trips, limit: 60_000 });
     // Twice the invocations halve the rows of each.
     split(&[deep], &KernelFacts { invocations: 128, ..KERNEL }, &LIMITS);
-    // Kernels that are not split into steps: 2,858 values of 21 trips are one too many, and so are 2 x 30,001 unknowns.
-    for body in [
-        BodyCounts { matrix_values: 64 * 2_857 + 1, ..BODY },
-        BodyCounts { unknowns: 29_996, ring_columns: 65, longest_row: 1, ..BODY },
-    ] {
+    // Kernels that are not split into steps: 101 looks at 7 layers, 14 more for the line and 13 of its bow, 66 of each half element, and six
+    // for each of 9,856 pairs are one trip too many; and so are 2 x 30,001 unknowns.
+    let pairs = |pairs: u64| BodyCounts { assemble: AssembleCounts { pairs, ..BODY.assemble }, ..BODY };
+    assert_eq!(pairs(64).assemble.trips(64), 101 * 7 + 14 + 13 + 2 * 66 + 6);
+    for body in
+        [pairs(64 * 9_855 + 1), BodyCounts { unknowns: 29_996, ring_columns: 65, longest_row: 1, ..BODY }]
+    {
         let error = batches(&[body], &KERNEL, &LIMITS).unwrap_err();
         assert!(matches!(error, BatchError::TooManyTrips { trips: 60_001..60_100, .. }), "{error}");
     }
-    split(&[BodyCounts { matrix_values: 64 * 2_857, ..BODY }], &KERNEL, &LIMITS);
+    split(&[pairs(64 * 9_855)], &KERNEL, &LIMITS);
     split(&[BodyCounts { unknowns: 29_995, ring_columns: 65, longest_row: 1, ..BODY }], &KERNEL, &LIMITS);
     // The works of 48 modes: of 126 tiles of four rows each 3 products over 126 blocks and 19 entries over the rows; the entries
     // twice more, and five for each block.

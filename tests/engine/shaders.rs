@@ -212,6 +212,7 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         row_count,
         element_count,
         value_count,
+        pair_count,
         system_count,
         side_count,
         is_plane_strain,
@@ -219,8 +220,9 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         bodies_at,
         shared_numbers_at,
         element_grid_at,
-        source_starts_at,
+        pair_starts_at,
         sources_at,
+        value_places_at,
         geometry_at,
         values_at,
         states_at

@@ -27,7 +27,9 @@ use std::sync::OnceLock;
 
 use crate::common::greatest::{difference, greatest};
 use crate::common::rings::{MeshedBody, body};
-use jointsweep::internals::engine::backend::gpu::batch::{BodyCounts, MOST_BYTES, MOST_TRIPS, batches};
+use jointsweep::internals::engine::backend::gpu::batch::{
+    AssembleCounts, BodyCounts, MOST_BYTES, MOST_TRIPS, batches,
+};
 use jointsweep::internals::engine::backend::gpu::context::{
     AdapterChoice, AdapterKind, Adapters, GpuDevice, GpuError,
 };

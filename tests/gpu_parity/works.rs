@@ -99,6 +99,7 @@ fn works_of_a_long_ring_are_those_of_the_twin() {
         topology: 0,
         unknowns: size as u64,
         matrix_values: chain.sliced.columns.len() as u64,
+        assemble: AssembleCounts { lines: 0, layers: 0, elements: 0, pairs: 0 },
         longest_row: 3,
         ring_columns: ring as u64,
         geometry: 0,

@@ -299,7 +299,10 @@ fn of_bodies(kernels: &Kernels, topology: Topology, bodies: &[Body]) -> Result<V
         iterations: None,
     };
     let time = |pass: Pass| seconds(gpu, &[pass], effort.samples);
-    let mut times = vec![of_wide("assemble", time(assembly.pass())?, sizes.assemble(items, precision))];
+    let mut times = vec![KernelTime {
+        inner: Some(sizes.assemble_inner(items, precision)),
+        ..of_wide("assemble", time(assembly.pass())?, sizes.assemble(items, precision))
+    }];
     if let Some(narrow) = &narrow {
         times.push(of_wide("narrow", time(narrow.pass())?, sizes.narrow(items, precision)));
     }

@@ -53,7 +53,8 @@ pub struct Sizes {
     pub places: u64,
     pub ring_columns: u64,
     pub elements: u64,
-    /// Element entries that the values of a matrix are summed from.
+    /// Pairs of nodes that have values, and of nodes of one element that these are summed from.
+    pub pairs: u64,
     pub sources: u64,
     /// Of the grid of half elements: points along the ring, and layers of elements.
     pub grid_columns: u64,
@@ -149,7 +150,8 @@ impl Sizes {
             places: systems.sliced.columns.len() as u64,
             ring_columns: systems.ring_count() as u64,
             elements: u64::from(parameters.element_count),
-            sources: layout.sources.len() as u64,
+            pairs: layout.gather.pair_count() as u64,
+            sources: layout.gather.sources.len() as u64,
             grid_columns: u64::from(parameters.column_count),
             layers: u64::from(parameters.row_count / 2),
             sides: u64::from(parameters.side_count),
@@ -179,8 +181,8 @@ impl Sizes {
         self.systems() * (3 * precision.wide_bytes() + size_of::<SystemState>() as u64)
     }
 
-    /// `assemble`: of each line its span, growth and layers, of each point of an element the gradients, of each source a sum
-    /// over the points.
+    /// `assemble`: of each line its span, growth and layers, of each point of an element the gradients, of each source four sums
+    /// over the points, of each pair four values.
     pub fn assemble(&self, bodies: u64, precision: Precision) -> Work {
         let wide = precision.wide_bytes();
         // Thickness and its sum, twice; the step's share of the far boundary; the reach of two grid points.
@@ -195,19 +197,33 @@ impl Sizes {
         let line = span + growth + (7 + EXPONENTIAL) + self.layers * layer;
         let bows =
             if self.sides > 0 { mid_sides * ((2 * self.layers + 1) * 8 + 2 * self.layers * 9) } else { 0 };
-        // Steps to the eight nodes: 16 along the ring, 16 away from it.
-        let point = NODES * (2 + 8) + 32 + 3 + 1 + NODES * 8;
+        // Of two points: where the eight nodes are, by 16 steps along the ring and 16 away from it; of each the derivatives, |J|, what they
+        // are scaled by, and the gradients.
+        let point = NODES * 8 + 3 + 2 + 4 + NODES * 6;
+        let half = NODES * 2 + 32 + 2 * point;
         let operations = self.grid_columns * line
             + courses
             + bows
-            + POINTS * self.elements * point
-            + self.sources * (POINTS * 8 + 1);
+            + POINTS / 2 * self.elements * half
+            + self.sources * 4 * (2 * POINTS)
+            + self.pairs * 4 * 3;
         let shared_numbers = 2 * (2 + 4 * self.grid_columns + POINTS * NODES + 2 * self.sides) * wide
-            + 4 * (NODES * self.elements + self.places + 1 + self.sources);
-        let geometry = 2 * (2 * self.grid() + POINTS * (NODES + 1) * self.elements);
+            + 4 * (NODES * self.elements + self.pairs + 1 + self.sources + 4 * self.pairs);
+        let geometry = 4 * self.grid() + 2 * POINTS * NODES * self.elements;
         let own = (self.body_numbers + geometry + self.places) * wide
             + self.systems() * size_of::<SystemState>() as u64;
         Work { operations: bodies * operations, bytes: shared_numbers + bodies * own }
+    }
+
+    /// The gradients of half elements as they are stored; of each source those of two nodes; of each pair where its sources begin and end,
+    /// four places, and the values that have one.
+    pub fn assemble_inner(&self, bodies: u64, precision: Precision) -> Inner {
+        let node = 2 * POINTS * precision.wide_bytes();
+        let cached = NODES * self.elements * node
+            + self.sources * (4 + 2 * node)
+            + self.pairs * 4 * (2 + 4)
+            + self.places * precision.wide_bytes();
+        Inner { cached: bodies * cached, workgroup: None }
     }
 
     /// `narrow`: no operations.
@@ -300,6 +316,7 @@ mod tests {
         places: 64,
         ring_columns: 3,
         elements: 1,
+        pairs: 16,
         sources: 20,
         grid_columns: 3,
         layers: 1,
@@ -382,11 +399,16 @@ mod tests {
     #[test]
     fn the_assembly_of_one_element_is_counted_by_hand() {
         // Three lines of one layer each: 8 sums of it with their powers and 7 steps for its growth, radii of the boundary and
-        // the layer, the span. Four points of one element, 20 sources summed over four points.
-        let operations = 3 * (8 * (7 + 1) + 7 * 15 + 47 + 70 + 2) + 4 * (80 + 32 + 4 + 64) + 20 * 33;
-        // Twice 2 + 12 + 32 shared numbers; grid, starts and sources; nine grid points twice and 36 pairs, 64 places, 2 numbers.
-        let bytes = 2 * 46 * 8 + 4 * (8 + 65 + 20) + (2 * (2 * 9 + 36) + 64 + 2) * 8 + 4 * 8;
+        // the layer, the span. Two halves of one element, 20 sources, four sums over four points each, and four values of 16 pairs.
+        let operations =
+            3 * (8 * (7 + 1) + 7 * 15 + 47 + 70 + 2) + 2 * (48 + 2 * (64 + 9 + 48)) + 20 * 32 + 16 * 12;
+        // Twice 2 + 12 + 32 shared numbers; grid, starts, sources and places; fours of nine grid points and of 16 half nodes, 64 places,
+        // 2 numbers.
+        let bytes = 2 * 46 * 8 + 4 * (8 + 17 + 20 + 64) + (4 * (9 + 16) + 64 + 2) * 8 + 4 * 8;
         assert_eq!(SIZES.assemble(1, Precision::F64), Work { operations, bytes });
+        // Eight nodes of eight numbers; 20 sources of two of them; 16 pairs of six words; 64 values. Of two bodies.
+        let cached = 2 * (8 * 32 + 20 * (4 + 2 * 32) + 16 * 24 + 64 * 4);
+        assert_eq!(SIZES.assemble_inner(2, Precision::F32), Inner { cached, workgroup: None });
         // Twice two numbers of each side, and six numbers more of the body; of one mid-side line three points. A line's
         // shares 2 x 11 and angle 6; length along the side; |far|^2 - 1; cosine and sine 3 + 3, the two parts 4 + 1, and 6
         // to add them; how far aside 3 + 2. Of two lines a point that keeps to its radius, of one its bow, and its steps.

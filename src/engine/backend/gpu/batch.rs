@@ -15,6 +15,7 @@ use std::time::Duration;
 use crate::engine::backend::adapter::DeviceLimits;
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::ring_modes::MOST_MODES;
+use crate::mechanics::layers::MOST_STEPS;
 
 /// Systems (ring columns) that one workgroup of `pcg` advances abreast: the components of a WGSL vector.
 pub const COLUMNS_ABREAST: u64 = 4;
@@ -45,6 +46,32 @@ pub(super) const fn works_tile(invocations: u64) -> u64 {
     if invocations < 16 { 1 } else { invocations / 16 }
 }
 
+/// What `assemble` goes through for one body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AssembleCounts {
+    /// Lines of the mesh away from the ring, mid-side ones included, and layers of elements.
+    pub lines: u64,
+    pub layers: u64,
+    pub elements: u64,
+    /// Pairs of nodes that have values (`gather::Gather`).
+    pub pairs: u64,
+}
+
+impl AssembleCounts {
+    /// The most loop trips of one invocation: its lines, each with the search of its growth; the rows of bowed lines; the nodes of two
+    /// points at a time, each at most two steps along the ring and two away from it; its pairs, each of at most four elements. Loops look
+    /// once more than they go round.
+    pub fn trips(&self, invocations: u64) -> u64 {
+        let AssembleCounts { lines, layers, elements, pairs } = *self;
+        let of_line = (MOST_STEPS as u64 + 1) * (2 + layers) + 2 * (2 + layers);
+        let of_bow = 2 + 2 * layers + 1;
+        let of_half = 2 * (1 + 8) + 8 * (3 + 3);
+        lines.div_ceil(invocations) * (of_line + of_bow)
+            + (2 * elements).div_ceil(invocations) * of_half
+            + pairs.div_ceil(invocations) * (2 + 4)
+    }
+}
+
 /// What one body asks of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BodyCounts {
@@ -53,10 +80,11 @@ pub struct BodyCounts {
     pub unknowns: u64,
     /// Nonzeros of the stiffness.
     pub matrix_values: u64,
+    pub assemble: AssembleCounts,
     /// Nonzeros of its longest row.
     pub longest_row: u64,
     pub ring_columns: u64,
-    /// Pairs of numbers of the mesh, from which the matrix is made (`MeshLayout::geometry_count`).
+    /// Fours of numbers of the mesh, from which the matrix is made (`MeshLayout::geometry_count`).
     pub geometry: u64,
 }
 
@@ -123,7 +151,7 @@ impl BodyCounts {
             ("narrowed values", if real == wide { 0 } else { self.matrix_values * real }),
             ("iterates", self.unknowns * systems * ITERATES * real),
             ("solutions", self.unknowns * systems * SOLUTIONS * wide),
-            ("geometry", 2 * self.geometry * wide),
+            ("geometry", 4 * self.geometry * wide),
             ("compliance", self.ring_columns * systems * wide),
         ]
     }
@@ -135,13 +163,10 @@ impl BodyCounts {
         1 + rows * (self.longest_row + 3) + 2 * u64::from(invocations.ilog2() + 1)
     }
 
-    /// The most loop trips of one invocation in the kernels that are not split into steps. In `assemble`: its values,
-    /// each of at most four elements, those of four points (most are of fewer, which leaves room for the search of each
-    /// line's growth); in `refine`: its rows, once with their entries; in `condense`: its rows, each over all unknowns; in
-    /// `works`: of each tile of rows of the ring its products, each over the blocks of columns, then its entries, each over the
-    /// rows of the tile; and the systems of all blocks.
+    /// The most loop trips of one invocation in the kernels that are not split into steps. Beside those of `assemble`, in `refine`: its
+    /// rows, once with their entries; in `condense`: its rows, each over all unknowns; in `works`: of each tile of rows of the ring its
+    /// products, each over the blocks of columns, then its entries, each over the rows of the tile; and the systems of all blocks.
     pub fn whole_trips(&self, invocations: u64) -> u64 {
-        let assemble = self.matrix_values.div_ceil(invocations) * (1 + 4 * (1 + 4));
         // As many loops over the rows as a step has, and four over the systems of a block.
         let refine = self.trips(invocations) + 4 * COLUMNS_ABREAST;
         let condense = self.ring_columns.div_ceil(invocations) * (1 + COLUMNS_ABREAST + self.unknowns);
@@ -152,7 +177,7 @@ impl BodyCounts {
         let works = self.ring_columns.div_ceil(tile) * of_tile
             + 2 * entries.div_ceil(invocations)
             + self.blocks() * (1 + COLUMNS_ABREAST);
-        assemble.max(refine).max(condense).max(works)
+        self.assemble.trips(invocations).max(refine).max(condense).max(works)
     }
 }
 

@@ -198,8 +198,8 @@ impl Step {
         self.topologies.push(AssembleParameters {
             first_body: self.bodies,
             bodies_at: wides(self.numbers.end - self.numbers.start),
-            // In pairs.
-            geometry_at: wides(geometry) / 2,
+            // In fours.
+            geometry_at: wides(geometry) / 4,
             values_at,
             states_at,
             ..topology.assembly

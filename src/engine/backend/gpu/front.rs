@@ -4,9 +4,9 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::batch::MOST_TRIPS;
+use super::gather::{Gather, NodePairs};
 use super::layout::{AssembleParameters, MeshLayout, starts};
 use crate::engine::backend::adapter::DeviceLimits;
-use crate::mechanics::assembly::Assembly;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
@@ -103,8 +103,7 @@ pub struct FrontLayout {
     /// Of `assemble`: the values are those of the lower triangle, tile by tile, with the zeros of each row of a tile that has a value, and
     /// a body has one state.
     pub assembly: AssembleParameters,
-    pub source_starts: Vec<u32>,
-    pub sources: Vec<u32>,
+    pub gather: Gather,
     pub parameters: EliminateParameters,
     /// `[row of tiles]`: the last row it reaches as a pivot, and the end of the fours of the rows up to that one.
     pub rows: Vec<[u32; 2]>,
@@ -122,7 +121,7 @@ impl FrontLayout {
         let topology = RingTopology::new(body, grading);
         let structure = BandStructure::new(&topology);
         let pushes = Push::of(body.shape.side);
-        let PlacedValues { ends, places, source_starts, sources } = placed_values(&topology, &structure);
+        let PlacedValues { ends, places, gather } = placed_values(&topology, &structure);
         let loads = border(&topology, &structure, modes, pushes);
         let border_count = (pushes.len() * modes.count).div_ceil(TILE);
         let end = |last: u32| ends[(last as usize).min(ends.len() - 1)];
@@ -140,17 +139,25 @@ impl FrontLayout {
             ..EliminateParameters::zeroed()
         };
         let value_count = (TILE * places.len()) as u32;
-        let assembly = AssembleParameters { value_count, system_count: 1, ..mesh.parameters };
-        FrontLayout { assembly, source_starts, sources, parameters, rows, places, loads, front_rows }
+        let pair_count = gather.pair_count() as u32;
+        let assembly = AssembleParameters { value_count, pair_count, system_count: 1, ..mesh.parameters };
+        FrontLayout { assembly, gather, parameters, rows, places, loads, front_rows }
     }
 
     /// The lists of `assemble` and `eliminate` on bodies of this mesh, and where they begin.
     pub fn lists(&self, mesh: &MeshLayout) -> (Vec<u32>, AssembleParameters, EliminateParameters) {
         let rows = self.rows.as_flattened();
-        let FrontLayout { source_starts, sources, places, .. } = self;
-        let lists = [&mesh.element_grid, source_starts, sources, rows, places];
-        let [element_grid_at, source_starts_at, sources_at, rows_at, places_at] = starts(lists);
-        let assembly = AssembleParameters { element_grid_at, source_starts_at, sources_at, ..self.assembly };
+        let Gather { starts: pair_starts, sources, places: value_places } = &self.gather;
+        let lists = [&mesh.element_grid, pair_starts, sources, value_places, rows, &self.places];
+        let [element_grid_at, pair_starts_at, sources_at, value_places_at, rows_at, places_at] =
+            starts(lists);
+        let assembly = AssembleParameters {
+            element_grid_at,
+            pair_starts_at,
+            sources_at,
+            value_places_at,
+            ..self.assembly
+        };
         let elimination = EliminateParameters { rows_at, places_at, ..self.parameters };
         (lists.concat(), assembly, elimination)
     }
@@ -186,9 +193,7 @@ impl FrontLayout {
 
     /// The most loop trips of one invocation, in `assemble` or `eliminate`.
     pub fn trips(&self, invocations: u64) -> u64 {
-        // Each value is of at most four elements, those of four points.
-        let values = u64::from(self.assembly.value_count);
-        let assemble = values.div_ceil(invocations) * (1 + 4 * (1 + 4));
+        let assemble = self.assembly.counts().trips(invocations);
         // Loops look once more than they go round.
         let trips = |count: u64| 1 + count.div_ceil(invocations);
         let first = self.rows.first().copied().unwrap_or_default().map(u64::from);
@@ -233,9 +238,7 @@ struct PlacedValues {
     ends: Vec<u32>,
     /// `places` of `eliminate.wgsl`.
     places: Vec<u32>,
-    /// Of each value where the element entries begin that it is the sum of, with the end of the last one; zeros have none.
-    source_starts: Vec<u32>,
-    sources: Vec<u32>,
+    gather: Gather,
 }
 
 /// That `places` have the bits for.
@@ -247,45 +250,27 @@ const PADDING: usize = 4;
 
 /// The values of the matrix, tile by tile.
 fn placed_values(topology: &RingTopology, structure: &BandStructure) -> PlacedValues {
-    let assembly = Assembly::of_ring(topology);
-    let pattern = assembly.matrix::<f64>(&[]);
-    let (starts, sources) = assembly.sources();
-    // Row and column of tiles, row of the tile and what it stands for, column of the tile, sources.
-    let mut placed: Vec<([usize; 4], &[u32])> = Vec::new();
-    let mut value = 0;
-    for (row, ends) in pattern.row_starts.windows(2).enumerate() {
-        for column in &pattern.columns[ends[0] as usize..ends[1] as usize] {
-            let (i, j) = (structure.positions[row] as usize, structure.positions[*column as usize] as usize);
-            // Tiles on the diagonal are whole.
-            if i / TILE >= j / TILE {
-                let own = &sources[starts[value] as usize..starts[value + 1] as usize];
-                placed.push(([i / TILE, j / TILE, i % TILE, j % TILE], own));
-            }
-            value += 1;
-        }
-    }
-    for &position in structure.padding() {
-        let (row, i) = (position / TILE, position % TILE);
-        placed.push(([row, row, PADDING | i, i], &[]));
-    }
-    placed.sort_unstable();
-    let mut found = PlacedValues {
-        ends: vec![0; structure.size / TILE],
-        places: Vec::new(),
-        source_starts: vec![0],
-        sources: Vec::new(),
+    let pairs = NodePairs::new(topology);
+    // Row and column of tiles, and the row of the tile; and the column in it.
+    let four_of = |[row, column]: [usize; 2]| {
+        let [i, j] = [row, column].map(|unknown| structure.positions[unknown] as usize);
+        // Tiles on the diagonal are whole.
+        (i / TILE >= j / TILE).then_some(([i / TILE, j / TILE, i % TILE], j % TILE))
     };
-    for four in placed.chunk_by(|a, b| a.0[..3] == b.0[..3]) {
-        let [row, column, i, _] = four[0].0;
-        found.places.push((row << 16 | (row - column) << 4 | i) as u32);
-        found.ends[row] = found.places.len() as u32;
-        for j in 0..TILE {
-            let own = four.iter().find(|(place, _)| place[3] == j);
-            found.sources.extend(own.iter().flat_map(|(_, own)| *own));
-            found.source_starts.push(found.sources.len() as u32);
-        }
-    }
-    found
+    let mut fours: Vec<[usize; 3]> = pairs.values().filter_map(four_of).map(|(four, _)| four).collect();
+    let padding = |position: usize| [position / TILE, position / TILE, PADDING | position % TILE];
+    fours.extend(structure.padding().iter().map(|position| padding(*position)));
+    fours.sort_unstable();
+    fours.dedup();
+    let mut ends = vec![0; structure.size / TILE];
+    fours.iter().zip(1..).for_each(|(four, end)| ends[four[0]] = end);
+    let place = |value: [usize; 2]| {
+        let (four, j) = four_of(value)?;
+        Some(TILE * fours.binary_search(&four).ok()? + j)
+    };
+    let gather = pairs.gather(place, TILE * fours.len());
+    let places = fours.iter().map(|[row, column, i]| (row << 16 | (row - column) << 4 | i) as u32).collect();
+    PlacedValues { ends, places, gather }
 }
 
 /// The loads of the modes on the ring's unknowns, one way to push after the other.

@@ -59,14 +59,18 @@ impl FrontTopology {
         let loads_at = numbers.len() as u32 / 4;
         numbers.extend(&layout.loads);
         let SharedPlace { buffers, lists_at, numbers_at } = kernels.share(&lists, &numbers)?;
-        let of_assembly =
-            [&mut assembly.element_grid_at, &mut assembly.source_starts_at, &mut assembly.sources_at];
+        let of_assembly = [
+            &mut assembly.element_grid_at,
+            &mut assembly.pair_starts_at,
+            &mut assembly.sources_at,
+            &mut assembly.value_places_at,
+        ];
         let of_elimination = [&mut elimination.rows_at, &mut elimination.places_at];
         of_assembly.into_iter().chain(of_elimination).for_each(|at| *at += lists_at);
         assembly.shared_numbers_at = numbers_at / 2;
         elimination.loads_at = numbers_at / 4 + loads_at;
         let scratch = [
-            2 * mesh.geometry_count() as u64 * wide,
+            4 * mesh.geometry_count() as u64 * wide,
             u64::from(layout.assembly.value_count) * wide,
             size_of::<SystemState>() as u64,
             front.storage_bytes(wide),

@@ -2,6 +2,7 @@
 
 use super::batch::{OnChip, works_tile};
 use super::front::{AMPLIFIED, Front, ROUGHEST, WORKS_HEADER};
+use super::gather::NO_PLACE;
 use super::system_layout::{SLICE, SystemOutcome};
 use crate::engine::accuracy::LEAST;
 use crate::engine::accuracy::fit_bound::{KINDS, NEAR_END, THIN_END};
@@ -108,6 +109,7 @@ pub const ASSEMBLE: KernelFile = KernelFile {
         ("TOLERANCE", Constant::Wide(TOLERANCE)),
         ("STEEPEST", Constant::Wide(STEEPEST)),
         ("MOST_STEPS", Constant::Count(MOST_STEPS)),
+        ("NO_PLACE", Constant::Count(NO_PLACE as usize)),
     ],
     summand: None,
 };

@@ -5,7 +5,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::batch::BodyCounts;
+use super::batch::{AssembleCounts, BodyCounts};
+use super::gather::{Gather, NodePairs};
 use super::system_layout::{NoDiagonal, Sliced, SystemLayout};
 use crate::mechanics::assembly::Assembly;
 use crate::mechanics::body::Body;
@@ -25,6 +26,7 @@ pub struct AssembleParameters {
     pub row_count: u32,
     pub element_count: u32,
     pub value_count: u32,
+    pub pair_count: u32,
     pub system_count: u32,
     pub side_count: u32,
     pub is_plane_strain: u32,
@@ -32,11 +34,23 @@ pub struct AssembleParameters {
     pub bodies_at: u32,
     pub shared_numbers_at: u32,
     pub element_grid_at: u32,
-    pub source_starts_at: u32,
+    pub pair_starts_at: u32,
     pub sources_at: u32,
+    pub value_places_at: u32,
     pub geometry_at: u32,
     pub values_at: u32,
     pub states_at: u32,
+}
+
+impl AssembleParameters {
+    pub fn counts(&self) -> AssembleCounts {
+        AssembleCounts {
+            lines: self.column_count.into(),
+            layers: u64::from(self.row_count) / 2,
+            elements: self.element_count.into(),
+            pairs: self.pair_count.into(),
+        }
+    }
 }
 
 /// What bodies of one topology share, as `assemble` takes it.
@@ -44,8 +58,8 @@ pub struct AssembleParameters {
 pub struct MeshLayout {
     grading: Grading,
     pub systems: SystemLayout,
-    pub source_starts: Vec<u32>,
-    pub sources: Vec<u32>,
+    /// By places of `systems`.
+    pub gather: Gather,
     /// `[element][node]`: row * column_count + column, in half elements from the ring's load line.
     pub element_grid: Vec<u32>,
     pub shared_numbers: Vec<f64>,
@@ -71,7 +85,7 @@ impl MeshLayout {
         let assembly = Assembly::of_ring(&topology);
         let pattern = assembly.matrix::<f64>(&[]);
         let systems = SystemLayout::new(pattern.row_starts, pattern.columns, topology.ring_start)?;
-        let (source_starts, sources) = sliced_sources(&systems.sliced, assembly.sources());
+        let gather = sliced_gather(&NodePairs::new(&topology), &systems);
         let column_count = topology.ring_angles.len();
         let place = |&node: &u32| {
             let (row, column) = topology.grid[node as usize];
@@ -82,6 +96,7 @@ impl MeshLayout {
             row_count: 2 * topology.layer_count as u32 + 1,
             element_count: topology.element_count() as u32,
             value_count: systems.sliced.columns.len() as u32,
+            pair_count: gather.pair_count() as u32,
             system_count: systems.system_count() as u32,
             side_count: body.shape.sides.len() as u32,
             is_plane_strain: is_plane_strain(body.idealization),
@@ -91,8 +106,7 @@ impl MeshLayout {
         Ok(MeshLayout {
             grading: grading.clone(),
             systems,
-            source_starts,
-            sources,
+            gather,
             element_grid: topology.connectivity.iter().map(place).collect(),
             shared_numbers: shared_numbers(body, grading, &topology.ring_angles),
             parameters,
@@ -101,12 +115,17 @@ impl MeshLayout {
 
     /// The lists of `assemble`, and where they begin.
     pub fn lists(&self) -> (Vec<u32>, AssembleParameters) {
-        let lists = [&self.element_grid, &self.source_starts, &self.sources].map(|list| &list[..]);
-        let [element_grid_at, source_starts_at, sources_at] = starts(lists);
-        (
-            lists.concat(),
-            AssembleParameters { element_grid_at, source_starts_at, sources_at, ..self.parameters },
-        )
+        let Gather { starts: pair_starts, sources, places } = &self.gather;
+        let lists = [&self.element_grid, pair_starts, sources, places].map(|list| &list[..]);
+        let [element_grid_at, pair_starts_at, sources_at, value_places_at] = starts(lists);
+        let places = AssembleParameters {
+            element_grid_at,
+            pair_starts_at,
+            sources_at,
+            value_places_at,
+            ..self.parameters
+        };
+        (lists.concat(), places)
     }
 
     /// What one body asks of a device.
@@ -116,6 +135,7 @@ impl MeshLayout {
             topology: 0,
             unknowns: self.systems.unknown_count() as u64,
             matrix_values: self.systems.sliced.columns.len() as u64,
+            assemble: self.parameters.counts(),
             longest_row: u64::from(longest_row.unwrap_or(0)),
             ring_columns: self.systems.ring_count() as u64,
             geometry: self.geometry_count() as u64,
@@ -134,12 +154,11 @@ impl MeshLayout {
             sliced_columns,
             sliced_places,
             places,
-            &self.source_starts,
-            &self.sources,
             &self.element_grid,
         ];
         let numbers = size_of_val(&self.shared_numbers[..]);
-        (lists.iter().map(|list| size_of_val(&list[..])).sum::<usize>() + numbers) as u64
+        (lists.iter().map(|list| size_of_val(&list[..])).sum::<usize>() + self.gather.bytes() + numbers)
+            as u64
     }
 
     /// Points of the grid of half elements: rows times columns.
@@ -147,10 +166,10 @@ impl MeshLayout {
         (self.parameters.row_count * self.parameters.column_count) as usize
     }
 
-    /// Pairs of numbers of one body's mesh on the device: of each grid point its reach and the step to it, then for each of the
-    /// four points of each element eight gradients and |J|.
+    /// Fours of numbers of one body's mesh on the device: of each grid point its reach and the step to it, then of each node of each
+    /// element its gradients at four points.
     pub fn geometry_count(&self) -> usize {
-        2 * self.grid_count() + 4 * 9 * self.parameters.element_count as usize
+        self.grid_count() + 2 * 8 * self.parameters.element_count as usize
     }
 
     /// How many numbers one body has.
@@ -203,17 +222,15 @@ pub(super) fn is_plane_strain(idealization: Idealization) -> u32 {
     u32::from(idealization == Idealization::PlaneStrain)
 }
 
-/// The element entries of every place: where each list starts, with the end of the last, and the entries. A zero has none.
-fn sliced_sources(sliced: &Sliced, (starts, sources): (&[u32], &[u32])) -> (Vec<u32>, Vec<u32>) {
-    let mut lists: Vec<&[u32]> = vec![&[]; sliced.columns.len()];
-    for (place, ends) in sliced.places.iter().zip(starts.windows(2)) {
-        lists[*place as usize] = &sources[ends[0] as usize..ends[1] as usize];
-    }
-    let ends = lists.iter().scan(0, |end, list| {
-        *end += list.len() as u32;
-        Some(*end)
-    });
-    (std::iter::once(0).chain(ends).collect(), lists.concat())
+/// Where the values of conjugate gradients' matrix come from.
+fn sliced_gather(pairs: &NodePairs, systems: &SystemLayout) -> Gather {
+    let SystemLayout { row_starts, columns, sliced, .. } = systems;
+    let place = |[row, column]: [usize; 2]| {
+        let own = row_starts[row] as usize..row_starts[row + 1] as usize;
+        let entry = columns[own.clone()].binary_search(&(column as u32)).ok()?;
+        Some(sliced.places[own.start + entry] as usize)
+    };
+    pairs.gather(place, sliced.columns.len())
 }
 
 /// `shared_numbers` of `assemble.wgsl`.

@@ -3,6 +3,7 @@
 
 pub mod batch;
 pub mod system_layout;
+pub mod gather;
 pub mod layout;
 pub mod front;
 pub mod layouts;

@@ -124,7 +124,7 @@ impl<'a> SystemBatch<'a> {
         let Kernels { gpu, precision, assemble, .. } = self.kernels;
         let reals = |label, numbers: &[f64]| gpu.filled(label, &precision.encode(numbers));
         let (grid, size) = (mesh.grid_count(), mesh.geometry_count());
-        let bytes = (self.body_count * size) as u64 * 2 * precision.wide_bytes();
+        let bytes = (self.body_count * size) as u64 * 4 * precision.wide_bytes();
         let geometry = gpu.empty("geometry", bytes);
         let (lists, parameters) = mesh.lists();
         let topologies = gpu.filled("topologies", &[parameters]);
@@ -272,9 +272,9 @@ impl<'a> SystemBatch<'a> {
     /// Coordinates less those of the ring's point of their line, `[body][row][column]`.
     pub fn read_reaches(&self, geometry: &Geometry) -> Result<Vec<[f64; 2]>, GpuError> {
         let numbers = self.read_wides(&geometry.buffer)?;
-        let bodies = numbers.chunks_exact(2 * geometry.size);
+        let bodies = numbers.chunks_exact(4 * geometry.size);
         Ok(bodies
-            .flat_map(|body| body[..2 * geometry.grid].chunks_exact(2).map(|place| [place[0], place[1]]))
+            .flat_map(|body| body[..4 * geometry.grid].chunks_exact(4).map(|place| [place[0], place[1]]))
             .collect())
     }
 
