@@ -35,9 +35,6 @@ use crate::study::design::DesignCase;
 const PORTIONS: usize = 4;
 const FEWEST: usize = 1024;
 
-/// Of designs whose rows are counted: the device has those behind them meanwhile.
-const COUNTED_TOGETHER: usize = 4096;
-
 /// Of all that go there.
 pub fn portions<T>(all: &[T]) -> std::slice::Chunks<'_, T> {
     all.chunks(all.len().div_ceil(PORTIONS).max(FEWEST))
@@ -129,7 +126,8 @@ impl WholeJoints<'_, '_> {
         let is_counted = |(_, plan): &Open| plan.method() == Method::Fe && is_for_devices(plan);
         let whole: Vec<(u32, Open)> = (0..).zip(open).filter(|(_, open)| is_counted(open)).collect();
         let (mut are_there, mut batches) = (vec![false; cases.len()], 0);
-        let (mut left, mut together) = (&whole[..], COUNTED_TOGETHER);
+        // All at a time, since the device has another batch meanwhile.
+        let (mut left, mut together) = (&whole[..], whole.len());
         while let Some((portion, others)) = left.split_at_checked(together.min(left.len()).max(1)) {
             let met = self.meet(portion);
             let Some(mut device) = self.library.take_device() else { break };

@@ -143,6 +143,31 @@ fn counted_designs_come_in_parts_where_room_is_short() {
     assert!(counted > 1700, "{counted}");
 }
 
+/// A batch whose rows are counted is one wait, and the device has the next one meanwhile.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn counted_batches_are_one_wait_each_with_the_next_one_on_the_device() {
+    let study = SWEEPS[0].answers(180, false).unwrap();
+    let cases: Vec<DesignCase> = study.cases().unwrap().map(Result::unwrap).collect();
+    let sinks = Sinks::of(&study);
+    let asking = sinks.asking().unwrap();
+    let watching = Watching { joints: SolvedJoints::All, leaves_bodies: false };
+    let ladder = Ladder::new(study.solve).asked_by(Some(&asking));
+    let (counted, given, counts) = watching.ask(device(), ladder, |ladder| {
+        let (mut begun, mut counted) = (None, 0);
+        for batch in cases.chunks(60).map(<[DesignCase]>::to_vec).map(Some).chain([None]) {
+            let next = batch.map(|batch| ladder.begin_count(batch).ok().unwrap());
+            if let Some(before) = std::mem::replace(&mut begun, next) {
+                counted += ladder.finish_count(&study, before).unwrap().unwrap().0.designs;
+            }
+        }
+        counted
+    });
+    println!("{counted} counted, {given:?} {counts:?}");
+    assert!(counted > 140 && given.whole.len() == 3 && given.whole.iter().all(Option::is_some), "{given:?}");
+    assert_eq!((counts.waits, counts.waits_with_work), (3, 2));
+}
+
 /// A portion is waited for once, and of its bodies nothing comes back.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]

@@ -24,6 +24,7 @@ use crate::engine::body_request::{Group, TopologyKey};
 use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
+use crate::engine::ladder::counting::Counting;
 use crate::engine::outcome::BackendKind;
 use crate::engine::question::Asker;
 use crate::engine::question::counted::{Told, Total, Verdict};
@@ -91,13 +92,18 @@ impl HostCost {
         }
         let drawing = asker.filter(|_| draws).and_then(|asker| Drawing::of(study, asker.question()));
         let all = 0..if drawing.is_some() { study.design_count() } else { 0 };
+        // What is counted comes back when the next batch is begun, as in a sweep.
+        let mut begun: Option<Counting> = None;
+        let finish = |ladder: &mut Ladder, begun: Option<Counting>| {
+            let finished = begun.and_then(|begun| ladder.finish_count(study, begun)?.ok());
+            finished.map_or(0, |(counted, _)| counted.designs)
+        };
         for first in all.clone().step_by(batch_size) {
             let before = processor_seconds().unwrap_or(f64::NAN);
             let numbers = first..all.end.min(first + batch_size as u64);
             cost.designs += numbers.end - numbers.start;
             let counting = drawing.as_ref().and_then(|drawing| ladder.begin_drawn(drawing, numbers));
-            let counted = counting.and_then(|counting| ladder.finish_count(study, counting)?.ok());
-            cost.on_device += counted.map_or(0, |(counted, _)| counted.designs);
+            cost.on_device += finish(&mut ladder, std::mem::replace(&mut begun, counting));
             cost.solving += processor_seconds().unwrap_or(f64::NAN) - before;
         }
         let mut cases = cases.take_while(|_| drawing.is_none());
@@ -111,10 +117,7 @@ impl HostCost {
             }
             cost.designs += batch.len() as u64;
             let on_device = match ladder.begin_count(batch) {
-                Ok(counting) => {
-                    let finished = ladder.finish_count(study, counting).and_then(Result::ok);
-                    finished.map_or(0, |(counted, _)| counted.designs)
-                }
+                Ok(counting) => finish(&mut ladder, begun.replace(counting)),
                 Err(batch) => {
                     let answers = ladder.answers(&batch);
                     answers.iter().filter(|answer| answer.backend == BackendKind::Gpu).count() as u64
@@ -123,6 +126,9 @@ impl HostCost {
             cost.solving += processor_seconds().unwrap_or(f64::NAN) - drawn;
             cost.on_device += on_device;
         }
+        let before = processor_seconds().unwrap_or(f64::NAN);
+        cost.on_device += finish(&mut ladder, begun);
+        cost.solving += processor_seconds().unwrap_or(f64::NAN) - before;
         if let Some(error) = ladder.library.lost() {
             return Err(error.clone());
         }
