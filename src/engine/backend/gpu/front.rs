@@ -258,7 +258,7 @@ fn placed_values(topology: &RingTopology, structure: &BandStructure) -> PlacedVa
         (i / TILE >= j / TILE).then_some(([i / TILE, j / TILE, i % TILE], j % TILE))
     };
     let mut fours: Vec<[usize; 3]> = pairs.values().filter_map(four_of).map(|(four, _)| four).collect();
-    let padding = |position: usize| [position / TILE, position / TILE, PADDING | position % TILE];
+    let padding = |position: usize| [position / TILE, position / TILE, PADDING | (position % TILE)];
     fours.extend(structure.padding().iter().map(|position| padding(*position)));
     fours.sort_unstable();
     fours.dedup();

@@ -24,11 +24,17 @@ const AXES: usize = 2;
 /// Values of a pair.
 const VALUES: usize = AXES * AXES;
 
+/// Row node and column node; and (element * 8 + number of the row node in it) * 8 + number of the column node.
+type Source = ([u32; 2], u32);
+
+/// Row and column of a value, by unknowns; `None` where one of them is supported.
+type Value = Option<[usize; 2]>;
+
 /// All pairs of nodes of a mesh that share an element, in either order and each with itself.
 pub struct NodePairs<'a> {
     topology: &'a RingTopology,
-    /// Row node, column node, and (element * 8 + number of the row node in it) * 8 + number of the column node: ascending.
-    found: Vec<([u32; 2], u32)>,
+    /// Ascending.
+    sources: Vec<Source>,
 }
 
 /// The lists of `assemble` that say where values come from and where they go.
@@ -44,24 +50,24 @@ pub struct Gather {
 impl NodePairs<'_> {
     pub fn new(topology: &RingTopology) -> NodePairs<'_> {
         let count = topology.element.node_count();
-        let mut found = Vec::with_capacity(topology.element_count() * count * count);
+        let mut sources = Vec::with_capacity(topology.element_count() * count * count);
         for (element, nodes) in topology.connectivity.chunks_exact(count).enumerate() {
             for (a, row) in nodes.iter().enumerate() {
                 let source = |b: usize| ((element * count + a) * count + b) as u32;
-                found.extend(nodes.iter().enumerate().map(|(b, column)| ([*row, *column], source(b))));
+                sources.extend(nodes.iter().enumerate().map(|(b, column)| ([*row, *column], source(b))));
             }
         }
-        found.sort_unstable();
-        NodePairs { topology, found }
+        sources.sort_unstable();
+        NodePairs { topology, sources }
     }
 
-    /// Of each pair what it is found by, and row and column of its four values, by unknowns; `None` where one of them is supported.
-    fn pairs(&self) -> impl Iterator<Item = (&[([u32; 2], u32)], [Option<[usize; 2]>; VALUES])> {
+    /// Of each pair its sources and its four values.
+    fn pairs(&self) -> impl Iterator<Item = (&[Source], [Value; VALUES])> {
         let unknown = |node: u32, axis: usize| {
             let unknown = self.topology.unknowns[AXES * node as usize + axis];
             (unknown != SUPPORTED).then_some(unknown as usize)
         };
-        self.found.chunk_by(|a, b| a.0 == b.0).map(move |same| {
+        self.sources.chunk_by(|a, b| a.0 == b.0).map(move |same| {
             let [row, column] = same[0].0;
             let value = |value: usize| Some([unknown(row, value / AXES)?, unknown(column, value % AXES)?]);
             (same, from_fn(value))
@@ -77,7 +83,7 @@ impl NodePairs<'_> {
     /// * `place_count` -- places of a body: what has no value is a zero, four of which are a pair without sources
     pub fn gather(&self, place: impl Fn([usize; 2]) -> Option<usize>, place_count: usize) -> Gather {
         let mut is_zero = vec![true; place_count];
-        let mut pairs = Vec::with_capacity(self.found.len());
+        let mut pairs = Vec::with_capacity(self.sources.len());
         for (same, values) in self.pairs() {
             let places = values.map(|value| value.and_then(&place));
             if places.iter().any(|place| place.is_some()) {
