@@ -106,11 +106,11 @@ fn every_file_is_there_and_its_figures_are_sane() {
     let bounds = kernels.column("bound");
     let known = ["arithmetic", "memory", "cache", "workgroup", "issue"];
     assert!(bounds.iter().all(|bound| known.contains(bound)), "{bounds:?}");
-    // Of those that solve it is counted what stays on the chip.
+    // Of assembly and of those that solve it is counted what stays on the chip.
     let counted =
         |name: &str| kernels.column(name).iter().map(|cell| !cell.is_empty()).collect::<Vec<bool>>();
     for name in ["cached_bytes", "instructions", "issue_share"] {
-        assert_eq!(counted(name), [true, false, true, false, false, false, true], "{name}");
+        assert_eq!(counted(name), [true, true, true, false, false, false, true], "{name}");
     }
     for name in ["workgroup_bytes", "workgroup_share"] {
         assert_eq!(counted(name), [true, false, true, false, false, false, false], "{name}");
