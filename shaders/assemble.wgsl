@@ -435,7 +435,8 @@ fn assemble(
     let body_values = parameters.values_at + body * parameters.value_count;
     for (var pair = invocation; pair < parameters.pair_count; pair += INVOCATIONS) {
         var sum = wide4();
-        for (var source = first_source(pair); source < first_source(pair + 1u); source++) {
+        let end = first_source(pair + 1u);
+        for (var source = first_source(pair); source < end; source++) {
             sum += products(lists[parameters.sources_at + source], nodes);
         }
         // Sum over points of |J| B^T D B.

@@ -247,15 +247,7 @@ mod tests {
     use crate::mechanics::material::Idealization;
 
     fn body(shape: &'static crate::mechanics::body::Shape, parameters: [f64; 3]) -> Body {
-        Body {
-            shape,
-            parameters,
-            support: 0,
-            poissons_ratio: 0.3,
-            idealization: Idealization::PlaneStress,
-            lining: Default::default(),
-            all_around: false,
-        }
+        Body::bare(shape, parameters, 0.3, Idealization::PlaneStress)
     }
 
     /// Bodies of all shapes, ratios from 1.001 to 1e4 in uneven steps.

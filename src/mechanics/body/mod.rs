@@ -162,15 +162,19 @@ impl Body {
     pub fn concentric(fixed_radius_ratio: f64, poissons_ratio: f64, idealization: Idealization) -> Body {
         let mut parameters = [0.0; MAX_PARAMETERS];
         parameters[0] = fixed_radius_ratio;
-        Body {
-            shape: if fixed_radius_ratio > 1.0 { &annulus::SHAPE } else { &cored_disc::SHAPE },
-            parameters,
-            support: 0,
-            poissons_ratio,
-            idealization,
-            lining: Lining::NONE,
-            all_around: false,
-        }
+        let shape = if fixed_radius_ratio > 1.0 { &annulus::SHAPE } else { &cored_disc::SHAPE };
+        Body::bare(shape, parameters, poissons_ratio, idealization)
+    }
+
+    /// One without layers, on the first of its shape's supports.
+    pub fn bare(
+        shape: &'static Shape,
+        parameters: [f64; MAX_PARAMETERS],
+        poissons_ratio: f64,
+        idealization: Idealization,
+    ) -> Body {
+        let (support, lining) = (0, Lining::NONE);
+        Body { shape, parameters, support, poissons_ratio, idealization, lining, all_around: false }
     }
 
     /// Depth |ln r| of the thinnest place between the ring and the far boundary, and of the deepest.

@@ -133,15 +133,7 @@ mod tests {
     #[test]
     fn each_place_is_found_once_and_from_all_of_its_elements() {
         for (shape, parameters) in [(&annulus::SHAPE, [3.0, 0.0, 0.0]), (&block::SHAPE, [3.0, 4.0, 2.0])] {
-            let body = Body {
-                shape,
-                parameters,
-                support: 0,
-                poissons_ratio: 0.3,
-                idealization: Idealization::PlaneStress,
-                lining: Default::default(),
-                all_around: false,
-            };
+            let body = Body::bare(shape, parameters, 0.3, Idealization::PlaneStress);
             let grading = GradingClass::of(&body, ElementKind::Quad8, 1).grading(body.shape.end_angle);
             let (topology, layout) =
                 (RingTopology::new(&body, &grading), MeshLayout::new(&body, &grading).unwrap());

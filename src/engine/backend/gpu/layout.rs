@@ -277,16 +277,7 @@ mod tests {
         use crate::mechanics::body::{annulus, block};
         use crate::mechanics::grading::GradingClass;
         let of = |shape, parameters, level| {
-            let (idealization, poissons_ratio) = (Idealization::PlaneStrain, 0.3);
-            let body = Body {
-                shape,
-                parameters,
-                support: 0,
-                poissons_ratio,
-                idealization,
-                lining: Default::default(),
-                all_around: false,
-            };
+            let body = Body::bare(shape, parameters, 0.3, Idealization::PlaneStrain);
             let class = GradingClass::of(&body, ElementKind::Quad8, level);
             let layout = MeshLayout::new(&body, &class.grading(shape.end_angle)).unwrap();
             assert_eq!(layout.body_numbers(&body).len(), layout.body_number_count());
