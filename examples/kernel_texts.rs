@@ -9,10 +9,10 @@ use std::path::PathBuf;
 use jointsweep::internals::engine::backend::gpu::batch::OnChip;
 use jointsweep::internals::engine::backend::gpu::front::Front;
 use jointsweep::internals::engine::backend::gpu::kernel_texts::{
-    ANSWERS, JOINTS, KERNEL_FILES, Sums, Variant,
+    ANSWERING, ANSWERS, JOINTS, KERNEL_FILES, Sums, Variant,
 };
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
-use jointsweep::internals::engine::backend::joints::{MOST_NODES, TERMS};
+use jointsweep::internals::engine::backend::joints::{JointKind, MOST_NODES, TERMS};
 use jointsweep::internals::engine::question::Question;
 use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
 
@@ -29,12 +29,13 @@ fn main() -> std::io::Result<()> {
             std::fs::write(folder.join(format!("{}-{name}.wgsl", file.name)), file.variant(&variant))?;
         }
     }
-    for terms in TERMS {
-        let variant = Variant { terms, ..Variant::plain(Precision::F32, MOST_NODES as u32) };
-        std::fs::write(folder.join(format!("joints-{terms}.wgsl")), JOINTS.variant(&variant))?;
+    for (terms, together) in TERMS.into_iter().flat_map(|terms| [(terms, 1), (terms, 2)]) {
+        let joints = JointKind { terms, together };
+        let variant = Variant { joints, ..Variant::plain(Precision::F32, MOST_NODES as u32) };
+        std::fs::write(folder.join(format!("joints-{terms}-{together}.wgsl")), JOINTS.variant(&variant))?;
     }
     let sweep = SWEEPS[0].answers(1000, true).expect("it is sound");
     let question = Question::of(&sweep).expect("a device knows what is asked");
-    let answers = ANSWERS.variant(&Variant::plain(Precision::F32, 64)) + &question.text;
+    let answers = ANSWERS.variant(&Variant::plain(Precision::F32, ANSWERING)) + &question.text;
     std::fs::write(folder.join("answers.wgsl"), answers)
 }

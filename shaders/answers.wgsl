@@ -1,7 +1,7 @@
 // Twin: `engine/row.rs` (`Solving::respond`), `engine/accuracy`, `output/row_value.rs` and `output/reduce`.
 //
-// Answers: from the states of joints to what a question asks of all rows together, in f32. One invocation has one design. Numbers have a
-// radius beside them: the processor's own number, in f64, is surely within it. Designs of which all is sure are counted here. All others, and
+// Answers: from the states of joints to what a question asks of all rows together, in f32. One workgroup has `TOGETHER` designs, whose rows
+// its invocations take in turn. Numbers have a radius beside them: the processor's own number, in f64, is surely within it. Designs of which all is sure are counted here. All others, and
 // those with a row that may be among the extreme ones, are told to the processor, which solves them itself.
 //
 // `condition` and `quantity` are written for each question (`engine/question/formula.rs`). Where numbers of the question (`Field`) and counts of
@@ -52,8 +52,15 @@ const ABREAST = 3u;
 // of the three products that squares of mantissas are made of.
 var<workgroup> sums: array<atomic<u32>, ABREAST * SUM_WORDS>;
 
-// What is counted of all rows of this workgroup: one atomic operation for 64 designs where all workgroups meet.
+// What is counted of all rows of this workgroup: one atomic operation for all its designs where all workgroups meet.
 var<workgroup> totals: array<atomic<u32>, OF_ALL>;
+
+// Of each design of this workgroup, and behind the last one, where its rows begin among those of all of them; and what is said of its rows:
+// a bit for each verdict, and one where they are unsure.
+var<workgroup> row_starts: array<u32, TOGETHER + 1u>;
+var<workgroup> said: array<atomic<u32>, TOGETHER>;
+
+const UNSURE = 0x80000000u;
 
 fn whole(at: u32) -> u32 {
     return u32(asked[at]);
@@ -424,31 +431,46 @@ fn verdict_of_row(row: Row) -> u32 {
     return select(COUNTED, CANDIDATE, is_candidate(row));
 }
 
-fn verdict_of(design: vec4<u32>) -> u32 {
-    // One that was drawn here and is in no fit has no loads.
-    var is_open = design.z == 0u;
-    var verdict = COUNTED;
-    var want = OPEN;
-    for (var load = 0u; load < design.z; load += 1u) {
-        let row = row_of(design, load);
-        if row.is_unsure {
-            return OPEN;
-        }
-        want = max(want, row.want);
-        if !is_open {
-            let own = verdict_of_row(row);
-            is_open = own == OPEN;
-            verdict = max(verdict, own);
-        }
-        if is_open && asked[ON_MESHES] == 0.0 {
-            return OPEN;
-        }
+// The bits of what a row says of its design.
+fn bits_of(row: Row) -> u32 {
+    if row.is_unsure {
+        return UNSURE;
     }
-    return select(verdict, want, is_open);
+    return (1u << verdict_of_row(row)) | select(1u << row.want, 0u, row.want == OPEN);
 }
 
-// What is asked of all rows of a design together.
+// From what all rows of a design say: it is counted where none is open. One that was drawn here and is in no fit has no rows.
+fn verdict_of(bits: u32) -> u32 {
+    if bits == 0u || (bits & UNSURE) != 0u {
+        return OPEN;
+    }
+    let of_counted = (1u << COUNTED) | (1u << CANDIDATE);
+    var own = bits & of_counted;
+    if (bits & (1u << OPEN)) != 0u {
+        own = select(bits & ~of_counted, 1u << OPEN, asked[ON_MESHES] == 0.0);
+    }
+    // The greatest of these.
+    return 31u - countLeadingZeros(own);
+}
+
+// The design of this workgroup that has a row.
+fn design_of(row: u32) -> u32 {
+    var low = 0u;
+    var high = TOGETHER;
+    while high - low > 1u {
+        let middle = (low + high) / 2u;
+        if row_starts[middle] <= row {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+// What is asked of all rows together, of those that an invocation has.
 struct Totals {
+    rows: u32,
     kept: u32,
     large: u32,
     // Of the estimates of errors, then of forces.
@@ -457,6 +479,7 @@ struct Totals {
 }
 
 fn add_row(row: Row, is_kept: bool, totals: ptr<function, Totals>) {
+    (*totals).rows += 1u;
     (*totals).kept += select(0u, 1u, is_kept);
     (*totals).large += select(0u, 1u, row.is_large);
     let own = vec3<f32>(row.force_error.x, row.linearity_error.x, row.force.x);
@@ -464,9 +487,11 @@ fn add_row(row: Row, is_kept: bool, totals: ptr<function, Totals>) {
     (*totals).least_force = min((*totals).least_force, row.force.x);
 }
 
-fn count_totals(rows: u32, own: Totals) {
-    atomicAdd(&totals[COUNTED_DESIGNS], 1u);
-    atomicAdd(&totals[COUNTED_ROWS], rows);
+fn count_totals(own: Totals) {
+    if own.rows == 0u {
+        return;
+    }
+    atomicAdd(&totals[COUNTED_ROWS], own.rows);
     atomicAdd(&totals[KEPT_ROWS], own.kept);
     atomicAdd(&totals[LARGE_ROWS], own.large);
     atomicMax(&totals[GREATEST_ERROR], bitcast<u32>(own.greatest.x));
@@ -505,50 +530,62 @@ fn count_value(value: f32, own_sums: u32, sketch_at: u32) {
     add_halves(at + 7u, low * low);
 }
 
-// Some quantities of the rows of a design; with the first ones what asks for none of them alone.
-fn count_rows(design: vec4<u32>, first: u32, end: u32) {
-    var own = Totals(0u, 0u, vec3<f32>(0.0), 3e38);
-    for (var load = 0u; load < design.z; load += 1u) {
-        let row = row_of(design, load);
-        let is_kept = condition(row).x == 1.0;
-        if first == 0u {
-            add_row(row, is_kept, &own);
-        }
-        if !is_kept {
-            continue;
-        }
-        if first == 0u {
-            count_bins(row);
-        }
-        for (var number = first; number < end; number += 1u) {
-            let quantity_at = whole(QUANTITIES_AT) + 2u * number;
-            if whole(quantity_at + 1u) > 0u {
-                count_value(quantity(number, row).x, (number - first) * SUM_WORDS, whole(quantity_at));
-            }
-        }
+// Some quantities of a row; with the first ones what asks for none of them alone.
+fn count_row(row: Row, first: u32, end: u32, totals: ptr<function, Totals>) {
+    let is_kept = condition(row).x == 1.0;
+    if first == 0u {
+        add_row(row, is_kept, totals);
+    }
+    if !is_kept {
+        return;
     }
     if first == 0u {
-        count_totals(design.z, own);
+        count_bins(row);
+    }
+    for (var number = first; number < end; number += 1u) {
+        let quantity_at = whole(QUANTITIES_AT) + 2u * number;
+        if whole(quantity_at + 1u) > 0u {
+            count_value(quantity(number, row).x, (number - first) * SUM_WORDS, whole(quantity_at));
+        }
     }
 }
 
 @compute @workgroup_size(INVOCATIONS)
 fn answer(
-    @builtin(global_invocation_id) place: vec3<u32>,
+    @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    if invocation < OF_ALL {
-        atomicStore(&totals[invocation], 0u);
+    let first_design = TOGETHER * group.x;
+    let design_count = min(TOGETHER, arrayLength(&designs) - first_design);
+    for (var word = invocation; word < OF_ALL; word += INVOCATIONS) {
+        atomicStore(&totals[word], 0u);
+    }
+    for (var own = invocation; own < TOGETHER; own += INVOCATIONS) {
+        atomicStore(&said[own], 0u);
+        row_starts[own + 1u] = select(0u, designs[first_design + own].z, own < design_count);
     }
     workgroupBarrier();
-    let is_there = place.x < arrayLength(&designs);
-    var design = vec4<u32>(0u);
-    var is_counted = false;
-    if is_there {
-        design = designs[place.x];
-        let verdict = verdict_of(design);
-        atomicStore(&told[whole(VERDICTS_AT) + place.x], verdict);
-        is_counted = verdict == COUNTED || verdict == CANDIDATE;
+    if invocation == 0u {
+        row_starts[0] = 0u;
+        for (var own = 0u; own < TOGETHER; own += 1u) {
+            row_starts[own + 1u] += row_starts[own];
+        }
+    }
+    workgroupBarrier();
+    let row_count = row_starts[TOGETHER];
+    for (var place = invocation; place < row_count; place += INVOCATIONS) {
+        let own = design_of(place);
+        let row = row_of(designs[first_design + own], place - row_starts[own]);
+        atomicOr(&said[own], bits_of(row));
+    }
+    workgroupBarrier();
+    for (var own = invocation; own < design_count; own += INVOCATIONS) {
+        let verdict = verdict_of(atomicLoad(&said[own]));
+        atomicStore(&told[whole(VERDICTS_AT) + first_design + own], verdict);
+        let is_counted = verdict == COUNTED || verdict == CANDIDATE;
+        // From here on whether it is.
+        atomicStore(&said[own], select(0u, 1u, is_counted));
+        atomicAdd(&totals[COUNTED_DESIGNS], select(0u, 1u, is_counted));
     }
     let quantity_count = whole(QUANTITY_COUNT);
     // Once where none is summed.
@@ -557,9 +594,15 @@ fn answer(
             atomicStore(&sums[word], 0u);
         }
         workgroupBarrier();
-        if is_counted {
-            count_rows(design, first, min(quantity_count, first + ABREAST));
+        var counted = Totals(0u, 0u, 0u, vec3<f32>(0.0), 3e38);
+        for (var place = invocation; place < row_count; place += INVOCATIONS) {
+            let own = design_of(place);
+            if atomicLoad(&said[own]) == 1u {
+                let row = row_of(designs[first_design + own], place - row_starts[own]);
+                count_row(row, first, min(quantity_count, first + ABREAST), &counted);
+            }
         }
+        count_totals(counted);
         workgroupBarrier();
         for (var number = first; number < min(quantity_count, first + ABREAST); number += 1u) {
             let sums_at = whole(whole(QUANTITIES_AT) + 2u * number + 1u);
@@ -572,12 +615,12 @@ fn answer(
         }
         workgroupBarrier();
     }
-    if invocation < OF_ALL {
-        let own = atomicLoad(&totals[invocation]);
-        if invocation <= LARGE_ROWS {
-            atomicAdd(&told[invocation], own);
+    for (var word = invocation; word < OF_ALL; word += INVOCATIONS) {
+        let own = atomicLoad(&totals[word]);
+        if word <= LARGE_ROWS {
+            atomicAdd(&told[word], own);
         } else {
-            atomicMax(&told[invocation], own);
+            atomicMax(&told[word], own);
         }
     }
 }

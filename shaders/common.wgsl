@@ -12,6 +12,7 @@
 //     const WORKS_HEADER = 2u;        // numbers of a body before its works
 //     const TILE_ROWS = 4u;           // rows of the ring that works has in a workgroup's own memory
 //     const TERMS = 6u;               // trial pressures of joints
+//     const JOINTS = 2u;              // that a workgroup has side by side
 //     alias summand = real4;          // what the kernel takes sums of, if any
 //
 // and constants that a kernel has from its twin (`KernelFile::constants`).

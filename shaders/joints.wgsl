@@ -3,21 +3,21 @@
 // Joints: from two bodies, by their coordinates in fits, by their amplitudes or by their works, to the states under some loads, in f32. Compliances are over
 // that of the infinite body, so that its even part is one.
 //
-// One workgroup has one joint. Its invocations take products of polynomials, then members, then nodes of the curve, then its
-// coefficients, then loads. A joint has no more nodes than a workgroup has invocations.
+// One workgroup has `JOINTS` joints side by side, with `OWN` invocations each. These take products of polynomials, then members, then
+// nodes of the curve, then degrees of its polynomials, then loads. A joint has no more nodes than invocations.
 
 struct Rows {
     // Products of a fit's polynomials, and numbers of one more than their highest degree; no products where amplitudes come with the joint.
     product_count: u32,
     degree_count: u32,
     member_count: u32,
-    // Numbers from one row of coefficients, or of compliances, to the next.
+    // Numbers from one row of coefficients to the next, and fours of numbers from one row of compliances.
     coefficient_stride: u32,
     row_stride: u32,
     // How often members come among the rows: of the body itself, and times powers of a number of the joint.
     order_count: u32,
     // Where in the tables there are degrees of the products, four to a word; coefficients, [product][member]; the greatest number of each
-    // row; rows, [row][packed entry][node].
+    // row; in fours rows, [row][packed entry / 4][node].
     products_at: u32,
     coefficients_at: u32,
     sizes_at: u32,
@@ -39,24 +39,29 @@ struct JointParameters {
     // tan(limit/4).
     widest: f32,
     negligible: f32,
-    padding: vec2<u32>,
+    // Joints of its kind in a workgroup.
+    together: u32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<storage, read> parameters: array<JointParameters>;
 @group(0) @binding(1) var<storage, read> tables: array<u32>;
-@group(0) @binding(2) var<storage, read> places: array<Place>;
+// The same in fours.
+@group(0) @binding(2) var<storage, read> table_fours: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> places: array<Place>;
 // Of a joint: of each body four coordinates from -1 to 1, even and odd of the infinite body, and its share; tilts of the pin; the
 // clearance ratio, m, and the bend of the gap; two numbers a load; amplitudes of the pin, and of the plate. Where works are on the device
 // only those before the ring's, and then the weights of the nodes of both near fields.
-@group(0) @binding(3) var<storage, read> joints: array<f32>;
+@group(0) @binding(4) var<storage, read> joints: array<f32>;
 // Of a body as `eliminate.wgsl` leaves it: whether it is sound, the greatest loss of a pivot, then works, of a pin also those of its tilt.
-@group(0) @binding(4) var<storage, read> works: array<f32>;
+@group(0) @binding(5) var<storage, read> works: array<f32>;
 // Of a near field: works of the first node, then of the next one, `NEAR_NODES` in all.
-@group(0) @binding(5) var<storage, read> near_fields: array<f32>;
+@group(0) @binding(6) var<storage, read> near_fields: array<f32>;
 // Of a joint: what the curve leaves between its nodes, then `STATE_NUMBERS` of each load.
-@group(0) @binding(6) var<storage, read_write> found: array<f32>;
+@group(0) @binding(7) var<storage, read_write> found: array<f32>;
 
-// Of the joint that a workgroup has.
+// Of the joint that an invocation has, and the joint's place in its workgroup.
+var<private> slot: u32;
 var<private> of_joint: JointParameters;
 var<private> load_count: u32;
 var<private> works_at: vec2<u32>;
@@ -64,43 +69,53 @@ var<private> near_fields_at: vec4<u32>;
 
 const HALF_PI = 1.5707964;
 const PI = 3.1415927;
-const ENTRIES = TERMS * (TERMS + 1u) / 2u;
+// Entries of a compliance, packed, in whole fours.
+const ENTRY_FOURS = (TERMS * (TERMS + 1u) / 2u + 3u) / 4u;
+const ENTRIES = 4u * ENTRY_FOURS;
 const BODY_NUMBERS = 7u;
 const AROUND = 6u;
 const DEGREES = 20u;
 
-// Functions of `contact/reduced.rs`, in their order.
-const SINGULAR = 0u;
-const EDGE = 1u;
-const EDGE_OF_VERSINE = 2u;
-const EDGE_OF_GAP = 3u;
-const VERSINE = 4u;
-const GAP = 5u;
-const WORK = 6u;
-const MIXED_WORK = 7u;
-const WORK_OF_GAP = 8u;
-const PEAK = 9u;
-const PEAK_OF_VERSINE = 10u;
-const PEAK_OF_GAP = 11u;
+const OWN = INVOCATIONS / JOINTS;
+const OWN_PRODUCTS = MOST_PRODUCTS / JOINTS;
+const OWN_ROWS = MOST_ROWS / JOINTS;
+
+// As in `contact/reduced.rs`.
+struct Reduced {
+    singular: f32,
+    edge: f32,
+    edge_of_versine: f32,
+    edge_of_gap: f32,
+    versine: f32,
+    gap: f32,
+    work: f32,
+    mixed_work: f32,
+    work_of_gap: f32,
+    peak: f32,
+    peak_of_versine: f32,
+    peak_of_gap: f32,
+}
+
+// Its functions, four at a time: those that loads follow from are the first two.
+const FOURS = 3u;
 
 struct Node {
-    indentation: f32,
-    force: f32,
+    // delta/e and F/e.
+    load: vec2<f32>,
     truncation: f32,
     of_pin: f32,
     is_sound: bool,
     is_positive: bool,
 }
 
-var<workgroup> factors: array<f32, 4u * DEGREES>;
-var<workgroup> products: array<f32, MOST_PRODUCTS>;
-var<workgroup> weights: array<f32, MOST_ROWS>;
-// [function][node], and [function][degree].
-var<workgroup> functions: array<f32, FUNCTIONS * MOST_NODES>;
-var<workgroup> coefficients: array<f32, FUNCTIONS * MOST_NODES>;
-var<workgroup> nodes: array<Node, MOST_NODES>;
+var<workgroup> factors: array<f32, JOINTS * 4u * DEGREES>;
+var<workgroup> products: array<f32, JOINTS * OWN_PRODUCTS>;
+var<workgroup> weights: array<f32, JOINTS * OWN_ROWS>;
+// Of each four functions their values at the nodes, from then on their coefficients by degree: [four][joint][node].
+var<workgroup> functions: array<vec4<f32>, FOURS * INVOCATIONS>;
+var<workgroup> nodes: array<Node, INVOCATIONS>;
 // What the last two coefficients of a function are of its greatest.
-var<workgroup> left_out: array<f32, DECISIVE>;
+var<workgroup> left_out: array<vec4<f32>, JOINTS * FOURS>;
 
 fn number(at: u32) -> f32 {
     return bitcast<f32>(tables[at]);
@@ -115,23 +130,27 @@ fn between(indentation: f32, of_versine: f32, of_gap: f32) -> f32 {
 }
 
 // delta/e and F/e of the state with a free edge.
-fn load_of(f: ptr<function, array<f32, FUNCTIONS>>, b: f32) -> vec2<f32> {
+fn load_of(f: Reduced, b: f32) -> vec2<f32> {
     let b2 = b * b;
-    let arm = HALF_PI - b2 * (*f)[VERSINE];
-    let flexible = (*f)[SINGULAR] / (*f)[EDGE];
-    let closed = b2 * ((*f)[GAP] + flexible * (*f)[EDGE_OF_GAP]);
-    let indentation = closed / (arm + closed - b2 * flexible * (*f)[EDGE_OF_VERSINE]);
-    let work = b2 * b2 * between(indentation, (*f)[WORK], (*f)[MIXED_WORK]);
-    let first = between(indentation, (*f)[EDGE_OF_VERSINE], (*f)[EDGE_OF_GAP]) / (*f)[EDGE];
-    return vec2<f32>(indentation, 2.0 * (b2 * first * arm + work));
+    let arm = HALF_PI - b2 * f.versine;
+    let flexible = f.singular / f.edge;
+    let closed = b2 * (f.gap + flexible * f.edge_of_gap);
+    let indentation = closed / (arm + closed - b2 * flexible * f.edge_of_versine);
+    let work = b2 * b2 * between(indentation, f.work, f.mixed_work);
+    return vec2<f32>(indentation, 2.0 * (b2 * first_of(f, indentation) * arm + work));
+}
+
+// W/b^2 of a state.
+fn first_of(f: Reduced, indentation: f32) -> f32 {
+    return between(indentation, f.edge_of_versine, f.edge_of_gap) / f.edge;
 }
 
 // Strain energy over e^2 b^4.
-fn energy_of(f: ptr<function, array<f32, FUNCTIONS>>, indentation: f32) -> f32 {
-    let first = between(indentation, (*f)[EDGE_OF_VERSINE], (*f)[EDGE_OF_GAP]) / (*f)[EDGE];
-    let of_versine = between(indentation, (*f)[WORK], (*f)[MIXED_WORK]);
-    let of_gap = between(indentation, (*f)[MIXED_WORK], (*f)[WORK_OF_GAP]);
-    return (*f)[SINGULAR] * first * first + between(indentation, of_versine, of_gap);
+fn energy_of(f: Reduced, indentation: f32) -> f32 {
+    let first = first_of(f, indentation);
+    let of_versine = between(indentation, f.work, f.mixed_work);
+    let of_gap = between(indentation, f.mixed_work, f.work_of_gap);
+    return f.singular * first * first + between(indentation, of_versine, of_gap);
 }
 
 // Integrals of 1 - cos(phi) on an arc whose b is smaller by a ratio, over b^2.
@@ -206,27 +225,29 @@ fn corrected(side: u32, entry: u32, count: u32, weights_at: u32) -> f32 {
 }
 
 // Amplitudes of a body's members, and from them the weights of its rows.
-fn weigh(side: u32, joint_at: u32, invocation: u32) {
+fn weigh(side: u32, joint_at: u32, lane: u32) {
     let rows = of_joint.bodies[side];
     let body_at = joint_at + side * BODY_NUMBERS;
-    if invocation < 4u {
-        let x = joints[body_at + invocation];
+    let factors_at = slot * 4u * DEGREES;
+    let products_at = slot * OWN_PRODUCTS;
+    if lane < 4u {
+        let x = joints[body_at + lane];
         var current = 1.0;
         var previous = x;
         for (var degree = 0u; degree < rows.degree_count; degree += 1u) {
-            factors[invocation * DEGREES + degree] = current;
+            factors[factors_at + lane * DEGREES + degree] = current;
             let next = 2.0 * x * current - previous;
             previous = current;
             current = next;
         }
     }
     workgroupBarrier();
-    for (var product = invocation; product < rows.product_count; product += INVOCATIONS) {
+    for (var product = lane; product < rows.product_count; product += OWN) {
         let degrees = tables[rows.products_at + product];
-        products[product] = factors[degrees & 255u]
-            * factors[DEGREES + ((degrees >> 8u) & 255u)]
-            * factors[2u * DEGREES + ((degrees >> 16u) & 255u)]
-            * factors[3u * DEGREES + (degrees >> 24u)];
+        products[products_at + product] = factors[factors_at + (degrees & 255u)]
+            * factors[factors_at + DEGREES + ((degrees >> 8u) & 255u)]
+            * factors[factors_at + 2u * DEGREES + ((degrees >> 16u) & 255u)]
+            * factors[factors_at + 3u * DEGREES + (degrees >> 24u)];
     }
     workgroupBarrier();
     // Those of the plate are behind those of the pin.
@@ -240,7 +261,7 @@ fn weigh(side: u32, joint_at: u32, invocation: u32) {
     let share = joints[body_at + 6u];
     let row_count = rows.member_count + 2u;
     let at = joint_at + 2u * BODY_NUMBERS;
-    for (var row = invocation; row < row_count; row += INVOCATIONS) {
+    for (var row = lane; row < row_count; row += OWN) {
         var amplitude = 0.0;
         if row < 2u {
             amplitude = joints[body_at + 4u + row];
@@ -259,12 +280,12 @@ fn weigh(side: u32, joint_at: u32, invocation: u32) {
             }
             for (var product = 0u; product < rows.product_count; product += 1u) {
                 let coefficient = number(rows.coefficients_at + product * rows.coefficient_stride + row - 2u);
-                amplitude += products[product] * coefficient;
+                amplitude += products[products_at + product] * coefficient;
             }
         }
         var of_order = share;
         for (var order = 0u; order < rows.order_count; order += 1u) {
-            weights[order * row_count + row] = amplitude * of_order;
+            weights[slot * OWN_ROWS + order * row_count + row] = amplitude * of_order;
             // Tilts of the pin, powers of the clearance ratio of the plate.
             if side == 0u {
                 of_order = share * joints[at + min(order, 1u)];
@@ -281,13 +302,18 @@ fn add_compliance(side: u32, node: u32, sums: ptr<function, array<f32, ENTRIES>>
     let rows = of_joint.bodies[side];
     let nodes_of_entry = of_joint.node_count;
     let row_count = rows.order_count * (rows.member_count + 2u);
-    let least = of_joint.negligible * abs(weights[0]) * number(rows.sizes_at);
+    let weights_at = slot * OWN_ROWS;
+    let least = of_joint.negligible * abs(weights[weights_at]) * number(rows.sizes_at);
     for (var row = 0u; row < row_count; row += 1u) {
-        let weight = weights[row];
+        let weight = weights[weights_at + row];
         if abs(weight) * number(rows.sizes_at + row) > least {
             let at = rows.rows_at + row * rows.row_stride + node;
-            for (var entry = 0u; entry < ENTRIES; entry += 1u) {
-                (*sums)[entry] += weight * number(at + entry * nodes_of_entry);
+            for (var four = 0u; four < ENTRY_FOURS; four += 1u) {
+                let added = weight * table_fours[at + four * nodes_of_entry];
+                (*sums)[4u * four] += added.x;
+                (*sums)[4u * four + 1u] += added.y;
+                (*sums)[4u * four + 2u] += added.z;
+                (*sums)[4u * four + 3u] += added.w;
             }
         }
     }
@@ -347,31 +373,31 @@ fn solve_node(
         }
         sides[row] *= inverse[row];
     }
-    var f: array<f32, FUNCTIONS>;
-    f[SINGULAR] = given[0].x - logarithm;
-    f[EDGE] = 1.0;
-    f[VERSINE] = given[0].y;
-    f[GAP] = given[0].z;
-    f[PEAK] = 1.0;
+    var f: Reduced;
+    f.singular = given[0].x - logarithm;
+    f.edge = 1.0;
+    f.versine = given[0].y;
+    f.gap = given[0].z;
+    f.peak = 1.0;
     var sign = -1.0;
     for (var k = 1u; k < TERMS; k += 1u) {
         let own = sides[k];
-        f[SINGULAR] -= given[k].x * own.x;
-        f[EDGE] -= own.x;
-        f[EDGE_OF_VERSINE] += own.y;
-        f[EDGE_OF_GAP] += own.z;
-        f[VERSINE] -= own.x * given[k].y;
-        f[GAP] -= own.x * given[k].z;
-        f[WORK] += own.y * given[k].y;
-        f[MIXED_WORK] += own.y * given[k].z;
-        f[WORK_OF_GAP] += own.z * given[k].z;
-        f[PEAK] -= sign * own.x;
-        f[PEAK_OF_VERSINE] += sign * own.y;
-        f[PEAK_OF_GAP] += sign * own.z;
+        f.singular -= given[k].x * own.x;
+        f.edge -= own.x;
+        f.edge_of_versine += own.y;
+        f.edge_of_gap += own.z;
+        f.versine -= own.x * given[k].y;
+        f.gap -= own.x * given[k].z;
+        f.work += own.y * given[k].y;
+        f.mixed_work += own.y * given[k].z;
+        f.work_of_gap += own.z * given[k].z;
+        f.peak -= sign * own.x;
+        f.peak_of_versine += sign * own.y;
+        f.peak_of_gap += sign * own.z;
         sign = -sign;
     }
-    let load = load_of(&f, b);
-    let first = between(load.x, f[EDGE_OF_VERSINE], f[EDGE_OF_GAP]) / f[EDGE];
+    let load = load_of(f, b);
+    let first = first_of(f, load.x);
     // Coefficients of the trial pressures over e b^2.
     var pressure: array<f32, TERMS>;
     pressure[0] = first;
@@ -384,7 +410,7 @@ fn solve_node(
     let before = abs(pressure[TERMS - 4u]) + abs(pressure[TERMS - 3u]);
     let falling = 1.0 - min(last / before, SLOWEST);
     let tail = last / (most * falling);
-    let work = energy_of(&f, load.x);
+    let work = energy_of(f, load.x);
     let last_two = vec2<f32>(pressure[TERMS - 2u], pressure[TERMS - 1u]);
     let of_last = dot(last_entries, last_two * last_two);
     // The least pressure between the zeros of the highest trial pressure.
@@ -419,15 +445,22 @@ fn solve_node(
     let even_of_pin = joints[joint_at + 4u] * joints[joint_at + 6u];
     of_pin -= even_of_pin * logarithm * first * first;
     // Polynomials go through S without its logarithm.
-    is_sound = is_sound && f[SINGULAR] > 0.0;
-    f[SINGULAR] += PI * number(space_at + 2u);
-    for (var function_ = 0u; function_ < FUNCTIONS; function_ += 1u) {
-        functions[function_ * MOST_NODES + node] = f[function_];
-        is_sound = is_sound && is_finite(wide(f[function_]));
+    is_sound = is_sound && f.singular > 0.0;
+    f.singular += PI * number(space_at + 2u);
+    let fours = array(
+        vec4<f32>(f.singular, f.edge, f.edge_of_versine, f.edge_of_gap),
+        vec4<f32>(f.versine, f.gap, f.work, f.mixed_work),
+        vec4<f32>(f.work_of_gap, f.peak, f.peak_of_versine, f.peak_of_gap),
+    );
+    for (var four = 0u; four < FOURS; four += 1u) {
+        let own = fours[four];
+        functions[four * INVOCATIONS + slot * OWN + node] = own;
+        for (var place = 0u; place < 4u; place += 1u) {
+            is_sound = is_sound && is_finite(wide(own[place]));
+        }
     }
-    nodes[node] = Node(
-        load.x,
-        load.y,
+    nodes[slot * OWN + node] = Node(
+        load,
         max(of_last / (work * falling * falling), tail * tail),
         of_pin / work,
         is_sound,
@@ -435,27 +468,88 @@ fn solve_node(
     );
 }
 
-// Clenshaw's sums of the functions from one on up to another.
-fn sum_functions(f: ptr<function, array<f32, FUNCTIONS>>, from_: u32, to: u32, turn: f32) {
-    for (var function_ = from_; function_ < to; function_ += 1u) {
-        let at = function_ * MOST_NODES;
-        var current = 0.0;
-        var previous = 0.0;
-        for (var degree = of_joint.node_count - 1u; degree > 0u; degree -= 1u) {
-            let next = coefficients[at + degree] - previous - turn * current;
-            previous = current;
-            current = next;
+// From values at the nodes to Chebyshev coefficients, of one degree. Even degrees are the same at the node opposite, odd ones its negative.
+fn coefficients_of(degree: u32) -> array<vec4<f32>, FOURS> {
+    let node_count = of_joint.node_count;
+    let sign = select(-1.0, 1.0, degree % 2u == 0u);
+    var sums: array<vec4<f32>, FOURS>;
+    var step = degree;
+    for (var node = 0u; node < node_count / 2u; node += 1u) {
+        let cosine = number(of_joint.cosines_at + step);
+        let near = slot * OWN + node;
+        let far = slot * OWN + node_count - 1u - node;
+        for (var four = 0u; four < FOURS; four += 1u) {
+            sums[four] += cosine * (functions[four * INVOCATIONS + near] + sign * functions[four * INVOCATIONS + far]);
         }
-        (*f)[function_] = coefficients[at] - previous - 0.5 * turn * current;
+        step += 2u * degree;
+        step -= select(0u, 4u * node_count, step >= 4u * node_count);
     }
+    let share = select(2.0, 1.0, degree == 0u) / f32(node_count);
+    for (var four = 0u; four < FOURS; four += 1u) {
+        sums[four] *= share;
+    }
+    return sums;
 }
 
-// Place, delta/e and F/e at a node; at the angle zero behind the last one.
-fn node_at(node: u32) -> vec3<f32> {
-    if node < of_joint.node_count {
-        return vec3<f32>(number(of_joint.space_at + 4u * node + 3u), nodes[node].indentation, nodes[node].force);
+// Clenshaw's sums of the functions that loads follow from.
+fn sum_of_load(turn: f32, logarithm: f32) -> Reduced {
+    let at = slot * OWN;
+    var first: vec4<f32>;
+    var first_before: vec4<f32>;
+    var second: vec4<f32>;
+    var second_before: vec4<f32>;
+    for (var degree = of_joint.node_count - 1u; degree > 0u; degree -= 1u) {
+        let first_next = functions[at + degree] - first_before - turn * first;
+        first_before = first;
+        first = first_next;
+        let second_next = functions[INVOCATIONS + at + degree] - second_before - turn * second;
+        second_before = second;
+        second = second_next;
     }
-    return vec3<f32>(0.0);
+    first = functions[at] - first_before - 0.5 * turn * first;
+    second = functions[INVOCATIONS + at] - second_before - 0.5 * turn * second;
+    var f: Reduced;
+    f.singular = first.x - PI * logarithm;
+    f.edge = first.y;
+    f.edge_of_versine = first.z;
+    f.edge_of_gap = first.w;
+    f.versine = second.x;
+    f.gap = second.y;
+    f.work = second.z;
+    f.mixed_work = second.w;
+    return f;
+}
+
+// And of the others.
+fn sum_others(turn: f32, f: ptr<function, Reduced>) {
+    let at = 2u * INVOCATIONS + slot * OWN;
+    var sum: vec4<f32>;
+    var before: vec4<f32>;
+    for (var degree = of_joint.node_count - 1u; degree > 0u; degree -= 1u) {
+        let next = functions[at + degree] - before - turn * sum;
+        before = sum;
+        sum = next;
+    }
+    sum = functions[at] - before - 0.5 * turn * sum;
+    (*f).work_of_gap = sum.x;
+    (*f).peak = sum.y;
+    (*f).peak_of_versine = sum.z;
+    (*f).peak_of_gap = sum.w;
+}
+
+// delta/e and F/e at a node, and its place; zero behind the last one.
+fn load_at(node: u32) -> vec2<f32> {
+    if node < of_joint.node_count {
+        return nodes[slot * OWN + node].load;
+    }
+    return vec2<f32>(0.0);
+}
+
+fn place_of(node: u32) -> f32 {
+    if node < of_joint.node_count {
+        return number(of_joint.space_at + 4u * node + 3u);
+    }
+    return 0.0;
 }
 
 // P and W of `contact/search.rs`.
@@ -476,12 +570,12 @@ fn inverse_at(
 
 // The state under a load, from the widest node that loads reach on.
 fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
-    let load_at = joint_at + JOINT_NUMBERS + 2u * load;
-    let wanted = vec2<f32>(joints[load_at], joints[load_at + 1u]);
+    let wanted_at = joint_at + JOINT_NUMBERS + 2u * load;
+    let wanted = vec2<f32>(joints[wanted_at], joints[wanted_at + 1u]);
     let node_count = of_joint.node_count;
     var above = node_count;
     for (var node = first_node; node < node_count; node += 1u) {
-        if dot(wanted, node_at(node).yz) >= 1.0 {
+        if dot(wanted, load_at(node)) >= 1.0 {
             above = node;
         }
     }
@@ -496,9 +590,8 @@ fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
     var own_places: array<f32, AROUND>;
     var y: array<f32, AROUND>;
     for (var i = 0u; i < AROUND; i += 1u) {
-        let own = node_at(from_ + i);
-        own_places[i] = own.x;
-        y[i] = sqrt(max(dot(wanted, own.yz), 0.0));
+        own_places[i] = place_of(from_ + i);
+        y[i] = sqrt(max(dot(wanted, load_at(from_ + i)), 0.0));
     }
     var weight = own_places;
     for (var i = 0u; i < AROUND; i += 1u) {
@@ -510,16 +603,15 @@ fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
         }
         weight[i] /= product;
     }
-    var low = node_at(above + 1u).x;
-    var high = node_at(above).x;
+    var low = place_of(above + 1u);
+    var high = place_of(above);
     let start = inverse_at(&y, &weight, 1.0);
     var next = start.x;
     var y_before = 0.0;
     var left_before = 0.0;
     var b = 0.0;
     var turn = 0.0;
-    var logarithm = 0.0;
-    var f: array<f32, FUNCTIONS>;
+    var f: Reduced;
     var has_ended = false;
     for (var step = 0u; step < MOST_STEPS && !has_ended; step += 1u) {
         let is_within = step < MOST_OF_POLYNOMIALS && next >= low && next <= high;
@@ -528,10 +620,8 @@ fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
         let quarter = of_joint.widest * place;
         b = 2.0 * quarter / (1.0 - quarter * quarter);
         turn = 2.0 - 4.0 * unit;
-        logarithm = log(unit);
-        sum_functions(&f, 0u, OF_LOAD, turn);
-        f[SINGULAR] -= PI * logarithm;
-        let own = load_of(&f, b);
+        f = sum_of_load(turn, log(unit));
+        let own = load_of(f, b);
         let sum = dot(wanted, own);
         let is_near = abs(sum - 1.0) < SEARCH_TOLERANCE;
         if sum < 1.0 {
@@ -539,7 +629,7 @@ fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
         } else {
             high = place;
         }
-        let is_sound = f[SINGULAR] > 0.0 && own.x > 0.0 && is_finite(wide(sum));
+        let is_sound = f.singular > 0.0 && own.x > 0.0 && is_finite(wide(sum));
         has_ended = is_sound && (is_near || high - low <= NARROWEST * high);
         let own_y = sqrt(max(sum, 0.0));
         let at = inverse_at(&y, &weight, own_y);
@@ -552,25 +642,26 @@ fn search(joint_at: u32, load: u32, first_node: u32, found_at: u32) {
         y_before = own_y;
         left_before = left;
     }
-    sum_functions(&f, OF_LOAD, FUNCTIONS, turn);
-    let own = load_of(&f, b);
+    sum_others(turn, &f);
+    let own = load_of(f, b);
     let b2 = b * b;
-    let arm = HALF_PI - b2 * f[VERSINE];
-    let first = b2 * between(own.x, f[EDGE_OF_VERSINE], f[EDGE_OF_GAP]) / f[EDGE];
-    let peak = between(own.x, f[PEAK_OF_VERSINE], f[PEAK_OF_GAP]);
+    let arm = HALF_PI - b2 * f.versine;
+    let first = b2 * first_of(f, own.x);
+    let peak = between(own.x, f.peak_of_versine, f.peak_of_gap);
     let ratio = joints[joint_at + 2u * BODY_NUMBERS + 3u];
-    let below = min(above + 1u, node_count - 1u);
+    let of_above = nodes[slot * OWN + above];
+    let of_below = nodes[slot * OWN + min(above + 1u, node_count - 1u)];
     found[found_at] = select(1.0, 2.0, has_ended);
     found[found_at + 1u] = b;
     found[found_at + 2u] = own.x;
     found[found_at + 3u] = own.y;
-    found[found_at + 4u] = 2.0 * (arm * arm / f[SINGULAR] + b2 * b2 * f[WORK]);
-    found[found_at + 5u] = b2 * b2 * energy_of(&f, own.x);
-    found[found_at + 6u] = (first * f[PEAK] - b2 * peak) * 0.5 * ratio / b;
-    found[found_at + 7u] = max(nodes[above].truncation, nodes[below].truncation);
-    found[found_at + 8u] = select(0.0, 1.0, nodes[above].is_positive && nodes[below].is_positive);
-    found[found_at + 9u] = nodes[above].of_pin;
-    found[found_at + 10u] = nodes[below].of_pin;
+    found[found_at + 4u] = 2.0 * (arm * arm / f.singular + b2 * b2 * f.work);
+    found[found_at + 5u] = b2 * b2 * energy_of(f, own.x);
+    found[found_at + 6u] = (first * f.peak - b2 * peak) * 0.5 * ratio / b;
+    found[found_at + 7u] = max(of_above.truncation, of_below.truncation);
+    found[found_at + 8u] = select(0.0, 1.0, of_above.is_positive && of_below.is_positive);
+    found[found_at + 9u] = of_above.of_pin;
+    found[found_at + 10u] = of_below.of_pin;
 }
 
 @compute @workgroup_size(INVOCATIONS)
@@ -578,11 +669,21 @@ fn solve_joints(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_index) invocation: u32,
 ) {
-    let place = places[group.x];
-    if place.terms != TERMS {
-        return;
+    slot = invocation / OWN;
+    let lane = invocation % OWN;
+    let index = group.x * JOINTS + slot;
+    var place: Place;
+    var is_there = index < arrayLength(&places);
+    if is_there {
+        place = places[index];
+        of_joint = parameters[place.parameters];
+        is_there = place.terms == TERMS && of_joint.together == JOINTS;
     }
-    of_joint = parameters[place.parameters];
+    if !is_there {
+        // One of another kernel, or none: it has no nodes and no loads.
+        of_joint = JointParameters();
+        place = Place();
+    }
     load_count = place.load_count;
     works_at = place.works_at;
     near_fields_at = place.near_fields_at;
@@ -591,37 +692,37 @@ fn solve_joints(
     let node_count = of_joint.node_count;
     var pin: array<f32, ENTRIES>;
     var both: array<f32, ENTRIES>;
-    weigh(0u, joint_at, invocation);
-    if invocation < node_count {
-        add_compliance(0u, invocation, &pin);
+    weigh(0u, joint_at, lane);
+    if lane < node_count {
+        add_compliance(0u, lane, &pin);
     }
     workgroupBarrier();
     both = pin;
-    weigh(1u, joint_at, invocation);
-    if invocation < node_count {
-        add_compliance(1u, invocation, &both);
-        solve_node(invocation, joint_at, &both, &pin);
+    weigh(1u, joint_at, lane);
+    if lane < node_count {
+        add_compliance(1u, lane, &both);
+        solve_node(lane, joint_at, &both, &pin);
     }
     workgroupBarrier();
-    for (var entry = invocation; entry < FUNCTIONS * node_count; entry += INVOCATIONS) {
-        let function_ = entry / node_count;
-        let degree = entry % node_count;
-        var sum = 0.0;
-        for (var node = 0u; node < node_count; node += 1u) {
-            let step = ((2u * node + 1u) * degree) % (4u * node_count);
-            sum += functions[function_ * MOST_NODES + node] * number(of_joint.cosines_at + step);
+    var coefficients: array<vec4<f32>, FOURS>;
+    if lane < node_count {
+        coefficients = coefficients_of(lane);
+    }
+    workgroupBarrier();
+    if lane < node_count {
+        for (var four = 0u; four < FOURS; four += 1u) {
+            functions[four * INVOCATIONS + slot * OWN + lane] = coefficients[four];
         }
-        coefficients[function_ * MOST_NODES + degree] = sum * select(2.0, 1.0, degree == 0u) / f32(node_count);
     }
     workgroupBarrier();
-    for (var function_ = invocation; function_ < DECISIVE; function_ += INVOCATIONS) {
-        let at = function_ * MOST_NODES;
-        var most = 1e-30;
+    if lane < FOURS && is_there {
+        let at = lane * INVOCATIONS + slot * OWN;
+        var most = vec4<f32>(1e-30);
         for (var degree = 0u; degree < node_count; degree += 1u) {
-            most = max(most, abs(coefficients[at + degree]));
+            most = max(most, abs(functions[at + degree]));
         }
-        let last = abs(coefficients[at + node_count - 2u]) + abs(coefficients[at + node_count - 1u]);
-        left_out[function_] = last / most;
+        let last = abs(functions[at + node_count - 2u]) + abs(functions[at + node_count - 1u]);
+        left_out[slot * FOURS + lane] = last / most;
     }
     workgroupBarrier();
     // From the narrowest contact on up to the first beyond a neat fit, as far as it grows with the load.
@@ -633,21 +734,21 @@ fn solve_joints(
         is_whole = is_whole && is_good(side, rows.member_count - rows.before_ring);
     }
     for (var node = node_count; node > 0u; node -= 1u) {
-        let own = nodes[node - 1u];
-        is_whole = is_whole && own.is_sound && own.indentation > grown && grown < 1.0;
+        let own = nodes[slot * OWN + node - 1u];
+        is_whole = is_whole && own.is_sound && own.load.x > grown && grown < 1.0;
         if is_whole {
             first_node = node - 1u;
-            grown = own.indentation;
+            grown = own.load.x;
         }
     }
-    if invocation == 0u {
+    if lane == 0u && is_there {
         var most = 0.0;
         for (var function_ = 0u; function_ < DECISIVE; function_ += 1u) {
-            most = max(most, left_out[function_]);
+            most = max(most, left_out[slot * FOURS + function_ / 4u][function_ % 4u]);
         }
         found[found_at] = most;
     }
-    for (var load = invocation; load < load_count; load += INVOCATIONS) {
+    for (var load = lane; load < load_count; load += OWN) {
         search(joint_at, load, first_node, found_at + 1u + STATE_NUMBERS * load);
     }
 }

@@ -9,8 +9,8 @@ use jointsweep::internals::engine::backend::gpu::front::{EliminateParameters, Fr
 use jointsweep::internals::engine::backend::gpu::joint_load::Placed;
 use jointsweep::internals::engine::backend::gpu::joint_tables::{JointParameters, RowParameters};
 use jointsweep::internals::engine::backend::gpu::kernel_texts::{
-    ANSWERS, ASSEMBLE, Access, CONDENSE, DRAW, ELIMINATE, JOINTS, KERNEL_FILES, KernelFile, NARROW, PCG,
-    REFINE, ROOFLINE, Sums, Variant, WORKS,
+    ANSWERING, ANSWERS, ASSEMBLE, Access, CONDENSE, DRAW, ELIMINATE, JOINTS, KERNEL_FILES, KernelFile,
+    NARROW, PCG, REFINE, ROOFLINE, Sums, Variant, WORKS,
 };
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::gpu::layout::AssembleParameters;
@@ -18,7 +18,7 @@ use jointsweep::internals::engine::backend::gpu::system_layout::{
     SystemOutcome, SystemParameters, SystemState,
 };
 use jointsweep::internals::engine::backend::gpu::works::WorksParameters;
-use jointsweep::internals::engine::backend::joints::{MOST_NODES, TERMS};
+use jointsweep::internals::engine::backend::joints::{JointKind, MOST_NODES, TERMS};
 use jointsweep::internals::engine::question::Question;
 use jointsweep::internals::engine::question::drawn::{Shapes, functions};
 use jointsweep::internals::engine::question::formula::Givens;
@@ -74,8 +74,12 @@ fn every_variant_is_valid() {
                 (256, 4, Sums::Subgroups),
             ] {
                 let on_chip = OnChip { vectors, capacity: 96 * vectors };
-                let terms = if vectors == 1 { 10 } else { 6 };
-                let variant = Variant { on_chip, terms, sums, ..Variant::plain(precision, invocations) };
+                let joints = if vectors == 1 {
+                    JointKind { terms: 10, together: 1 }
+                } else {
+                    JointKind { terms: 6, together: 2 }
+                };
+                let variant = Variant { on_chip, joints, sums, ..Variant::plain(precision, invocations) };
                 let (module, _) =
                     check(&file.variant(&variant), needs(&variant)).unwrap_or_else(|error| panic!("{error}"));
                 let found: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
@@ -110,7 +114,7 @@ fn questions_are_valid() {
         let study = Study::from_text(Path::new("asked.toml"), config(select, reduce)).unwrap();
         Question::of(&study)
     };
-    let variant = Variant::plain(Precision::F32, 64);
+    let variant = Variant::plain(Precision::F32, ANSWERING);
     for (select, reduce, givens) in [
         ("force < 2 kN", "statistics = ['force']", [0, 2]),
         (
@@ -319,6 +323,7 @@ fn shared_structs_have_the_same_members_at_the_same_places() {
         cosines_at,
         widest,
         negligible,
+        together,
         padding
     );
     assert_eq!(layout_in(&module(&JOINTS, Precision::F32), "JointParameters"), Some(joints));
@@ -421,8 +426,9 @@ fn the_memory_of_a_front_is_known() {
 /// The least that a device of WebGPU has is enough for joints.
 #[test]
 fn joints_need_no_more_memory_than_any_device_has() {
-    for terms in TERMS {
-        let variant = Variant { terms, ..Variant::plain(Precision::F32, MOST_NODES as u32) };
+    for (terms, together) in TERMS.into_iter().flat_map(|terms| [(terms, 1), (terms, 2)]) {
+        let joints = JointKind { terms, together };
+        let variant = Variant { joints, ..Variant::plain(Precision::F32, MOST_NODES as u32) };
         let bytes = workgroup_bytes(&JOINTS, &variant);
         println!("{bytes} bytes of a workgroup");
         assert!((8 * 1024..=16 * 1024).contains(&bytes), "{bytes}");

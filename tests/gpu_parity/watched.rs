@@ -23,6 +23,16 @@ pub struct Given {
     pub whole: Vec<Option<[usize; 2]>>,
     /// Bodies whose works were to come back.
     pub long: usize,
+    /// Joints that a workgroup has alone, and two at a time.
+    pub together: [usize; 2],
+}
+
+impl Given {
+    fn meet(&mut self, batch: &JointBatch) {
+        for joint in &batch.joints {
+            self.together[batch.tables[joint.tables as usize].kind().together - 1] += 1;
+        }
+    }
 }
 
 /// In f32, with kernels that are watched.
@@ -58,11 +68,14 @@ impl Device for Watched<'_> {
 
     fn begin_whole(&mut self, groups: &[Group], batch: &JointBatch) -> Result<bool, GpuError> {
         let is_begun = !self.leaves_bodies && self.condenser.begin_whole(groups, batch)?;
-        self.given.lock().unwrap().whole.push(is_begun.then_some([count(groups), batch.joints.len()]));
+        let mut given = self.given.lock().unwrap();
+        given.whole.push(is_begun.then_some([count(groups), batch.joints.len()]));
+        given.meet(batch);
         Ok(is_begun)
     }
 
     fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
+        self.given.lock().unwrap().meet(batch);
         self.condenser.begin_joints(batch)
     }
 

@@ -168,6 +168,34 @@ fn counted_batches_are_one_wait_each_with_the_next_one_on_the_device() {
     assert_eq!((counts.waits, counts.waits_with_work), (3, 2));
 }
 
+/// Bodies and joints of a batch that takes no longer than a submission may are one submission, whether states come back or rows are counted.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_small_batch_is_one_submission() {
+    let study = SWEEPS[0].answers(8, false).unwrap();
+    let cases: Vec<DesignCase> = study.cases().unwrap().map(Result::unwrap).collect();
+    let sinks = Sinks::of(&study);
+    let asking = sinks.asking().unwrap();
+    let watching = Watching { joints: SolvedJoints::All, leaves_bodies: false };
+    let ladder = Ladder::new(study.solve).asked_by(Some(&asking));
+    let (_, given, counted) = watching.ask(device(), ladder, |ladder| {
+        for cases in cases.chunks(4) {
+            let begun = ladder.begin_count(cases.to_vec()).ok().unwrap();
+            ladder.finish_count(&study, begun).unwrap().unwrap();
+        }
+    });
+    println!("{given:?} {counted:?}");
+    assert_eq!(given.whole, [Some([8, 4]); 2]);
+    assert_eq!((counted.submits, counted.waits), (2, 2));
+    let options = SolveOptions { accuracy: 1e-2, method: MethodChoice::Fe };
+    let cases = designs(111, 12, concentric_and_mild);
+    let (_, given, counts) = solving(SolvedJoints::All, device(), options, &cases[..4], 4);
+    println!("{given:?} {counts:?}");
+    let begun = given.whole.iter().flatten().count() as u64;
+    assert!(begun > 0 && given.long == 0, "{given:?}");
+    assert_eq!(counts.submits, begun);
+}
+
 /// A portion is waited for once, and of its bodies nothing comes back.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]

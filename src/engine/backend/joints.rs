@@ -21,7 +21,7 @@ use crate::mechanics::contact::state::ContactState;
 /// Counts of trial pressures that a device has a kernel for.
 pub const TERMS: [usize; 2] = [6, 10];
 
-/// The most nodes of a curve, products of polynomials, rows of a body and coordinates of its fit that it has room for.
+/// The most nodes of a curve, products of polynomials and rows of a body that a workgroup has room for, all its joints together, and coordinates of a fit.
 pub const MOST_NODES: usize = 32;
 pub const MOST_PRODUCTS: usize = 1024;
 pub const MOST_ROWS: usize = 576;
@@ -65,6 +65,15 @@ pub enum BodyTables<'a> {
     /// By its number among fits; with what the members add to compliances in the space.
     Fit(usize, &'a BodyFit, &'a Rows),
     Modes(ModeMembers),
+}
+
+/// Joints that one kernel solves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct JointKind {
+    /// Trial pressures.
+    pub terms: usize,
+    /// How many a workgroup has side by side: they share its invocations and its memory.
+    pub together: usize,
 }
 
 /// Equal for equal tables.
@@ -165,14 +174,16 @@ impl BodyTables<'_> {
         }
     }
 
-    fn has_room(&self) -> bool {
+    /// For so many joints of its kind in a workgroup.
+    fn has_room(&self, together: usize) -> bool {
         let of_fit = match self {
             BodyTables::Fit(_, fit, _) => {
-                fit.polynomials.count() <= MOST_PRODUCTS && fit.polynomials.ranges.len() <= MOST_COORDINATES
+                together * fit.polynomials.count() <= MOST_PRODUCTS
+                    && fit.polynomials.ranges.len() <= MOST_COORDINATES
             }
             BodyTables::Modes(_) => true,
         };
-        of_fit && self.rows().into_iter().product::<usize>() <= MOST_ROWS
+        of_fit && together * self.rows().into_iter().product::<usize>() <= MOST_ROWS
     }
 }
 
@@ -186,7 +197,18 @@ impl JointTables<'_> {
     pub fn are_for_devices(&self, outlines: &Outlines) -> bool {
         (0.0..=NARROW).contains(&outlines.radial_clearance)
             && is_for_devices(self.space.0)
-            && self.bodies.iter().all(BodyTables::has_room)
+            && self.have_room(1)
+    }
+
+    /// For so many joints in a workgroup.
+    fn have_room(&self, together: usize) -> bool {
+        together * self.space.1.arcs().len() <= MOST_NODES
+            && self.bodies.iter().all(|body| body.has_room(together))
+    }
+
+    /// The kernel that solves joints with these tables.
+    pub fn kind(&self) -> JointKind {
+        JointKind { terms: self.space.0.terms, together: if self.have_room(2) { 2 } else { 1 } }
     }
 
     /// Equal for joints with the same tables.
@@ -298,3 +320,27 @@ impl FoundState {
 
 /// What the kernel says of a search that came to its end.
 pub const ENDED: f32 = 2.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::body::Side;
+    use crate::mechanics::compliance::ring_modes::RingModes;
+
+    /// Two joints share a workgroup where their nodes and rows have room in half of it.
+    #[test]
+    fn small_joints_are_two_to_a_workgroup() {
+        let together = |nodes: usize, modes: usize| {
+            let key = SpaceKey { half_ring: false, terms: 6, nodes, variable: Variable::Root };
+            let space = CurveSpace::new(key.variable, key.terms, key.nodes, key.limit());
+            let ring = RingModes::whole(5, modes);
+            let bodies =
+                [Side::Pin, Side::Plate].map(|side| BodyTables::Modes(ModeMembers::of_mesh(side, 8, ring)));
+            JointTables { bodies, space: (key, &space) }.kind()
+        };
+        assert_eq!(together(16, 8), JointKind { terms: 6, together: 2 });
+        // Too many nodes, and too many rows.
+        assert_eq!(together(24, 8).together, 1);
+        assert_eq!(together(16, 12).together, 1);
+    }
+}

@@ -95,7 +95,9 @@ impl JointSizes {
             + 4 * entries
             + 2 * terms * 4 * terms;
         let of_loads = loads * 3 * nodes * (LEAST_STEPS * of_load + functions - of_load);
-        let operations = nodes * of_node + 2 * functions * nodes * nodes + of_loads;
+        // Sums and differences of opposite nodes, then products with half of the polynomials each.
+        let of_transform = functions * nodes + functions * nodes * nodes;
+        let operations = nodes * of_node + of_transform + of_loads;
         Work { operations: items * operations, bytes: items * bytes }
     }
 

@@ -14,7 +14,7 @@ pub struct Rows {
 }
 
 /// Numbers of the widest register.
-pub const REGISTER: usize = 16;
+const REGISTER: usize = 16;
 
 impl Rows {
     pub fn new(rows: &[Vec<f64>]) -> Rows {

@@ -15,7 +15,7 @@ use super::kernel_texts::{DRAW, Variant};
 use super::kernels::{Making, Precision, Stage};
 use crate::engine::backend::IN_FLIGHT;
 use crate::engine::backend::drawn::{DrawSettings, DrawnDesigns};
-use crate::engine::backend::joints::JointTables;
+use crate::engine::backend::joints::{JointKind, JointTables};
 use crate::engine::question::counted::MOST_ROWS;
 
 /// What the kernel that draws reads.
@@ -108,10 +108,10 @@ impl JointKernel {
             unreachable!("kernels are made before")
         };
         let settings = DrawSettings { first, design_count: count as u32, ..*settings };
-        let mut terms: Vec<usize> = tables.iter().map(|own| own.space.0.terms).collect();
-        terms.sort_unstable();
-        terms.dedup();
-        let passes = 2 + terms.len() * pieces(count);
+        let mut kinds: Vec<JointKind> = tables.iter().map(JointTables::kind).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        let passes = 2 + kinds.len() * pieces(count);
         let mut times = gpu.checked("joints", || PassTimes::of(gpu, passes))?;
         let staged = wanted.bytes() + times.bytes();
         let sizes = [
@@ -169,8 +169,9 @@ impl JointKernel {
                 near_fields: tables,
                 found,
             };
-            for own in &terms {
-                bound.solve(gpu, &stages[own], (0, count), (&mut encoder, &mut times), counts);
+            for kind in &kinds {
+                let stage = (&stages[kind], kind.together);
+                bound.solve(gpu, stage, (0, count), (&mut encoder, &mut times), counts);
             }
             let asking = Asking { asked: of_asked, designs: (designs, count), told };
             bound.count(gpu, answer, &asking, (&mut encoder, &mut times), counts);

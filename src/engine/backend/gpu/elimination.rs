@@ -93,6 +93,40 @@ pub struct KeptWorks {
     pub bytes: u64,
     /// Where in it, in numbers, that which is of each body begins: of one job after the other.
     pub places: Vec<u32>,
+    pub unsent: Unsent,
+}
+
+/// The last commands of a flight, which wait for what rests on them to be submitted together.
+pub struct Unsent {
+    commands: Option<wgpu::CommandBuffer>,
+    /// That which took them.
+    submission: Option<wgpu::SubmissionIndex>,
+    flight: Encoded,
+}
+
+/// A flight before it is submitted.
+struct Encoded {
+    batch: Option<usize>,
+    pieces: Vec<Piece>,
+    products: u64,
+    works: u64,
+    passes: Vec<bool>,
+    begun: Instant,
+    /// Where the host can read what comes back, and its bytes.
+    staging: wgpu::Buffer,
+    staged: u64,
+}
+
+impl Unsent {
+    /// Submits other commands behind these, where they have not gone before.
+    pub fn submit_with(&mut self, queue: &wgpu::Queue, others: wgpu::CommandBuffer) -> wgpu::SubmissionIndex {
+        let is_first = self.commands.is_some();
+        let submission = queue.submit(self.commands.take().into_iter().chain([others]));
+        if is_first {
+            self.submission = Some(submission.clone());
+        }
+        submission
+    }
 }
 
 /// Time of a product of tiles before any was measured, s: short for a processor, long for a GPU.
@@ -144,8 +178,8 @@ impl Elimination {
         }
     }
 
-    /// Gives the device jobs whose works stay there, and does not wait for them; `None` where they do not travel together, or the device
-    /// runs out of memory.
+    /// Encodes jobs whose works stay on the device; what is unsent is to be given back with `sent`. `None` where they do not travel together,
+    /// or the device runs out of memory.
     pub fn keep(&mut self, kernels: &Kernels, jobs: &[Job]) -> Result<Option<KeptWorks>, GpuError> {
         while self.flights.len() >= IN_FLIGHT {
             self.land(kernels)?;
@@ -169,8 +203,11 @@ impl Elimination {
         }
         let numbers = encoded(jobs, &plan, kernels.precision);
         let slot = self.flown % IN_FLIGHT;
-        match self.submit(kernels, None, plan, &numbers) {
-            Ok(()) => Ok(self.travelling[slot][2].clone().map(|buffer| KeptWorks { buffer, bytes, places })),
+        match self.encode(kernels, None, plan, &numbers) {
+            Ok(unsent) => {
+                let kept = |buffer| KeptWorks { buffer, bytes, places, unsent };
+                Ok(self.travelling[slot][2].clone().map(kept))
+            }
             Err(GpuError::OutOfMemory { .. }) if self.most_bytes > FEWEST_BYTES => {
                 self.halve(kernels)?;
                 Ok(None)
@@ -193,7 +230,8 @@ impl Elimination {
             let mut cursor = *cursor;
             let plan = FlightPlan::next(jobs, order, &mut cursor, &self.room(kernels));
             let numbers = encoded(jobs, &plan, kernels.precision);
-            match self.submit(kernels, Some(index), plan, &numbers) {
+            let encoded = self.encode(kernels, Some(index), plan, &numbers);
+            match encoded.and_then(|unsent| self.sent(kernels, unsent)) {
                 Ok(()) => self.batches[index].cursor = cursor,
                 Err(GpuError::OutOfMemory { .. }) if self.most_bytes > FEWEST_BYTES => self.halve(kernels)?,
                 Err(error) => return Err(error),
@@ -228,34 +266,52 @@ impl Elimination {
         self.pace.unwrap_or(FIRST_GUESS)
     }
 
-    /// All steps in order, and the copy of their works to what is handed over to a batch; a submission ends where it has taken long enough.
-    fn submit(
+    /// All steps in order, and the copy of their works to what is handed over to a batch. A submission ends where it has taken long enough;
+    /// the last one is left to be made.
+    fn encode(
         &mut self,
         kernels: &Kernels,
         index: Option<usize>,
         plan: FlightPlan,
         numbers: &[u8],
-    ) -> Result<(), GpuError> {
+    ) -> Result<Unsent, GpuError> {
         let gpu = kernels.gpu;
         let fronts = plan.steps.iter().flat_map(|step| &step.fronts);
         let stages: Vec<Stage> =
             fronts.map(|step| kernels.eliminate(step.front)).collect::<Result<_, _>>()?;
         let products = plan.steps.iter().map(|step| step.products).sum();
-        let submitted = Instant::now();
+        let begun = Instant::now();
         // Something must come back to tell that the flight has ended.
         let works = if index.is_some() { plan.works } else { plan.works.min(ALIGNMENT) };
-        let (reading, passes) =
+        let (commands, passes, staging, staged) =
             gpu.checked("elimination", || self.fly(kernels, &plan, numbers, stages, works))?;
         self.counts.bytes_up += (numbers.len() + plan.topologies.len()) as u64;
         self.counts.bytes_down += works;
         self.flown += 1;
         let pieces = plan.steps.into_iter().flat_map(|step| step.pieces).collect();
         let batch = index.map(|index| self.first_batch + index);
-        self.flights.push_back(Flight { batch, pieces, products, works, passes, submitted, reading });
+        let flight = Encoded { batch, pieces, products, works, passes, begun, staging, staged };
+        Ok(Unsent { commands: Some(commands), submission: None, flight })
+    }
+
+    /// A flight all of whose commands are with the device from here on.
+    pub fn sent(&mut self, kernels: &Kernels, unsent: Unsent) -> Result<(), GpuError> {
+        let Unsent { commands, submission, flight } = unsent;
+        let Encoded { batch, pieces, products, works, passes, begun, staging, staged } = flight;
+        let gpu = kernels.gpu;
+        let reading = gpu.checked("elimination", || {
+            let submission = submission.unwrap_or_else(|| {
+                self.counts.submits += 1;
+                gpu.queue.submit(commands)
+            });
+            gpu.reading(&staging, staged, submission)
+        })?;
+        self.flights.push_back(Flight { batch, pieces, products, works, passes, submitted: begun, reading });
         Ok(())
     }
 
-    /// So many bytes of works come back. Gives back of each pass that is timed whether it is one of `eliminate`, too.
+    /// So many bytes of works come back. Gives the last commands, of each pass that is timed whether it is one of `eliminate`, and where the
+    /// host can read what comes back, with its bytes.
     fn fly(
         &mut self,
         kernels: &Kernels,
@@ -263,7 +319,7 @@ impl Elimination {
         numbers: &[u8],
         stages: Vec<Stage>,
         works: u64,
-    ) -> (Reading, Vec<bool>) {
+    ) -> (wgpu::CommandBuffer, Vec<bool>, wgpu::Buffer, u64) {
         let Kernels { gpu, assemble, .. } = kernels;
         let most = |part: usize| plan.steps.iter().map(|step| step.scratch[part]).max().unwrap_or(0);
         // A binding may not be empty.
@@ -324,12 +380,10 @@ impl Elimination {
             if is_last {
                 encoder.copy_buffer_to_buffer(of_works, 0, staging, 0, works);
                 times.resolve(&mut encoder, staging, works);
+                return (encoder.finish(), passes, staging.clone(), staged);
             }
-            let submission = gpu.queue.submit([encoder.finish()]);
+            gpu.queue.submit([encoder.finish()]);
             self.counts.submits += 1;
-            if is_last {
-                return (gpu.reading(staging, staged, submission), passes);
-            }
         }
     }
 

@@ -11,10 +11,12 @@ use super::context::{GpuDevice, GpuError};
 use super::dispatch::{self, Argument, PassTimes, Reading};
 use super::elimination::KeptWorks;
 use super::joint_load::{Arenas, Load, whole_parts};
-use super::joint_passes::{Asking, Bound, TOGETHER, pieces};
-use super::kernel_texts::{ANSWERS, JOINTS, Variant};
+use super::joint_passes::{Asking, Bound, pieces};
+use super::kernel_texts::{ANSWERING, ANSWERS, JOINTS, Variant};
 use super::kernels::{Making, Precision, Stage};
-use crate::engine::backend::joints::{AskedOfJoints, BatchedJoint, JointBatch, JointTables, MOST_NODES};
+use crate::engine::backend::joints::{
+    AskedOfJoints, BatchedJoint, JointBatch, JointKind, JointTables, MOST_NODES,
+};
 use crate::engine::backend::{Counts, IN_FLIGHT};
 use crate::engine::question::counted::{Layout, Told};
 
@@ -24,8 +26,8 @@ const FEWEST_BYTES: u64 = 1 << 20;
 
 /// The kernel with the tables it has been given, and batches on their way through it.
 pub struct JointKernel {
-    /// Of the counts of trial pressures that were asked for.
-    pub(super) stages: HashMap<usize, Stage>,
+    /// Of the kinds of joints that were asked for.
+    pub(super) stages: HashMap<JointKind, Stage>,
     /// What counts rows, by the functions of its question.
     pub(super) answers: Option<(String, Stage)>,
     pub(super) making: Making,
@@ -137,12 +139,12 @@ impl JointKernel {
         self.begin_with(gpu, batch, None)
     }
 
-    /// The same of joints whose bodies are condensed before, if their works stay on the device.
+    /// The same of joints whose bodies are condensed before, if their works stay on the device: in one submission with the last of that.
     pub fn begin_with(
         &mut self,
         gpu: &GpuDevice,
         batch: &JointBatch,
-        works: Option<&KeptWorks>,
+        mut works: Option<&mut KeptWorks>,
     ) -> Result<(), GpuError> {
         self.make_stages(gpu, &batch.tables)?;
         let mut found = Vec::new();
@@ -155,19 +157,19 @@ impl JointKernel {
         let mut first = 0;
         while first < batch.joints.len() {
             self.land_all_but(gpu, IN_FLIGHT - 1)?;
-            let flown = self.fly(gpu, batch, first, works);
+            let flown = self.fly(gpu, batch, first, works.as_deref_mut());
             first += self.on_its_way(gpu, flown)?;
         }
         Ok(())
     }
 
-    /// The kernels of the spaces of some tables.
+    /// The kernels of joints with some tables.
     pub(super) fn make_stages(&mut self, gpu: &GpuDevice, tables: &[JointTables]) -> Result<(), GpuError> {
-        for JointTables { space: (key, _), .. } in tables {
-            if !self.stages.contains_key(&key.terms) {
+        for joints in tables.iter().map(JointTables::kind) {
+            if !self.stages.contains_key(&joints) {
                 let plain = Variant::plain(Precision::F32, MOST_NODES as u32);
-                let stage = Stage::new(gpu, &JOINTS, &Variant { terms: key.terms, ..plain }, self.making)?;
-                self.stages.insert(key.terms, stage);
+                let stage = Stage::new(gpu, &JOINTS, &Variant { joints, ..plain }, self.making)?;
+                self.stages.insert(joints, stage);
             }
         }
         Ok(())
@@ -228,7 +230,7 @@ impl JointKernel {
     /// The kernel that counts rows, with the functions of a question.
     pub(super) fn make_answers(&mut self, gpu: &GpuDevice, functions: &str) -> Result<(), GpuError> {
         if self.answers.as_ref().is_none_or(|(known, _)| known != functions) {
-            let variant = Variant::plain(Precision::F32, TOGETHER);
+            let variant = Variant::plain(Precision::F32, ANSWERING);
             let stage = Stage::with_functions(gpu, &ANSWERS, &variant, functions, self.making)?;
             self.answers = Some((functions.to_string(), stage));
         }
@@ -296,9 +298,9 @@ impl JointKernel {
         gpu: &GpuDevice,
         batch: &JointBatch,
         first: usize,
-        works: Option<&KeptWorks>,
+        works: Option<&mut KeptWorks>,
     ) -> Result<Flight, GpuError> {
-        let load = self.arenas.load(gpu, (batch, first), works, self.most_bytes)?;
+        let load = self.arenas.load(gpu, (batch, first), works.as_deref(), self.most_bytes)?;
         self.counts.bytes_up += load.of_tables;
         let joints = load.count.max(1);
         let wanted = match &batch.asked {
@@ -323,7 +325,7 @@ impl JointKernel {
         gpu: &GpuDevice,
         Buffers { joints: buffers, answers, .. }: &mut Buffers,
         load: &Load,
-        (numbers, works): (&[f32], Option<&KeptWorks>),
+        (numbers, works): (&[f32], Option<&mut KeptWorks>),
         (asked, wanted): (Option<&[f32]>, &Wanted),
     ) -> Result<Reading, GpuError> {
         let Load { parameters, places, designs, found_bytes, .. } = load;
@@ -342,10 +344,6 @@ impl JointKernel {
         let (counts, stages, tables) = (&mut self.counts, &self.stages, self.arenas.tables.buffer());
         // A binding may not be empty.
         let near_fields = self.arenas.near_fields.buffer().unwrap_or(tables);
-        let of_works = || match works {
-            Some(works) => Argument::part("works", &works.buffer, 0..works.bytes),
-            None => Argument::whole("works", tables),
-        };
         let kept = gpu.checked("joints", || dispatch::kept(gpu, buffers, TRAVELLING, sizes, counts))?;
         let [of_parameters, of_places, of_joints, found, staging] = kept;
         counts.bytes_up += sizes[..3].iter().sum::<u64>();
@@ -367,14 +365,18 @@ impl JointKernel {
                 tables,
                 places: of_places,
                 joints: of_joints,
-                works: of_works(),
+                works: match &works {
+                    Some(works) => Argument::part("works", &works.buffer, 0..works.bytes),
+                    None => Argument::whole("works", tables),
+                },
                 near_fields,
                 found,
             };
             let mut at = 0;
-            for (terms, own) in places {
+            for (kind, own) in places {
                 gpu.queue.write_buffer(of_places, at, bytemuck::cast_slice(own));
-                bound.solve(gpu, &stages[terms], (at, own.len()), (&mut encoder, &mut times), counts);
+                let stage = (&stages[kind], kind.together);
+                bound.solve(gpu, stage, (at, own.len()), (&mut encoder, &mut times), counts);
                 at += whole_parts(own);
             }
             let mut read = found;
@@ -388,7 +390,10 @@ impl JointKernel {
             }
             wanted.copy(read, staging, &mut encoder);
             times.resolve(&mut encoder, staging, wanted.bytes());
-            let submission = gpu.queue.submit([encoder.finish()]);
+            let submission = match works {
+                Some(works) => works.unsent.submit_with(&gpu.queue, encoder.finish()),
+                None => gpu.queue.submit([encoder.finish()]),
+            };
             counts.submits += 1;
             gpu.reading(staging, staged, submission)
         })

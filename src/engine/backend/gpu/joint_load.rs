@@ -10,7 +10,7 @@ use super::elimination::KeptWorks;
 use super::joint_tables::{JointParameters, TableArena};
 use super::near_field_tables::NearFieldArena;
 use crate::engine::backend::joints::{
-    BatchedJoint, ELSEWHERE, JointBatch, JointTables, MISSING, STATE_NUMBERS,
+    BatchedJoint, ELSEWHERE, JointBatch, JointKind, JointTables, MISSING, STATE_NUMBERS,
 };
 use crate::engine::question::counted::MOST_ROWS;
 
@@ -34,8 +34,8 @@ pub(super) struct Load {
     /// Of joints.
     pub count: usize,
     pub parameters: Vec<JointParameters>,
-    /// Of each count of trial pressures.
-    pub places: Vec<(usize, Vec<Placed>)>,
+    /// Of each kind.
+    pub places: Vec<(JointKind, Vec<Placed>)>,
     /// Of each joint where its numbers and what is found of it begin, its loads and amplitudes; where rows are counted.
     pub designs: Vec<[u32; 4]>,
     /// Their numbers, among those of the batch.
@@ -85,6 +85,7 @@ impl Arenas {
         }
         let (met, bytes) = self.tables.meet(gpu, &tables)?;
         let tables = &tables[..met];
+        let kinds: Vec<JointKind> = tables.iter().map(|tables| tables.kind()).collect();
         let mut load = Load {
             count: 0,
             parameters: tables.iter().map(|tables| self.tables.parameters(tables)).collect(),
@@ -96,7 +97,7 @@ impl Arenas {
         };
         for joint in &batch.joints[first..first + count] {
             let Some(own) = order[joint.tables as usize].filter(|own| (*own as usize) < met) else { break };
-            let terms = tables[own as usize].space.0.terms;
+            let kind = kinds[own as usize];
             let (numbers_at, found_at) = (joint.numbers_at - start as u32, (load.found_bytes / 4) as u32);
             let works_at = joint.condensed.map(|body| match body {
                 None => ELSEWHERE,
@@ -113,16 +114,16 @@ impl Arenas {
                 load_count: joint.load_count,
                 // Without near fields works are no good.
                 works_at: if near_fields.is_some() { works_at } else { [MISSING; 2] },
-                terms: terms as u32,
+                terms: kind.terms as u32,
                 padding: 0,
                 near_fields_at,
             };
             if batch.asked.is_some() {
                 load.designs.push([numbers_at, found_at, joint.load_count, joint.amplitude_count]);
             }
-            match load.places.iter_mut().find(|(own, _)| *own == terms) {
+            match load.places.iter_mut().find(|(own, _)| *own == kind) {
                 Some((_, places)) => places.push(placed),
-                None => load.places.push((terms, vec![placed])),
+                None => load.places.push((kind, vec![placed])),
             }
             load.numbers.end = numbers_of(batch, first + load.count).end;
             load.count += 1;

@@ -3,14 +3,14 @@
 use super::context::GpuDevice;
 use super::dispatch::{Argument, PassTimes};
 use super::joint_load::Placed;
+use super::kernel_texts::ANSWERED_TOGETHER;
 use super::kernels::Stage;
 use crate::engine::backend::Counts;
 
 /// Of a dispatch at most: few enough for any device's limit, and for a watchdog.
 const MOST_JOINTS: usize = 8192;
 
-/// Designs that a workgroup of `answers` has, and bytes of the place of one.
-pub(super) const TOGETHER: u32 = 64;
+/// Bytes of the place of a design.
 pub(super) const DESIGN_BYTES: usize = size_of::<[u32; 4]>();
 
 /// What the kernel of joints is given.
@@ -32,11 +32,11 @@ pub(super) struct Asking<'a> {
 }
 
 impl Bound<'_> {
-    /// So many joints whose places begin at a byte.
+    /// So many joints whose places begin at a byte, some of them together in each workgroup.
     pub(super) fn solve(
         &self,
         gpu: &GpuDevice,
-        stage: &Stage,
+        (stage, together): (&Stage, usize),
         (at, count): (u64, usize),
         (encoder, times): (&mut wgpu::CommandEncoder, &mut PassTimes),
         counts: &mut Counts,
@@ -48,6 +48,7 @@ impl Bound<'_> {
             let arguments = [
                 Argument::whole("parameters", self.parameters),
                 Argument::whole("tables", self.tables),
+                Argument::whole("table_fours", self.tables),
                 Argument::part("places", self.places, places),
                 Argument::whole("joints", self.joints),
                 self.works.clone(),
@@ -57,7 +58,7 @@ impl Bound<'_> {
             let mut pass = encoder.begin_compute_pass(&times.next());
             pass.set_pipeline(&stage.pipelines[0]);
             pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
-            pass.dispatch_workgroups(stage.workgroups(joints as u32), 1, 1);
+            pass.dispatch_workgroups(stage.workgroups(joints.div_ceil(together) as u32), 1, 1);
             counts.dispatches += 1;
         }
     }
@@ -82,7 +83,7 @@ impl Bound<'_> {
         let mut pass = encoder.begin_compute_pass(&times.next());
         pass.set_pipeline(&stage.pipelines[0]);
         pass.set_bind_group(0, &gpu.bind(stage, &arguments), &[]);
-        pass.dispatch_workgroups(stage.workgroups(count.div_ceil(TOGETHER as usize) as u32), 1, 1);
+        pass.dispatch_workgroups(stage.workgroups(count.div_ceil(ANSWERED_TOGETHER) as u32), 1, 1);
         counts.dispatches += 1;
     }
 }

@@ -12,7 +12,7 @@ use crate::engine::backend::joints::{BodyTables, JointTables, TablesKey};
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::body_fit::NEGLIGIBLE;
-use crate::mechanics::compliance::row_sums::REGISTER;
+use crate::mechanics::compliance::row_sums::Rows;
 use crate::mechanics::contact::curve_space::CurveSpace;
 
 /// As the kernel is told of a body's rows.
@@ -44,7 +44,8 @@ pub struct JointParameters {
     pub cosines_at: u32,
     pub widest: f32,
     pub negligible: f32,
-    pub padding: [u32; 2],
+    pub together: u32,
+    pub padding: u32,
 }
 
 /// Tables are dropped rather than take more bytes.
@@ -59,7 +60,7 @@ pub struct TableArena {
     buffer: Option<wgpu::Buffer>,
     used_words: usize,
     bodies: HashMap<TablesKey, RowParameters>,
-    /// Without bodies.
+    /// Without bodies, and what follows from them.
     spaces: HashMap<SpaceKey, JointParameters>,
 }
 
@@ -122,7 +123,8 @@ impl TableArena {
                 products_at: products_at + at,
                 coefficients_at: coefficients_at + at,
                 sizes_at: sizes_at + at,
-                rows_at: rows_at + at,
+                // Words are whole fours.
+                rows_at: rows_at + at / 4,
                 ..rows
             };
             self.bodies.insert(key, moved);
@@ -171,22 +173,23 @@ impl TableArena {
     pub fn parameters(&self, tables: &JointTables) -> JointParameters {
         let (key, _) = tables.space;
         let bodies = tables.key().map(|key| self.bodies[&key]);
-        JointParameters { bodies, ..self.spaces[&key] }
+        let together = tables.kind().together as u32;
+        JointParameters { bodies, together, ..self.spaces[&key] }
     }
 }
 
 /// At least as many as `body_words` makes.
 fn most_body_words(body: &BodyTables, space: &CurveSpace) -> usize {
-    let entries = packed_count(space.pressures.terms) * space.arcs().len();
     let rows: usize = body.rows().into_iter().product();
     let of_fit = match body {
         BodyTables::Fit(_, fit, _) => fit.polynomials.count() + fit.coefficients().values().len(),
         BodyTables::Modes(_) => 0,
     };
-    of_fit + rows * (1 + entries.next_multiple_of(REGISTER))
+    // Rows begin at a whole four.
+    of_fit + rows * (1 + 4 * row_fours(space)) + 3
 }
 
-/// Adds what is known of bodies of a kind; places are among these words.
+/// Adds what is known of bodies of a kind; places are among these words, which are whole fours.
 fn body_words(body: &BodyTables, space: &CurveSpace, words: &mut Vec<u32>) -> RowParameters {
     let made;
     let (rows, mut parameters) = match body {
@@ -212,10 +215,31 @@ fn body_words(body: &BodyTables, space: &CurveSpace, words: &mut Vec<u32>) -> Ro
     let [of_one, orders] = body.rows();
     parameters.member_count = of_one as u32 - 2;
     parameters.order_count = orders as u32;
-    parameters.row_stride = rows.stride() as u32;
+    parameters.row_stride = row_fours(space) as u32;
     parameters.sizes_at = add(rows.sizes(), words);
-    parameters.rows_at = add(rows.values(), words);
+    words.resize(words.len().next_multiple_of(4), 0);
+    parameters.rows_at = words.len() as u32 / 4;
+    add_in_fours(rows, space, words);
     parameters
+}
+
+/// Fours of numbers that a row takes.
+fn row_fours(space: &CurveSpace) -> usize {
+    packed_count(space.pressures.terms).div_ceil(4) * space.arcs().len()
+}
+
+/// Rows, `[packed entry][node]`, as `[packed entry / 4][node]` of four entries each: so an invocation, which has a node, takes four at a time.
+fn add_in_fours(rows: &Rows, space: &CurveSpace, words: &mut Vec<u32>) {
+    let nodes = space.arcs().len();
+    let length = packed_count(space.pressures.terms) * nodes;
+    for row in rows.values().chunks_exact(rows.stride().max(1)) {
+        for of_four in row[..length].chunks(4 * nodes) {
+            for node in 0..nodes {
+                let entry = |place: usize| of_four.get(place * nodes + node).copied().unwrap_or(0.0);
+                words.extend((0..4).map(|place| entry(place).to_bits()));
+            }
+        }
+    }
 }
 
 fn add(numbers: &[f32], words: &mut Vec<u32>) -> u32 {
@@ -236,7 +260,7 @@ fn space_words(space: &CurveSpace, before: usize, words: &mut Vec<u32>) -> Joint
         at
     };
     let cosine = |step: usize| (FRAC_PI_2 * step as f64 / node_count as f64).cos();
-    JointParameters {
+    let parameters = JointParameters {
         bodies: Default::default(),
         node_count: node_count as u32,
         space_at: add(&mut space.node_numbers().flatten()),
@@ -244,6 +268,10 @@ fn space_words(space: &CurveSpace, before: usize, words: &mut Vec<u32>) -> Joint
         cosines_at: add(&mut (0..4 * node_count).map(cosine)),
         widest: space.widest() as f32,
         negligible: NEGLIGIBLE,
-        padding: [0; 2],
-    }
+        together: 1,
+        padding: 0,
+    };
+    // Others in fours may follow.
+    words.resize((before + words.len()).next_multiple_of(4) - before, 0);
+    parameters
 }

@@ -12,7 +12,7 @@ use crate::engine::accuracy::geometry_error::{
 use crate::engine::accuracy::known_errors::DEPTHS;
 use crate::engine::backend::drawn::{DrawnShape, FIT_WORDS, LoadKind, MOST_KINDS, NOWHERE, SIDE_WORDS};
 use crate::engine::backend::joints::{
-    ELSEWHERE, ENDED, JOINT_NUMBERS, MISSING, MOST_COORDINATES, MOST_NODES, MOST_PRODUCTS, MOST_ROWS,
+    ELSEWHERE, ENDED, JOINT_NUMBERS, JointKind, MISSING, MOST_COORDINATES, MOST_PRODUCTS, MOST_ROWS,
     NEAR_NODES, STATE_NUMBERS, TERMS,
 };
 use crate::engine::backend::precision::Precision;
@@ -27,7 +27,7 @@ use crate::mechanics::compliance::ring_modes::MOST_MODES;
 use crate::mechanics::contact::compliance_rows;
 use crate::mechanics::contact::curve_error::ROUGH;
 use crate::mechanics::contact::edge::{SLOWEST, TENSION};
-use crate::mechanics::contact::reduced::{DECISIVE, FUNCTIONS, OF_LOAD};
+use crate::mechanics::contact::reduced::DECISIVE;
 use crate::mechanics::contact::search::MOST_OF_POLYNOMIALS;
 use crate::mechanics::layers::{MOST_STEPS, SHRINK, STEEPEST, TOLERANCE};
 use crate::mechanics::lines::{CROWDING, LEEWAY, THICK_WALL};
@@ -216,6 +216,7 @@ pub const JOINTS: KernelFile = KernelFile {
     bindings: &[
         ("parameters", Read),
         ("tables", Read),
+        ("table_fours", Read),
         ("places", Read),
         ("joints", Read),
         ("works", Read),
@@ -223,7 +224,6 @@ pub const JOINTS: KernelFile = KernelFile {
         ("found", Written),
     ],
     constants: &[
-        ("MOST_NODES", Constant::Count(MOST_NODES)),
         ("MOST_PRODUCTS", Constant::Count(MOST_PRODUCTS)),
         ("MOST_ROWS", Constant::Count(MOST_ROWS)),
         ("JOINT_NUMBERS", Constant::Count(JOINT_NUMBERS)),
@@ -232,9 +232,7 @@ pub const JOINTS: KernelFile = KernelFile {
         ("ELSEWHERE", Constant::Count(ELSEWHERE as usize)),
         ("MISSING", Constant::Count(MISSING as usize)),
         ("ROUGHEST_LOSS", Constant::Single(ROUGHEST / (AMPLIFIED * f32::EPSILON as f64))),
-        ("FUNCTIONS", Constant::Count(FUNCTIONS)),
         ("DECISIVE", Constant::Count(DECISIVE)),
-        ("OF_LOAD", Constant::Count(OF_LOAD)),
         ("MOST_STEPS", Constant::Count(MOST_SEARCH_STEPS)),
         ("MOST_OF_POLYNOMIALS", Constant::Count(MOST_OF_POLYNOMIALS)),
         ("SEARCH_TOLERANCE", Constant::Single(SEARCH_TOLERANCE)),
@@ -315,6 +313,10 @@ pub const DRAW: KernelFile = KernelFile {
     summand: None,
 };
 
+/// Designs that a workgroup of `answers` has, and its invocations, which take the rows of all of these in turn.
+pub const ANSWERED_TOGETHER: usize = 64;
+pub const ANSWERING: u32 = 128;
+
 /// From states of joints to what is asked of all rows together; each question adds its own functions.
 pub const ANSWERS: KernelFile = KernelFile {
     name: "answers",
@@ -322,6 +324,7 @@ pub const ANSWERS: KernelFile = KernelFile {
     entry_points: &["answer"],
     bindings: &[("found", Read), ("joints", Read), ("asked", Read), ("designs", Read), ("told", Written)],
     constants: &[
+        ("TOGETHER", Constant::Count(ANSWERED_TOGETHER)),
         ("JOINT_NUMBERS", Constant::Count(JOINT_NUMBERS)),
         ("STATE_NUMBERS", Constant::Count(STATE_NUMBERS)),
         ("ACCURACY", Constant::Count(Field::Accuracy as usize)),
@@ -420,16 +423,17 @@ pub struct Variant {
     pub on_chip: OnChip,
     /// Of `eliminate`.
     pub front: Front,
-    /// Trial pressures of `joints`.
-    pub terms: usize,
+    /// Of `joints`.
+    pub joints: JointKind,
     pub sums: Sums,
 }
 
 impl Variant {
-    /// With all vectors in storage, the smallest front, the fewest trial pressures and sums as a tree.
+    /// With all vectors in storage, the smallest front, one joint of the fewest trial pressures, and sums as a tree.
     pub fn plain(precision: Precision, invocations: u32) -> Variant {
         let front = Front::SMALLEST;
-        Variant { precision, invocations, on_chip: OnChip::NOTHING, front, terms: TERMS[0], sums: Sums::Tree }
+        let joints = JointKind { terms: TERMS[0], together: 1 };
+        Variant { precision, invocations, on_chip: OnChip::NOTHING, front, joints, sums: Sums::Tree }
     }
 }
 
@@ -456,7 +460,7 @@ impl KernelFile {
             invocations,
             on_chip: OnChip { vectors, capacity },
             front: Front { rows, is_on_chip },
-            terms,
+            joints: JointKind { terms, together },
             sums,
         } = variant;
         let name = |bytes: u64| if bytes == 4 { "f32" } else { "f64" };
@@ -475,6 +479,7 @@ impl KernelFile {
             ("WORKS_HEADER", WORKS_HEADER),
             ("TILE_ROWS", tile_rows),
             ("TERMS", *terms),
+            ("JOINTS", *together),
         ];
         let sizes = sizes.map(|(name, size)| (name, Constant::Count(size)));
         let constants = outcomes.iter().chain(&sizes).chain(self.constants);

@@ -183,7 +183,7 @@ impl Device for GpuCondenser<'_> {
         let (eliminated, jobs) = self.jobs(groups);
         let kept = self.elimination.keep(&self.kernels, &jobs)?;
         self.report.condensation += started.elapsed();
-        let Some(KeptWorks { buffer, bytes, places: of_jobs }) = kept else { return Ok(false) };
+        let Some(KeptWorks { buffer, bytes, places: of_jobs, unsent }) = kept else { return Ok(false) };
         self.report.bodies += of_jobs.len() as u64;
         let (mut places, mut of_jobs) = (Vec::new(), of_jobs.into_iter());
         let mut eliminated = eliminated.into_iter().peekable();
@@ -195,10 +195,11 @@ impl Device for GpuCondenser<'_> {
             }));
         }
         let started = Instant::now();
-        let kept = KeptWorks { buffer, bytes, places };
-        let begun = self.joints.begin_with(self.kernels.gpu, batch, Some(&kept));
+        let mut kept = KeptWorks { buffer, bytes, places, unsent };
+        let begun = self.joints.begin_with(self.kernels.gpu, batch, Some(&mut kept));
+        let sent = self.elimination.sent(&self.kernels, kept.unsent);
         self.report.contact += started.elapsed();
-        begun.map(|()| true)
+        begun.and(sent).map(|()| true)
     }
 
     fn begin_drawn(&mut self, drawn: &DrawnDesigns) -> Result<bool, GpuError> {
