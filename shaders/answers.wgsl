@@ -1,8 +1,9 @@
 // Twin: `engine/row.rs` (`Solving::respond`), `engine/accuracy`, `output/row_value.rs` and `output/reduce`.
 //
 // Answers: from the states of joints to what a question asks of all rows together, in f32. One workgroup has `TOGETHER` designs, whose rows
-// its invocations take in turn. Numbers have a radius beside them: the processor's own number, in f64, is surely within it. Designs of which all is sure are counted here. All others, and
-// those with a row that may be among the extreme ones, are told to the processor, which solves them itself.
+// its invocations take in turn. Numbers have a radius beside them: the processor's own number, in f64, is surely within it. Designs of
+// which all is sure are counted here. All others, and those with a row that may be among the extreme ones, are told to the processor,
+// which solves them itself.
 //
 // `condition` and `quantity` are written for each question (`engine/question/formula.rs`). Where numbers of the question (`Field`) and counts of
 // all rows (`Total`) stand, and what verdicts are, comes from there, too.
@@ -562,7 +563,11 @@ fn answer(
     }
     for (var own = invocation; own < TOGETHER; own += INVOCATIONS) {
         atomicStore(&said[own], 0u);
-        row_starts[own + 1u] = select(0u, designs[first_design + own].z, own < design_count);
+        var rows = 0u;
+        if own < design_count {
+            rows = designs[first_design + own].z;
+        }
+        row_starts[own + 1u] = rows;
     }
     workgroupBarrier();
     if invocation == 0u {
