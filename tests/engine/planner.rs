@@ -39,7 +39,7 @@ fn planned(cases: &[DesignCase], accuracy: f64) -> Vec<Option<Response>> {
 /// estimate. The oracle is `series` with the most trial pressures, or a mesh finer than any that is planned.
 #[test]
 fn the_accuracy_holds_and_estimates_bound_the_error() {
-    let cases = cases(90, 20);
+    let cases = cases(45, 10);
     let oracle = Oracle::new(&cases).states;
     for accuracy in ACCURACIES {
         let rows: Vec<(Option<Response>, State)> = planned(&cases, accuracy)
@@ -63,8 +63,7 @@ fn the_accuracy_holds_and_estimates_bound_the_error() {
         let within = share(&|error, _| error <= accuracy);
         let bounded = share(&|error, estimate| error <= estimate);
         println!("{accuracy}: {} rows, within {within:.4}, bounded {bounded:.4}", judged.len());
-        // Seen: 199 of 200, a half disc's contact is too wide. Of the errors 99.0 % are bounded at the least.
-        assert!(judged.len() >= 198, "{} designs judged", judged.len());
+        assert!(judged.len() >= 98, "{} designs judged", judged.len());
         assert!(within >= 0.99, "{accuracy}: {within}");
         assert!(bounded >= 0.95, "{accuracy}: {bounded}");
     }

@@ -99,16 +99,19 @@ fn a_thousand_random_designs_of_each_kind() {
     ] {
         let expected = Ladder::new(options).in_double().solve(&cases);
         for (precision, _) in precisions() {
-            let found = by(DeviceSolver::Eliminate, device(), precision, options, &cases);
-            let (worst, count) = compare(&found, &expected, BackendKind::Gpu);
+            // Of the two in f64 by elimination one is enough: they have the same kernels.
+            let designs = if precision == Precision::F64 { 100 } else { 1000 };
+            let (cases, expected) = (&cases[..designs], &expected[..designs]);
+            let found = by(DeviceSolver::Eliminate, device(), precision, options, cases);
+            let (worst, count) = compare(&found, expected, BackendKind::Gpu);
             println!("{name}, {precision:?}: {count} forces, {worst:.1e}");
             let is_single = precision == Precision::F32;
             assert!(
-                count > 900 && worst < if is_single { OF_SINGLES } else { 1e-11 },
+                10 * count > 9 * designs && worst < if is_single { OF_SINGLES } else { 1e-11 },
                 "{name}, {precision:?}: {count} {worst:e}"
             );
             // And errors say so.
-            let said = more_error(&found, &expected);
+            let said = more_error(&found, expected);
             let least = if is_single { OF_SINGLES } else { 0.0 };
             assert!((said - least).abs() < 0.02 * OF_SINGLES, "{name}, {precision:?}: {said:e}");
         }
@@ -138,11 +141,11 @@ fn unmeasured_bodies_say_their_rounding() {
     assert!((said / OF_SINGLES - 1.0).abs() < 0.2, "{said:e}");
 }
 
-/// By conjugate gradients a thousand random designs of sixty pins and sixty plates, each with a clearance, moduli and a load of its own.
+/// By conjugate gradients a thousand random designs of twenty pins and twenty plates, each with a clearance, moduli and a load of its own.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn a_thousand_random_designs_of_few_bodies_by_iteration() {
-    let drawn = draw(21, 60, concentric);
+    let drawn = draw(21, 20, concentric);
     let mut random = Random::new(22);
     // Each in the plane state that it was drawn in.
     let mut pick = |of: Idealization| {

@@ -152,6 +152,10 @@ fn works_are_what_the_processor_finds() {
         let plan = CondensationPlan::new(&bodies.bodies[0], bodies.grading.clone(), modes);
         let expected = plan.condense(&bodies.bodies);
         for (precision, _) in precisions() {
+            // In f64 the other bodies say all; of these software takes half a minute.
+            if *name == "thin-walled block" && precision != Precision::F32 {
+                continue;
+            }
             // Which side of a block is thin matters to the bounds of f32 alone.
             let (first, of_its_own);
             let bodies = if number < FAMILY_COUNT || precision == Precision::F32 {
@@ -178,7 +182,7 @@ fn works_are_what_the_processor_finds() {
         // Control: what is compared differs from body to body by more.
         assert!(difference(&expected[0], &expected[1]) > 1e-3, "{name}");
     }
-    assert_eq!(compared, 8 * 3 + (5 * 3 + 3) * (precisions().len() - 1));
+    assert_eq!(compared, 8 * 3 + (5 * 3 + 2) * (precisions().len() - 1));
 }
 
 /// Seen: in f32 4.7e-4 of a block on its base, whose stiffness is far larger than what its ring feels of it, 2.8e-5 of a thin-walled

@@ -33,7 +33,7 @@ pub struct Elimination {
     /// In the order they were begun, with the number of the first.
     batches: VecDeque<Batch>,
     first_batch: usize,
-    flights: VecDeque<Flight>,
+    flights: VecDeque<Submitted>,
     /// Flights so far.
     flown: usize,
     /// When the device was last seen to come to an end.
@@ -72,7 +72,7 @@ struct Batch {
     left: usize,
 }
 
-/// What is submitted and not read back.
+/// Steps that go to the device together.
 struct Flight {
     /// `None` of one whose works stay on the device.
     batch: Option<usize>,
@@ -82,7 +82,12 @@ struct Flight {
     works: u64,
     /// Of each pass that is timed whether it is one of `eliminate`.
     passes: Vec<bool>,
-    submitted: Instant,
+    begun: Instant,
+}
+
+/// What is submitted and not read back.
+struct Submitted {
+    flight: Flight,
     reading: Reading,
 }
 
@@ -98,20 +103,10 @@ pub struct KeptWorks {
 
 /// The last commands of a flight, which wait for what rests on them to be submitted together.
 pub struct Unsent {
+    flight: Flight,
     commands: Option<wgpu::CommandBuffer>,
     /// That which took them.
     submission: Option<wgpu::SubmissionIndex>,
-    flight: Encoded,
-}
-
-/// A flight before it is submitted.
-struct Encoded {
-    batch: Option<usize>,
-    pieces: Vec<Piece>,
-    products: u64,
-    works: u64,
-    passes: Vec<bool>,
-    begun: Instant,
     /// Where the host can read what comes back, and its bytes.
     staging: wgpu::Buffer,
     staged: u64,
@@ -272,32 +267,33 @@ impl Elimination {
         &mut self,
         kernels: &Kernels,
         index: Option<usize>,
-        plan: FlightPlan,
+        mut plan: FlightPlan,
         numbers: &[u8],
     ) -> Result<Unsent, GpuError> {
         let gpu = kernels.gpu;
         let fronts = plan.steps.iter().flat_map(|step| &step.fronts);
         let stages: Vec<Stage> =
             fronts.map(|step| kernels.eliminate(step.front)).collect::<Result<_, _>>()?;
-        let products = plan.steps.iter().map(|step| step.products).sum();
-        let begun = Instant::now();
         // Something must come back to tell that the flight has ended.
         let works = if index.is_some() { plan.works } else { plan.works.min(ALIGNMENT) };
-        let (commands, passes, staging, staged) =
-            gpu.checked("elimination", || self.fly(kernels, &plan, numbers, stages, works))?;
+        let flight = Flight {
+            batch: index.map(|index| self.first_batch + index),
+            pieces: plan.steps.iter_mut().flat_map(|step| std::mem::take(&mut step.pieces)).collect(),
+            products: plan.steps.iter().map(|step| step.products).sum(),
+            works,
+            passes: Vec::new(),
+            begun: Instant::now(),
+        };
+        let unsent = gpu.checked("elimination", || self.fly(kernels, &plan, numbers, stages, flight))?;
         self.counts.bytes_up += (numbers.len() + plan.topologies.len()) as u64;
         self.counts.bytes_down += works;
         self.flown += 1;
-        let pieces = plan.steps.into_iter().flat_map(|step| step.pieces).collect();
-        let batch = index.map(|index| self.first_batch + index);
-        let flight = Encoded { batch, pieces, products, works, passes, begun, staging, staged };
-        Ok(Unsent { commands: Some(commands), submission: None, flight })
+        Ok(unsent)
     }
 
     /// A flight all of whose commands are with the device from here on.
     pub fn sent(&mut self, kernels: &Kernels, unsent: Unsent) -> Result<(), GpuError> {
-        let Unsent { commands, submission, flight } = unsent;
-        let Encoded { batch, pieces, products, works, passes, begun, staging, staged } = flight;
+        let Unsent { flight, commands, submission, staging, staged } = unsent;
         let gpu = kernels.gpu;
         let reading = gpu.checked("elimination", || {
             let submission = submission.unwrap_or_else(|| {
@@ -306,20 +302,19 @@ impl Elimination {
             });
             gpu.reading(&staging, staged, submission)
         })?;
-        self.flights.push_back(Flight { batch, pieces, products, works, passes, submitted: begun, reading });
+        self.flights.push_back(Submitted { flight, reading });
         Ok(())
     }
 
-    /// So many bytes of works come back. Gives the last commands, of each pass that is timed whether it is one of `eliminate`, and where the
-    /// host can read what comes back, with its bytes.
+    /// Submits all but the last commands of a flight, whose passes it fills in.
     fn fly(
         &mut self,
         kernels: &Kernels,
         plan: &FlightPlan,
         numbers: &[u8],
         stages: Vec<Stage>,
-        works: u64,
-    ) -> (wgpu::CommandBuffer, Vec<bool>, wgpu::Buffer, u64) {
+        mut flight: Flight,
+    ) -> Unsent {
         let Kernels { gpu, assemble, .. } = kernels;
         let most = |part: usize| plan.steps.iter().map(|step| step.scratch[part]).max().unwrap_or(0);
         // A binding may not be empty.
@@ -328,8 +323,8 @@ impl Elimination {
         let [geometry, values, states, fronts] =
             kept(gpu, &mut self.scratch, SCRATCH, sizes, &mut self.counts);
         let most_passes = plan.steps.iter().map(|step| 1 + step.fronts.len()).sum();
-        let (mut times, mut passes) = (PassTimes::of(gpu, most_passes), Vec::with_capacity(most_passes));
-        let staged = works + times.bytes();
+        let mut times = PassTimes::of(gpu, most_passes);
+        let staged = flight.works + times.bytes();
         let sizes = [numbers.len() as u64, plan.topologies.len() as u64, plan.works, staged];
         let [of_numbers, of_topologies, of_works, staging] =
             kept(gpu, &mut self.travelling[slot], TRAVELLING, sizes, &mut self.counts);
@@ -341,7 +336,7 @@ impl Elimination {
             // A pass each, so that each is timed.
             let mut dispatch = |stage: &Stage, arguments: &[Argument], bodies: u32, is_elimination: bool| {
                 let mut pass = encoder.begin_compute_pass(&times.next());
-                passes.push(is_elimination);
+                flight.passes.push(is_elimination);
                 pass.set_pipeline(&stage.pipelines[0]);
                 pass.set_bind_group(0, &gpu.bind(stage, arguments), &[]);
                 pass.dispatch_workgroups(stage.workgroups(bodies), 1, 1);
@@ -378,9 +373,10 @@ impl Elimination {
             }
             let is_last = left.peek().is_none();
             if is_last {
-                encoder.copy_buffer_to_buffer(of_works, 0, staging, 0, works);
-                times.resolve(&mut encoder, staging, works);
-                return (encoder.finish(), passes, staging.clone(), staged);
+                encoder.copy_buffer_to_buffer(of_works, 0, staging, 0, flight.works);
+                times.resolve(&mut encoder, staging, flight.works);
+                let commands = Some(encoder.finish());
+                return Unsent { flight, commands, submission: None, staging: staging.clone(), staged };
             }
             gpu.queue.submit([encoder.finish()]);
             self.counts.submits += 1;
@@ -390,8 +386,8 @@ impl Elimination {
     /// Waits for the first flight and takes its works.
     fn land(&mut self, kernels: &Kernels) -> Result<(), GpuError> {
         let Kernels { gpu, precision, .. } = kernels;
-        let Some(flight) = self.flights.pop_front() else { return Ok(()) };
-        let Flight { batch, pieces, products, works: size, passes, submitted, reading } = flight;
+        let Some(Submitted { flight, reading }) = self.flights.pop_front() else { return Ok(()) };
+        let Flight { batch, pieces, products, works: size, passes, begun } = flight;
         let was_there = gpu.is_there(&reading)?;
         let batch = batch.map(|batch| batch - self.first_batch);
         let (ended, pass_times, found) = gpu.look(reading, |all| {
@@ -415,7 +411,7 @@ impl Elimination {
             }
         }
         // The device began when it was given this, or when it had ended what was before.
-        let began = self.idle_since.map_or(submitted, |idle| idle.max(submitted));
+        let began = self.idle_since.map_or(begun, |idle| idle.max(begun));
         let measured = (ended - began).as_secs_f64() / products.max(1) as f64;
         // A small flight is mostly its own start; one that was there already tells no more than that it took no longer.
         let most = self.pace.map_or(f64::INFINITY, |known| if was_there { known } else { 2.0 * known });

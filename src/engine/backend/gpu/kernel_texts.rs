@@ -27,7 +27,7 @@ use crate::mechanics::compliance::ring_modes::MOST_MODES;
 use crate::mechanics::contact::compliance_rows;
 use crate::mechanics::contact::curve_error::ROUGH;
 use crate::mechanics::contact::edge::{SLOWEST, TENSION};
-use crate::mechanics::contact::reduced::DECISIVE;
+use crate::mechanics::contact::reduced::{DECISIVE, FUNCTIONS, OF_LOAD};
 use crate::mechanics::contact::search::MOST_OF_POLYNOMIALS;
 use crate::mechanics::layers::{MOST_STEPS, SHRINK, STEEPEST, TOLERANCE};
 use crate::mechanics::lines::{CROWDING, LEEWAY, THICK_WALL};
@@ -206,6 +206,9 @@ pub const ELIMINATE: KernelFile = KernelFile {
 };
 
 /// From bodies, as they lie in fits or are condensed, and loads to states of contact.
+// `joints.wgsl` takes four at a time.
+const _: () = assert!(FUNCTIONS == 12 && OF_LOAD == 8);
+
 pub const JOINTS: KernelFile = KernelFile {
     name: "joints",
     text: concat!(
