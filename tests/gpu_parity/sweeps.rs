@@ -78,12 +78,12 @@ fn more_error(found: &[DesignOutcome], expected: &[DesignOutcome]) -> f64 {
     more[more.len() / 2]
 }
 
-/// Of conjugate gradients; seen: 2.4e-5, 3.9e-11 and 1.3e-9. Elimination in f64 leaves 1e-13.
+/// Of conjugate gradients; seen: 7.4e-6, 1.5e-11 and 4.6e-10. Elimination in f64 leaves 1e-13.
 fn allowed(precision: Precision) -> f64 {
     match precision {
         Precision::F32 => 3.2e-5,
         Precision::F64 => 5.1e-11,
-        Precision::Mixed => 1.7e-9,
+        Precision::Mixed => 1e-9,
     }
 }
 
@@ -169,7 +169,7 @@ fn a_thousand_random_designs_of_few_bodies_by_iteration() {
     let force = |outcome: &DesignOutcome| outcome.steps[0].response.unwrap().force;
     let other = greatest(expected[..50].iter().zip(&finer).map(|(a, b)| force(a) / force(b) - 1.0));
     assert!(finer.len() == 50 && other > 3.0 * allowed(Precision::F32), "{other:e}");
-    for (precision, _) in precisions().into_iter().filter(|(precision, _)| *precision != Precision::Mixed) {
+    for (precision, _) in precisions() {
         let found = by(DeviceSolver::Pcg, device(), precision, options, &cases);
         let (worst, count) = compare(&found, &expected, BackendKind::Gpu);
         println!("{precision:?}: {count} forces, {worst:.1e}");

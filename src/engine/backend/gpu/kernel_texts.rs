@@ -205,10 +205,10 @@ pub const ELIMINATE: KernelFile = KernelFile {
     summand: None,
 };
 
-/// From bodies, as they lie in fits or are condensed, and loads to states of contact.
-// `joints.wgsl` takes four at a time.
+// `joints.wgsl` takes them four at a time.
 const _: () = assert!(FUNCTIONS == 12 && OF_LOAD == 8);
 
+/// From bodies, as they lie in fits or are condensed, and loads to states of contact.
 pub const JOINTS: KernelFile = KernelFile {
     name: "joints",
     text: concat!(
