@@ -169,8 +169,8 @@ impl ConcentricBody {
         };
         let place = (0..interfaces.len()).find(is_resolved)?;
         let beyond = layers[place + 1];
-        let own = self.finite_part(layers, MOST_MODES as f64, PRESSURE)[0]
-            + self.alone(&layers[0], MOST_MODES, PRESSURE)[0];
+        let [own] = self.finite_part(layers, MOST_MODES as f64, [PRESSURE]);
+        let own = own[0] + self.alone(&layers[0], MOST_MODES, PRESSURE)[0];
         let bed = own - self.alone(&beyond, MOST_MODES, PRESSURE)[0];
         let depth = interfaces[place].radius_ratio.ln().abs();
         (bed > 0.0).then_some(Film { bed, depth, beyond })
@@ -194,8 +194,8 @@ impl ConcentricBody {
     }
 
     /// lambda_n, and the amplitude of the displacement along the ring, u_phi = along sin(n phi), or those under shear, each less that of the same body with
-    /// its fixed circle infinitely far (or small) and without layers beyond the one at the ring, n >= 2, of one mode or several abreast. Free of
-    /// cancellation.
+    /// its fixed circle infinitely far (or small) and without layers beyond the one at the ring, n >= 2, of one mode or several abreast, under each
+    /// of some stresses. Free of cancellation.
     ///
     /// With x the amplitudes of the two fields that fall from the ring, y of the two that fall from the far circle of the material at
     /// the ring, q = (ratio of radii)^n what is left of them at the other circle, and Z how that yields (0 where it is held),
@@ -206,12 +206,17 @@ impl ConcentricBody {
     ///
     /// so x = x0 + q^2 (N - q^2 S)^-1 S x0 with N x0 = t and S = M (Q - Z Mp)^-1 (P - Z Np).
     #[inline(always)]
-    fn finite_part<T: Real>(&self, layers: &[Layer], n: T, stress: Stress) -> [T; 2] {
+    fn finite_part<T: Real, const STRESSES: usize>(
+        &self,
+        layers: &[Layer],
+        n: T,
+        stresses: [Stress; STRESSES],
+    ) -> [[T; 2]; STRESSES] {
         let layer = &layers[0];
         let q = layer.left_of(n);
         // Nothing is left, and powers of radii like 1e300 are no numbers.
         if (T::from_f64(1e-30) - q).is_positive() {
-            return [T::zero(); 2];
+            return [[T::zero(); 2]; STRESSES];
         }
         let [[near, far], on_circle] = layer.fields(n);
         // y = -q R x.
@@ -225,15 +230,19 @@ impl ConcentricBody {
             reflection(on_circle, layer.own(beyond))
         };
         let back = product(far.stresses, reflection);
-        let stress = [T::from_f64(stress[0]), T::from_f64(stress[1])];
-        let alone = apply(inverse(near.stresses), stress);
         let square = q * q;
-        let [more, other] = apply(inverse(less(near.stresses, square, back)), apply(back, alone));
-        let more = [square * more, square * other];
-        let reflected = apply(reflection, [alone[0] + more[0], alone[1] + more[1]]);
-        let (near, far) = (apply(near.displacements, more), apply(far.displacements, reflected));
-        let radial = near[0].minus_product(square, far[0]);
-        self.normal_and_along([radial, near[1].minus_product(square, far[1])])
+        let (of_near, of_both) = (inverse(near.stresses), inverse(less(near.stresses, square, back)));
+        let mut parts = [[T::zero(); 2]; STRESSES];
+        for (part, [radial, along]) in parts.iter_mut().zip(stresses) {
+            let alone = apply(of_near, [T::from_f64(radial), T::from_f64(along)]);
+            let [more, other] = apply(of_both, apply(back, alone));
+            let more = [square * more, square * other];
+            let reflected = apply(reflection, [alone[0] + more[0], alone[1] + more[1]]);
+            let (near, far) = (apply(near.displacements, more), apply(far.displacements, reflected));
+            let radial = near[0].minus_product(square, far[0]);
+            *part = self.normal_and_along([radial, near[1].minus_product(square, far[1])]);
+        }
+        parts
     }
 
     /// From 2 mu times u_r and u_phi: a pressure pushes a hole outwards and a disc inwards.
@@ -358,30 +367,40 @@ impl ConcentricBody {
             };
         }
         let Infinite { even, odd, bed } = self.infinite();
-        let [normal, mut along] = self.boundary_modes();
-        let mut second = Vec::new();
-        match self.side() {
-            Side::Pin => second = self.with_layers(|layers| self.bands(layers, &normal, &along)),
-            Side::Plate => along.clear(),
+        // Of plates, which have no tilt, the rest is not asked for.
+        let second_count = match self.side() {
+            Side::Pin => self.second_order_count(),
+            Side::Plate => 0,
+        };
+        let [normal, mut along, shear] = self.modes(self.highest_mode() + 1, second_count);
+        let second = bands([&normal, &along, &shear], second_count);
+        if self.side() == Side::Plate {
+            along.clear();
         }
         BodyCompliance { even, odd, bed, boundary: Boundary::Modes { normal, along }, second }
     }
 
     /// What lies beyond the material at the ring changes of each mode, as far as it is felt: `boundary_mode`.
     pub fn boundary_modes(&self) -> [Vec<f64>; 2] {
-        self.modes_below(self.highest_mode() + 1)
+        let [normal, along, _] = self.modes(self.highest_mode() + 1, 0);
+        [normal, along]
     }
 
-    /// The first of those, so many.
-    fn modes_below(&self, count: usize) -> [Vec<f64>; 2] {
-        self.with_layers(|layers| self.modes_of(layers, count))
+    /// Of so many modes from 0 on, two at least, `boundary_mode`; and of the first so many, none or two at least, the amplitude of u_phi under
+    /// shear, less that of an infinite body.
+    fn modes(&self, count: usize, shear_count: usize) -> [Vec<f64>; 3] {
+        self.with_layers(|layers| self.modes_of(layers, count, shear_count))
     }
 
-    fn modes_of(&self, layers: &[Layer], count: usize) -> [Vec<f64>; 2] {
+    fn modes_of(&self, layers: &[Layer], count: usize, shear_count: usize) -> [Vec<f64>; 3] {
         let taper = self.taper();
-        let [mut normal, mut along] = in_lanes(FiniteParts { body: self, layers, count, stress: PRESSURE });
+        let [mut normal, mut along, mut shear] =
+            in_lanes(FiniteParts { body: self, layers, count, shear_count });
         for n in [0, 1] {
             [normal[n], along[n]] = self.boundary_mode(n);
+        }
+        if let Some(first) = shear.get_mut(1) {
+            *first = self.first_mode(SHEAR)[1] - self.amplitude();
         }
         let film = self.film(layers);
         if let Some(Film { bed, beyond, .. }) = &film {
@@ -391,11 +410,16 @@ impl ConcentricBody {
                 normal[n] += more[0] - bed;
                 along[n] += more[1];
             }
+            for (n, own) in shear.iter_mut().enumerate().skip(1) {
+                *own += self.difference([beyond, &layers[0]], n, SHEAR)[1];
+            }
         } else {
             normal.iter_mut().enumerate().for_each(|(n, value)| *value *= taper(n));
         }
-        along.iter_mut().enumerate().for_each(|(n, value)| *value *= taper(n));
-        [normal, along]
+        for values in [&mut along, &mut shear] {
+            values.iter_mut().enumerate().for_each(|(n, value)| *value *= taper(n));
+        }
+        [normal, along, shear]
     }
 
     /// Of each mode 1, but where they end before they are negligible. There they fade out: an end of a sudden would make the
@@ -421,7 +445,10 @@ impl ConcentricBody {
                 let [normal, along] = self.first_mode(PRESSURE);
                 [normal - self.amplitude(), along]
             }
-            _ => self.finite_part(&self.layers(), n as f64, PRESSURE),
+            _ => {
+                let [own] = self.finite_part(&self.layers(), n as f64, [PRESSURE]);
+                own
+            }
         }
     }
 
@@ -430,10 +457,9 @@ impl ConcentricBody {
         if self.is_bed() {
             return Vec::new();
         }
-        self.with_layers(|layers| {
-            let [normal, along] = self.modes_of(layers, self.second_order_count());
-            self.bands(layers, &normal, &along)
-        })
+        let count = self.second_order_count();
+        let [normal, along, shear] = self.modes(count, count);
+        bands([&normal, &along, &shear], count)
     }
 
     /// As many as `second_order` has.
@@ -441,50 +467,48 @@ impl ConcentricBody {
         let decay = 2.0 * self.near_radius_ratio().ln().abs();
         (((-NEGLIGIBLE_SECOND.ln() + 4.0) / decay).ceil() as usize + 2).min(MOST_MODES)
     }
-
-    fn bands(&self, layers: &[Layer], normal: &[f64], along: &[f64]) -> Vec<Bands> {
-        let count = self.second_order_count();
-        let film = self.film(layers);
-        let [mut shear] = in_lanes(FiniteParts { body: self, layers, count, stress: SHEAR });
-        shear[1] = self.first_mode(SHEAR)[1] - self.amplitude();
-        let taper = self.taper();
-        for n in 1..count {
-            let more =
-                film.as_ref().map_or(0.0, |film| self.difference([&film.beyond, &layers[0]], n, SHEAR)[1]);
-            shear[n] = taper(n) * (shear[n] + more);
-        }
-        bands([normal, along, &shear], count)
-    }
 }
 
-/// `finite_part` of so many modes, two at least, from 2 on: of 0 and 1 nothing. As many modes abreast as there are lanes.
-struct FiniteParts<'a, const PARTS: usize> {
+/// `finite_part` of so many modes, two at least, and what is along the ring under shear of the first of them, none or two at least: of 0 and 1
+/// nothing. As many modes abreast as there are lanes.
+struct FiniteParts<'a> {
     body: &'a ConcentricBody,
     layers: &'a [Layer],
     count: usize,
-    stress: Stress,
+    shear_count: usize,
 }
 
-/// Both parts, or that along the ring alone.
-impl<const PARTS: usize> LaneWork for FiniteParts<'_, PARTS> {
-    type Output = [Vec<f64>; PARTS];
+impl LaneWork for FiniteParts<'_> {
+    type Output = [Vec<f64>; 3];
 
     #[inline(always)]
-    fn run<const WIDTH: usize>(self) -> [Vec<f64>; PARTS] {
-        let FiniteParts { body, layers, count, stress } = self;
-        let mut parts = [const { Vec::new() }; PARTS];
-        for part in &mut parts {
-            part.reserve_exact(count + LANES);
-            part.extend([0.0; 2]);
-        }
+    fn run<const WIDTH: usize>(self) -> [Vec<f64>; 3] {
+        let FiniteParts { body, layers, count, shear_count } = self;
+        let mut parts = [count, count, shear_count].map(|count| {
+            let mut part = Vec::new();
+            if count > 0 {
+                part.reserve_exact(count + LANES);
+                part.extend([0.0; 2]);
+            }
+            part
+        });
         for first in (2..count).step_by(LANES) {
             let n = Lanes::<WIDTH>(std::array::from_fn(|lane| (first + lane) as f64));
-            let own = body.finite_part(layers, n, stress);
-            for (part, own) in parts.iter_mut().rev().zip(own.iter().rev()) {
-                part.extend_from_slice(&own.0);
-            }
+            let [normal, along, shear] = &mut parts;
+            let own = if first < shear_count {
+                let [own, under_shear] = body.finite_part(layers, n, [PRESSURE, SHEAR]);
+                shear.extend_from_slice(&under_shear[1].0);
+                own
+            } else {
+                let [own] = body.finite_part(layers, n, [PRESSURE]);
+                own
+            };
+            normal.extend_from_slice(&own[0].0);
+            along.extend_from_slice(&own[1].0);
         }
-        parts.iter_mut().for_each(|part| part.truncate(count));
+        for (part, count) in parts.iter_mut().zip([count, count, shear_count]) {
+            part.truncate(count);
+        }
         parts
     }
 }
