@@ -48,7 +48,7 @@ impl MeshSize {
 /// The size of a body's mesh at a level.
 pub fn mesh_size(body: &Body, level: usize) -> MeshSize {
     let class = mesh_class(body, level);
-    let columns = class.grading(body.shape.end_angle).angles.len() as u64 - 1;
+    let columns = class.corner_angles(body.shape.end_angle).len() as u64 - 1;
     let layers = class.layer_count as u64;
     // Two unknowns a node: corner rows of 2 columns + 1 nodes, mid-side rows of columns + 1; supports are few.
     MeshSize { unknowns: 2 * layers * (3 * columns + 2), layers }
@@ -124,7 +124,7 @@ impl TopologyKey {
         let held = if body.shape.sides.is_empty() {
             None
         } else {
-            Some(held_columns(body, &class.grading(body.shape.end_angle)).into())
+            Some(held_columns(body, &class.corner_angles(body.shape.end_angle)).into())
         };
         TopologyKey { shape: body.shape, idealization: Some(body.idealization), held, class }
     }

@@ -1,6 +1,6 @@
 //! From the accuracy asked to what is computed: for each body exact modes or a mesh, and how fine.
 
-use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
+use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, column, known_error, known_of_levels};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, Want};
 use crate::engine::body_request::{BodyHandle, BodyRequest, Fidelity, JointBodies};
@@ -37,15 +37,20 @@ pub fn first_level(accuracy: f64) -> usize {
 impl JointPlan {
     /// The cheapest that will meet an accuracy (relative, of the force) as far as is foreseen.
     pub fn cheapest(case: &DesignCase, method: MethodChoice, accuracy: f64) -> Result<JointPlan, Refusal> {
-        let mut plan = JointPlan::new(case, method, accuracy, first_level(accuracy))?;
-        if plan.estimate == Estimate::Exact {
+        let expected = ExpectedContact::of(case);
+        let first = first_level(accuracy);
+        let mut plan = JointPlan::without_estimate(case, &expected, method, accuracy, first)?;
+        if plan.meshed().next().is_none() {
             return Ok(plan);
         }
-        let expected = ExpectedContact::of(case);
-        let is_enough = |level: usize| plan.error_on(level, &expected).is_some_and(|error| error <= accuracy);
-        if let Some(level) = (0..KNOWN_LEVELS).find(|level| is_enough(*level) && plan.is_bounded_on(*level)) {
+        let known = plan.errors_of_levels(&expected);
+        let is_enough = |errors: &[f64; KNOWN_LEVELS]| {
+            (0..KNOWN_LEVELS).find(|level| errors[*level] <= accuracy && plan.is_bounded_on(*level))
+        };
+        if let Some(level) = known.as_ref().and_then(is_enough) {
             return Ok(JointPlan { estimate: Estimate::Known, ..plan.moved_to(level) });
         }
+        plan = plan.told_by_coarser();
         // The first level whose own estimate can be good enough.
         let can_do = |plan: &JointPlan| match plan.estimate {
             Estimate::Change(trust) => trust.error(plan.level, 0.0) <= accuracy,
@@ -77,15 +82,20 @@ impl JointPlan {
 
     /// What is known of the meshes, each body by its share of the work; `None` where nothing is known.
     pub fn foreseen_error(&self, expected: &ExpectedContact) -> Option<f64> {
-        self.error_on(self.level, expected)
+        self.errors_of_levels(expected)?.get(self.level).copied()
     }
 
-    /// The same of meshes of another level.
-    fn error_on(&self, level: usize, expected: &ExpectedContact) -> Option<f64> {
-        let bodies = [&self.pin, &self.plate].into_iter().zip(expected.shares);
-        let meshed = bodies.filter(|(request, _)| request.fidelity != Fidelity::Series);
-        let known = |request: &BodyRequest| known_error(&request.body, level, expected.half_angle);
-        meshed.map(|(request, share)| Some(share * known(request)?)).sum()
+    /// The same of meshes of each level.
+    fn errors_of_levels(&self, expected: &ExpectedContact) -> Option<[f64; KNOWN_LEVELS]> {
+        let column = column(expected.half_angle);
+        let mut errors = [0.0; KNOWN_LEVELS];
+        for (request, share) in [&self.pin, &self.plate].into_iter().zip(expected.shares) {
+            if request.fidelity != Fidelity::Series {
+                let known = known_of_levels(&request.body)?;
+                errors.iter_mut().zip(known).for_each(|(error, known)| *error += share * known[column]);
+            }
+        }
+        Some(errors)
     }
 
     /// What a design is solved with next, `None` where it wants nothing or there is no more.
@@ -125,8 +135,7 @@ impl JointPlan {
 
     /// On meshes of a level that are told by the next coarser ones.
     fn on_level(self, level: usize) -> JointPlan {
-        let JointPlan { pin, plate, space, .. } = self.moved_to(level);
-        JointPlan::of([pin, plate], space, level)
+        self.moved_to(level).told_by_coarser()
     }
 
     /// On meshes of a level that are told as these are.
@@ -146,6 +155,18 @@ impl JointPlan {
         accuracy: f64,
         level: usize,
     ) -> Result<JointPlan, Refusal> {
+        let plan = JointPlan::without_estimate(case, &ExpectedContact::of(case), method, accuracy, level)?;
+        Ok(plan.told_by_coarser())
+    }
+
+    /// The same with an estimate that is for exact bodies alone.
+    fn without_estimate(
+        case: &DesignCase,
+        expected: &ExpectedContact,
+        method: MethodChoice,
+        accuracy: f64,
+        level: usize,
+    ) -> Result<JointPlan, Refusal> {
         let joint = &case.joint;
         if let Some(refusal) = Refusal::of_joint(case, method) {
             return Err(refusal);
@@ -159,25 +180,25 @@ impl JointPlan {
         let space = if joint.is_press_fit() {
             SpaceKey::of_press_fits(wanted)
         } else {
-            SpaceKey::coarsest(&pin, &plate, wanted, ExpectedContact::of(case).half_angle)
+            SpaceKey::coarsest(&pin, &plate, wanted, expected.half_angle)
         };
         let request = |body: Body| {
             let exact = method != MethodChoice::Fe && body.shape.concentric;
             let fidelity = if exact { Fidelity::Series } else { Fidelity::Mesh { level } };
             BodyRequest { body, fidelity }
         };
-        let plan = JointPlan::of([request(pin), request(plate)], space, level);
+        let (pin, plate) = (request(pin), request(plate));
+        let plan = JointPlan { pin, plate, space, level, estimate: Estimate::Exact };
         let refusal = plan.meshed().find_map(|request| Refusal::of_mesh(&request.body));
         refusal.map_or(Ok(plan), Err)
     }
 
-    fn of([pin, plate]: [BodyRequest; 2], space: SpaceKey, level: usize) -> JointPlan {
-        let mut plan = JointPlan { pin, plate, space, level, estimate: Estimate::Exact };
-        // The lesser trust of the bodies on meshes.
-        if let Some(trust) = plan.meshed().map(Trust::of).max() {
-            plan.estimate = Estimate::Change(trust);
+    /// With the lesser trust of the bodies on meshes.
+    fn told_by_coarser(mut self) -> JointPlan {
+        if let Some(trust) = self.meshed().map(Trust::of).max() {
+            self.estimate = Estimate::Change(trust);
         }
-        plan
+        self
     }
 
     /// The bodies on meshes.

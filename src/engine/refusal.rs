@@ -88,11 +88,13 @@ impl Refusal {
             Side::Plate => depth.exp_m1(),
             Side::Pin => -(-depth).exp_m1(),
         };
-        let rest = body.beyond_lining().0.depth_range().0;
         // Concentric walls beyond layers bear as little as there is of them.
-        if rest < shape.thinnest_meshed && !body.lining.is_empty() && !shape.concentric {
-            let (wall, thinnest) = (thickness(rest), thickness(shape.thinnest_meshed));
-            return Some(Refusal::ThinBeyondLayers { part: side_name(shape.side), wall, thinnest });
+        if !body.lining.is_empty() && !shape.concentric {
+            let rest = body.beyond_lining().0.depth_range().0;
+            if rest < shape.thinnest_meshed {
+                let (wall, thinnest) = (thickness(rest), thickness(shape.thinnest_meshed));
+                return Some(Refusal::ThinBeyondLayers { part: side_name(shape.side), wall, thinnest });
+            }
         }
         if least < shape.thinnest_meshed {
             let (wall, thinnest) = (thickness(least), thickness(shape.thinnest_meshed));

@@ -60,11 +60,18 @@ impl SpaceKey {
     /// The layer between contact and far boundary must be resolved, too. What few trial pressures leave of contacts up to a
     /// half angle is measured in `tests/mechanics/series.rs`, what few nodes leave in `tests/mechanics/curves.rs`.
     pub fn coarsest(pin: &Body, plate: &Body, accuracy: f64, half_angle: f64) -> SpaceKey {
-        // Layers give way at their far side: no more is needed for thin ones than for walls that are just not thin.
-        let nearest = |body: &Body| body.depth_range().0.min(body.nearest_depth().max(1.01 * THIN));
-        let thinnest = nearest(pin).min(nearest(plate));
+        let depths = [pin, plate].map(|body| {
+            let nearest = body.nearest_depth();
+            // Layers give way at their far side: no more is needed for thin ones than for walls that are just not thin.
+            let thinnest = match body.lining.is_empty() {
+                true => nearest,
+                false => body.depth_range().0.min(nearest.max(1.01 * THIN)),
+            };
+            [nearest, thinnest]
+        });
+        let [nearest, thinnest] = [0, 1].map(|of| depths[0][of].min(depths[1][of]));
         let mut space = SpaceKey::beside(thinnest, pin.shape.end_angle < PI, accuracy, half_angle);
-        if pin.nearest_depth().min(plate.nearest_depth()) < THINNEST_RING {
+        if nearest < THINNEST_RING {
             space = SpaceKey { nodes: NODES_OF_BEDS, variable: Variable::Logarithm, ..space };
             if [pin, plate].into_iter().any(|body| !body.lining.is_empty()) {
                 space.terms = space.terms.max(TERMS_OF_THIN_LAYERS);

@@ -101,7 +101,7 @@ fn class_depth(depth_class: u32) -> f64 {
 impl GradingClass {
     /// The class of `body` at `level` (below `LEVEL_COUNT`, or `REFERENCE_LEVEL`).
     pub fn of(body: &Body, element: ElementKind, level: usize) -> GradingClass {
-        let (least, _) = body.depth_range();
+        let (least, mut greatest) = body.depth_range();
         let corners = body.shape.sides.len().saturating_sub(1);
         let shrinking = match (0..corners).any(|corner| holding_changes(body, corner)) {
             true if is_stiff(body) && level >= STIFF_LEVEL => LEVELS[level].shrinking + MORE_WHERE_STIFF,
@@ -121,10 +121,10 @@ impl GradingClass {
             lining: LiningRows::default(),
             rest_depth_class: 0,
         };
-        let rest = body.beyond_lining().0;
-        let (least, greatest) = rest.depth_range();
         if !body.lining.is_empty() {
-            class.rest_depth_class = depth_class(least);
+            let beyond = body.beyond_lining().0.depth_range();
+            greatest = beyond.1;
+            class.rest_depth_class = depth_class(beyond.0);
             let LiningDivision { growth, thickest_first, .. } = class.lining_division();
             class.lining = LiningDivision::of(body, class.layers(), growth, thickest_first).rows;
             class.layer_count += class.lining.total();
@@ -161,19 +161,16 @@ impl GradingClass {
         part * LEVELS[self.level].first * self.class_depth()
     }
 
-    fn thickest_layer(&self) -> f64 {
-        LEVELS[self.level].growth.ln().max(self.first_layer())
-    }
-
     /// Depth of all layers, each `growth` times as thick as the one before.
     pub fn depth_at_growth(&self, growth: f64) -> f64 {
         self.layers().depth(growth)
     }
 
     pub fn layers(&self) -> Layers {
+        let first = self.first_layer();
         Layers {
-            first: self.first_layer(),
-            thickest: self.thickest_layer(),
+            first,
+            thickest: LEVELS[self.level].growth.ln().max(first),
             count: self.layer_count - self.lining.total(),
             shrinking: self.shrinking,
         }
@@ -204,6 +201,16 @@ impl GradingClass {
 
     /// The division of a ring that ends at `end_angle`.
     pub fn grading(&self, end_angle: f64) -> Grading {
+        Grading {
+            element: self.element,
+            angles: self.corner_angles(end_angle),
+            layers: self.layers(),
+            lining: self.lining_division(),
+        }
+    }
+
+    /// Angles of its corner nodes from the load line, rad.
+    pub fn corner_angles(&self, end_angle: f64) -> Vec<f64> {
         let Level { spread, widest, .. } = LEVELS[self.level];
         // A thin body answers locally, so its ring is divided evenly finer; by no more than three, where it is nearly
         // a Winkler bed, whose answer needs no resolution.
@@ -213,9 +220,10 @@ impl GradingClass {
         // Room for those of most rings.
         let mut angles = Vec::with_capacity(16);
         angles.push(0.0);
+        let first = self.first_layer();
         let mut reached = 0.0;
         while reached < end_angle - 1e-9 {
-            reached += (reached / spread).max(self.first_layer()).min(widest);
+            reached += (reached / spread).max(first).min(widest);
             angles.push(reached);
         }
         // Drop the last when its element would mostly lie beyond the end, then stretch, least near the load line.
@@ -233,7 +241,7 @@ impl GradingClass {
             let shrunk = (1..=SHRINKING_AT_HELD_END).map(|i| end_angle - last * SHRINK.powi(i as i32));
             angles.splice(count - 1..count - 1, shrunk);
         }
-        Grading { element: self.element, angles, layers: self.layers(), lining: self.lining_division() }
+        angles
     }
 }
 

@@ -324,7 +324,7 @@ fn thinnest_wall(body: &Body) -> f64 {
 /// boundary's corners fall on corner columns, and closer to those where the holding changes.
 fn boundary_angles(body: &Body, angles: &[f64], wall: f64) -> Vec<f64> {
     let corners = (body.shape.corners)(&body.parameters);
-    let columns = corner_columns(body, angles);
+    let columns = corner_columns(&corners, angles);
     let end = angles[angles.len() - 1];
     let mut from = vec![0.0];
     let mut to = vec![0.0];

@@ -117,7 +117,7 @@ impl RingTopology {
                 }
             }
         }
-        let held = held_columns(body, grading);
+        let held = held_columns(body, &grading.angles);
         let mut unknowns = vec![SUPPORTED; 2 * grid.len()];
         let mut unknown_count = 0;
         let mut ring_start = 0;
@@ -209,38 +209,81 @@ pub fn half_steps(values: &[f64], step: usize) -> Vec<f64> {
     (0..2 * values.len() - 1).step_by(step).map(at).collect()
 }
 
-/// The ring's corner column nearest to each corner of the far boundary, strictly between the ends and ascending.
-pub fn corner_columns(body: &Body, angles: &[f64]) -> Vec<usize> {
-    let corners = (body.shape.corners)(&body.parameters);
+/// The ring's corner column nearest to each corner of the far boundary, both by their angles, strictly between the ends and ascending.
+pub fn corner_columns(corners: &[f64], angles: &[f64]) -> Vec<usize> {
     let last = angles.len() - 1;
     let mut columns: Vec<usize> = Vec::with_capacity(corners.len());
     for (i, &corner) in corners.iter().enumerate() {
-        let nearest = (0..=last)
-            .min_by(|&a, &b| (angles[a] - corner).abs().total_cmp(&(angles[b] - corner).abs()))
-            .unwrap_or(0);
+        let behind = angles.partition_point(|angle| *angle < corner).min(last);
+        let before = behind.saturating_sub(1);
+        let is_nearer = corner - angles[before] <= angles[behind] - corner;
+        let nearest = if is_nearer { before } else { behind };
         let least = columns.last().map_or(1, |previous| previous + 1);
         columns.push(nearest.clamp(least, last - (corners.len() - i)));
     }
     columns
 }
 
-/// Columns (in half elements) at which the far boundary of `body` is held: with shape, support and grading, all that
-/// its topology depends on.
-pub fn held_columns(body: &Body, grading: &Grading) -> Vec<bool> {
-    let corners = corner_columns(body, &grading.angles);
-    (0..=2 * (grading.angles.len() - 1)).map(|column| far_boundary_held(body, &corners, column)).collect()
-}
-
-/// Whether the far-boundary node at `column` (in half elements) is held, by the sides of the boundary it lies on.
-fn far_boundary_held(body: &Body, corners: &[usize], column: usize) -> bool {
-    let side_before = corners.iter().filter(|&&corner| 2 * corner < column).count();
-    let side_after = corners.iter().filter(|&&corner| 2 * corner <= column).count();
-    let held = |side: usize| (body.shape.boundary_held)(body.support, side);
-    held(side_before) || held(side_after)
+/// Columns (in half elements) of a ring divided at these angles at which the far boundary of `body` is held: with shape, support and grading, all
+/// that its topology depends on.
+pub fn held_columns(body: &Body, angles: &[f64]) -> Vec<bool> {
+    let corners = corner_columns(&(body.shape.corners)(&body.parameters), angles);
+    let last = 2 * (angles.len() - 1);
+    let mut held = vec![false; last + 1];
+    for side in (0..=corners.len()).filter(|side| (body.shape.boundary_held)(body.support, *side)) {
+        // A corner is of both its sides.
+        let first = side.checked_sub(1).map_or(0, |before| 2 * corners[before]);
+        let last = corners.get(side).map_or(last, |corner| 2 * corner);
+        held[first..=last].fill(true);
+    }
+    held
 }
 
 /// Whether the far boundary is held on one side of a corner and free on the other: the stress is singular there.
 pub fn holding_changes(body: &Body, corner: usize) -> bool {
     let held = |side: usize| (body.shape.boundary_held)(body.support, side);
     held(corner) != held(corner + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::body::block;
+    use crate::mechanics::material::Idealization;
+
+    /// Against the sides that each column lies on, for corners anywhere on the ring.
+    #[test]
+    fn columns_are_held_where_one_of_their_sides_is() {
+        let angles: Vec<f64> =
+            (0..=9).map(|place| std::f64::consts::PI * (f64::from(place) / 9.0).powf(1.2)).collect();
+        let mut seen = std::collections::HashSet::new();
+        for ratios in [[2.0, 3.0, 1.6], [1.02, 40.0, 3.0], [30.0, 1.1, 1.001], [1.001, 900.0, 900.0]] {
+            let corners = (block::SHAPE.corners)(&ratios);
+            let columns = corner_columns(&corners, &angles);
+            assert!(columns[0] > 0 && columns[0] < columns[1] && columns[1] < 9, "{columns:?}");
+            for (corner, column) in corners.iter().zip(&columns) {
+                let distance = |column: usize| (angles[column] - corner).abs();
+                let is_nearest = (0..10).all(|other| distance(*column) <= distance(other));
+                // Two corners may not share a column, and none is at an end.
+                assert!(is_nearest || columns[1] == columns[0] + 1 || [1, 8].contains(column), "{columns:?}");
+            }
+            for support in 0..2 {
+                let body =
+                    Body { support, ..Body::bare(&block::SHAPE, ratios, 0.3, Idealization::PlaneStress) };
+                let held = held_columns(&body, &angles);
+                assert_eq!(held.len(), 19);
+                for (column, held) in held.into_iter().enumerate() {
+                    let is_on = |side: usize| {
+                        (side == 0 || 2 * columns[side - 1] <= column)
+                            && (side == 2 || column <= 2 * columns[side])
+                    };
+                    let expected =
+                        (0..3).any(|side| is_on(side) && (block::SHAPE.boundary_held)(support, side));
+                    assert_eq!(held, expected, "{ratios:?} {support} {column}");
+                    seen.insert((support, held));
+                }
+            }
+        }
+        assert_eq!(seen.len(), 3);
+    }
 }

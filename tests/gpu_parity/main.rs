@@ -193,7 +193,10 @@ fn blocks() -> Vec<(&'static str, Bodies)> {
         let plate =
             |ratios: [f64; 3]| Body { support: 1, ..body("block", &ratios, Idealization::PlaneStress, 0.3) };
         let bodies = Bodies::new(ratios.map(plate).to_vec(), level);
-        let columns = bodies.bodies.iter().map(|body| corner_columns(body, &bodies.grading.angles));
+        let columns = bodies
+            .bodies
+            .iter()
+            .map(|body| corner_columns(&(body.shape.corners)(&body.parameters), &bodies.grading.angles));
         assert_eq!(columns.collect::<HashSet<_>>().len(), 3, "{ratios:?}");
         bodies
     };

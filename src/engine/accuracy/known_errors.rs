@@ -136,7 +136,7 @@ impl Kind {
 type Row = (Group, Stiffness, f64, usize, Known);
 
 /// A row a level, coarsest first.
-type Table = [Known; KNOWN_LEVELS];
+pub type Table = [Known; KNOWN_LEVELS];
 
 /// By the numbers of kinds; `None` for those that were not drawn often enough.
 static TABLES: LazyLock<Vec<Option<Table>>> = LazyLock::new(|| {
@@ -157,10 +157,15 @@ pub fn column(half_angle: f64) -> usize {
 /// What is known of a body on a mesh level, by `column`.
 pub type Known = [f64; COLUMNS.len() + 1];
 
-/// Errors of the force at most, relative; `None` for bodies and levels that were not measured, or behave otherwise: nearly
+/// Errors of the force at most, relative, of each level; `None` for bodies that were not measured, or behave otherwise: nearly
 /// incompressible, nearly conformal.
+pub fn known_of_levels(body: &Body) -> Option<&'static Table> {
+    TABLES[Kind::of(body)?.number()].as_ref()
+}
+
+/// Those of one level.
 pub fn known_errors(body: &Body, level: usize) -> Option<&'static Known> {
-    TABLES[Kind::of(body)?.number()].as_ref()?.get(level)
+    known_of_levels(body)?.get(level)
 }
 
 /// That at a contact half angle, rad.

@@ -45,14 +45,14 @@ impl Trust {
             (0..=lining.list().len())
                 .any(|material| PoissonRange::of(request.body.material(material)[1], *idealization) == range)
         };
-        let thinnest = request.body.depth_range().0;
+        let is_thinner_than = |depth: f64| request.body.depth_range().0 < depth;
         let is_unknown_block = || {
             let beyond = Body { all_around: false, ..request.body.beyond_lining().0 };
             !shape.sides.is_empty() && known_error(&beyond, 0, 0.0).is_none()
         };
         match request.fidelity {
             Fidelity::Mesh { .. } if has(PoissonRange::Incompressible) => {
-                if thinnest < THIN {
+                if is_thinner_than(THIN) {
                     Trust::SqueezedFilm
                 } else {
                     Trust::Wary
@@ -60,7 +60,7 @@ impl Trust {
             }
             Fidelity::Mesh { .. } if has(PoissonRange::Conformal) || is_unknown_block() => Trust::Wary,
             Fidelity::Mesh { .. } if !lining.is_empty() => Trust::Lined,
-            Fidelity::Mesh { .. } if shape.concentric && thinnest < THIN_RING => Trust::Wary,
+            Fidelity::Mesh { .. } if shape.concentric && is_thinner_than(THIN_RING) => Trust::Wary,
             _ if shape.concentric => Trust::Concentric,
             _ => Trust::Full,
         }

@@ -56,7 +56,7 @@ pub fn groups<K: Copy + PartialEq>(
     let mut groups: Vec<Group<K>> = Vec::new();
     for (number, (body, key)) in bodies.iter().enumerate() {
         let grading = division(body, key);
-        let held = held_columns(body, &grading);
+        let held = held_columns(body, &grading.angles);
         let is_own = |group: &&mut Group<K>| {
             let first = &bodies[group.members[0]].0;
             group.key == *key

@@ -13,10 +13,14 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{Shape, ShapeParameter, Side};
+use super::{Shape, ShapeParameter, Side, StraightSide};
 
 const fn ratio(name: &'static str) -> ShapeParameter {
     ShapeParameter { name, default: None, above: 1.0, below: f64::INFINITY }
+}
+
+const fn side(foot: f64, distance: usize) -> StraightSide {
+    StraightSide { foot, distance }
 }
 
 /// ln 1.05. A free side that is bent like a strip is the worst: at 1.035 a quarter of random blocks on their base were not
@@ -40,7 +44,7 @@ pub static SHAPE: Shape = Shape {
     reaches_centre: false,
     corners: |&[half_width, depth, height]| vec![half_width.atan2(depth), PI - half_width.atan2(height)],
     // Bottom, side, top.
-    sides: &[0.0, FRAC_PI_2, PI],
+    sides: &[side(0.0, 1), side(FRAC_PI_2, 0), side(PI, 2)],
     boundary_held: |support, side| support == 1 || side == 0,
     depth_range: |&[half_width, depth, height]| {
         let to_corner = half_width.hypot(depth.max(height));
@@ -58,19 +62,19 @@ mod tests {
     #[test]
     fn sides_are_straight_from_corner_to_corner() {
         for ratios in [[2.0, 3.0, 1.6], [1.02, 40.0, 3.0], [30.0, 1.1, 1.001]] {
-            let distances = [ratios[1], ratios[0], ratios[2]];
             let mut ends = (SHAPE.corners)(&ratios);
             ends.insert(0, 0.0);
             ends.push(PI);
-            assert_eq!((SHAPE.sides.len(), distances.len()), (ends.len() - 1, ends.len() - 1));
-            for ((foot, distance), ends) in SHAPE.sides.iter().zip(distances).zip(ends.windows(2)) {
+            assert_eq!(SHAPE.sides.len(), ends.len() - 1);
+            for (&StraightSide { foot, distance }, ends) in SHAPE.sides.iter().zip(ends.windows(2)) {
+                let distance = ratios[distance];
                 for share in [0.0, 0.1, 0.4, 0.7, 1.0] {
                     let angle = ends[0] + share * (ends[1] - ends[0]);
                     let expected = (distance / (angle - foot).cos()).ln();
                     let found = (SHAPE.depth)(&ratios, angle);
                     assert!((found - expected).abs() < 1e-12, "{ratios:?} {angle}: {found} {expected}");
                 }
-                assert!((ends[0]..=ends[1]).contains(foot), "{ratios:?} {foot}");
+                assert!((ends[0]..=ends[1]).contains(&foot), "{ratios:?} {foot}");
             }
         }
     }

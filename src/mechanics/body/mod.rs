@@ -70,9 +70,8 @@ pub struct Shape {
     pub reaches_centre: bool,
     /// Angles of the far boundary's corners, ascending.
     pub corners: fn(&[f64; MAX_PARAMETERS]) -> Vec<f64>,
-    /// The straight sides of the far boundary, in order, one more than corners: angles of the feet of the perpendiculars
-    /// from the ring's centre, each on its side. Empty where the boundary is round; only plates can have them.
-    pub sides: &'static [f64],
+    /// The straight sides of the far boundary, in order, one more than corners. Empty where the boundary is round; only plates can have them.
+    pub sides: &'static [StraightSide],
     /// Whether a side of the far boundary (counted from the load line, between corners) is held by a support.
     pub boundary_held: fn(usize, usize) -> bool,
     /// The least and the greatest depth.
@@ -81,6 +80,15 @@ pub struct Shape {
     pub wall: &'static str,
     /// The least depth that meshes carry, measured (docs/verification.md, "Thin bodies").
     pub thinnest_meshed: f64,
+}
+
+/// A straight side of a far boundary, by its perpendicular from the ring's centre.
+#[derive(Clone, Copy, Debug)]
+pub struct StraightSide {
+    /// Angle of the foot, which is on the side.
+    pub foot: f64,
+    /// Which parameter its length is, over the ring's radius.
+    pub distance: usize,
 }
 
 /// Each is there once.

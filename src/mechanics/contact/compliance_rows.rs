@@ -156,12 +156,11 @@ impl ModeMembers {
         tilt: Tilt,
         to: &mut Vec<f32>,
     ) {
-        let mut add = |number: f64| to.push(number as f32);
+        let from = to.len();
         match self.side {
             Side::Pin => {
-                for order in [tilt.first, tilt.second] {
-                    [even, odd].into_iter().for_each(|number| add(order * number));
-                }
+                let orders = [tilt.first, tilt.second].map(|order| [order * even, order * odd]);
+                to.extend(orders.as_flattened().iter().map(|number| *number as f32));
                 let (own, scale);
                 let bands = match modes {
                     Some([normal, along]) => {
@@ -174,15 +173,14 @@ impl ModeMembers {
                         second
                     }
                 };
-                bands.as_flattened().iter().for_each(|number| add(scale * number));
-                (bands.as_flattened().len()..WIDTH * self.modes).for_each(|_| add(0.0));
+                to.extend(bands.as_flattened().iter().map(|number| (scale * number) as f32));
             }
             Side::Plate => {
                 let normal = modes.map_or(&[][..], |[normal, _]| normal);
-                normal.iter().copied().for_each(&mut add);
-                (normal.len()..self.modes).for_each(|_| add(0.0));
+                to.extend(normal.iter().map(|number| *number as f32));
             }
         }
+        to.resize(from + self.before_ring(), 0.0);
     }
 }
 

@@ -9,7 +9,7 @@ use super::batch::{AssembleCounts, BodyCounts};
 use super::gather::{Gather, NodePairs};
 use super::system_layout::{NoDiagonal, Sliced, SystemLayout};
 use crate::mechanics::assembly::Assembly;
-use crate::mechanics::body::Body;
+use crate::mechanics::body::{Body, StraightSide};
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::element::stiffness::ElementRule;
 use crate::mechanics::lines::centre_pull;
@@ -191,18 +191,17 @@ impl MeshLayout {
 
     /// The same behind those of others.
     pub fn add_body_numbers(&self, body: &Body, numbers: &mut Vec<f64>) {
-        let depth = |angle: f64| (body.shape.depth)(&body.parameters, angle);
         numbers.push(body.idealization.margin(body.poissons_ratio));
         if body.shape.sides.is_empty() {
-            numbers.push(depth(0.0));
+            numbers.push((body.shape.depth)(&body.parameters, 0.0));
             return;
         }
         let corners = (body.shape.corners)(&body.parameters);
-        let columns = corner_columns(body, &self.grading.angles);
+        let columns = corner_columns(&corners, &self.grading.angles);
         let mut ends = corners.into_iter().zip(columns);
-        for &foot in body.shape.sides {
+        for side in body.shape.sides {
             // Less the ring's radius, which would take the digits of a thin wall.
-            numbers.push(depth(foot).exp_m1());
+            numbers.push(body.parameters[side.distance] - 1.0);
             numbers.extend(ends.next().into_iter().flat_map(|(angle, column)| [angle, 2.0 * column as f64]));
         }
     }
@@ -251,7 +250,7 @@ fn shared_numbers(body: &Body, grading: &Grading, ring_angles: &[f64]) -> Vec<f6
     let sign = body.shape.side.outward();
     let rule = ElementRule::new(grading.element);
     let derivatives = rule.points.iter().flat_map(|point| point.by_xi.into_iter().zip(point.by_eta));
-    let side = |(number, &foot): (usize, &f64)| {
+    let side = |(number, &StraightSide { foot, .. }): (usize, &StraightSide)| {
         let changes = number + 1 < body.shape.sides.len() && holding_changes(body, number);
         [polar(1.0, foot), [foot, f64::from(u8::from(changes))]]
     };
