@@ -11,6 +11,9 @@ use crate::engine::backend::joints::{
 /// Joints of condensed bodies that a thread takes at a time, to give them to a device or to judge what that has found.
 pub const JOINTS_TOGETHER: usize = 16;
 
+/// Numbers that there is room for at once, more than most joints have.
+const NUMBERS_OF_JOINT: usize = 256;
+
 /// A joint whose numbers are made, with what is kept of it until it is judged.
 pub struct Given<'a, T> {
     pub tables: JointTables<'a>,
@@ -42,12 +45,12 @@ pub fn gathered<'a, I: Sync, T: Send>(
     give: impl Fn(&I, &mut Vec<f32>) -> Option<Given<'a, T>> + Sync,
 ) -> (JointBatch<'a>, Underway<T>) {
     let portion = |things: &[I]| {
-        let mut portion = Portion { kept: Vec::with_capacity(things.len()), ..Portion::default() };
+        let mut portion = Portion::with_room_for(things.len());
         for thing in things {
             let at = portion.numbers.len();
-            // Most have as many as the first.
+            // Most have about as many as the first.
             if portion.kept.len() == 1 {
-                portion.numbers.reserve(at * things.len());
+                portion.numbers.reserve(2 * at * things.len());
             }
             let given = give(thing, &mut portion.numbers);
             if given.is_none() {
@@ -62,36 +65,27 @@ pub fn gathered<'a, I: Sync, T: Send>(
         portion
     };
     // What is left to one thread is little: it says where numbers and tables of each portion are among all of them.
-    let mut portions: Vec<_> = things.par_chunks(together).map(portion).collect();
+    let portions: Vec<_> = things.par_chunks(together).map(portion).collect();
     let mut batch = JointBatch::default();
     let mut places: HashMap<[TablesKey; 2], u32> = HashMap::default();
     let mut kept = Vec::with_capacity(things.len());
-    let mut before = 0;
-    for Portion { numbers, tables, kept: own, .. } in &mut portions {
-        let place = |(key, tables): &([TablesKey; 2], JointTables<'a>)| {
-            *places.entry(*key).or_insert_with(|| {
-                batch.tables.push(*tables);
+    for Portion { numbers, tables, kept: mut own } in portions {
+        let place = |(key, tables): ([TablesKey; 2], JointTables<'a>)| {
+            *places.entry(key).or_insert_with(|| {
+                batch.tables.push(tables);
                 batch.tables.len() as u32 - 1
             })
         };
-        let tables: Vec<u32> = tables.iter().map(place).collect();
+        let tables: Vec<u32> = tables.into_iter().map(place).collect();
+        let before = batch.numbers.count() as u32;
         for (_, joint) in own.iter_mut().flatten() {
             joint.tables = tables[joint.tables as usize];
             joint.numbers_at += before;
             batch.joints.push(*joint);
         }
-        kept.append(own);
-        before += numbers.len() as u32;
+        kept.append(&mut own);
+        batch.numbers.push(numbers);
     }
-    batch.numbers.resize(before as usize, 0.0);
-    let mut rooms = Vec::with_capacity(portions.len());
-    let mut left = &mut batch.numbers[..];
-    for Portion { numbers, .. } in &portions {
-        let (own, others) = left.split_at_mut(numbers.len());
-        rooms.push((own, &numbers[..]));
-        left = others;
-    }
-    rooms.into_par_iter().with_min_len(4).for_each(|(room, numbers)| room.copy_from_slice(numbers));
     (batch, Underway { kept })
 }
 
@@ -103,13 +97,12 @@ struct Portion<'a, T> {
     kept: Vec<Option<(T, BatchedJoint)>>,
 }
 
-impl<T> Default for Portion<'_, T> {
-    fn default() -> Self {
-        Portion { numbers: Vec::new(), tables: Vec::new(), kept: Vec::new() }
-    }
-}
-
 impl<'a, T> Portion<'a, T> {
+    fn with_room_for(joints: usize) -> Self {
+        let (numbers, kept) = (Vec::with_capacity(NUMBERS_OF_JOINT), Vec::with_capacity(joints));
+        Portion { numbers, tables: Vec::new(), kept }
+    }
+
     /// Where tables are among its own, which they join if they are not there.
     fn place_of(&mut self, tables: JointTables<'a>) -> u32 {
         let key = tables.key();

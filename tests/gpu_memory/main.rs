@@ -116,7 +116,7 @@ fn joints_go_on_in_smaller_flights(gpu: &GpuDevice) {
     // Up and twice down, each with a quarter of room to spare. A fifth of that is too little for a third of the joints, and enough for a
     // sixth, and for what wgpu writes them by: where that is refused, it loses the device. What is found is here, too.
     let found_bytes = MANY_JOINTS * size_of_val(&expected[..]);
-    let of_device = (size_of_val(&many.numbers[..]) + 2 * found_bytes) * 5 / 4;
+    let of_device = (4 * many.numbers.count() + 2 * found_bytes) * 5 / 4;
     let (soft, hard) = rlimit::getrlimit(Resource::AS).unwrap();
     let allowed = virtual_memory() + (found_bytes + of_device * 22 / 100) as u64;
     rlimit::setrlimit(Resource::AS, allowed, hard).unwrap();

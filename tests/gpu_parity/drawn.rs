@@ -56,7 +56,8 @@ impl Device for Onlooker<'_> {
 
     fn begin_joints(&mut self, batch: &JointBatch) -> Result<(), GpuError> {
         let mut seen = self.0.lock().unwrap();
-        (seen.numbers, seen.joints) = (batch.numbers.clone(), batch.joints.clone());
+        let numbers = batch.numbers.within(0..batch.numbers.count());
+        (seen.numbers, seen.joints) = (numbers.flatten().copied().collect(), batch.joints.clone());
         Ok(())
     }
 

@@ -3,6 +3,8 @@
 //! A body's compliance in a space is a sum of rows, and bodies of one kind have the rows in common. What the rows are multiplied by comes up
 //! with the joint, or follows on the device from the body's place in its fit.
 
+use std::ops::Range;
+
 use crate::engine::question::Question;
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::compliance::BodyCompliance;
@@ -89,11 +91,18 @@ pub enum TablesKey {
 pub struct JointBatch<'a> {
     pub tables: Vec<JointTables<'a>>,
     pub joints: Vec<BatchedJoint>,
-    pub numbers: Vec<f32>,
+    pub numbers: JointNumbers,
     /// Between which the bodies lie that the device condenses for these joints.
     pub near_fields: Vec<(NearFieldClass, &'a NearField)>,
     /// Where its rows are to be counted: no state of them comes back then.
     pub asked: Option<AskedOfJoints<'a>>,
+}
+
+/// Numbers of joints one behind another, in the pieces in which they are made.
+#[derive(Clone, Debug, Default)]
+pub struct JointNumbers {
+    pieces: Vec<Vec<f32>>,
+    count: usize,
 }
 
 /// What is asked of the rows of joints, whose numbers have those for it behind them.
@@ -153,6 +162,28 @@ pub enum Amplitudes<'a> {
 pub struct FoundState {
     pub state: ContactState,
     pub of_pin: [f64; 2],
+}
+
+impl JointNumbers {
+    pub fn push(&mut self, piece: Vec<f32>) {
+        self.count += piece.len();
+        self.pieces.push(piece);
+    }
+
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Those from one to before another, in their order.
+    pub fn within(&self, range: Range<usize>) -> impl Iterator<Item = &[f32]> {
+        let mut behind = 0;
+        self.pieces.iter().map(move |piece| {
+            let before = behind;
+            behind += piece.len();
+            let [start, end] = [range.start, range.end].map(|place| place.clamp(before, behind) - before);
+            &piece[start..end]
+        })
+    }
 }
 
 impl BodyTables<'_> {
@@ -248,17 +279,18 @@ impl DeviceJoint<'_> {
                 Amplitudes::Fit(place) => *place,
                 Amplitudes::Modes(..) | Amplitudes::OnDevice(..) => [0.0; MOST_COORDINATES],
             };
-            to.extend(place.iter().chain(infinite).chain([&(share / even)]).map(|number| *number as f32));
+            to.extend(place.iter().chain(infinite).map(|number| *number as f32));
+            to.push((share / even) as f32);
         }
         let tilts = self.tilts();
         let Outlines { radial_clearance, .. } = self.outlines;
         let of_outlines =
             [tilts[0].first, tilts[0].second, radial_clearance, self.outlines.ratio(), self.outlines.bend()];
-        to.extend(of_outlines.map(|number| number as f32));
+        to.extend(of_outlines.iter().map(|number| *number as f32));
         let mut load_count = 0;
         for load in loads.take(MOST_LOADS + 1) {
             let [of_indentation, of_force] = load.target(radial_clearance);
-            to.extend([of_indentation, of_force / even].map(|number| number as f32));
+            to.extend_from_slice(&[of_indentation as f32, (of_force / even) as f32]);
             load_count += 1;
         }
         let before = to.len();
@@ -326,6 +358,23 @@ mod tests {
     use super::*;
     use crate::mechanics::body::Side;
     use crate::mechanics::compliance::ring_modes::RingModes;
+
+    /// Wherever pieces end.
+    #[test]
+    fn numbers_come_in_their_order_from_one_to_before_another() {
+        let mut numbers = JointNumbers::default();
+        for piece in [&[0.0, 1.0, 2.0][..], &[], &[3.0], &[4.0, 5.0]] {
+            numbers.push(piece.to_vec());
+        }
+        assert_eq!(numbers.count(), 6);
+        for start in 0..=6 {
+            for end in start..=6 {
+                let found: Vec<f32> = numbers.within(start..end).flatten().copied().collect();
+                let expected: Vec<f32> = (start..end).map(|number| number as f32).collect();
+                assert_eq!(found, expected);
+            }
+        }
+    }
 
     /// Two joints share a workgroup where their nodes and rows have room in half of it.
     #[test]

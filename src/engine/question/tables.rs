@@ -144,7 +144,7 @@ impl<'a> Standing<'a> {
         let [of_all, of_shear] = OutlineError::of(joint, &scale.outlines).numbers();
         let from = to.len();
         let scene = [joint.hole_radius, joint.thickness, even, clearance, softest, of_all, of_shear];
-        to.extend(scene.map(|number| number as f32));
+        to.extend(scene.iter().map(|number| *number as f32));
         for (error, at) in errors {
             let (kind, of_mesh) = match error {
                 OwnError::Fit(bound) => bound.numbers(),
@@ -152,19 +152,20 @@ impl<'a> Standing<'a> {
                 OwnError::Nothing => (0, [0.0; _]),
                 OwnError::CutModes(_) | OwnError::Bed(_) => return false,
             };
-            to.extend([at as f32, kind as f32].into_iter().chain(of_mesh.map(|error| error as f32)));
+            to.extend_from_slice(&[at as f32, kind as f32]);
+            to.extend(of_mesh.iter().map(|error| *error as f32));
         }
         let Givens { of_design, of_row } = &self.question.givens;
         to.extend(of_design.iter().map(|given| value(given, case, 0) as f32));
         for (step, load) in steps.iter().enumerate() {
-            let of_load = match joint.from_first_touch(*load) {
+            let [of_length, of_force] = match joint.from_first_touch(*load) {
                 Load::Indentation(length) | Load::Offset(length) if length > 0.0 => {
                     [clearance + length / joint.hole_radius, 0.0]
                 }
                 Load::Force(force) if force > 0.0 => [0.0, force / (joint.thickness * joint.hole_radius)],
                 _ => return false,
             };
-            to.extend(of_load.map(|number| number as f32));
+            to.extend_from_slice(&[of_length as f32, of_force as f32]);
             to.extend(of_row.iter().map(|given| value(given, case, step) as f32));
             self.push_extremes(case, step, to);
         }

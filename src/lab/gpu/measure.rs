@@ -182,7 +182,7 @@ pub fn joint_kernel(gpu: &GpuDevice) -> Result<KernelTime, GpuError> {
     }
     seconds.sort_by(f64::total_cmp);
     let ((SpaceKey { terms, nodes, .. }, _), items) = (joint.space(), batch.joints.len() as u64);
-    let bytes = size_of_val(&batch.numbers[..]) as u64 / items + size_of::<Placed>() as u64;
+    let bytes = 4 * batch.numbers.count() as u64 / items + size_of::<Placed>() as u64;
     let sizes = JointSizes {
         terms: terms as u64,
         nodes: nodes as u64,

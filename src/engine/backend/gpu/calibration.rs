@@ -194,15 +194,17 @@ impl MeasuredJoint {
         let tables = JointTables { bodies, space: self.space() };
         let mut batch = JointBatch { tables: vec![tables], ..JointBatch::default() };
         let joint = self.joint();
+        let mut numbers = Vec::new();
         for _ in 0..count {
-            let numbers_at = batch.numbers.len() as u32;
+            let numbers_at = numbers.len() as u32;
             let loads = indentations.iter().map(|over| DimensionlessLoad::Indentation(CLEARANCE * over));
-            let counts = joint.numbers(loads, &mut batch.numbers);
+            let counts = joint.numbers(loads, &mut numbers);
             let [load_count, amplitude_count] =
                 counts.unwrap_or_else(|| unreachable!("there are some loads, and not too many"));
             let condensed = [None; 2];
             batch.joints.push(BatchedJoint { tables: 0, numbers_at, load_count, amplitude_count, condensed });
         }
+        batch.numbers.push(numbers);
         batch
     }
 

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use bytemuck::Pod;
-use wgpu::{BufferBinding, BufferUsages};
+use wgpu::{BufferBinding, BufferSize, BufferUsages};
 
 use super::context::{GpuDevice, GpuError};
 use super::kernels::Stage;
@@ -186,6 +186,25 @@ impl GpuDevice {
         });
         self.queue.write_buffer(&buffer, 0, contents);
         buffer
+    }
+
+    /// Writes pieces one behind another, so many bytes in all, from the beginning of a buffer on.
+    pub(crate) fn write_pieces<'a>(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        pieces: impl Iterator<Item = &'a [f32]>,
+    ) {
+        let room = BufferSize::new(bytes).and_then(|bytes| self.queue.write_buffer_with(buffer, 0, bytes));
+        // Without room wgpu has said why.
+        let Some(mut room) = room else { return };
+        let mut end = 0;
+        for piece in pieces {
+            let piece: &[u8] = bytemuck::cast_slice(piece);
+            let start = end;
+            end += piece.len();
+            room.slice(start..end).copy_from_slice(piece);
+        }
     }
 
     /// A buffer that kernels write, of zeros.

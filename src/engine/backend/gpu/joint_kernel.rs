@@ -15,7 +15,7 @@ use super::joint_passes::{Asking, Bound, pieces};
 use super::kernel_texts::{ANSWERING, ANSWERS, JOINTS, Variant};
 use super::kernels::{Making, Precision, Stage};
 use crate::engine::backend::joints::{
-    AskedOfJoints, BatchedJoint, JointBatch, JointKind, JointTables, MOST_NODES,
+    AskedOfJoints, BatchedJoint, JointBatch, JointKind, JointNumbers, JointTables, MOST_NODES,
 };
 use crate::engine::backend::{Counts, IN_FLIGHT};
 use crate::engine::question::counted::{Layout, Told};
@@ -315,8 +315,7 @@ impl JointKernel {
         }
         let mut buffers = self.free.pop().unwrap_or_default();
         let asked = batch.asked.as_ref().map(|asked| &asked.tables[..]);
-        let numbers = (&batch.numbers[load.numbers.clone()], works);
-        let reading = self.submit(gpu, &mut buffers, &load, numbers, (asked, &wanted))?;
+        let reading = self.submit(gpu, &mut buffers, &load, (&batch.numbers, works), (asked, &wanted))?;
         Ok(Flight { joints, wanted, on_device: Some((buffers, reading)) })
     }
 
@@ -325,7 +324,7 @@ impl JointKernel {
         gpu: &GpuDevice,
         Buffers { joints: buffers, answers, .. }: &mut Buffers,
         load: &Load,
-        (numbers, works): (&[f32], Option<&mut KeptWorks>),
+        (numbers, works): (&JointNumbers, Option<&mut KeptWorks>),
         (asked, wanted): (Option<&[f32]>, &Wanted),
     ) -> Result<Reading, GpuError> {
         let Load { parameters, places, designs, found_bytes, .. } = load;
@@ -336,7 +335,7 @@ impl JointKernel {
         let sizes = [
             size_of_val(&parameters[..]) as u64,
             places.iter().map(|(_, places)| whole_parts(places)).sum(),
-            size_of_val(numbers) as u64,
+            bytes(load.numbers.len()),
             *found_bytes,
             staged,
         ];
@@ -358,7 +357,7 @@ impl JointKernel {
         }
         gpu.checked("joints", || {
             gpu.queue.write_buffer(of_parameters, 0, bytemuck::cast_slice(parameters));
-            gpu.queue.write_buffer(of_joints, 0, bytemuck::cast_slice(numbers));
+            gpu.write_pieces(of_joints, sizes[2], numbers.within(load.numbers.clone()));
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let bound = Bound {
                 parameters: of_parameters,

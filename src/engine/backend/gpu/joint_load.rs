@@ -141,5 +141,5 @@ pub(super) fn whole_parts(places: &[Placed]) -> u64 {
 /// Of a joint, among those of its batch.
 fn numbers_of(batch: &JointBatch, joint: usize) -> Range<usize> {
     let at = |joint: &BatchedJoint| joint.numbers_at as usize;
-    at(&batch.joints[joint])..batch.joints.get(joint + 1).map_or(batch.numbers.len(), at)
+    at(&batch.joints[joint])..batch.joints.get(joint + 1).map_or(batch.numbers.count(), at)
 }
