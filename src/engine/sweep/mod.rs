@@ -105,14 +105,18 @@ const MOST_ROWS: u64 = 10 * INTERPOLATED_BATCH as u64;
 /// A sweep whose whole batches take no longer than this by the forecast, s, begins with one: lanes are filled better.
 const SOON: f64 = 0.25;
 
-/// Bytes. The greatest of what is made and dropped again and again: matrices of a lane batch.
-const KEPT_BLOCK: usize = 8 << 20;
+/// Bytes. Almost the greatest that the C library learns from: what lies free at the end of its memory goes back to the system where it is more than
+/// twice as much, and batches of a sweep on a device free some 20 MB at a time.
+const KEPT_BLOCK: usize = 31 << 20;
 
 /// Lets the C library keep what is dropped for what is made next. It takes each block of more than 128 KiB from the system, with pages
 /// that all must be cleared, and gives it back, until a greater one has been dropped (`M_MMAP_THRESHOLD`, mallopt(3)).
 pub fn keep_blocks() {
     if cfg!(target_env = "gnu") {
-        drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT_BLOCK)));
+        let mut block: Vec<u8> = Vec::new();
+        // Where there is no room for it, nothing is learnt.
+        let _ = block.try_reserve_exact(KEPT_BLOCK);
+        drop(std::hint::black_box(block));
     }
 }
 
