@@ -1,7 +1,8 @@
 //! What processors do around a GPU, in time of all threads a design: sweeps of designs that are all different, finite elements at 1 % and, the
 //! sixth and ninth, at 0.1 %, with kernels that do nothing; the fifth and all from the seventh on ask for answers alone, the seventh of designs that
 //! the device draws, those behind it of condensed bodies. `condense`: from the bodies of a batch to their works or to the states of their joints, or from interpolated joints to these; `rest`: plans, keys, near fields, contact, what is judged. `cargo bench --bench host [-- DESIGNS [REPEATS [LINE]]]`, of one line where its number is given. Any Vulkan device will do, software too; no table is written.
-//! The first of some repeats lays out the topologies that the others find on the device.
+//! The first two batches are told apart, as `begin`, in s: they make what all have in common. The first of some repeats lays out the topologies
+//! that the others find on the device.
 
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters};
 use jointsweep::internals::engine::backend::precision::Precision;
@@ -60,7 +61,7 @@ fn main() {
             sweep.accuracy,
             precision.name()
         );
-        println!("{:>10} {:>10} {:>10} {:>10}", "drawing", "condense", "rest", "all");
+        println!("{:>10} {:>10} {:>10} {:>10} {:>10}", "begin, s", "drawing", "condense", "rest", "all");
         let mut last = HostCost::default();
         for _ in 0..repeats {
             let (batch, draws) = if how == How::Drawn { (DRAWN_BATCH, true) } else { (BATCH, false) };
@@ -68,7 +69,8 @@ fn main() {
             last = cost.unwrap_or_else(|error| panic!("{error}"));
             let each = |seconds: f64| 1e6 * seconds / last.designs as f64;
             println!(
-                "{:>10.2} {:>10.2} {:>10.2} {:>10.2}",
+                "{:>10.2} {:>10.2} {:>10.2} {:>10.2} {:>10.2}",
+                last.beginning,
                 each(last.drawing),
                 each(last.condensing),
                 each(last.solving - last.condensing),

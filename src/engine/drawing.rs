@@ -29,7 +29,7 @@ pub enum Batch {
 /// A batch, or why it cannot be read.
 pub type Drawn = Result<Batch, Error>;
 
-type DrawnCases = Result<Vec<DesignCase>, Error>;
+pub type DrawnCases = Result<Vec<DesignCase>, Error>;
 
 type Cases<'a> = Box<dyn Iterator<Item = Result<DesignCase, Error>> + Send + 'a>;
 
@@ -184,7 +184,7 @@ impl<'a> Drawer<'a> {
     }
 
     /// As many as are asked for, if there are.
-    fn draw(&mut self, count: usize) -> DrawnCases {
+    pub fn draw(&mut self, count: usize) -> DrawnCases {
         let Range { start, end } = self.left;
         let next = end.min(start + count as u64);
         self.left.start = next;

@@ -5,6 +5,7 @@
 //! asks for answers alone all designs are told to be counted; their fits, which the processor makes, are not counted, either.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -19,13 +20,14 @@ use crate::engine::backend::gpu::kernels::Making;
 use crate::engine::backend::gpu::solver::GpuCondenser;
 use crate::engine::backend::joints::{BatchedJoint, ENDED, JointBatch, STATE_NUMBERS, SolvedJoints};
 use crate::engine::backend::precision::Precision;
-use crate::engine::backend::{Counts, Device, Works};
+use crate::engine::backend::{Counts, Device, IN_FLIGHT, Works};
 use crate::engine::body_request::{Group, TopologyKey};
+use crate::engine::drawing::{Chosen, Drawer};
 use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
 use crate::engine::ladder::counting::Counting;
-use crate::engine::outcome::BackendKind;
+use crate::engine::outcome::{Answer, BackendKind};
 use crate::engine::question::Asker;
 use crate::engine::question::counted::{Told, Total, Verdict};
 use crate::engine::sweep::keep_blocks;
@@ -34,23 +36,26 @@ use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::output::host::processor_seconds;
 use crate::output::sinks::Sinks;
 use crate::study::config::Study;
-use crate::study::design::DesignCase;
 
-/// Processor time of all threads, s, and what was asked of the device.
+/// Processor time of all threads, s, and what was asked of the device. But for `beginning` and `counts` the first batches are left out: they make
+/// buffers, near fields and spaces for all that come behind them.
 #[derive(Clone, Debug, Default)]
 pub struct HostCost {
+    /// What the first batches took.
+    pub beginning: f64,
     pub designs: u64,
     /// Whose bodies went to the device.
     pub on_device: u64,
-    /// Drawing the designs.
+    /// Drawing the designs, and telling how many bodies are different.
     pub drawing: f64,
     /// From the bodies of a batch to their works, or to the states of joints, by the device's driver too: on software that is what runs
     /// the empty kernels, of which each dispatch has one workgroup.
     pub condensing: f64,
     /// From designs to answers, `condensing` included.
     pub solving: f64,
-    /// Wall times as a sweep tells them, summed over threads.
+    /// Wall times as a sweep tells them, summed over threads, of all batches.
     pub stages: Vec<(&'static str, Duration)>,
+    /// Of all batches.
     pub counts: Counts,
     /// Calls of the device.
     pub calls: u64,
@@ -83,52 +88,37 @@ impl HostCost {
         let asking = sinks.asking();
         let asker = asking.as_ref().map(|asking| asking as &dyn Asker);
         let mut ladder = Ladder::new(study.solve).interpolating(plan).asked_by(asker).on(Box::new(condenser));
-        let mut cost = HostCost::default();
-        let mut cases = study.cases().into_iter().flatten();
+        let chosen = Chosen::All;
+        let Ok(mut drawer) = Drawer::new(study, &chosen, rayon::current_num_threads()) else {
+            unreachable!("what is sampled can be drawn")
+        };
         if ladder.interpolation.is_some() {
-            let first: Vec<DesignCase> = cases.by_ref().take(UNCOUNTED).flatten().collect();
-            ladder.answers(&first);
-            *seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Seen::default();
+            ladder.answers(&drawer.draw(UNCOUNTED).unwrap_or_default());
         }
         let drawing = asker.filter(|_| draws).and_then(|asker| Drawing::of(study, asker.question()));
-        let all = 0..if drawing.is_some() { study.design_count() } else { 0 };
-        // What is counted comes back when the next batch is begun, as in a sweep.
-        let mut begun: Option<Counting> = None;
-        let finish = |ladder: &mut Ladder, begun: Option<Counting>| {
-            let finished = begun.and_then(|begun| ladder.finish_count(study, begun)?.ok());
-            finished.map_or(0, |(counted, _)| counted.designs)
+        let numbers = 0..if drawing.is_some() { study.design_count() } else { 0 };
+        let mut batches = Batches { study, ladder, begun: None, cost: HostCost::default() };
+        let mut numbered = numbers.clone().step_by(batch_size).map(|first| {
+            let end = numbers.end.min(first + batch_size as u64);
+            first..end
+        });
+        let mut next = |batches: &mut Batches| match (&drawing, numbered.next()) {
+            (Some(drawing), Some(numbers)) => batches.take_drawn(drawing, numbers),
+            (Some(_), None) => false,
+            (None, _) => batches.take(&mut drawer, batch_size),
         };
-        for first in all.clone().step_by(batch_size) {
-            let before = processor_seconds().unwrap_or(f64::NAN);
-            let numbers = first..all.end.min(first + batch_size as u64);
-            cost.designs += numbers.end - numbers.start;
-            let counting = drawing.as_ref().and_then(|drawing| ladder.begin_drawn(drawing, numbers));
-            cost.on_device += finish(&mut ladder, std::mem::replace(&mut begun, counting));
-            cost.solving += processor_seconds().unwrap_or(f64::NAN) - before;
+        // As many as a device has at a time, each of which has buffers of its own.
+        let mut left = IN_FLIGHT;
+        while left > 0 && next(&mut batches) {
+            left -= 1;
         }
-        let mut cases = cases.take_while(|_| drawing.is_none());
-        loop {
-            let before = processor_seconds().unwrap_or(f64::NAN);
-            let batch: Vec<DesignCase> = cases.by_ref().take(batch_size).flatten().collect();
-            let drawn = processor_seconds().unwrap_or(f64::NAN);
-            cost.drawing += drawn - before;
-            if batch.is_empty() {
-                break;
-            }
-            cost.designs += batch.len() as u64;
-            let on_device = match ladder.begin_count(batch) {
-                Ok(counting) => finish(&mut ladder, begun.replace(counting)),
-                Err(batch) => {
-                    let answers = ladder.answers(&batch);
-                    answers.iter().filter(|answer| answer.backend == BackendKind::Gpu).count() as u64
-                }
-            };
-            cost.solving += processor_seconds().unwrap_or(f64::NAN) - drawn;
-            cost.on_device += on_device;
-        }
-        let before = processor_seconds().unwrap_or(f64::NAN);
-        cost.on_device += finish(&mut ladder, begun);
-        cost.solving += processor_seconds().unwrap_or(f64::NAN) - before;
+        batches.finish();
+        let first = std::mem::take(&mut batches.cost);
+        let of_first = std::mem::take(&mut *seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner()));
+        while next(&mut batches) {}
+        batches.finish();
+        let Batches { ladder, mut cost, .. } = batches;
+        cost.beginning = first.drawing + first.solving - of_first.standing_in;
         if let Some(error) = ladder.library.lost() {
             return Err(error.clone());
         }
@@ -138,6 +128,62 @@ impl HostCost {
         cost.solving -= seen.standing_in;
         (cost.counts, cost.calls) = (seen.counts, seen.calls);
         Ok(cost)
+    }
+}
+
+/// A sweep that is solved batch by batch.
+struct Batches<'a> {
+    study: &'a Study,
+    ladder: Ladder<'a>,
+    /// What is counted comes back when the next batch is begun, as in a sweep.
+    begun: Option<Counting>,
+    cost: HostCost,
+}
+
+impl Batches<'_> {
+    /// The next so many designs; tells whether there are any.
+    fn take(&mut self, drawer: &mut Drawer, batch_size: usize) -> bool {
+        let before = processor_seconds().unwrap_or(f64::NAN);
+        let batch = drawer.draw(batch_size).unwrap_or_default();
+        let drawn = processor_seconds().unwrap_or(f64::NAN);
+        self.cost.drawing += drawn - before;
+        if batch.is_empty() {
+            return false;
+        }
+        self.cost.designs += batch.len() as u64;
+        match self.ladder.begin_count(batch) {
+            Ok(counting) => self.follow(Some(counting)),
+            Err(batch) => {
+                let answers = self.ladder.answers(&batch);
+                let is_there = |answer: &&Answer| answer.backend == BackendKind::Gpu;
+                self.cost.on_device += answers.iter().filter(is_there).count() as u64;
+            }
+        }
+        self.cost.solving += processor_seconds().unwrap_or(f64::NAN) - drawn;
+        true
+    }
+
+    /// Designs that the device draws.
+    fn take_drawn(&mut self, drawing: &Drawing, numbers: Range<u64>) -> bool {
+        let before = processor_seconds().unwrap_or(f64::NAN);
+        self.cost.designs += numbers.end - numbers.start;
+        let counting = self.ladder.begin_drawn(drawing, numbers);
+        self.follow(counting);
+        self.cost.solving += processor_seconds().unwrap_or(f64::NAN) - before;
+        true
+    }
+
+    /// Takes what was begun before.
+    fn follow(&mut self, next: Option<Counting>) {
+        let begun = std::mem::replace(&mut self.begun, next);
+        let finished = begun.and_then(|begun| self.ladder.finish_count(self.study, begun)?.ok());
+        self.cost.on_device += finished.map_or(0, |(counted, _)| counted.designs);
+    }
+
+    fn finish(&mut self) {
+        let before = processor_seconds().unwrap_or(f64::NAN);
+        self.follow(None);
+        self.cost.solving += processor_seconds().unwrap_or(f64::NAN) - before;
     }
 }
 
