@@ -248,12 +248,15 @@ pub fn holding_changes(body: &Body, corner: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::body::block;
+    use crate::mechanics::body::{Shape, block};
     use crate::mechanics::material::Idealization;
 
-    /// Against the sides that each column lies on, for corners anywhere on the ring.
+    /// Against the sides that each column lies on, for corners anywhere on the ring and whichever sides are held.
     #[test]
     fn columns_are_held_where_one_of_their_sides_is() {
+        // A support is a set of sides here.
+        let shape = Shape { boundary_held: |support, side| support >> side & 1 == 1, ..block::SHAPE };
+        let shape: &'static Shape = Box::leak(Box::new(shape));
         let angles: Vec<f64> =
             (0..=9).map(|place| std::f64::consts::PI * (f64::from(place) / 9.0).powf(1.2)).collect();
         let mut seen = std::collections::HashSet::new();
@@ -267,9 +270,8 @@ mod tests {
                 // Two corners may not share a column, and none is at an end.
                 assert!(is_nearest || columns[1] == columns[0] + 1 || [1, 8].contains(column), "{columns:?}");
             }
-            for support in 0..2 {
-                let body =
-                    Body { support, ..Body::bare(&block::SHAPE, ratios, 0.3, Idealization::PlaneStress) };
+            for support in 0..8 {
+                let body = Body { support, ..Body::bare(shape, ratios, 0.3, Idealization::PlaneStress) };
                 let held = held_columns(&body, &angles);
                 assert_eq!(held.len(), 19);
                 for (column, held) in held.into_iter().enumerate() {
@@ -277,13 +279,12 @@ mod tests {
                         (side == 0 || 2 * columns[side - 1] <= column)
                             && (side == 2 || column <= 2 * columns[side])
                     };
-                    let expected =
-                        (0..3).any(|side| is_on(side) && (block::SHAPE.boundary_held)(support, side));
+                    let expected = (0..3).any(|side| is_on(side) && (shape.boundary_held)(support, side));
                     assert_eq!(held, expected, "{ratios:?} {support} {column}");
                     seen.insert((support, held));
                 }
             }
         }
-        assert_eq!(seen.len(), 3);
+        assert_eq!(seen.len(), 2 + 6 * 2);
     }
 }
