@@ -1,7 +1,7 @@
 //! What is asked of a body: how finely, and what it then shares with others.
 
 use crate::mechanics::body::{Body, Shape};
-use crate::mechanics::compliance::series::ConcentricBody;
+use crate::mechanics::compliance::concentric_body::ConcentricBody;
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::material::Idealization;

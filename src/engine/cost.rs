@@ -22,9 +22,9 @@ use crate::engine::unit_costs::{
     reference_seconds, row, series, space, space_modes, space_ring_modes, topology,
 };
 use crate::error::Error;
+use crate::mechanics::compliance::concentric_body::ConcentricBody;
 use crate::mechanics::compliance::near_field::{NearFieldClass, ReferenceMesh};
 use crate::mechanics::compliance::ring_modes::RingModes;
-use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::laws::calibrated::samples::RANGE;
 use crate::mechanics::real::LANES;
 use crate::mechanics::singles::SINGLES;

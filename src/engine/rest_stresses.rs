@@ -1,7 +1,7 @@
 //! Press fits at rest: Lame's stresses in all layers, from the overlap alone.
 
 use crate::mechanics::body::Side;
-use crate::mechanics::compliance::series::ConcentricBody;
+use crate::mechanics::compliance::concentric_body::ConcentricBody;
 use crate::study::design::JointDesign;
 
 /// Whether the overlap of a press fit alone brings some material beyond the yield stress that it has been given.

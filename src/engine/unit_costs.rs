@@ -15,8 +15,8 @@ use crate::engine::plan::JointPlan;
 use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::arc::packed_count;
+use crate::mechanics::compliance::concentric_body::ConcentricBody;
 use crate::mechanics::compliance::ring_modes::RingModes;
-use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::real::LANES;
 
 macro_rules! units {

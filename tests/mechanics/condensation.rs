@@ -8,13 +8,13 @@ use crate::common::rings::{MeshedBody, body};
 use crate::series::far_mode;
 use jointsweep::internals::mechanics::body::Body;
 use jointsweep::internals::mechanics::compliance::arc::{ContactArc, packed_count};
+use jointsweep::internals::mechanics::compliance::concentric_body::ConcentricBody;
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
 use jointsweep::internals::mechanics::compliance::near_field::{
     LoadedRing, NearField, NearFieldClass, PoissonRange,
 };
 use jointsweep::internals::mechanics::compliance::pressure_space::{PressureSpace, Tilt};
 use jointsweep::internals::mechanics::compliance::ring_modes::{Push, RingModes};
-use jointsweep::internals::mechanics::compliance::series::ConcentricBody;
 use jointsweep::internals::mechanics::compliance::{BodyCompliance, Boundary};
 use jointsweep::internals::mechanics::element::ElementKind;
 use jointsweep::internals::mechanics::grading::GradingClass;

@@ -11,7 +11,8 @@ use crate::common::random::Random;
 use crate::common::stepped_ring::{Beyond, Ring};
 use crate::series::far_mode;
 use jointsweep::internals::mechanics::body::lining::{Interface, Lining};
-use jointsweep::internals::mechanics::compliance::series::{ConcentricBody, Infinite};
+use jointsweep::internals::mechanics::compliance::concentric_body::ConcentricBody;
+use jointsweep::internals::mechanics::compliance::series::Infinite;
 use jointsweep::internals::mechanics::material::Idealization;
 
 /// U, V, S, T.

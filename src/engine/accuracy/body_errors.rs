@@ -5,8 +5,8 @@ use crate::engine::accuracy::known_errors::{Known, column, known_errors};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::BodyCompliance;
+use crate::mechanics::compliance::concentric_body::ConcentricBody;
 use crate::mechanics::compliance::pressure_space::JointCompliance;
-use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::compliance::thin_wall::bed_error;
 use crate::mechanics::contact::curve::ContactCurve;
 

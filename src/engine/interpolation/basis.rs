@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use crate::engine::body_request::{concentric, mesh_class};
 use crate::engine::interpolation::family::{Family, body_at};
 use crate::mechanics::body::{Body, Side};
+use crate::mechanics::compliance::concentric_body::ConcentricBody;
 use crate::mechanics::compliance::ring_modes::RingModes;
-use crate::mechanics::compliance::series::ConcentricBody;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
 
 /// The finest that any body of a family is told in.

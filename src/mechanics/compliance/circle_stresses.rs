@@ -8,8 +8,8 @@
 //!   2 mu e_phi = s_phi - nu' (s_r + s_phi),     e_phi = (u_r + n u_phi)/r.
 //! ```
 
+use super::concentric_body::ConcentricBody;
 use super::layered_ring::{Layer, Matrix, apply};
-use super::series::ConcentricBody;
 use crate::mechanics::body::Body;
 use crate::mechanics::body::lining::{Interface, Lining};
 

@@ -13,9 +13,10 @@
 //! hardly felt, or has a layer of elements more than that line: a concentric body is not its own reference, and its mesh can be judged
 //! by `series`.
 
+use super::concentric_body::ConcentricBody;
 use super::near_field::{DEEPEST_REFERENCE, ReferenceMesh};
 use super::ring_modes::RingModes;
-use super::series::{ConcentricBody, Infinite};
+use super::series::Infinite;
 use super::{BodyCompliance, Boundary};
 use crate::mechanics::body::{Body, Side};
 use crate::mechanics::grading::GradingClass;

@@ -9,6 +9,7 @@ pub mod thin_wall;
 pub mod ring_modes;
 pub mod second_order;
 pub mod layered_ring;
+pub mod concentric_body;
 pub mod series;
 pub mod circle_stresses;
 pub mod pressure_space;
@@ -19,9 +20,9 @@ pub mod mesh_stresses;
 pub mod row_sums;
 pub mod body_fit;
 
+use concentric_body::ConcentricBody;
 use ring_modes::RingModes;
 use second_order::Bands;
-use series::ConcentricBody;
 
 use crate::mechanics::body::{Body, Side};
 

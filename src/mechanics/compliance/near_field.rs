@@ -16,10 +16,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use super::concentric_body::ConcentricBody;
 use super::lane_condensation::CondensationPlan;
 use super::lane_work::{LaneWork, in_lanes};
 use super::ring_modes::{Push, RingModes};
-use super::series::ConcentricBody;
 use crate::mechanics::body::lining::Lining;
 use crate::mechanics::body::{Body, Shape, Side};
 use crate::mechanics::grading::GradingClass;

@@ -386,8 +386,8 @@ fn add_product(scales: &[f64; LANES], a: &[f64], b: &[f64], works: &mut [[f64; L
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::compliance::concentric_body::ConcentricBody;
     use crate::mechanics::compliance::pressure_space::{PressureSpace, Tilt};
-    use crate::mechanics::compliance::series::ConcentricBody;
     use crate::mechanics::compliance::{BodyCompliance, Boundary};
     use crate::mechanics::material::Idealization;
 
