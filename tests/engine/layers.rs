@@ -1,5 +1,6 @@
 //! Joints with layers as the engine takes them: thin layers, pressures that peak beside the load line, and what is refused.
 
+use crate::common::length::count;
 use crate::common::random::Random;
 use crate::common::stepped_ring::{Beyond, Ring};
 use crate::common::true_outlines::true_state;
@@ -37,7 +38,8 @@ fn solved(joint: JointDesign, method: MethodChoice, accuracy: f64, load: Load) -
 fn thin_layers_are_right_or_say_so() {
     let mut random = Random::new(181);
     let (mut compared, mut bounded, mut met, mut worst_met, mut worst_peak) = (0, 0, 0, 0.0_f64, 0.0_f64);
-    for _ in 0..30 {
+    let all = count(15, 30) as usize;
+    for _ in 0..all {
         let thickness = random.log(3e-5, 1e-2);
         let modulus = 210e3 * random.log(1e-4, 10.0);
         let poissons_ratio = random.linear(0.0, 0.45);
@@ -76,8 +78,8 @@ fn thin_layers_are_right_or_say_so() {
     println!(
         "{bounded} of {compared} bounded, {met} at the accuracy asked; worst of these {worst_met:.1e}, peak {worst_peak:.1e}"
     );
-    assert!(compared == 30 && 100 * bounded >= 95 * compared, "{bounded} of {compared}");
-    assert!(met >= 24, "{met} of {compared}");
+    assert!(compared == all && 100 * bounded >= 95 * compared, "{bounded} of {compared}");
+    assert!(5 * met >= 4 * compared, "{met} of {compared}");
     assert!(worst_met > 0.0 && worst_met < 1e-3, "{worst_met:e}");
 }
 

@@ -4,6 +4,7 @@
 mod common {
     pub mod random;
     pub mod draws;
+    pub mod length;
     pub mod lined_bodies;
     pub mod greatest;
     pub mod stepped_ring;

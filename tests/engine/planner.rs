@@ -4,6 +4,7 @@
 //! Run with `--nocapture` to see the shares.
 
 use crate::common::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
+use crate::common::length::count;
 use jointsweep::internals::engine::accuracy::Estimate;
 use jointsweep::internals::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use jointsweep::internals::engine::body_request::Fidelity;
@@ -39,7 +40,7 @@ fn planned(cases: &[DesignCase], accuracy: f64) -> Vec<Option<Response>> {
 /// estimate. The oracle is `series` with the most trial pressures, or a mesh finer than any that is planned.
 #[test]
 fn the_accuracy_holds_and_estimates_bound_the_error() {
-    let cases = cases(45, 10);
+    let cases = cases(count(15, 45), count(4, 10));
     let oracle = Oracle::new(&cases).states;
     for accuracy in ACCURACIES {
         let rows: Vec<(Option<Response>, State)> = planned(&cases, accuracy)
@@ -63,8 +64,8 @@ fn the_accuracy_holds_and_estimates_bound_the_error() {
         let within = share(&|error, _| error <= accuracy);
         let bounded = share(&|error, estimate| error <= estimate);
         println!("{accuracy}: {} rows, within {within:.4}, bounded {bounded:.4}", judged.len());
-        // Seen: all 100, within and bounded.
-        assert!(judged.len() >= 98, "{} designs judged", judged.len());
+        // Seen: all, within and bounded.
+        assert!(judged.len() + 2 >= cases.len(), "{} designs judged", judged.len());
         assert!(within >= 0.99, "{accuracy}: {within}");
         assert!(bounded >= 0.95, "{accuracy}: {bounded}");
     }

@@ -293,7 +293,7 @@ fn comparisons_that_a_rounding_would_decide_are_left_open() {
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn answers_of_drawn_designs_are_the_processors() {
-    const DESIGNS: u64 = 1600;
+    let all = count(800, 1600);
     let force = "force = ['1 kN', '5 kN', '20 kN']";
     // At 0.1 % some curves have six trial pressures and others ten.
     for (plate, sampling, accuracy) in
@@ -306,25 +306,25 @@ fn answers_of_drawn_designs_are_the_processors() {
         let study = study(&joint, force, sampling, accuracy);
         let answered = |designs: Chosen, on_device, threads| answered(&study, designs, on_device, threads);
         let on_device = |designs, threads| answered(Chosen::Range(designs), Some(Making::Trusted), threads);
-        let found = on_device(0..DESIGNS, 2);
+        let found = on_device(0..all, 2);
         // Fits of blocks rest on meshes: the device's, too. What is listed the processor draws.
         let expected = match plate {
-            BLOCKS => answered(Chosen::Listed((0..DESIGNS).collect()), Some(Making::Trusted), 2),
-            _ => answered(Chosen::Range(0..DESIGNS), None, 2),
+            BLOCKS => answered(Chosen::Listed((0..all).collect()), Some(Making::Trusted), 2),
+            _ => answered(Chosen::Range(0..all), None, 2),
         };
         let [of_sums, _] = super::answers::compare(&found.answers, &expected.answers);
         let ([counted, candidates], asked) = (found.counted, found.statistics.asked);
         println!("{counted} counted, {candidates} solved again, sums differ by {of_sums:.1e}; {asked:?}");
-        assert!(of_sums < 3e-5 && 10 * counted > 8 * DESIGNS && 2 * candidates < DESIGNS);
+        assert!(of_sums < 3e-5 && 10 * counted > 8 * all && 2 * candidates < all);
         let of =
             |counts: &Counts| (counts.designs, counts.rows, counts.kept_rows, counts.by_status.by_text());
         assert_eq!(of(&found.counts), of(&expected.counts));
-        assert!(found.counts.kept_rows.unwrap() > DESIGNS / 4);
+        assert!(found.counts.kept_rows.unwrap() > all / 4);
         // Designs do not go up: of each batch tables alone. Those of fits, which go up once, are large at 0.1 %, and fits of blocks have samples.
         let is_small = plate == ANNULI && accuracy == "1 %";
-        assert!(!is_small || asked.bytes_up < 40_000 * asked.submits, "{asked:?}");
+        assert!(!is_small || asked.bytes_up < 60_000 * asked.submits, "{asked:?}");
         let mut parts = on_device(0..611, 8);
-        let more = on_device(611..DESIGNS, 2);
+        let more = on_device(611..all, 2);
         parts.answers.merge(&more.answers).unwrap();
         for (name, bytes) in found.answers.files() {
             assert_eq!(text(&parts.answers, name).as_bytes(), bytes, "{name}");

@@ -42,7 +42,7 @@ fn twins(bodies: &Bodies, compliance: &[f64], modes: &RingModes) -> Vec<Vec<f64>
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn works_are_those_of_the_twin() {
     let mut compared = 0;
-    for (family, (name, bodies)) in families().iter().enumerate() {
+    for (family, (name, bodies)) in iterated_families().iter().enumerate() {
         let own = RingModes::of(&class(bodies));
         let of_whole_ring = [8, 12, 16, 24, 32, MOST_MODES].map(|count| RingModes::whole(6, count));
         let others = if class(bodies).ends_held { &[][..] } else { &of_whole_ring };
@@ -147,13 +147,13 @@ fn works_of_a_long_ring_are_those_of_the_twin() {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn works_are_what_the_processor_finds() {
     let mut compared = 0;
-    for (number, (name, bodies)) in families().iter().chain(&blocks()).enumerate() {
+    for (number, (name, bodies)) in iterated_families().iter().chain(&blocks()).enumerate() {
         let modes = RingModes::of(&class(bodies));
         let plan = CondensationPlan::new(&bodies.bodies[0], bodies.grading.clone(), modes);
         let expected = plan.condense(&bodies.bodies);
         for (precision, _) in precisions() {
-            // In f64 the other bodies say all; of these software takes half a minute.
-            if *name == "thin-walled block" && precision != Precision::F32 {
+            // In f64 the other bodies say all; of these software takes half a minute in f32 alone.
+            if *name == "thin-walled block" && (precision != Precision::F32 || !is_long()) {
                 continue;
             }
             // Which side of a block is thin matters to the bounds of f32 alone.
@@ -182,18 +182,19 @@ fn works_are_what_the_processor_finds() {
         // Control: what is compared differs from body to body by more.
         assert!(difference(&expected[0], &expected[1]) > 1e-3, "{name}");
     }
-    assert_eq!(compared, 8 * 3 + (5 * 3 + 2) * (precisions().len() - 1));
+    let in_singles = if is_long() { 8 } else { 7 };
+    assert_eq!(compared, in_singles * 3 + (5 * 3 + 2) * (precisions().len() - 1));
 }
 
 /// Seen: in f32 4.7e-4 of a block on its base, whose stiffness is far larger than what its ring feels of it, 2.8e-5 of a thin-walled
-/// one and 5.8e-6 of all others; 1.9e-11 in f64, 8.6e-10 in mixed precision.
+/// one and 5.8e-6 of all others; 1.9e-11 in f64, 1.0e-9 in mixed precision.
 fn works_tolerance(name: &str, precision: Precision) -> f64 {
     match (precision, name) {
         (Precision::F32, "block on its base") => 6.1e-4,
         (Precision::F32, "thin-walled block") => 3.6e-5,
         (Precision::F32, _) => 7.5e-6,
         (Precision::F64, _) => 2.5e-11,
-        (Precision::Mixed, _) => 1.1e-9,
+        (Precision::Mixed, _) => 1.3e-9,
     }
 }
 
