@@ -148,6 +148,8 @@ histogram  = [{ of = "peak_pressure", bins = 12 }, { of = "indentation", from = 
 "#;
 
 const DESIGNS: u64 = 1200;
+/// Of sweeps that take software long.
+const FEW: u64 = 400;
 
 /// The same counts, and numbers as the manifest has them; the greatest estimate of an error is known so well, relative.
 fn assert_alike(found: &Counts, expected: &Counts, of_errors: f64) {
@@ -217,18 +219,16 @@ fn on_meshes(study: &Study) -> Study {
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn rows_of_bodies_on_meshes_are_counted_too() {
     let by = GpuChoice { joints: SolvedJoints::All, ..GpuChoice::new(device(), Precision::F32) };
-    // Software takes them long; where many values come before others fewer have little to compare with.
-    let (many, few) = (count(800, 1200), count(400, 1200));
     let of_meshes = "step != 1 and method == 'fe' and method != 'interpolated'";
     for (name, designs, study) in [
-        ("forces", many, study("force = ['1 kN', '2 kN', '5 kN']", "peak_pressure < 100 MPa", ALL)),
+        ("forces", DESIGNS, study("force = ['1 kN', '2 kN', '5 kN']", "peak_pressure < 100 MPa", ALL)),
         (
             "indentations",
-            many,
+            DESIGNS,
             study("indentation = { from = '0.002 mm', to = '0.02 mm', count = 4 }", of_meshes, ALL),
         ),
-        ("concentric, 0.1 %", few, SWEEPS[1].answers(few, false).unwrap()),
-        ("blocks", few, SWEEPS[2].answers(few, false).unwrap()),
+        ("concentric, 0.1 %", FEW, SWEEPS[1].answers(FEW, false).unwrap()),
+        ("blocks", FEW, SWEEPS[2].answers(FEW, false).unwrap()),
     ] {
         let study = if study.interpolation { on_meshes(&study) } else { study };
         let answered =
