@@ -126,7 +126,7 @@ impl ConcentricBody {
 
     /// lambda_n, and the amplitude of the displacement along the ring, u_phi = along sin(n phi), or those under shear, each less that of the same body with
     /// its fixed circle infinitely far (or small) and without layers beyond the one at the ring, n >= 2, of one mode or several abreast, under each
-    /// of two stresses at most, else zeros. Free of cancellation.
+    /// of some stresses. Free of cancellation.
     ///
     /// With x the amplitudes of the two fields that fall from the ring, y of the two that fall from the far circle of the material at
     /// the ring, q = (ratio of radii)^n what is left of them at the other circle, and Z how that yields (0 where it is held),
@@ -137,12 +137,17 @@ impl ConcentricBody {
     ///
     /// so x = x0 + q^2 (N - q^2 S)^-1 S x0 with N x0 = t and S = M (Q - Z Mp)^-1 (P - Z Np).
     #[inline(always)]
-    pub(super) fn finite_part<T: Real>(&self, layers: &[Layer], n: T, stresses: &[Stress]) -> [[T; 2]; 2] {
+    pub(super) fn finite_part<T: Real, const STRESSES: usize>(
+        &self,
+        layers: &[Layer],
+        n: T,
+        stresses: [Stress; STRESSES],
+    ) -> [[T; 2]; STRESSES] {
         let layer = &layers[0];
         let q = layer.left_of(n);
         // Nothing is left, and powers of radii like 1e300 are no numbers.
         if (T::from_f64(1e-30) - q).is_positive() {
-            return [[T::zero(); 2]; 2];
+            return [[T::zero(); 2]; STRESSES];
         }
         let [[near, far], on_circle] = layer.fields(n);
         // y = -q R x.
@@ -158,8 +163,8 @@ impl ConcentricBody {
         let back = product(far.stresses, reflection);
         let square = q * q;
         let (of_near, of_both) = (inverse(near.stresses), inverse(less(near.stresses, square, back)));
-        let mut parts = [[T::zero(); 2]; 2];
-        for (part, &[radial, along]) in parts.iter_mut().zip(stresses) {
+        let mut parts = [[T::zero(); 2]; STRESSES];
+        for (part, [radial, along]) in parts.iter_mut().zip(stresses) {
             let alone = apply(of_near, [T::from_f64(radial), T::from_f64(along)]);
             let [more, other] = apply(of_both, apply(back, alone));
             let more = [square * more, square * other];
@@ -241,7 +246,7 @@ impl ConcentricBody {
                 [normal - self.amplitude(), along]
             }
             _ => {
-                let [own, _] = self.finite_part(&self.layers(), n as f64, &[PRESSURE]);
+                let [own] = self.finite_part(&self.layers(), n as f64, [PRESSURE]);
                 own
             }
         }

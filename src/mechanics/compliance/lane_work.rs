@@ -3,11 +3,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::arc::{MAX_TERMS, TERM_CHOICES};
-use crate::mechanics::registers::ANY;
-#[cfg(not(target_arch = "x86_64"))]
-use crate::mechanics::registers::FUSED;
-#[cfg(target_arch = "x86_64")]
-use crate::mechanics::registers::{AVX2, AVX512};
+use crate::mechanics::registers::{ANY, AVX2, AVX512, FUSED};
 
 /// Work that is written once for any vectors.
 pub trait LaneWork {
@@ -48,14 +44,16 @@ impl<W: LaneWork> WithSimd for Vectorised<W> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> W::Output {
-        // By what code is compiled for here. What is named is compiled, and takes minutes: no width that the processor cannot have.
+        // By what code is compiled for here.
         if S::IS_SCALAR {
-            return self.0.run::<ANY>();
+            self.0.run::<ANY>()
+        } else if cfg!(target_arch = "x86_64") && S::F64_LANES == AVX512 {
+            self.0.run::<AVX512>()
+        } else if cfg!(target_arch = "x86_64") && S::F64_LANES == AVX2 {
+            self.0.run::<AVX2>()
+        } else {
+            self.0.run::<FUSED>()
         }
-        #[cfg(target_arch = "x86_64")]
-        return if S::F64_LANES == AVX512 { self.0.run::<AVX512>() } else { self.0.run::<AVX2>() };
-        #[cfg(not(target_arch = "x86_64"))]
-        self.0.run::<FUSED>()
     }
 }
 

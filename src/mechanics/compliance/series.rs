@@ -70,7 +70,7 @@ impl ConcentricBody {
         };
         let place = (0..interfaces.len()).find(is_resolved)?;
         let beyond = layers[place + 1];
-        let [own, _] = self.finite_part(layers, MOST_MODES as f64, &[PRESSURE]);
+        let [own] = self.finite_part(layers, MOST_MODES as f64, [PRESSURE]);
         let own = own[0] + self.alone(&layers[0], MOST_MODES, PRESSURE)[0];
         let bed = own - self.alone(&beyond, MOST_MODES, PRESSURE)[0];
         let depth = interfaces[place].radius_ratio.ln().abs();
@@ -251,14 +251,16 @@ impl LaneWork for FiniteParts<'_> {
         for first in (2..count).step_by(LANES) {
             let n = Lanes::<WIDTH>(std::array::from_fn(|lane| (first + lane) as f64));
             let [normal, along, shear] = &mut parts;
-            // One call for both, of which compilers make one copy of a large function.
-            let stresses = if first < shear_count { &[PRESSURE, SHEAR][..] } else { &[PRESSURE] };
-            let [own, under_shear] = body.finite_part(layers, n, stresses);
+            let own = if first < shear_count {
+                let [own, under_shear] = body.finite_part(layers, n, [PRESSURE, SHEAR]);
+                shear.extend_from_slice(&under_shear[1].0);
+                own
+            } else {
+                let [own] = body.finite_part(layers, n, [PRESSURE]);
+                own
+            };
             normal.extend_from_slice(&own[0].0);
             along.extend_from_slice(&own[1].0);
-            if first < shear_count {
-                shear.extend_from_slice(&under_shear[1].0);
-            }
         }
         for (part, count) in parts.iter_mut().zip([count, count, shear_count]) {
             part.truncate(count);
