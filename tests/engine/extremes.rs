@@ -24,11 +24,14 @@ use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 
 const DRAWS: usize = 1000;
 
+/// Random designs that are asked for.
+pub fn asked_draws() -> Option<usize> {
+    let text = std::env::var("JOINTSWEEP_DRAWS").ok()?;
+    Some(text.parse().unwrap_or_else(|_| panic!("JOINTSWEEP_DRAWS={text} is no count")))
+}
+
 fn draws() -> usize {
-    let asked = std::env::var("JOINTSWEEP_DRAWS").ok();
-    let asked =
-        asked.map(|text| text.parse().unwrap_or_else(|_| panic!("JOINTSWEEP_DRAWS={text} is no count")));
-    let draws = asked.unwrap_or(DRAWS);
+    let draws = asked_draws().unwrap_or(DRAWS);
     assert!(draws >= 500, "so few draws show nothing");
     draws
 }

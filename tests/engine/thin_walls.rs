@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use crate::common::nodal_ring::{NodalState, nodal_state};
 use crate::common::random::Random;
 use crate::common::stepped_ring::Ring;
+use crate::extremes::asked_draws;
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::Response;
@@ -119,9 +120,8 @@ fn thin_walls_are_right_within_what_is_said() {
 /// Walls of every thinness drawn, in pin, plate or both; `JOINTSWEEP_DRAWS` draws more.
 #[test]
 fn walls_drawn_at_random_are_right_or_say_so() {
-    let asked = std::env::var("JOINTSWEEP_DRAWS").ok();
-    // As many are asked for there take a thousand times as long here.
-    let draws = asked.map_or(16, |text| text.parse::<usize>().expect("a count") / 500);
+    // These take a thousand times as long as those of `extremes`.
+    let draws = asked_draws().map_or(16, |draws| draws / 500);
     let mut random = Random::new(81);
     let (mut compared, mut warned, mut bounded) = (0, 0, 0);
     for _ in 0..draws {

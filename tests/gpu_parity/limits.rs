@@ -38,6 +38,12 @@ fn resuming_and_company_do_not_change_a_bit() {
     }
 }
 
+/// Few iterations; in mixed precision more than one round of refinement.
+fn soon_done(precision: Precision) -> RefineSettings {
+    let goal = if precision == Precision::Mixed { 1e-3 } else { plain(0.03, 0).goal };
+    RefineSettings { tolerance: 0.03, goal, iteration_limit: 1000, ..precision.settings() }
+}
+
 /// Nor does it matter where the vectors are during a dispatch.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
@@ -45,10 +51,7 @@ fn vectors_on_the_chip_are_those_in_storage_to_the_bit() {
     let bodies = plates();
     let unknowns = bodies.layout.systems.unknown_count() as u64;
     for (precision, _) in precisions() {
-        // Soon done, in mixed precision by more rounds than one.
-        let goal = if precision == Precision::Mixed { 1e-3 } else { plain(0.03, 0).goal };
-        let settings =
-            RefineSettings { tolerance: 0.03, goal, iteration_limit: 1000, ..precision.settings() };
+        let settings = soon_done(precision);
         let solve = |vectors: u64, steps: u32| {
             let mut batch = bodies.batch(precision);
             batch.limit_vectors_on_chip(vectors);
@@ -74,10 +77,7 @@ fn vectors_on_the_chip_are_those_in_storage_to_the_bit() {
 fn checks_at_run_time_change_nothing() {
     for (precision, _) in precisions() {
         let checked = Kernels::with_tree(device(), precision, INVOCATIONS, Making::Checked).unwrap();
-        // Soon done, in mixed precision by more rounds than one.
-        let goal = if precision == Precision::Mixed { 1e-3 } else { plain(0.03, 0).goal };
-        let settings =
-            RefineSettings { tolerance: 0.03, goal, iteration_limit: 1000, ..precision.settings() };
+        let settings = soon_done(precision);
         for (name, bodies) in families().iter().filter(|(name, _)| *name != "block on its base") {
             let solve = |kernels: &Kernels| {
                 let batch = SystemBatch::new(kernels, &bodies.layout.systems, bodies.count()).unwrap();
@@ -91,7 +91,7 @@ fn checks_at_run_time_change_nothing() {
             let worst = difference(&found.0, &expected.0);
             println!("{name} {precision:?}: {worst:.1e}");
             assert!(
-                worst < 5.0 * goal && found.2.iter().all(Option::is_some),
+                worst < 5.0 * settings.goal && found.2.iter().all(Option::is_some),
                 "{name} {precision:?} {worst:e}"
             );
             assert!(
