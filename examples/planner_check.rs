@@ -58,20 +58,13 @@ const KINDS: [(&str, u64, Shapes); 3] = [
     ("disc in block", 103, disc_in_block),
 ];
 
-static MESH: Family =
-    Family { name: "mesh", about: "all bodies on meshes", parameter: "mesh level", choices: nothing };
+static MESH: Family = Family { name: "mesh", about: "all bodies on meshes", parameter: "mesh level" };
 static EXACT_AND_MESH: Family = Family {
     name: "exact-and-mesh",
     about: "exact modes where a body has them, else meshes",
     parameter: "mesh level",
-    choices: nothing,
 };
-static SERIES: Family =
-    Family { name: "series", about: "exact modes", parameter: "trial pressures", choices: nothing };
-
-fn nothing<'a>(_: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
-    Vec::new()
-}
+static SERIES: Family = Family { name: "series", about: "exact modes", parameter: "trial pressures" };
 
 /// What one choice takes and is worth on the designs of one kind.
 struct Measured {
@@ -175,7 +168,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// What a sweep could be given instead, the planner last.
 fn choices(is_concentric: bool) -> Vec<Choice<'static>> {
     const SCOPE: Scope<'static> = Scope { gpu: None, least_angle: 0.1 };
-    let mut choices = (closed_form::FAMILY.choices)(&closed_form::FAMILY, &SCOPE);
+    let mut choices = closed_form::choices(&closed_form::FAMILY, &SCOPE);
     let each_terms = || {
         let few = FEW_TERMS.into_iter().chain(TERM_CHOICES).map(Terms::Fixed);
         few.chain([Terms::ByDepth])

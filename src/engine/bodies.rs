@@ -74,7 +74,7 @@ pub struct BodyTimes {
 const KEPT_BODIES: usize = 4 << 20;
 
 /// And plans: a list of a million different blocks takes no more memory than one of a thousand.
-const KEPT_PLANS: usize = 64 << 20;
+pub const KEPT_PLANS: usize = 64 << 20;
 
 impl<'a> BodyLibrary<'a> {
     /// Which condenses on a device as long as that lasts.
@@ -120,6 +120,15 @@ impl<'a> BodyLibrary<'a> {
         let new = classes.iter().filter(|class| !near_fields.has(class));
         ring_loads.prepare(new.map(|class| class.mesh().ring()));
         near_fields.prepare(classes.iter().copied(), ring_loads);
+    }
+
+    /// What near fields and plans take that are kept for bodies to come.
+    pub fn kept_bytes(&self) -> [usize; 2] {
+        [self.near_fields.bytes(), self.bytes_of_plans()]
+    }
+
+    fn bytes_of_plans(&self) -> usize {
+        self.plans.values().map(CondensationPlan::bytes).sum()
     }
 
     /// Those of classes, which were prepared.
@@ -280,8 +289,7 @@ impl<'a> BodyLibrary<'a> {
         if !on_device.is_empty() {
             groups.extend(self.take_from_device(on_device, &classes));
         }
-        let bytes: usize = self.plans.values().map(CondensationPlan::bytes).sum();
-        if bytes > KEPT_PLANS / 2 {
+        if self.bytes_of_plans() > KEPT_PLANS / 2 {
             self.plans.clear();
         }
         let room = AtomicUsize::new(KEPT_PLANS / 2);
@@ -377,36 +385,5 @@ impl<'a> BodyLibrary<'a> {
             }
         }
         left
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mechanics::body::Body;
-    use crate::mechanics::material::Idealization;
-
-    /// Bodies of ever new topologies and near fields take no more memory the more there are, and each is answered.
-    #[test]
-    fn what_is_kept_is_bounded() {
-        let request = |index: usize| BodyRequest {
-            body: Body::concentric(
-                (0.05 + 0.05 * index as f64).exp(),
-                if index.is_multiple_of(2) { 0.3 } else { -0.3 },
-                Idealization::PlaneStress,
-            ),
-            fidelity: Fidelity::Mesh { level: index % 4 },
-        };
-        let requests: Vec<BodyRequest> = (0..240).map(request).collect();
-        let mut library = BodyLibrary::default();
-        for batch in requests.chunks(24) {
-            library.solve(batch);
-            for request in batch {
-                let (_, works) = library.solved(request).compliance.boundary.ring_modes().unwrap();
-                assert!(!works.is_empty() && works.iter().all(|work| work.is_finite()));
-            }
-            let plans: usize = library.plans.values().map(CondensationPlan::bytes).sum();
-            assert!(plans <= KEPT_PLANS && library.near_fields.bytes() <= 64 << 20);
-        }
     }
 }

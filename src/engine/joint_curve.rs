@@ -125,11 +125,7 @@ impl JointCurve {
     }
 
     /// Asks with the contact half angle, rad, the pressure and what it is per unit of, MPa; `None` where the load has no state.
-    pub(super) fn with_pressure<T>(
-        &self,
-        load: Load,
-        ask: impl FnOnce(f64, &ArcPressure, f64) -> T,
-    ) -> Option<T> {
+    pub fn with_pressure<T>(&self, load: Load, ask: impl FnOnce(f64, &ArcPressure, f64) -> T) -> Option<T> {
         let scale = JointScale::of(&self.joint);
         let dimensionless = scale.load(load)?;
         self.with_curve(|curve| {

@@ -53,7 +53,7 @@ pub enum NoStresses {
 }
 
 /// Points from the load line to an end: half of them on the arc, where the stresses change most.
-fn angles(points: usize, half_angle: f64, end: f64) -> Vec<f64> {
+pub fn angles(points: usize, half_angle: f64, end: f64) -> Vec<f64> {
     let on_arc = if half_angle >= end { points } else { points / 2 + 1 };
     let even = |i: usize, count: usize| i as f64 / (count - 1).max(1) as f64;
     let beyond = points - on_arc;
@@ -110,9 +110,10 @@ impl JointCurve {
 }
 
 /// Of each material of a body its near circle and its far one, at angles, in the unit of the pressure.
-type OfMaterials = Vec<[Vec<Stress>; 2]>;
+pub type OfMaterials = Vec<[Vec<Stress>; 2]>;
 
-fn exact(
+/// Those of a concentric body, by its modes.
+pub fn exact(
     body: &ConcentricBody,
     pressure: &ArcPressure,
     half_angle: f64,
@@ -124,7 +125,7 @@ fn exact(
 
 /// Those of a reference and what is beyond them, on meshes that become finer until no stress changes by more than the accuracy, relative to the
 /// greatest. What is beyond the last circle of the body is the reference's own.
-fn on_meshes(
+pub fn on_meshes(
     body: &Body,
     pressure: &ArcPressure,
     half_angle: f64,
@@ -163,7 +164,7 @@ fn on_meshes(
 }
 
 /// Of any stress on a circle of the body, over the greatest.
-fn greatest_change(before: &OfMaterials, own: &OfMaterials) -> f64 {
+pub fn greatest_change(before: &OfMaterials, own: &OfMaterials) -> f64 {
     let last = own.len() - 1;
     let on_body = |all: &OfMaterials| -> Vec<[f64; 3]> {
         let circles = all.iter().enumerate().flat_map(|(material, [near, far])| {
@@ -242,65 +243,4 @@ fn circles(
         }
     }
     circles
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mechanics::body::{annulus, cored_disc};
-    use crate::mechanics::material::{Idealization, Material};
-    use crate::study::config::{MethodChoice, SolveOptions};
-    use crate::study::design::Part;
-    use crate::study::layers::{Layer, Layers};
-
-    fn part(side: Side, ratio: f64, layers: &[(f64, f64)]) -> Part {
-        let material = |youngs_modulus| Material { youngs_modulus, poissons_ratio: 0.3 };
-        let layers = layers.iter().map(|(thickness, modulus)| Layer::new(*thickness, material(*modulus)));
-        Part {
-            shape: if side == Side::Pin { &cored_disc::SHAPE } else { &annulus::SHAPE },
-            parameters: [ratio, 0.0, 0.0],
-            support: 0,
-            material: material(2e5),
-            yield_stress: None,
-            layers: Layers::new(layers.collect()),
-        }
-    }
-
-    /// Concentric bodies are not their own references, so that meshes tell of them, too: within the accuracy of the exact modes on every circle,
-    /// bare and lined, in narrow contacts and wide ones.
-    #[test]
-    fn meshes_tell_what_exact_modes_do() {
-        let accuracy = 2e-3;
-        let (mut compared, mut worst) = (0, 0.0_f64);
-        let linings: [&[(f64, f64)]; 4] = [&[], &[(0.1, 3e3)], &[(0.02, 4e5), (0.15, 1e4)], &[(0.08, 2e5)]];
-        for (lining, idealization) in linings.into_iter().zip(Idealization::ALL.into_iter().cycle()) {
-            for (of_pin, of_plate, load) in [(0.2, 2.5, 2e-4), (0.4, 1.8, 0.02), (0.1, 8.0, 0.2)] {
-                let joint = JointDesign {
-                    idealization,
-                    hole_radius: 1.0,
-                    radial_clearance: 0.005,
-                    thickness: 1.0,
-                    pin: part(Side::Pin, of_pin, lining),
-                    plate: part(Side::Plate, of_plate, lining),
-                };
-                let options = SolveOptions { accuracy: 1e-3, method: MethodChoice::Series };
-                let curve = JointCurve::after(None, &joint, options).unwrap();
-                for side in [Side::Pin, Side::Plate] {
-                    let body = joint.body(joint.part(side));
-                    let of_pressure = |half_angle: f64, pressure: &ArcPressure, _: f64| {
-                        let angles = angles(41, half_angle, body.shape.end_angle);
-                        let concentric = ConcentricBody::of(&body).unwrap();
-                        let expected = exact(&concentric, pressure, half_angle, &angles).unwrap();
-                        let found = on_meshes(&body, pressure, half_angle, &angles, accuracy).unwrap();
-                        greatest_change(&expected, &found)
-                    };
-                    let error = curve.with_pressure(Load::Indentation(load), of_pressure).unwrap();
-                    println!("{side:?} {lining:?} {of_pin} {of_plate} {load}: {error:.1e}");
-                    worst = worst.max(error);
-                    compared += 1;
-                }
-            }
-        }
-        assert!(compared == 24 && worst < accuracy, "{compared}: {worst}");
-    }
 }

@@ -5,7 +5,7 @@ use crate::common::workdir::Workdir;
 use jointsweep::internals::lab::tradeoff::answer::States;
 use jointsweep::internals::lab::tradeoff::choice::{Choice, Scope};
 use jointsweep::internals::lab::tradeoff::errors::{Errors, Quantiles};
-use jointsweep::internals::lab::tradeoff::families::{FAMILIES, choices, named};
+use jointsweep::internals::lab::tradeoff::families::{FAMILIES, choices, choices_of, named};
 use jointsweep::internals::lab::tradeoff::joints::{least_contact_angle, not_compared};
 use jointsweep::internals::lab::tradeoff::oracle::Oracle;
 use jointsweep::internals::study::config::Study;
@@ -24,7 +24,7 @@ fn cases() -> Vec<DesignCase> {
 
 fn of_family<'a>(family: &str, cases: &[DesignCase]) -> Vec<Choice<'a>> {
     let family = named(family).unwrap();
-    (family.choices)(family, &Scope { gpu: None, least_angle: least_contact_angle(cases) })
+    choices_of(family, &Scope { gpu: None, least_angle: least_contact_angle(cases) })
 }
 
 /// Errors of every choice of a family, in the order of its parameter, where `exact` answers every step.

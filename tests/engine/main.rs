@@ -15,6 +15,7 @@ mod common {
     pub mod study_joint;
 }
 mod batches;
+mod bodies;
 mod shaders;
 mod known_errors;
 mod single_precision;
@@ -29,6 +30,7 @@ mod extremes;
 mod properties;
 mod question;
 mod joint;
+mod joint_stresses;
 mod layers;
 mod material_shares;
 mod press_fits;

@@ -16,7 +16,7 @@ use jointsweep::internals::engine::spaces::SpaceKey;
 use jointsweep::internals::lab::tradeoff::answer::State;
 use jointsweep::internals::lab::tradeoff::choice::Scope;
 use jointsweep::internals::lab::tradeoff::errors::{Errors, force_error};
-use jointsweep::internals::lab::tradeoff::families::{named, planner, trial_pressures};
+use jointsweep::internals::lab::tradeoff::families::{choices_of, named, planner, trial_pressures};
 use jointsweep::internals::lab::tradeoff::joints::{Terms, least_contact_angle};
 use jointsweep::internals::lab::tradeoff::oracle::Oracle;
 use jointsweep::internals::mechanics::body::Body;
@@ -244,7 +244,7 @@ fn nothing_recorded_that_is_enough_is_much_cheaper() {
             // The choice is what it was when it was recorded, and so is the planner.
             let family = named(family).unwrap();
             let scope = Scope { gpu: None, least_angle: least_contact_angle(&cases) };
-            let choices = (family.choices)(family, &scope);
+            let choices = choices_of(family, &scope);
             let choice = choices.iter().find(|choice| choice.name == name).unwrap();
             let found = Errors::new(&(choice.solve)(&cases).states, &exact).force.unwrap().p95;
             let recorded = cheapest.number("force_error_p95").unwrap();

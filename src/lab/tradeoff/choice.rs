@@ -44,7 +44,6 @@ pub struct Family {
     pub about: &'static str,
     /// What the parameter is; empty where there is none.
     pub parameter: &'static str,
-    pub choices: for<'a> fn(&Family, &Scope<'a>) -> Vec<Choice<'a>>,
 }
 
 impl Family {

@@ -10,13 +10,12 @@ pub static FAMILY: Family = Family {
     name: "augmented-lagrangian",
     about: "node contact, augmented Lagrangian, Q8, q = 4",
     parameter: "gap left, of the indentation",
-    choices,
 };
 
 /// Of E*/h: springs as stiff as the elements behind them, which is what general programs begin with.
 const FACTOR: f64 = 1.0;
 
-fn choices<'a>(family: &Family, scope: &Scope<'a>) -> Vec<Choice<'a>> {
+pub fn choices<'a>(family: &Family, scope: &Scope<'a>) -> Vec<Choice<'a>> {
     let least_angle = scope.least_angle;
     let choice = |decade: i32| {
         let tolerance = 10f64.powi(-decade);

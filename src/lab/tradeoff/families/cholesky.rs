@@ -8,9 +8,9 @@ use crate::lab::tradeoff::ring_mesh::RingSolver;
 use crate::mechanics::element::ElementKind;
 
 pub static FAMILY: Family =
-    Family { name: "cholesky", about: "moving edge, Q8, sparse Cholesky", parameter: "mesh level", choices };
+    Family { name: "cholesky", about: "moving edge, Q8, sparse Cholesky", parameter: "mesh level" };
 
-fn choices<'a>(family: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
+pub fn choices<'a>(family: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
     let choice = |level: usize| {
         let path = ring_path(level, RingSolver::Cholesky);
         family.choice(format!("level {level}"), Some(level as f64), move |cases| path.solve(cases))

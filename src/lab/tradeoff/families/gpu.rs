@@ -13,12 +13,11 @@ use crate::lab::tradeoff::choice::{Choice, Family, Scope, Solution};
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
 
-pub static FAMILY: Family =
-    Family { name: "gpu", about: "GPU, a sweep's own", parameter: "accuracy asked", choices };
+pub static FAMILY: Family = Family { name: "gpu", about: "GPU, a sweep's own", parameter: "accuracy asked" };
 
 const ACCURACIES: [f64; 2] = [1e-2, 1e-3];
 
-fn choices<'a>(family: &Family, scope: &Scope<'a>) -> Vec<Choice<'a>> {
+pub fn choices<'a>(family: &Family, scope: &Scope<'a>) -> Vec<Choice<'a>> {
     let Some(device) = scope.gpu else { return Vec::new() };
     let precisions = [Precision::F32, Precision::Mixed, Precision::F64];
     let mut choices = Vec::new();

@@ -12,17 +12,21 @@ pub static QUAD8: Family = Family {
     name: "node-contact-q8",
     about: "node contact, exact, Q8",
     parameter: "elements per contact angle",
-    choices: |family, scope| choices(family, scope, ElementKind::Quad8, FINENESS),
 };
 
 pub static QUAD4: Family = Family {
     name: "node-contact-q4",
     about: "node contact, exact, Q4",
     parameter: "elements per contact angle",
-    choices: |family, scope| {
-        choices(family, scope, ElementKind::Quad4, FINENESS.map(|fineness| 2.0 * fineness))
-    },
 };
+
+pub fn on_quad8<'a>(family: &Family, scope: &Scope<'a>) -> Vec<Choice<'a>> {
+    choices(family, scope, ElementKind::Quad8, FINENESS)
+}
+
+pub fn on_quad4<'a>(family: &Family, scope: &Scope<'a>) -> Vec<Choice<'a>> {
+    choices(family, scope, ElementKind::Quad4, FINENESS.map(|fineness| 2.0 * fineness))
+}
 
 fn choices<'a>(
     family: &Family,

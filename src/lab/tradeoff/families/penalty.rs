@@ -5,17 +5,13 @@ use crate::lab::tradeoff::nodal::{Formulation, NodalPath};
 use crate::lab::tradeoff::ring_mesh::Division;
 use crate::mechanics::element::ElementKind;
 
-pub static FAMILY: Family = Family {
-    name: "penalty",
-    about: "node contact, penalty, Q8, q = 4",
-    parameter: "factor of E*/h",
-    choices,
-};
+pub static FAMILY: Family =
+    Family { name: "penalty", about: "node contact, penalty, Q8, q = 4", parameter: "factor of E*/h" };
 
 /// Of the mesh that formulations are compared on.
 pub const FINENESS: f64 = 4.0;
 
-fn choices<'a>(family: &Family, scope: &Scope<'a>) -> Vec<Choice<'a>> {
+pub fn choices<'a>(family: &Family, scope: &Scope<'a>) -> Vec<Choice<'a>> {
     let least_angle = scope.least_angle;
     let choice = |decade: i32| {
         let factor = 10f64.powi(decade);

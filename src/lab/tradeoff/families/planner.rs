@@ -9,11 +9,11 @@ use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
 
 pub static FAMILY: Family =
-    Family { name: "planner", about: "the planner (method auto)", parameter: "accuracy asked", choices };
+    Family { name: "planner", about: "the planner (method auto)", parameter: "accuracy asked" };
 
 const ACCURACIES: [f64; 4] = [0.1, 1e-2, 1e-3, 1e-4];
 
-fn choices<'a>(family: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
+pub fn choices<'a>(family: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
     let choice = |accuracy: f64| {
         let name = format!("auto, {} %", 100.0 * accuracy);
         family.choice(name, Some(accuracy), move |cases| solve(accuracy, cases))

@@ -13,9 +13,9 @@ use crate::mechanics::body::Body;
 use crate::study::design::DesignCase;
 
 pub static FAMILY: Family =
-    Family { name: "series", about: "exact modes (series)", parameter: "trial pressures", choices };
+    Family { name: "series", about: "exact modes (series)", parameter: "trial pressures" };
 
-fn choices<'a>(family: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
+pub fn choices<'a>(family: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
     [3, 6, 10, 16]
         .map(|terms| {
             family.choice(format!("{terms} terms"), Some(terms as f64), move |cases| {

@@ -10,13 +10,12 @@ pub static FAMILY: Family = Family {
     name: "trial-pressures",
     about: "moving edge, Q8, level 3, by trial pressures",
     parameter: "trial pressures",
-    choices,
 };
 
 /// Of the mesh.
 pub const LEVEL: usize = 3;
 
-fn choices<'a>(family: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
+pub fn choices<'a>(family: &Family, _: &Scope<'a>) -> Vec<Choice<'a>> {
     let fidelity = Fidelity::Mesh { level: LEVEL };
     let choice = |terms: usize| {
         family.choice(format!("{terms} terms"), Some(terms as f64), move |cases| {
