@@ -22,7 +22,7 @@ use jointsweep::internals::mechanics::material::{Idealization, Material};
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::{DesignCase, JointDesign, Load, Part};
 
-const DRAWS: usize = 1000;
+const DRAWS: usize = 600;
 
 /// Random designs that are asked for.
 pub fn asked_draws() -> Option<usize> {

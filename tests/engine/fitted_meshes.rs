@@ -183,7 +183,8 @@ fn is_one_arc(contact: &NodalContact) -> bool {
 fn press_fits_of_blocks_are_those_of_plain_meshes() {
     let mut random = Random::new(321);
     let (mut count, mut open, mut aside, mut faint, mut asymmetric) = (0, 0, 0, 0, 0);
-    for _ in 0..10 {
+    let joints = length::count(5, 10) as usize;
+    for _ in 0..joints {
         let plate = block(&mut random, 1.3);
         let joint = joint(&mut random, plate);
         let meshes = [40, 80].map(|columns| Nodal::new(&joint, columns));
@@ -236,9 +237,9 @@ fn press_fits_of_blocks_are_those_of_plain_meshes() {
         }
     }
     println!(
-        "{count} compared, {open} of them open, {aside} of two arcs, {faint} faint at their end, {asymmetric} of 10 asymmetric"
+        "{count} compared, {open} of them open, {aside} of two arcs, {faint} faint at their end, {asymmetric} of {joints} asymmetric"
     );
-    assert!(count == 390 && open > 150 && aside > 6 && 4 * faint < open && asymmetric > 4);
+    assert!(count == 39 * joints && open > 15 * joints && aside > 0 && 4 * faint < open && asymmetric > 1);
 }
 
 /// Ligaments of 6 % of the radius on both sides and in front yield so much that the overlap alone opens the contact.

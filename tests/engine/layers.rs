@@ -38,7 +38,7 @@ fn solved(joint: JointDesign, method: MethodChoice, accuracy: f64, load: Load) -
 fn thin_layers_are_right_or_say_so() {
     let mut random = Random::new(181);
     let (mut compared, mut bounded, mut met, mut worst_met, mut worst_peak) = (0, 0, 0, 0.0_f64, 0.0_f64);
-    let all = count(15, 30) as usize;
+    let all = count(10, 30) as usize;
     for _ in 0..all {
         let thickness = random.log(3e-5, 1e-2);
         let modulus = 210e3 * random.log(1e-4, 10.0);

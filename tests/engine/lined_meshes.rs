@@ -3,6 +3,7 @@
 
 use std::f64::consts::PI;
 
+use crate::common::length;
 use crate::common::lined_bodies::{any, concentric, without_modes};
 use crate::common::plain_mesh::{Pairing, meshed};
 use crate::common::random::Random;
@@ -119,10 +120,10 @@ fn the_change_between_meshes_bounds_the_error_of_lined_bodies() {
     let draws = [("concentric", concentric as fn(&mut Random) -> Body), ("without modes", without_modes)];
     for ((name, draw), limits) in draws.into_iter().zip(limits) {
         let (mut random, mut library) = (Random::new(300), BodyLibrary::default());
-        let levels = limits.len();
+        let (levels, bodies) = (limits.len(), length::count(24, 48));
         let (mut errors, mut bounded) = (vec![Vec::new(); levels], vec![0; levels]);
         let mut said = vec![0.0; levels];
-        for _ in 0..48 {
+        for _ in 0..bodies {
             let body = draw(&mut random);
             let mut requests: Vec<BodyRequest> = (0..levels).map(|level| on_level(&body, level)).collect();
             let trust = Trust::of(&requests[0]);
@@ -148,7 +149,10 @@ fn the_change_between_meshes_bounds_the_error_of_lined_bodies() {
                 "{name}, level {level}: {count} errors, {median:.1e} / {most:.1e} / {worst:.1e}, bounded {}, said/error {excess:.1}",
                 bounded[level]
             );
-            assert!(count > 1000 && errors.iter().all(|error| error.is_finite()), "{name} {level}: {count}");
+            assert!(
+                count as u64 > 20 * bodies && errors.iter().all(|error| error.is_finite()),
+                "{name} {level}: {count}"
+            );
             // A mesh that were its own reference would not err at all.
             assert!(median > 1e-7 && worst < limits[level], "{name} {level}: {median:e} {worst:e}");
             assert!(level == 0 || bounded[level] * 100 >= 95 * count, "{name} {level}: {}", bounded[level]);
@@ -160,8 +164,9 @@ fn the_change_between_meshes_bounds_the_error_of_lined_bodies() {
 #[test]
 fn what_is_said_of_layers_of_rubber_bounds_their_error() {
     let (mut random, mut library) = (Random::new(303), BodyLibrary::default());
+    let bodies = length::count(20, 40);
     let (mut count, mut bounded, mut films) = (0, 0, 0);
-    for _ in 0..40 {
+    for _ in 0..bodies {
         let mut body = any(&mut random);
         body.idealization = Idealization::PlaneStrain;
         let rubber = |interface: &Interface| {
@@ -178,11 +183,11 @@ fn what_is_said_of_layers_of_rubber_bounds_their_error() {
         println!("{}, {trust:?}: {worst:.1e}", body.shape.name);
         for (coarse, fine) in own[0].iter().zip(&own[1]) {
             count += 1;
-            bounded += usize::from(fine.abs() <= trust.error(3, (fine - coarse).abs()));
+            bounded += u64::from(fine.abs() <= trust.error(3, (fine - coarse).abs()));
         }
     }
     println!("{bounded} of {count} bounded, {films} films");
-    assert!(count > 800 && 100 * bounded >= 95 * count, "{bounded} of {count}");
+    assert!(count > 20 * bodies && 100 * bounded >= 95 * count, "{bounded} of {count}");
 }
 
 /// Coatings far thinner than any element is wide, a thousand times softer to a thousand times stiffer than what they lie on.
@@ -305,7 +310,7 @@ fn solve(cases: &[DesignCase], method: MethodChoice, accuracy: f64) -> Vec<Respo
 #[test]
 fn lined_joints_on_meshes_meet_the_accuracy_against_series() {
     let mut random = Random::new(302);
-    let cases: Vec<DesignCase> = (0..80).map(|_| joint(&mut random)).collect();
+    let cases: Vec<DesignCase> = (0..length::count(40, 80)).map(|_| joint(&mut random)).collect();
     let exact = solve(&cases, MethodChoice::Series, 1e-7);
     for accuracy in [1e-2, 1e-3, 1e-4] {
         let found = solve(&cases, MethodChoice::Fe, accuracy);
@@ -319,7 +324,7 @@ fn lined_joints_on_meshes_meet_the_accuracy_against_series() {
             "{accuracy}: {median:.1e} / {most:.1e} / {worst:.1e}, {bounded} of {} bounded, said/error {excess:.1}",
             errors.len()
         );
-        assert!(errors.len() == 80 && median > 1e-8 && worst <= accuracy, "{accuracy}: {errors:?}");
+        assert!(errors.len() >= 40 && median > 1e-8 && worst <= accuracy, "{accuracy}: {errors:?}");
         assert!(100 * bounded >= 95 * errors.len(), "{accuracy}: {bounded}");
         // Layers may be of anything, and meshes of most joints are far better than those of the worst. Seen: 13 to 28 times.
         assert!(excess < 40.0, "{accuracy}: {excess}");

@@ -40,7 +40,7 @@ fn planned(cases: &[DesignCase], accuracy: f64) -> Vec<Option<Response>> {
 /// estimate. The oracle is `series` with the most trial pressures, or a mesh finer than any that is planned.
 #[test]
 fn the_accuracy_holds_and_estimates_bound_the_error() {
-    let cases = cases(count(15, 45), count(4, 10));
+    let cases = cases(count(12, 45), count(3, 10));
     let oracle = Oracle::new(&cases).states;
     for accuracy in ACCURACIES {
         let rows: Vec<(Option<Response>, State)> = planned(&cases, accuracy)

@@ -5,6 +5,7 @@
 //!
 //! Run with `--nocapture` for the figures of docs/theory.md, section 10.
 
+use crate::common::length;
 use crate::common::plain_mesh::{Pairing, State, meshed};
 use crate::common::study_joint::{ACCURACY, HOLE_RADIUS, Solver, joint};
 use jointsweep::internals::engine::ladder::Ladder;
@@ -152,6 +153,7 @@ fn the_engine_has_the_true_geometry() {
         layers: Default::default(),
         yield_stress: None,
     };
+    let of_each = length::count(1, 2) as usize;
     let mut compared = 0;
     for (name, pin, plate) in [
         ("half disc in annulus", &half_disc::SHAPE, None),
@@ -170,7 +172,7 @@ fn the_engine_has_the_true_geometry() {
             let mut joint = joint(pin, 0.2, 2.5, eta * HOLE_RADIUS);
             joint.plate = plate.clone().unwrap_or(joint.plate);
             joint.pin.material.youngs_modulus *= of_pin;
-            for share in shares {
+            for share in shares.into_iter().skip(2 - of_each) {
                 let load = Load::Indentation(share * joint.radial_clearance);
                 let accuracy = if eta <= 0.01 { 1e-4 } else { 1e-3 };
                 let options = SolveOptions { accuracy, method: MethodChoice::Auto };
@@ -195,7 +197,7 @@ fn the_engine_has_the_true_geometry() {
             }
         }
     }
-    assert_eq!(compared, 42);
+    assert_eq!(compared, 21 * of_each);
 }
 
 /// Where the exact kernels' parts do not cancel (unlike materials), and where there is no exact compliance (a block).

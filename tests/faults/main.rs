@@ -4,6 +4,7 @@
 #[path = "../common"]
 mod common {
     pub mod ring_joint;
+    pub mod length;
     #[allow(dead_code, reason = "nothing is drawn over decades here")]
     pub mod random;
     #[allow(dead_code, reason = "tables are compared as bytes here")]

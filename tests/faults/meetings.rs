@@ -2,13 +2,16 @@
 
 use std::time::Duration;
 
+use crate::common::length::count;
 use crate::common::random::Random;
 use crate::common::workdir::{Ended, Workdir};
 use crate::config;
 use crate::kills::{end, send};
 
 /// Of each kind of ending.
-const TIMES: u64 = 10;
+fn times() -> u64 {
+    count(5, 10)
+}
 
 /// What one meeting came to.
 struct Meeting {
@@ -54,7 +57,7 @@ fn a_finished_result_is_never_lost_by_a_rerun() {
     let mut random = Random::new(7);
     let (mut refused, mut cut) = (0, 0);
     for signal in ["-INT", "-KILL"] {
-        for _ in 0..TIMES {
+        for _ in 0..times() {
             let meeting = meet(&work, &mut random, &["--again"], signal);
             refused += u64::from(check_survivor(&meeting.other));
             cut += u64::from(meeting.killed.code != Some(0));
@@ -68,7 +71,7 @@ fn a_finished_result_is_never_lost_by_a_rerun() {
     }
     // They did meet, and did not all end before they were killed.
     println!("{refused} refused, {cut} cut short");
-    assert!(refused >= TIMES / 2 && cut >= TIMES / 2, "{refused} refused, {cut} cut short");
+    assert!(refused >= times() / 2 && cut >= times() / 2, "{refused} refused, {cut} cut short");
     work.run(&["run", "sweep.toml", "--out", "result", "--again"]).expect(0);
     assert_eq!(work.files(), ["result/manifest.json", "result/table.csv", "sweep.toml"]);
     assert!(work.read("result/table.csv") == table);
@@ -84,7 +87,7 @@ fn the_survivor_of_two_runs_has_the_right_table() {
     let mut random = Random::new(8);
     let (mut complete, mut partial) = (0, 0);
     for signal in ["-INT", "-KILL"] {
-        for _ in 0..TIMES {
+        for _ in 0..times() {
             let meeting = meet(&work, &mut random, &[], signal);
             let is_refused = check_survivor(&meeting.other);
             if let Some(manifest) = &meeting.manifest {

@@ -141,18 +141,19 @@ fn unmeasured_bodies_say_their_rounding() {
     assert!((said / OF_SINGLES - 1.0).abs() < 0.2, "{said:e}");
 }
 
-/// By conjugate gradients a thousand random designs of twenty pins and twenty plates, each with a clearance, moduli and a load of its own.
+/// By conjugate gradients random designs of few pins and plates, each with a clearance, moduli and a load of its own.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
-fn a_thousand_random_designs_of_few_bodies_by_iteration() {
-    let drawn = draw(21, 20, concentric);
+fn random_designs_of_few_bodies_by_iteration() {
+    let (bodies, designs) = (count(8, 20), count(300, 1000));
+    let drawn = draw(21, bodies, concentric);
     let mut random = Random::new(22);
     // Each in the plane state that it was drawn in.
     let mut pick = |of: Idealization| {
         let of: Vec<&DesignCase> = drawn.iter().filter(|case| case.joint.idealization == of).collect();
         of[(random.unit() * of.len() as f64) as usize].joint.clone()
     };
-    let cases: Vec<DesignCase> = draw(23, 1000, concentric)
+    let cases: Vec<DesignCase> = draw(23, designs, concentric)
         .into_iter()
         .map(|mut case| {
             let joint = &mut case.joint;
@@ -173,7 +174,7 @@ fn a_thousand_random_designs_of_few_bodies_by_iteration() {
         let found = by(DeviceSolver::Pcg, device(), precision, options, &cases);
         let (worst, count) = compare(&found, &expected, BackendKind::Gpu);
         println!("{precision:?}: {count} forces, {worst:.1e}");
-        assert!(count == 1000 && worst < allowed(precision), "{precision:?}: {count} {worst:e}");
+        assert!(count as u64 == designs && worst < allowed(precision), "{precision:?}: {count} {worst:e}");
     }
 }
 

@@ -12,6 +12,7 @@ use jointsweep::internals::mechanics::compliance::arc::packed_count;
 use jointsweep::internals::mechanics::compliance::lane_condensation::CondensationPlan;
 use jointsweep::internals::mechanics::compliance::ring_modes::{MOST_MODES, Push, RingModes};
 
+use super::limits::soon_done;
 use super::*;
 
 fn class(bodies: &Bodies) -> GradingClass {
@@ -72,8 +73,8 @@ fn works_are_those_of_the_twin() {
             }
         }
     }
-    // Four topologies of whole rings and one of half a ring, three bodies each.
-    assert_eq!(compared, (4 * 3 * 7 + 3) * precisions().len());
+    // Three topologies of whole rings and one of half a ring, three bodies each, and one block on its base.
+    assert_eq!(compared, (3 * 3 * 7 + 3 + 7) * precisions().len());
 }
 
 /// A ring of nearly as many unknowns as the bound on loop trips lets through, beyond which software Vulkan would leave out rows and
@@ -152,8 +153,11 @@ fn works_are_what_the_processor_finds() {
         let plan = CondensationPlan::new(&bodies.bodies[0], bodies.grading.clone(), modes);
         let expected = plan.condense(&bodies.bodies);
         for (precision, _) in precisions() {
-            // In f64 the other bodies say all; of these software takes half a minute in f32 alone.
+            // In f64 the other bodies say all; of these software takes half a minute in f32 alone, and of the others some seconds.
             if *name == "thin-walled block" && (precision != Precision::F32 || !is_long()) {
+                continue;
+            }
+            if number >= FAMILY_COUNT && precision == Precision::F64 && !is_long() {
                 continue;
             }
             // Which side of a block is thin matters to the bounds of f32 alone.
@@ -171,7 +175,7 @@ fn works_are_what_the_processor_finds() {
                 &of_its_own.batch
             };
             let found = batch.works(&loads(bodies, precision, &modes)).unwrap();
-            assert_eq!((found.len(), expected.len()), (bodies.count(), 3));
+            assert!(found.len() == bodies.count() && expected.len() >= found.len(), "{name}");
             for (index, (found, expected)) in found.iter().zip(&expected).enumerate() {
                 let worst = difference(&found.as_ref().expect("a sound body").works, expected);
                 println!("{name} {precision:?} body {index}, {} modes: {worst:.1e}", modes.count);
@@ -180,10 +184,12 @@ fn works_are_what_the_processor_finds() {
             }
         }
         // Control: what is compared differs from body to body by more.
-        assert!(difference(&expected[0], &expected[1]) > 1e-3, "{name}");
+        assert!(number == ON_BASE || difference(&expected[0], &expected[1]) > 1e-3, "{name}");
     }
-    let in_singles = if is_long() { 8 } else { 7 };
-    assert_eq!(compared, in_singles * 3 + (5 * 3 + 2) * (precisions().len() - 1));
+    let of_families = 4 * 3 + 1;
+    let wide = precisions().len() - 1;
+    let of_blocks = if is_long() { 3 * 3 + 2 * wide } else { 2 * 3 + 2 * wide / 2 };
+    assert_eq!(compared, of_families * (wide + 1) + of_blocks);
 }
 
 /// Seen: in f32 4.7e-4 of a block on its base, whose stiffness is far larger than what its ring feels of it, 2.8e-5 of a thin-walled
@@ -207,7 +213,7 @@ fn a_body_that_was_not_solved_has_no_works() {
     let modes = RingModes::of(&class(&bodies));
     for (precision, _) in precisions() {
         let loads = loads(&bodies, precision, &modes);
-        let settings = RefineSettings { iteration_limit: 1000, ..precision.settings() };
+        let settings = soon_done(precision);
         let from_numbers = |numbers: &[f64], settings: &RefineSettings| {
             let batch = bodies.batch(precision);
             batch.assemble_and_condense(&bodies.layout, numbers, settings, 100).unwrap();

@@ -1,5 +1,6 @@
 //! The geometry of a joint against references that expand nothing (tests/common/true_outlines.rs).
 
+use crate::common::length::count;
 use crate::common::random::Random;
 use crate::common::ring_design::ring_design;
 use crate::common::stepped_ring::Ring;
@@ -119,7 +120,7 @@ fn bonded_sleeves_are_those_of_the_true_outlines() {
     let (mut compared, mut bounded, mut most) = (0, 0, 0.0_f64);
     for clearance in [0.02, 0.08] {
         let walls = |random: &mut Random| [random.linear(0.3, 0.93), random.log(1.1, 10.0)];
-        let cases = (0..60)
+        let cases = (0..count(30, 60))
             .filter_map(|_| draw_of(&mut random, clearance, walls, |random| 0.5 - random.log(0.001, 0.15)));
         for case in cases {
             let found = solved(&case, MethodChoice::Series, 1e-4);
@@ -131,7 +132,7 @@ fn bonded_sleeves_are_those_of_the_true_outlines() {
         }
     }
     println!("{compared} compared, {bounded} bounded, at most {most:.2} of the clearance ratio cubed");
-    assert!(compared > 60 && bounded * 100 >= compared * 95, "{compared} {bounded}");
+    assert!(compared > count(30, 60) as usize && bounded * 100 >= compared * 95, "{compared} {bounded}");
     // There is something to be said; 5e-4 of the force at 8 %.
     assert!((0.1..1.0).contains(&most), "{most}");
 }

@@ -3,6 +3,7 @@
 #[path = "../common"]
 mod common {
     pub mod random;
+    pub mod length;
     pub mod greatest;
     pub mod meshes;
     pub mod meshed_body;

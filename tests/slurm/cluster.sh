@@ -4,22 +4,11 @@
 packages="slurm-wlm munge"
 
 install_slurm() {
-    local command as_root=""
-    for command in sbatch slurmctld slurmd munged; do
-        PATH="$PATH:/usr/sbin" command -v "$command" > /dev/null || {
-            if [ "$(id -u)" != 0 ]; then
-                sudo -n true 2> /dev/null || {
-                    echo "install $packages first: sweeps are tested on a Slurm, and this user may not install packages" >&2
-                    return 1
-                }
-                as_root="sudo"
-            fi
-            $as_root apt-get update -q
-            $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $packages
-            break
-        }
-    done
     PATH="$PATH:/usr/sbin"
+    type sbatch slurmctld slurmd munged > /dev/null 2>&1 || install_packages $packages || {
+        echo "install $packages first: sweeps are tested on a Slurm, and this user may not install packages" >&2
+        return 1
+    }
 }
 
 # A port that nobody listens to.
