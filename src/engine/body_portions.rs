@@ -3,7 +3,7 @@
 use foldhash::HashMap;
 use rayon::prelude::*;
 
-use crate::engine::body_request::{Around, BodyHandle, BodyRequest, Group, Meshed, TopologyKey};
+use crate::engine::body_request::{Around, BodyHandle, BodyRequest, Group, Meshed, RingAngles, TopologyKey};
 use crate::engine::hashed::Hashed;
 use crate::mechanics::compliance::near_field::NearFieldClass;
 
@@ -25,7 +25,10 @@ pub struct Portion {
 /// The requests by topology, in portions each of which ends where it needs more than `PORTION` near fields.
 pub fn portions(requests: Vec<(BodyHandle, &BodyRequest)>) -> Vec<Portion> {
     let keys = requests.par_iter().with_min_len(MANY);
-    let keys: Vec<_> = keys.map(|(_, request)| Hashed::new(TopologyKey::of(request))).collect();
+    let key = |angles: &mut RingAngles, (_, request): &(BodyHandle, &BodyRequest)| {
+        Hashed::new(TopologyKey::after(angles, request))
+    };
+    let keys: Vec<_> = keys.map_init(RingAngles::default, key).collect();
     let mut groups: HashMap<Hashed<TopologyKey>, Vec<(BodyHandle, &BodyRequest)>> = HashMap::default();
     for (request, key) in requests.into_iter().zip(keys) {
         groups.entry(key).or_default().push(request);

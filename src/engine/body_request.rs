@@ -3,9 +3,9 @@
 use crate::mechanics::body::{Body, Shape};
 use crate::mechanics::compliance::concentric_body::ConcentricBody;
 use crate::mechanics::element::ElementKind;
-use crate::mechanics::grading::GradingClass;
+use crate::mechanics::grading::{GradingClass, RingDivision};
 use crate::mechanics::material::Idealization;
-use crate::mechanics::mesh::{Grading, held_columns};
+use crate::mechanics::mesh::{Grading, Held};
 
 /// How a body's compliance is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -48,7 +48,7 @@ impl MeshSize {
 /// The size of a body's mesh at a level.
 pub fn mesh_size(body: &Body, level: usize) -> MeshSize {
     let class = mesh_class(body, level);
-    let columns = class.corner_angles(body.shape.end_angle).len() as u64 - 1;
+    let columns = class.ring(body.shape.end_angle).corner_angles().len() as u64 - 1;
     let layers = class.layer_count as u64;
     // Two unknowns a node: corner rows of 2 columns + 1 nodes, mid-side rows of columns + 1; supports are few.
     MeshSize { unknowns: 2 * layers * (3 * columns + 2), layers }
@@ -60,7 +60,8 @@ pub struct TopologyKey {
     shape: &'static Shape,
     /// `None` where each body brings its own.
     idealization: Option<Idealization>,
-    held: Option<Box<[bool]>>,
+    /// Only where the far boundary is partly held does the topology depend on the body's own ratios.
+    held: Held,
     pub class: GradingClass,
 }
 
@@ -111,21 +112,37 @@ pub struct Meshed {
 /// Bodies of one topology.
 pub type Group = (TopologyKey, Vec<Meshed>);
 
+/// Angles of corner columns, rad, that were made before.
+#[derive(Default)]
+pub struct RingAngles(Vec<(RingDivision, Vec<f64>)>);
+
+impl RingAngles {
+    fn of(&mut self, ring: RingDivision) -> &[f64] {
+        // There are few.
+        let known = self.0.iter().position(|(known, _)| *known == ring);
+        let place = known.unwrap_or_else(|| {
+            self.0.push((ring, ring.corner_angles()));
+            self.0.len() - 1
+        });
+        &self.0[place].1
+    }
+}
+
 impl TopologyKey {
     /// Of a body on a mesh.
     pub fn of(request: &BodyRequest) -> TopologyKey {
+        TopologyKey::after(&mut RingAngles::default(), request)
+    }
+
+    /// The same after others, whose ring it may have.
+    pub fn after(angles: &mut RingAngles, request: &BodyRequest) -> TopologyKey {
         let body = &request.body;
         let level = match request.fidelity {
             Fidelity::Mesh { level } => level,
             Fidelity::Series => unreachable!("an exact body has no mesh"),
         };
         let class = mesh_class(body, level);
-        // Only where the far boundary is partly held does the topology depend on the body's own ratios.
-        let held = if body.shape.sides.is_empty() {
-            None
-        } else {
-            Some(held_columns(body, &class.corner_angles(body.shape.end_angle)).into())
-        };
+        let held = Held::of(body, || angles.of(class.ring(body.shape.end_angle)));
         TopologyKey { shape: body.shape, idealization: Some(body.idealization), held, class }
     }
 

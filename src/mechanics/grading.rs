@@ -72,6 +72,15 @@ pub struct GradingClass {
     pub rest_depth_class: u32,
 }
 
+/// What the division of a ring depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RingDivision {
+    level: usize,
+    depth_class: u32,
+    ends_held: bool,
+    end_angle: f64,
+}
+
 /// How a ring that ends held is divided towards its end: its widest spacing and its first layer over those of a whole ring, and
 /// so many more elements at the end that shrink.
 const WIDEST_ENDS_HELD: f64 = 0.8;
@@ -96,6 +105,12 @@ fn depth_class(least: f64) -> u32 {
 /// The depth that stands for a class: a lower bound, at most 1.
 fn class_depth(depth_class: u32) -> f64 {
     (-f64::from(depth_class) / CLASSES_PER_OCTAVE).exp2()
+}
+
+/// Thickness of the first layer in the shape's measure of depth.
+fn first_layer(level: usize, depth_class: u32, ends_held: bool) -> f64 {
+    let part = if ends_held { FIRST_ENDS_HELD } else { 1.0 };
+    part * LEVELS[level].first * class_depth(depth_class)
 }
 
 impl GradingClass {
@@ -134,11 +149,6 @@ impl GradingClass {
         class
     }
 
-    /// The depth that stands for the class: a lower bound, at most 1.
-    fn class_depth(&self) -> f64 {
-        class_depth(self.depth_class)
-    }
-
     /// Whether its bodies have layers.
     pub fn is_lined(&self) -> bool {
         self.lining != LiningRows::default()
@@ -157,8 +167,7 @@ impl GradingClass {
 
     /// Thickness of the first layer in the shape's measure of depth.
     pub fn first_layer(&self) -> f64 {
-        let part = if self.ends_held { FIRST_ENDS_HELD } else { 1.0 };
-        part * LEVELS[self.level].first * self.class_depth()
+        first_layer(self.level, self.depth_class, self.ends_held)
     }
 
     /// Depth of all layers, each `growth` times as thick as the one before.
@@ -199,28 +208,37 @@ impl GradingClass {
         cut
     }
 
-    /// The division of a ring that ends at `end_angle`.
+    /// The division of a ring that ends at an angle, rad.
+    pub fn ring(&self, end_angle: f64) -> RingDivision {
+        let GradingClass { level, depth_class, ends_held, .. } = *self;
+        RingDivision { level, depth_class, ends_held, end_angle }
+    }
+
+    /// The division of a body whose ring ends at `end_angle`.
     pub fn grading(&self, end_angle: f64) -> Grading {
         Grading {
             element: self.element,
-            angles: self.corner_angles(end_angle),
+            angles: self.ring(end_angle).corner_angles(),
             layers: self.layers(),
             lining: self.lining_division(),
         }
     }
+}
 
+impl RingDivision {
     /// Angles of its corner nodes from the load line, rad.
-    pub fn corner_angles(&self, end_angle: f64) -> Vec<f64> {
-        let Level { spread, widest, .. } = LEVELS[self.level];
+    pub fn corner_angles(self) -> Vec<f64> {
+        let RingDivision { level, depth_class, ends_held, end_angle } = self;
+        let Level { spread, widest, .. } = LEVELS[level];
         // A thin body answers locally, so its ring is divided evenly finer; by no more than three, where it is nearly
         // a Winkler bed, whose answer needs no resolution.
-        let thinness = (self.class_depth() / THICK).clamp(1.0 / 3.0, 1.0);
-        let evenness = if self.ends_held { thinness.min(WIDEST_ENDS_HELD) } else { thinness };
+        let thinness = (class_depth(depth_class) / THICK).clamp(1.0 / 3.0, 1.0);
+        let evenness = if ends_held { thinness.min(WIDEST_ENDS_HELD) } else { thinness };
         let widest = evenness * widest.to_radians();
         // Room for those of most rings.
         let mut angles = Vec::with_capacity(16);
         angles.push(0.0);
-        let first = self.first_layer();
+        let first = first_layer(level, depth_class, ends_held);
         let mut reached = 0.0;
         while reached < end_angle - 1e-9 {
             reached += (reached / spread).max(first).min(widest);
@@ -236,7 +254,7 @@ impl GradingClass {
         angles.iter_mut().for_each(|angle| *angle *= 1.0 + stretch * *angle / last);
         let count = angles.len();
         angles[count - 1] = end_angle;
-        if self.ends_held {
+        if ends_held {
             let last = end_angle - angles[count - 2];
             let shrunk = (1..=SHRINKING_AT_HELD_END).map(|i| end_angle - last * SHRINK.powi(i as i32));
             angles.splice(count - 1..count - 1, shrunk);

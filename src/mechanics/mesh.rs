@@ -239,6 +239,32 @@ pub fn held_columns(body: &Body, angles: &[f64]) -> Vec<bool> {
     held
 }
 
+/// Most corners of any far boundary.
+pub const MOST_CORNERS: usize = 2;
+
+/// What tells `held_columns` of bodies whose rings are divided alike: whether the far boundary is held at the load line, and the corner columns at
+/// which that changes, ascending, then zeros.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Held {
+    at_load_line: bool,
+    changes: [usize; MOST_CORNERS],
+}
+
+impl Held {
+    /// The angles of the ring's corner columns are asked for where something changes.
+    pub fn of<'a>(body: &Body, angles: impl FnOnce() -> &'a [f64]) -> Held {
+        let at_load_line = (body.shape.boundary_held)(body.support, 0);
+        let mut changes = [0; MOST_CORNERS];
+        let corners = 0..body.shape.sides.len().saturating_sub(1);
+        let mut changing = corners.filter(|corner| holding_changes(body, *corner)).peekable();
+        if changing.peek().is_some() {
+            let columns = corner_columns(&(body.shape.corners)(&body.parameters), angles());
+            changes.iter_mut().zip(changing).for_each(|(change, corner)| *change = columns[corner]);
+        }
+        Held { at_load_line, changes }
+    }
+}
+
 /// Whether the far boundary is held on one side of a corner and free on the other: the stress is singular there.
 pub fn holding_changes(body: &Body, corner: usize) -> bool {
     let held = |side: usize| (body.shape.boundary_held)(body.support, side);
@@ -248,7 +274,7 @@ pub fn holding_changes(body: &Body, corner: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::body::{Shape, block};
+    use crate::mechanics::body::{SHAPES, Shape, block};
     use crate::mechanics::material::Idealization;
 
     /// Against the sides that each column lies on, for corners anywhere on the ring and whichever sides are held.
@@ -260,6 +286,7 @@ mod tests {
         let angles: Vec<f64> =
             (0..=9).map(|place| std::f64::consts::PI * (f64::from(place) / 9.0).powf(1.2)).collect();
         let mut seen = std::collections::HashSet::new();
+        let mut told = std::collections::HashMap::new();
         for ratios in [[2.0, 3.0, 1.6], [1.02, 40.0, 3.0], [30.0, 1.1, 1.001], [1.001, 900.0, 900.0]] {
             let corners = (block::SHAPE.corners)(&ratios);
             let columns = corner_columns(&corners, &angles);
@@ -274,6 +301,9 @@ mod tests {
                 let body = Body { support, ..Body::bare(shape, ratios, 0.3, Idealization::PlaneStress) };
                 let held = held_columns(&body, &angles);
                 assert_eq!(held.len(), 19);
+                // One `Held`, one list.
+                let own = told.entry(Held::of(&body, || &angles)).or_insert_with(|| held.clone());
+                assert_eq!(*own, held, "{ratios:?} {support}");
                 for (column, held) in held.into_iter().enumerate() {
                     let is_on = |side: usize| {
                         (side == 0 || 2 * columns[side - 1] <= column)
@@ -286,5 +316,8 @@ mod tests {
             }
         }
         assert_eq!(seen.len(), 2 + 6 * 2);
+        let lists: std::collections::HashSet<&Vec<bool>> = told.values().collect();
+        assert!(told.len() == lists.len() && lists.len() > 8, "{told:?}");
+        assert!(SHAPES.iter().all(|shape| shape.sides.len() <= MOST_CORNERS + 1));
     }
 }

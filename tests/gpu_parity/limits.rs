@@ -76,7 +76,7 @@ fn vectors_on_the_chip_are_those_in_storage_to_the_bit() {
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
 fn checks_at_run_time_change_nothing() {
-    let coarse = families_at(0, 0, &RATIOS);
+    let coarse = families_at(0, [0, 0], &RATIOS);
     for (precision, _) in precisions() {
         let checked = Kernels::with_tree(device(), precision, INVOCATIONS, Making::Checked).unwrap();
         let settings = soon_done(precision);

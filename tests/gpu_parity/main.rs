@@ -137,20 +137,22 @@ impl Bodies {
 /// Of every shape, support and boundary, Poisson's ratios from ordinary to nearly incompressible.
 fn families() -> &'static [(&'static str, Bodies)] {
     static FAMILIES: OnceLock<Vec<(&'static str, Bodies)>> = OnceLock::new();
-    FAMILIES.get_or_init(|| families_at(1, 1, &RATIOS))
+    FAMILIES.get_or_init(|| families_at(1, [1, 1], &RATIOS))
 }
 
 const RATIOS: [f64; 3] = [0.3, 0.1, 0.45];
 const FAMILY_COUNT: usize = 5;
 const ON_BASE: usize = 3;
 
-/// The same for conjugate gradients, to which blocks are more work than all others together: they have coarser meshes, and of those on
-/// their base there is one.
+/// The same for conjugate gradients, to which blocks are more work than all others together: those on their base have a coarser mesh, in the
+/// short form those held around too, and of the first there is one then.
 fn iterated_families() -> &'static [(&'static str, Bodies)] {
     static FAMILIES: OnceLock<Vec<(&'static str, Bodies)>> = OnceLock::new();
     FAMILIES.get_or_init(|| {
-        let mut families = families_at(1, 0, &RATIOS);
-        families[ON_BASE] = families_at(0, 0, &RATIOS[..1]).swap_remove(ON_BASE);
+        let mut families = families_at(1, [0, usize::from(is_long())], &RATIOS);
+        if !is_long() {
+            families[ON_BASE] = families_at(0, [0, 0], &RATIOS[..1]).swap_remove(ON_BASE);
+        }
         families
     })
 }
@@ -183,8 +185,12 @@ fn condensed_family(family: usize, precision: Precision) -> &'static Condensed<'
         .get_or_init(|| Condensed::new(bodies, precision, &precision.settings()))
 }
 
-/// With at most three Poisson's ratios, on meshes of a level, blocks on one of their own.
-fn families_at(level: usize, level_of_blocks: usize, poissons_ratios: &[f64]) -> Vec<(&'static str, Bodies)> {
+/// With at most three Poisson's ratios, on meshes of a level, blocks of either support on one of their own.
+fn families_at(
+    level: usize,
+    [on_base, held_around]: [usize; 2],
+    poissons_ratios: &[f64],
+) -> Vec<(&'static str, Bodies)> {
     let at = |level: usize, name: &str, ratios: &[&[f64]], support: usize| {
         let bodies = ratios.iter().zip(poissons_ratios).map(|(ratios, &poissons_ratio)| Body {
             support,
@@ -198,8 +204,8 @@ fn families_at(level: usize, level_of_blocks: usize, poissons_ratios: &[f64]) ->
         ("annulus", of("annulus", &[&[2.8], &[3.0], &[3.1]])),
         ("rigid-core", of("rigid-core", &[&[0.3], &[0.28], &[0.29]])),
         ("rigid-midplane", of("rigid-midplane", &[&[], &[], &[]])),
-        ("block on its base", at(level_of_blocks, "block", &blocks, 0)),
-        ("block held around", at(level_of_blocks, "block", &blocks, 1)),
+        ("block on its base", at(on_base, "block", &blocks, 0)),
+        ("block held around", at(held_around, "block", &blocks, 1)),
     ]
 }
 

@@ -239,7 +239,8 @@ fn mixed_precision_reaches_the_nearly_incompressible() {
         return;
     }
     let ratios = [0.499, 0.4999];
-    let concentric = families_at(0, 0, &ratios).into_iter().filter(|(name, _)| !name.starts_with("block"));
+    let concentric =
+        families_at(0, [0, 0], &ratios).into_iter().filter(|(name, _)| !name.starts_with("block"));
     for (name, bodies) in concentric {
         let settings = Precision::Mixed.settings();
         let few = RefineSettings { round_limit: 0, ..settings };
