@@ -9,10 +9,11 @@ install_packages() { # packages
     fi
     (
         flock 9
-        install() {
-            $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends "$@"
+        # What a package starts is not to keep the lock.
+        apt() {
+            $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qy "$@" 9>&-
         }
         # A fresh machine has no lists.
-        install "$@" || { $as_root apt-get update -q && install "$@"; }
+        apt install --no-install-recommends "$@" || { apt update && apt install --no-install-recommends "$@"; }
     ) 9> "${TMPDIR:-/tmp}/jointsweep-packages.lock"
 }

@@ -193,7 +193,7 @@ fn works_are_what_the_processor_finds() {
     }
     let of_families = 4 * 3 + blocks_on_base();
     let wide = precisions().len() - 1;
-    let of_blocks = if is_long() { 3 * 3 + 2 * wide } else { 2 * 3 + 2 * wide / 2 };
+    let of_blocks = if is_long() { 3 * 3 + 2 * wide } else { 2 * 3 + wide };
     assert_eq!(compared, of_families * (wide + 1) + of_blocks);
 }
 
