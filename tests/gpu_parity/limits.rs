@@ -64,8 +64,7 @@ fn vectors_on_the_chip_are_those_in_storage_to_the_bit() {
         // Small bodies: all four, on every device.
         assert!(chosen.vectors == 4 && chosen.capacity >= unknowns);
         assert!(own == compliance && own_states == states);
-        // Some of them, and of narrow numbers any.
-        for vectors in if precision == Precision::F32 { 1..4 } else { 2..3 } {
+        for vectors in if precision == Precision::F32 || is_long() { 1..4 } else { 2..3 } {
             let (_, other, other_states) = solve(vectors, 7);
             assert!(other == compliance && other_states == states, "{precision:?} {vectors}");
         }
@@ -344,8 +343,12 @@ fn sums_over_subgroups_will_do() {
     let mut differ = 0;
     for (precision, _) in precisions() {
         let settings = RefineSettings { iteration_limit: 1000, ..precision.settings() };
-        // Fewer than a subgroup has, and many subgroups; of wide numbers one size will do.
-        let sizes: &[u32] = if precision == Precision::F32 { &[4, INVOCATIONS, 256] } else { &[INVOCATIONS] };
+        // Fewer than a subgroup has, and many subgroups. Mixed precision has the sums of the others: one size will do.
+        let sizes: &[u32] = match precision {
+            Precision::F32 => &[4, INVOCATIONS, 256],
+            Precision::F64 if is_long() => &[4, INVOCATIONS, 256],
+            _ => &[INVOCATIONS],
+        };
         for &invocations in sizes {
             let solve = |kernels: &Kernels| {
                 let batch = SystemBatch::new(kernels, &bodies.layout.systems, bodies.count()).unwrap();
