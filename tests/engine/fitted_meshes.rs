@@ -239,7 +239,9 @@ fn press_fits_of_blocks_are_those_of_plain_meshes() {
     println!(
         "{count} compared, {open} of them open, {aside} of two arcs, {faint} faint at their end, {asymmetric} of {joints} asymmetric"
     );
-    assert!(count == 39 * joints && open > 15 * joints && aside > 0 && 4 * faint < open && asymmetric > 1);
+    assert!(count == 39 * joints && open > 15 * joints && 4 * faint < open);
+    let [two_arcs, uneven] = [(0, 6), (1, 4)].map(|(short, long)| length::count(short, long));
+    assert!(aside as u64 > two_arcs && asymmetric as u64 > uneven, "{aside} {asymmetric}");
 }
 
 /// Ligaments of 6 % of the radius on both sides and in front yield so much that the overlap alone opens the contact.
