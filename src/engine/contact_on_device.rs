@@ -17,9 +17,13 @@ use crate::engine::spaces::Spaces;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::near_field::NearField;
 use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::compliance::series::NEGLIGIBLE_SECOND;
 use crate::mechanics::compliance::{BodyCompliance, concentric_pin, infinite};
 use crate::mechanics::contact::compliance_rows::ModeMembers;
 use crate::study::design::DesignCase;
+
+/// What is left out of a compliance at most, relative: a tenth of what single precision leaves.
+const UNFELT: f64 = 1e-5;
 
 /// A body of a joint that a device is given.
 #[derive(Clone, Copy)]
@@ -39,9 +43,9 @@ pub struct BodyOnDevice<'a> {
 }
 
 impl BodyOnDevice<'_> {
-    /// How many bands of second order a body has.
+    /// How many bands of second order a body has at most.
     pub fn band_count(body: &Body) -> usize {
-        concentric_pin(body).map_or(0, |body| body.second_order_count())
+        concentric_pin(body).map_or(0, |body| body.second_order_count(NEGLIGIBLE_SECOND))
     }
 }
 
@@ -68,8 +72,11 @@ pub fn given<'a, 'b>(
         return None;
     }
     let parts = [(&plan.pin, &joint.pin), (&plan.plate, &joint.plate)];
+    let negligible = (UNFELT / outlines.square()).max(NEGLIGIBLE_SECOND);
     let second = [0, 1].map(|side| match bodies[side] {
-        GivenBody::OnDevice(_) => concentric_pin(&parts[side].0.body).map(|body| body.second_order()),
+        GivenBody::OnDevice(_) => {
+            concentric_pin(&parts[side].0.body).map(|body| body.second_order(negligible))
+        }
         GivenBody::Solved(_) => None,
     });
     let second = second.each_ref().map(|second| second.as_deref().unwrap_or_default());

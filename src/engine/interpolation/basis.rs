@@ -7,6 +7,7 @@ use crate::engine::interpolation::family::{Family, body_at};
 use crate::mechanics::body::{Body, Side};
 use crate::mechanics::compliance::concentric_body::ConcentricBody;
 use crate::mechanics::compliance::ring_modes::RingModes;
+use crate::mechanics::compliance::series::NEGLIGIBLE_SECOND;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
 
 /// The finest that any body of a family is told in.
@@ -30,7 +31,8 @@ impl Basis {
     pub fn of(family: &Family, level: usize) -> Basis {
         let corners = family.grid([0.0, 0.5, 1.0]).into_iter();
         let bodies: Vec<Body> = corners.map(|unit| body_at(&family.example, &family.place(&unit))).collect();
-        let of_second = |body: &Body| ConcentricBody::of(body).map(|body| body.second_order_count());
+        let of_second =
+            |body: &Body| ConcentricBody::of(body).map(|body| body.second_order_count(NEGLIGIBLE_SECOND));
         let second = match family.example.shape.side {
             Side::Pin => bodies.iter().filter_map(of_second).max().unwrap_or(0),
             Side::Plate => 0,

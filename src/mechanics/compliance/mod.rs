@@ -23,6 +23,7 @@ pub mod body_fit;
 use concentric_body::ConcentricBody;
 use ring_modes::RingModes;
 use second_order::Bands;
+use series::NEGLIGIBLE_SECOND;
 
 use crate::mechanics::body::{Body, Side};
 
@@ -100,7 +101,7 @@ impl BodyCompliance {
     /// Of a body with that boundary. Of pins that are not concentric only what is infinite is known to second order.
     pub fn new(body: &Body, boundary: Boundary) -> BodyCompliance {
         let [even, odd] = infinite(body);
-        let second = concentric_pin(body).map_or_else(Vec::new, |body| body.second_order());
+        let second = concentric_pin(body).map_or_else(Vec::new, |body| body.second_order(NEGLIGIBLE_SECOND));
         BodyCompliance { even, odd, bed: 0.0, boundary, second }
     }
 

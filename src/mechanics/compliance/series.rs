@@ -28,7 +28,10 @@ const TOO_SOFT: f64 = 2.0;
 const RESOLVED: f64 = 5.0;
 
 /// The same of what counts by the clearance ratio squared.
-const NEGLIGIBLE_SECOND: f64 = 1e-3;
+pub const NEGLIGIBLE_SECOND: f64 = 1e-3;
+
+/// No more than this times the clearance ratio squared is added to a compliance, over its greatest entry.
+const MOST_OF_SECOND: f64 = 25.0;
 
 /// What the modes of a body are told from, as `BodyCompliance` has it.
 #[derive(Clone, Copy, Debug)]
@@ -140,7 +143,7 @@ impl ConcentricBody {
         let Infinite { even, odd, bed } = self.infinite();
         // Of plates, which have no tilt, the rest is not asked for.
         let second_count = match self.side() {
-            Side::Pin => self.second_order_count(),
+            Side::Pin => self.second_order_count(NEGLIGIBLE_SECOND),
             Side::Plate => 0,
         };
         let [normal, mut along, shear] = self.modes(self.highest_mode() + 1, second_count);
@@ -208,20 +211,22 @@ impl ConcentricBody {
         !self.lining.is_empty() && self.highest_mode() == MOST_MODES
     }
 
-    /// What the fixed circle of a pin adds to second order; nothing of a bed.
-    pub fn second_order(&self) -> Vec<Bands> {
-        if self.is_bed() {
+    /// What the fixed circle of a pin adds to second order, modes left out whose share of it is negligible; nothing of a bed.
+    pub fn second_order(&self, negligible: f64) -> Vec<Bands> {
+        let count = self.second_order_count(negligible);
+        if self.is_bed() || count == 0 {
             return Vec::new();
         }
-        let count = self.second_order_count();
         let [normal, along, shear] = self.modes(count, count);
         bands([&normal, &along, &shear], count)
     }
 
-    /// As many as `second_order` has.
-    pub fn second_order_count(&self) -> usize {
+    /// As many as `second_order` has, but for beds.
+    pub fn second_order_count(&self, negligible: f64) -> usize {
         let decay = 2.0 * self.near_radius_ratio().ln().abs();
-        (((-NEGLIGIBLE_SECOND.ln() + 4.0) / decay).ceil() as usize + 2).min(MOST_MODES)
+        let felt = ((-negligible.ln() + 4.0) / decay).ceil() as usize;
+        // The first mode, which most of it is, reaches two beyond its own.
+        if negligible > MOST_OF_SECOND { 0 } else { (felt.max(2) + 2).min(MOST_MODES) }
     }
 }
 
