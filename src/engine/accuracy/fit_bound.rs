@@ -12,8 +12,9 @@ use crate::mechanics::contact::outlines::Outlines;
 /// A fit is chosen by what this share of all bodies held out does not exceed.
 const BOUNDED: f64 = 0.97;
 
-/// The bound of a body is what this share of those held out does not exceed that err alike, inside of the box or near an end of it. With
-/// `SAFETY`, and because each body counts by its share in a joint, more of the joints are below (`tests/engine/interpolation.rs`).
+/// The bound of a body is what this share of those held out does not exceed that err alike, inside of the box or near an end of it, and no
+/// less than the error of any of these. With `SAFETY`, and because each body counts by its share in a joint, more of the joints are below
+/// (`tests/engine/interpolation.rs`).
 const BOUNDED_ALIKE: f64 = 0.9;
 
 /// The fit's own error is raised by this: bodies held out are not the worst.
@@ -71,11 +72,14 @@ impl FitBound {
         let of_most = quantile(&errors.iter().collect::<Vec<_>>(), BOUNDED);
         let of_alike = |are_inside: bool| {
             let alike = of_some(&|body, is_inside| is_inside == are_inside && !is_thin(body));
-            if alike.len() < LEAST_ALIKE { of_most.clone() } else { quantile(&alike, BOUNDED_ALIKE) }
+            let mut bound =
+                if alike.len() < LEAST_ALIKE { of_most.clone() } else { quantile(&alike, BOUNDED_ALIKE) };
+            alike.into_iter().for_each(|errors| raise(&mut bound, errors.iter().map(|error| error / SAFETY)));
+            bound
         };
         let mut of_thin = of_most.clone();
         for errors in of_some(&|body, _| is_thin(body)) {
-            of_thin.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(*error));
+            raise(&mut of_thin, errors.iter().copied());
         }
         let kinds = [of_alike(true), of_alike(false), of_thin];
         let around = (0..=of_most.len()).map(|below| {
@@ -151,6 +155,11 @@ fn is_thin(body: &Body) -> bool {
     body.depth_range().0 < THIN_END
 }
 
+/// At each arc, to no less than others.
+fn raise(bound: &mut [f64], others: impl Iterator<Item = f64>) {
+    bound.iter_mut().zip(others).for_each(|(bound, other)| *bound = bound.max(other));
+}
+
 /// What few of the bodies exceed at the worst of the arcs that contact comes to; `[body][arc]`.
 pub fn worst_near(space: &CurveSpace, errors: &[Vec<f64>]) -> f64 {
     let near = space
@@ -180,4 +189,30 @@ pub fn changes(space: &CurveSpace, expected: &BodyCompliance, found: &BodyCompli
     let changes =
         EdgeStates::new(&space.pressures, &[&alone], &Outlines::ALIKE).work_shares(&space.pressures, &change);
     changes.into_iter().map(|change| if change.is_finite() { change.abs() } else { f64::INFINITY }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::contact::curve_space::Variable;
+    use crate::mechanics::material::Idealization;
+
+    /// One of many bodies inside of a box is far worse than the others: it is not above the bound, which has no safety beyond its error.
+    #[test]
+    fn no_body_held_out_is_above_its_bound() {
+        let space = CurveSpace::new(Variable::Root, 6, 16, 2.4);
+        let ring = |ratio: f64| Body::concentric(ratio, 0.3, Idealization::PlaneStress);
+        let (usual, worst) = (1e-3, 7e-3);
+        let bodies: Vec<(Body, bool)> = (0..100).map(|i| (ring(2.0 + 0.01 * f64::from(i)), i < 50)).collect();
+        let of_fit: Vec<Vec<f64>> =
+            (0..100).map(|i| vec![if i == 7 { worst } else { usual }; space.arcs().len()]).collect();
+        let of_mesh = vec![vec![0.0; space.arcs().len()]; bodies.len()];
+        let bound = FitBound::new(&space, &bodies, &of_fit, &of_mesh, None);
+        for half_angle in [0.1, 0.8, 1.7] {
+            let [inside, near_end] =
+                [true, false].map(|is_inside| bound.of(&ring(2.5), is_inside).at(half_angle));
+            assert!(inside >= worst && inside < 1.01 * worst, "{inside}");
+            assert!(near_end >= SAFETY * usual && near_end < 1.02 * SAFETY * usual, "{near_end}");
+        }
+    }
 }
