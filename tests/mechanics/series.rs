@@ -271,15 +271,15 @@ fn no_more_is_left_out_of_second_order_than_was_said() {
     const NEGLIGIBLE: f64 = 1e-5;
     let arcs = [0.02, 0.1, 0.3, 0.6, 0.9, 1.2, 1.5, 2.0].map(ContactArc::new);
     let mut space = PressureSpace::new(TERMS, arcs.to_vec());
-    space.prepare_modes(500);
+    space.prepare_modes(700);
     let (mut worst, mut all_left_out, mut some_left_out) = (0.0_f64, 0, 0);
-    for core in [1e-6, 1e-3, 0.02, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 0.97] {
+    for core in [1e-6, 1e-3, 0.02, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 0.98] {
         for poissons_ratio in [-0.5, 0.0, 0.3, 0.45, 0.499] {
             let idealization = Idealization::PlaneStrain;
             let lining = Lining::NONE;
             let pin = ConcentricBody { fixed_radius_ratio: core, poissons_ratio, idealization, lining };
             let own = pin.compliance();
-            for clearance in [1e-4_f64, 3e-4, 6.3e-4, 6.4e-4, 1e-3, 2e-3, 3e-3, 5e-3, 0.01, 0.02, 0.05] {
+            for clearance in [1e-4_f64, 3e-4, 4.99e-4, 5.01e-4, 1e-3, 2e-3, 3e-3, 5e-3, 0.01, 0.02, 0.05] {
                 let square = clearance * clearance;
                 let with = |second: &[Bands]| {
                     let own = BodyCompliance { second: second.to_vec(), ..own.clone() };

@@ -31,7 +31,7 @@ const RESOLVED: f64 = 5.0;
 pub const NEGLIGIBLE_SECOND: f64 = 1e-3;
 
 /// No more than this times the clearance ratio squared is added to a compliance, over its greatest entry.
-const MOST_OF_SECOND: f64 = 25.0;
+const MOST_OF_SECOND: f64 = 40.0;
 
 /// What the modes of a body are told from, as `BodyCompliance` has it.
 #[derive(Clone, Copy, Debug)]
