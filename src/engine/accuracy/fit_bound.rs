@@ -59,28 +59,25 @@ impl FitBound {
         of_mesh: &[Vec<f64>],
         known_level: Option<usize>,
     ) -> FitBound {
-        let sum = |(of_fit, of_mesh): (&Vec<f64>, &Vec<f64>)| {
+        let with = |safety: f64| -> Vec<Vec<f64>> {
             let own = |of_mesh: &f64| if known_level.is_some() { 0.0 } else { *of_mesh };
-            of_fit.iter().zip(of_mesh).map(|(fit, mesh)| ROUNDED + SAFETY * fit + own(mesh)).collect()
+            let at_arcs = |(of_fit, of_mesh): (&Vec<f64>, &Vec<f64>)| {
+                of_fit.iter().zip(of_mesh).map(|(fit, mesh)| ROUNDED + safety * fit + own(mesh)).collect()
+            };
+            of_fit.iter().zip(of_mesh).map(at_arcs).collect()
         };
-        let errors: Vec<Vec<f64>> = of_fit.iter().zip(of_mesh).map(sum).collect();
-        let of_some = |is_asked: &dyn Fn(&Body, bool) -> bool| -> Vec<&Vec<f64>> {
-            let of_bodies =
-                bodies.iter().zip(&errors).filter(|((body, is_inside), _)| is_asked(body, *is_inside));
-            of_bodies.map(|(_, errors)| errors).collect()
-        };
+        let (seen, errors) = (with(1.0), with(SAFETY));
         let of_most = quantile(&errors.iter().collect::<Vec<_>>(), BOUNDED);
         let of_alike = |are_inside: bool| {
-            let alike = of_some(&|body, is_inside| is_inside == are_inside && !is_thin(body));
+            let is_alike = |body: &Body, is_inside: bool| is_inside == are_inside && !is_thin(body);
+            let alike = of_some(bodies, &errors, is_alike);
             let mut bound =
                 if alike.len() < LEAST_ALIKE { of_most.clone() } else { quantile(&alike, BOUNDED_ALIKE) };
-            alike.into_iter().for_each(|errors| raise(&mut bound, errors.iter().map(|error| error / SAFETY)));
+            raise(&mut bound, of_some(bodies, &seen, is_alike));
             bound
         };
         let mut of_thin = of_most.clone();
-        for errors in of_some(&|body, _| is_thin(body)) {
-            raise(&mut of_thin, errors.iter().copied());
-        }
+        raise(&mut of_thin, of_some(bodies, &errors, |body, _| is_thin(body)));
         let kinds = [of_alike(true), of_alike(false), of_thin];
         let around = (0..=of_most.len()).map(|below| {
             let arcs = below.saturating_sub(1)..(below + 1).min(of_most.len());
@@ -155,9 +152,21 @@ fn is_thin(body: &Body) -> bool {
     body.depth_range().0 < THIN_END
 }
 
-/// At each arc, to no less than others.
-fn raise(bound: &mut [f64], others: impl Iterator<Item = f64>) {
-    bound.iter_mut().zip(others).for_each(|(bound, other)| *bound = bound.max(other));
+/// Those of some bodies, each of which lies inside of the box or near an end of it.
+fn of_some<'a>(
+    bodies: &[(Body, bool)],
+    errors: &'a [Vec<f64>],
+    is_asked: impl Fn(&Body, bool) -> bool,
+) -> Vec<&'a Vec<f64>> {
+    let asked = bodies.iter().zip(errors).filter(|((body, is_inside), _)| is_asked(body, *is_inside));
+    asked.map(|(_, errors)| errors).collect()
+}
+
+/// To no less than these errors at each arc.
+fn raise(bound: &mut [f64], errors: Vec<&Vec<f64>>) {
+    for of_body in errors {
+        bound.iter_mut().zip(of_body).for_each(|(bound, error)| *bound = bound.max(*error));
+    }
 }
 
 /// What few of the bodies exceed at the worst of the arcs that contact comes to; `[body][arc]`.
@@ -211,7 +220,7 @@ mod tests {
         for half_angle in [0.1, 0.8, 1.7] {
             let [inside, near_end] =
                 [true, false].map(|is_inside| bound.of(&ring(2.5), is_inside).at(half_angle));
-            assert!(inside >= worst && inside < 1.01 * worst, "{inside}");
+            assert!(inside > worst && inside < 1.01 * worst, "{inside}");
             assert!(near_end >= SAFETY * usual && near_end < 1.02 * SAFETY * usual, "{near_end}");
         }
     }
