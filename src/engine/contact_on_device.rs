@@ -22,9 +22,6 @@ use crate::mechanics::compliance::{BodyCompliance, concentric_pin, infinite};
 use crate::mechanics::contact::compliance_rows::ModeMembers;
 use crate::study::design::DesignCase;
 
-/// What is left out of a compliance at most, relative: a tenth of what single precision leaves.
-const UNFELT: f64 = 1e-5;
-
 /// A body of a joint that a device is given.
 #[derive(Clone, Copy)]
 pub enum GivenBody<'a> {
@@ -72,10 +69,9 @@ pub fn given<'a, 'b>(
         return None;
     }
     let parts = [(&plan.pin, &joint.pin), (&plan.plate, &joint.plate)];
-    let negligible = (UNFELT / outlines.square()).max(NEGLIGIBLE_SECOND);
     let second = [0, 1].map(|side| match bodies[side] {
         GivenBody::OnDevice(_) => {
-            concentric_pin(&parts[side].0.body).map(|body| body.second_order(negligible))
+            concentric_pin(&parts[side].0.body).map(|body| body.second_order_felt(outlines.square()))
         }
         GivenBody::Solved(_) => None,
     });

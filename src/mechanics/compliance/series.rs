@@ -30,6 +30,9 @@ const RESOLVED: f64 = 5.0;
 /// The same of what counts by the clearance ratio squared.
 pub const NEGLIGIBLE_SECOND: f64 = 1e-3;
 
+/// What a device leaves out of a compliance at most, relative: a tenth of what single precision leaves.
+pub const UNFELT: f64 = 1e-5;
+
 /// No more than this times the clearance ratio squared is added to a compliance, over its greatest entry.
 const MOST_OF_SECOND: f64 = 40.0;
 
@@ -219,6 +222,11 @@ impl ConcentricBody {
         }
         let [normal, along, shear] = self.modes(count, count);
         bands([&normal, &along, &shear], count)
+    }
+
+    /// As much of it as is felt in single precision where the clearance ratio squared is this.
+    pub fn second_order_felt(&self, square: f64) -> Vec<Bands> {
+        self.second_order((UNFELT / square).max(NEGLIGIBLE_SECOND))
     }
 
     /// As many as `second_order` has, but for beds.
