@@ -224,13 +224,16 @@ fn layer_growth(depth: wide) -> wide {
         if under > wide(0.0) {
             next = growth * over / under;
         }
+        // Rounding may take the last step out of the bracket, the far end of which is anywhere.
+        if abs(next - growth) <= select(SINGLE_TOLERANCE, TOLERANCE, IS_WIDE_DOUBLE) * growth {
+            return next;
+        }
         if next < low || next > high {
             next = select(wide(2.0) * growth, wide(0.5) * (low + high), high < STEEPEST);
         }
-        let step = abs(next - growth);
         growth = next;
         // At an end of the bracket once more: no number is better.
-        if step <= TOLERANCE * growth || next == low || next == high {
+        if next == low || next == high {
             break;
         }
     }

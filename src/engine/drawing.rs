@@ -190,17 +190,22 @@ impl<'a> Drawer<'a> {
         self.left.start = next;
         let (study, chosen, bodies) = (self.study, self.chosen, &mut self.bodies);
         if let Some(cases) = &mut self.listed {
-            return met(cases.take(count), &mut bodies[0]);
+            return met(cases.take(count), next - start, &mut bodies[0]);
         }
         let each = (next - start).div_ceil(bodies.len() as u64).max(FEWEST as u64);
         let piece = |place: u64| (start + place * each).min(next)..(start + (place + 1) * each).min(next);
+        let of_piece = |place: u64, bodies: &mut Distinct| {
+            let piece = piece(place);
+            let count = piece.end - piece.start;
+            met(chosen.cases(study, piece)?, count, bodies)
+        };
         if piece(0).end == next {
-            return met(chosen.cases(study, piece(0))?, &mut bodies[0]);
+            return of_piece(0, &mut bodies[0]);
         }
         let pieces: Vec<DrawnCases> = std::thread::scope(|scope| {
             let mut hands = Vec::with_capacity(bodies.len());
             for (place, own) in (0..).zip(bodies) {
-                hands.push(scope.spawn(move || met(chosen.cases(study, piece(place))?, own)));
+                hands.push(scope.spawn(move || of_piece(place, own)));
             }
             hands.into_iter().map(joined).collect()
         });
@@ -242,14 +247,20 @@ pub fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-/// All of them, with their bodies met.
-fn met(cases: impl Iterator<Item = Result<DesignCase, Error>>, bodies: &mut Distinct) -> DrawnCases {
-    let meet = |case: &Result<DesignCase, Error>| {
-        if let Ok(DesignCase { joint, .. }) = case {
-            [&joint.pin, &joint.plate].into_iter().for_each(|part| bodies.meet(&joint.body(part)));
-        }
-    };
-    cases.inspect(meet).collect()
+/// All of them, about as many as `count`, with their bodies met.
+fn met(
+    cases: impl Iterator<Item = Result<DesignCase, Error>>,
+    count: u64,
+    bodies: &mut Distinct,
+) -> DrawnCases {
+    let mut all = Vec::with_capacity(count as usize);
+    for case in cases {
+        let case = case?;
+        let joint = &case.joint;
+        [&joint.pin, &joint.plate].into_iter().for_each(|part| bodies.meet(&joint.body(part)));
+        all.push(case);
+    }
+    Ok(all)
 }
 
 #[cfg(test)]

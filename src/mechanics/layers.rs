@@ -17,11 +17,14 @@ pub struct Layers {
 /// What a layer that shrinks has of what its growth makes it, over the same of the one before.
 pub const SHRINK: f64 = 0.4;
 
-/// Steps of a search for a growth at most; it takes five to ten, and bisection alone would need some 60.
+/// Steps of a search for a growth at most; it takes four to seven, and bisection alone would need some 60.
 pub const MOST_STEPS: usize = 100;
 
-/// Where a search ends: its last step over the growth.
-pub const TOLERANCE: f64 = 1e-12;
+/// Where a search ends: its last step over the growth. Each step is about the square of the one before, so that rounding is left.
+pub const TOLERANCE: f64 = 1e-8;
+
+/// The same in single precision, where steps do not become so small.
+pub const SINGLE_TOLERANCE: f64 = 1e-6;
 
 /// No layers grow by more.
 pub const STEEPEST: f64 = 1e9;
@@ -46,22 +49,23 @@ impl Layers {
 
     /// How many layers that grow by a factor reach a depth: as many as there are at least, and so many at most.
     pub fn fewest(self, depth: f64, growth: f64, most: usize) -> usize {
-        let mut layers = self;
-        let is_enough = |layers: Layers| layers.count >= most || layers.depth(growth) >= depth;
-        if self.shrinking > 0 {
-            while !is_enough(layers) {
-                layers.count += 1;
-            }
-            return layers.count;
-        }
-        // One sum for all counts.
-        let mut reached = 0.0;
-        let mut count = 0;
-        for thickness in layer_thicknesses(self.first, self.thickest, growth) {
-            reached += thickness;
-            count += 1;
-            if count >= self.count && (reached >= depth || count >= most) {
+        let mut count = self.count;
+        // One sum for all counts of those before the ones that shrink.
+        let mut ahead = layer_thicknesses(self.first, self.thickest, growth);
+        let mut whole: f64 = ahead.by_ref().take(count.saturating_sub(self.shrinking)).sum();
+        while count < most {
+            let shrinking = count.min(self.shrinking);
+            let mut part = SHRINK.powi((self.shrinking - shrinking) as i32);
+            let shrunk = ahead.clone().take(shrinking).map(|grown| {
+                part *= SHRINK;
+                part * grown
+            });
+            if shrunk.fold(whole, |sum, thickness| sum + thickness) >= depth {
                 break;
+            }
+            count += 1;
+            if count > self.shrinking {
+                whole += ahead.next().unwrap_or(0.0);
             }
         }
         count
@@ -77,6 +81,12 @@ impl Layers {
     /// a rational function, which every step makes as good as it must be.
     #[inline(always)]
     pub fn growth_from<T: Bodies>(self, first: T, depth: T, guess: T) -> T {
+        self.search(first, depth, guess).0
+    }
+
+    /// The same with the steps it took.
+    #[inline(always)]
+    fn search<T: Bodies>(self, first: T, depth: T, guess: T) -> (T, usize) {
         let (zero, half, one, two) = (T::zero(), T::from_f64(0.5), T::from_f64(1.0), T::from_f64(2.0));
         let (steepest, tolerance, outside) =
             (T::from_f64(STEEPEST), T::from_f64(TOLERANCE), T::from_f64(-1.0));
@@ -84,26 +94,28 @@ impl Layers {
         let mut growth = guess;
         // 1 in the lanes that still search, else 0.
         let mut searching = one;
-        for _ in 0..MOST_STEPS {
+        for steps in 1..=MOST_STEPS {
             let (reached, power) = self.depth_and_power(first, growth);
             low = reached.if_less(depth, growth, low);
             high = reached.if_less(depth, high, growth);
             let ratio = depth / reached;
             let over = (power + one) * ratio + power - one;
             let under = (power - one) * ratio + power + one;
-            let mut next = zero.if_less(under, growth * over / under, outside);
+            let newton = zero.if_less(under, growth * over / under, outside);
+            let is_far = (tolerance * growth).if_less((newton - growth).size(), one, zero);
             let inside = high.if_less(steepest, half * (low + high), two * growth);
-            next = next.if_less(low, inside, high.if_less(next, inside, next));
-            let step = (next - growth).size();
+            let kept = newton.if_less(low, inside, high.if_less(newton, inside, newton));
+            // Rounding may take the last step out of the bracket, the far end of which is anywhere.
+            let next = zero.if_less(is_far, kept, newton);
             growth = zero.if_less(searching, next, growth);
             // At an end of the bracket once more: no number is better.
             let is_between = low.if_less(next, next.if_less(high, one, zero), zero);
-            searching = (tolerance * growth).if_less(step, is_between, zero) * searching;
+            searching = is_far * is_between * searching;
             if !searching.any_positive() {
-                break;
+                return (growth, steps);
             }
         }
-        growth
+        (growth, MOST_STEPS)
     }
 
     /// `depth` with d ln depth/d ln growth: only layers below the thickest grow with the factor.
@@ -126,7 +138,7 @@ impl Layers {
 }
 
 /// Thicknesses of layers that grow by `growth` from `first` up to `thickest`.
-pub fn layer_thicknesses(first: f64, thickest: f64, growth: f64) -> impl Iterator<Item = f64> {
+pub fn layer_thicknesses(first: f64, thickest: f64, growth: f64) -> impl Iterator<Item = f64> + Clone {
     std::iter::successors(Some(first), move |thickness| Some((thickness * growth).min(thickest)))
 }
 
@@ -151,6 +163,19 @@ mod tests {
             // No factor reaches this where layers have a thickest.
             let beyond = layers.growth(1e3, 1.0);
             assert!(beyond > 1.0 && beyond.is_finite(), "{layers:?}: {beyond}");
+        }
+    }
+
+    /// From one on, for factors as bodies have them: Newton's last step is the last, whichever way it is rounded.
+    #[test]
+    fn few_steps_lead_to_a_growth() {
+        for (thickest, shrinking) in [(0.8, 0), (0.7, 2), (0.53, 3)] {
+            let layers = Layers { first: 0.2, thickest, count: 7, shrinking };
+            for place in 0..1000 {
+                let factor = 0.7 + 1.5e-3 * f64::from(place);
+                let (found, steps) = layers.search(0.2, layers.depth(factor), 1.0);
+                assert!(steps <= 8, "{layers:?} {factor}: {found} in {steps} steps");
+            }
         }
     }
 

@@ -13,7 +13,7 @@
 //!                phi=0       phi=end
 //! ```
 
-use crate::mechanics::body::{Body, Side};
+use crate::mechanics::body::{Body, MOST_CORNERS, OfCorners, Side};
 use crate::mechanics::element::{ElementKind, MAX_NODES, side_functions};
 use crate::mechanics::layers::Layers;
 use crate::mechanics::lining_rows::LiningDivision;
@@ -210,9 +210,9 @@ pub fn half_steps(values: &[f64], step: usize) -> Vec<f64> {
 }
 
 /// The ring's corner column nearest to each corner of the far boundary, both by their angles, strictly between the ends and ascending.
-pub fn corner_columns(corners: &[f64], angles: &[f64]) -> Vec<usize> {
+pub fn corner_columns(corners: &[f64], angles: &[f64]) -> OfCorners<usize> {
     let last = angles.len() - 1;
-    let mut columns: Vec<usize> = Vec::with_capacity(corners.len());
+    let mut columns = OfCorners::new();
     for (i, &corner) in corners.iter().enumerate() {
         let behind = angles.partition_point(|angle| *angle < corner).min(last);
         let before = behind.saturating_sub(1);
@@ -238,9 +238,6 @@ pub fn held_columns(body: &Body, angles: &[f64]) -> Vec<bool> {
     }
     held
 }
-
-/// Most corners of any far boundary.
-pub const MOST_CORNERS: usize = 2;
 
 /// What tells `held_columns` of bodies whose rings are divided alike: whether the far boundary is held at the load line, and the corner columns at
 /// which that changes, ascending, then zeros.

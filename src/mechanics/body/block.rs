@@ -13,7 +13,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{Shape, ShapeParameter, Side, StraightSide};
+use super::{OfCorners, Shape, ShapeParameter, Side, StraightSide};
 
 const fn ratio(name: &'static str) -> ShapeParameter {
     ShapeParameter { name, default: None, above: 1.0, below: f64::INFINITY }
@@ -42,12 +42,17 @@ pub static SHAPE: Shape = Shape {
     },
     concentric: false,
     reaches_centre: false,
-    corners: |&[half_width, depth, height]| vec![half_width.atan2(depth), PI - half_width.atan2(height)],
+    corners: |&[half_width, depth, height]| {
+        OfCorners::from([half_width.atan2(depth), PI - half_width.atan2(height)])
+    },
     // Bottom, side, top.
     sides: &[side(0.0, 1), side(FRAC_PI_2, 0), side(PI, 2)],
     boundary_held: |support, side| support == 1 || side == 0,
     depth_range: |&[half_width, depth, height]| {
-        let to_corner = half_width.hypot(depth.max(height));
+        // Squares in which no number is too large.
+        let (end, side) = (depth.max(height), half_width);
+        let (greater, less) = (end.max(side), end.min(side));
+        let to_corner = greater * (1.0 + (less / greater).powi(2)).sqrt();
         (half_width.min(depth).min(height).ln(), to_corner.ln())
     },
     wall: "the thinnest ligament of the block",

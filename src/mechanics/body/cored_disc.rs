@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Shape, ShapeParameter, Side, THINNEST_RING};
+use super::{OfCorners, Shape, ShapeParameter, Side, THINNEST_RING};
 
 pub static SHAPE: Shape = Shape {
     name: "rigid-core",
@@ -14,7 +14,7 @@ pub static SHAPE: Shape = Shape {
     depth: |&[core, ..], _| -core.ln(),
     concentric: true,
     reaches_centre: false,
-    corners: |_| Vec::new(),
+    corners: |_| OfCorners::new(),
     sides: &[],
     boundary_held: |_, _| true,
     depth_range: |&[core, ..]| (-core.ln(), -core.ln()),

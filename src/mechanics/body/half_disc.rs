@@ -4,7 +4,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Shape, Side};
+use super::{OfCorners, Shape, Side};
 
 pub static SHAPE: Shape = Shape {
     name: "rigid-midplane",
@@ -16,7 +16,7 @@ pub static SHAPE: Shape = Shape {
     depth: |_, _| CENTRE,
     concentric: false,
     reaches_centre: true,
-    corners: |_| Vec::new(),
+    corners: |_| OfCorners::new(),
     sides: &[],
     boundary_held: |_, _| true,
     depth_range: |_| (CENTRE, CENTRE),

@@ -6,6 +6,7 @@
 use std::hash::{Hash, Hasher};
 
 use lining::Lining;
+use smallvec::SmallVec;
 
 use crate::mechanics::material::Idealization;
 
@@ -46,6 +47,12 @@ pub struct ShapeParameter {
 /// The most ratios any shape has.
 pub const MAX_PARAMETERS: usize = 3;
 
+/// The most corners any far boundary has.
+pub const MOST_CORNERS: usize = 2;
+
+/// Something of each corner of a far boundary.
+pub type OfCorners<T> = SmallVec<[T; MOST_CORNERS]>;
+
 /// A family of bodies. One static per shape file.
 #[derive(Debug)]
 pub struct Shape {
@@ -69,7 +76,7 @@ pub struct Shape {
     /// resolves a small core as well as a distant boundary.
     pub reaches_centre: bool,
     /// Angles of the far boundary's corners, ascending.
-    pub corners: fn(&[f64; MAX_PARAMETERS]) -> Vec<f64>,
+    pub corners: fn(&[f64; MAX_PARAMETERS]) -> OfCorners<f64>,
     /// The straight sides of the far boundary, in order, one more than corners. Empty where the boundary is round; only plates can have them.
     pub sides: &'static [StraightSide],
     /// Whether a side of the far boundary (counted from the load line, between corners) is held by a support.

@@ -29,7 +29,7 @@ use crate::mechanics::contact::curve_error::ROUGH;
 use crate::mechanics::contact::edge::{SLOWEST, TENSION};
 use crate::mechanics::contact::reduced::{DECISIVE, FUNCTIONS, OF_LOAD};
 use crate::mechanics::contact::search::MOST_OF_POLYNOMIALS;
-use crate::mechanics::layers::{MOST_STEPS, SHRINK, STEEPEST, TOLERANCE};
+use crate::mechanics::layers::{MOST_STEPS, SHRINK, SINGLE_TOLERANCE, STEEPEST, TOLERANCE};
 use crate::mechanics::lines::{CROWDING, LEEWAY, THICK_WALL};
 use crate::study::draw_tables::{
     ENTRY_WORDS, Kind as ValuesKind, POISSONS_RATIO, SUPPORT, Slot, YOUNGS_MODULUS,
@@ -107,6 +107,7 @@ pub const ASSEMBLE: KernelFile = KernelFile {
         ("THICK_WALL", Constant::Wide(THICK_WALL)),
         ("SHRINK", Constant::Wide(SHRINK)),
         ("TOLERANCE", Constant::Wide(TOLERANCE)),
+        ("SINGLE_TOLERANCE", Constant::Wide(SINGLE_TOLERANCE)),
         ("STEEPEST", Constant::Wide(STEEPEST)),
         ("MOST_STEPS", Constant::Count(MOST_STEPS)),
         ("NO_PLACE", Constant::Count(NO_PLACE as usize)),
