@@ -70,9 +70,9 @@ impl fmt::Display for Failure {
             Failure::NoState(NoState::ContactTooWide, limit) => {
                 write!(out, "contact wider than {:.0} deg", limit.to_degrees())
             }
-            Failure::NoState(NoState::BrokenCompliance, _) => {
-                out.write_str("compliance not positive definite")
-            }
+            Failure::NoState(NoState::BrokenCompliance, _) => out.write_str(
+                "compliance not positive definite, mostly of a wall too thin or too incompressible for its mesh",
+            ),
             Failure::NoState(NoState::ClearanceTooWide, _) => out.write_str("clearance beyond the model"),
             Failure::NotAPush => {
                 out.write_str("the bodies do not push each other, the mesh is too coarse for them")
