@@ -20,7 +20,7 @@ pub const SHRINK: f64 = 0.4;
 /// Steps of a search for a growth at most; it takes four to seven, and bisection alone would need some 60.
 pub const MOST_STEPS: usize = 100;
 
-/// Where a search ends: its last step over the growth. Each step is about the square of the one before, so that rounding is left.
+/// Where a search ends: its last step over the growth. Each step is about the square of the one before, so that only rounding is left.
 pub const TOLERANCE: f64 = 1e-8;
 
 /// The same in single precision, where steps do not become so small.

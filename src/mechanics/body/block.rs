@@ -49,7 +49,7 @@ pub static SHAPE: Shape = Shape {
     sides: &[side(0.0, 1), side(FRAC_PI_2, 0), side(PI, 2)],
     boundary_held: |support, side| support == 1 || side == 0,
     depth_range: |&[half_width, depth, height]| {
-        // Squares in which no number is too large.
+        // As `hypot`, but quicker: a body is asked for its depths many times. No square is too large.
         let (end, side) = (depth.max(height), half_width);
         let (greater, less) = (end.max(side), end.min(side));
         let to_corner = greater * (1.0 + (less / greater).powi(2)).sqrt();
