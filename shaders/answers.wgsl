@@ -11,7 +11,7 @@
 // What the kernel of joints has found, and what it was given: the numbers that are for this one are behind its own.
 @group(0) @binding(0) var<storage, read> found: array<f32>;
 @group(0) @binding(1) var<storage, read> joints: array<f32>;
-// Numbers and tables of the question, and bounds of fits. Counts and places are whole numbers.
+// Numbers and tables of the question, what is known of meshes, and bounds of fits. Counts and places are whole numbers.
 @group(0) @binding(2) var<storage, read> asked: array<f32>;
 // Of each design: where its numbers in `joints` and what is found of it begin, how many loads it has, and how many numbers its joint has
 // behind those of its loads.
@@ -20,6 +20,12 @@
 @group(0) @binding(4) var<storage, read_write> told: array<atomic<u32>>;
 
 const INFINITE_BITS = 0x7f800000u;
+
+// What all radii are multiplied by. Rows are calculated a second time when they are counted, and compilers may round otherwise there. So radii
+// are half as large then: whatever was sure still is.
+var<private> widened: f32 = 1.0;
+const WHEN_COUNTED = 0.5;
+
 // A radius beyond which a number is unknown.
 const UNKNOWN = 1e30;
 const SIXTH_OF_PI = 0.5235988;
@@ -69,7 +75,7 @@ fn whole(at: u32) -> u32 {
 
 // A number with the radius that rounding leaves, and one that is exact.
 fn given(at: u32) -> vec2<f32> {
-    return vec2<f32>(joints[at], ROUNDED * abs(joints[at]));
+    return vec2<f32>(joints[at], widened * ROUNDED * abs(joints[at]));
 }
 
 fn exact(at: u32) -> vec2<f32> {
@@ -85,7 +91,7 @@ fn unknown() -> vec2<f32> {
 }
 
 fn rounded(value: f32, radius: f32) -> vec2<f32> {
-    return vec2<f32>(value, radius + CALCULATED * abs(value));
+    return vec2<f32>(value, radius + widened * CALCULATED * abs(value));
 }
 
 fn negate(a: vec2<f32>) -> vec2<f32> {
@@ -128,7 +134,7 @@ fn logarithm(a: vec2<f32>) -> vec2<f32> {
     if !(a.x > a.y) {
         return unknown();
     }
-    return rounded(log(a.x), a.y / (a.x - a.y) + CALCULATED);
+    return rounded(log(a.x), a.y / (a.x - a.y) + widened * CALCULATED);
 }
 
 fn logarithm10(a: vec2<f32>) -> vec2<f32> {
@@ -136,11 +142,11 @@ fn logarithm10(a: vec2<f32>) -> vec2<f32> {
 }
 
 fn exponential(a: vec2<f32>) -> vec2<f32> {
-    if !(a.y < 0.1 && abs(a.x) < 80.0) {
+    if !(a.y < 0.1 && abs(a.x) + a.y < 80.0) {
         return unknown();
     }
     let value = exp(a.x);
-    return rounded(value, value * (1.1 * a.y + CALCULATED * abs(a.x)));
+    return rounded(value, value * (1.1 * a.y + widened * CALCULATED * abs(a.x)));
 }
 
 fn power(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
@@ -222,7 +228,7 @@ fn bound_at(body_at: u32, half_angle: f32) -> f32 {
     for (var begin = 0u; begin + 1u < COLUMNS; begin += 1u) {
         column += select(0u, 1u, half_angle >= asked[whole(COLUMN_BEGINS_AT) + begin]);
     }
-    let of_mesh = joints[body_at + 2u + column];
+    let of_mesh = asked[whole(MESH_ERRORS_AT) + COLUMNS * u32(joints[body_at + 2u]) + column];
     return sqrt(of_fit + of_mesh * of_mesh);
 }
 
@@ -240,7 +246,20 @@ fn want_of(bodies: f32, pressure: f32, curve: f32, outlines: f32, pressure_is_po
 }
 
 fn found_number(value: f32) -> vec2<f32> {
-    return vec2<f32>(value, FOUND * abs(value));
+    return vec2<f32>(value, widened * FOUND * abs(value));
+}
+
+// The angle of which half has a tangent, which is not negative. WGSL's `atan` may be off by 1e-4 of it.
+fn angle_of(tangent_of_half: f32) -> f32 {
+    let of_quarter = tangent_of_half / (1.0 + sqrt(1.0 + tangent_of_half * tangent_of_half));
+    // At most tan(pi/8): a ninth term of the series would be 4e-8.
+    let of_eighth = of_quarter / (1.0 + sqrt(1.0 + of_quarter * of_quarter));
+    let square = of_eighth * of_eighth;
+    var sum = 0.0;
+    for (var odd = 15; odd > 0; odd -= 2) {
+        sum = 1.0 / f32(odd) - square * sum;
+    }
+    return 8.0 * of_eighth * sum;
 }
 
 fn row_of(design: vec4<u32>, load: u32) -> Row {
@@ -264,7 +283,8 @@ fn row_of(design: vec4<u32>, load: u32) -> Row {
     let state_energy = found[found_at + 5u] / even;
     let state_peak = found[found_at + 6u] / even;
     let truncation = found[found_at + 7u];
-    let half_angle = 2.0 * atan(found[found_at + 1u] / ratio);
+    let tangent_of_half = found[found_at + 1u] / ratio;
+    let half_angle = angle_of(tangent_of_half);
     // Lengths are over this times the hole's radius.
     var unit = joints[load_at];
     if joints[load_at + 1u] > 0.0 {
@@ -296,7 +316,7 @@ fn row_of(design: vec4<u32>, load: u32) -> Row {
         least += min(wide_end, narrow_end);
         most += max(wide_end, narrow_end);
     }
-    let sine = sin(half_angle);
+    let sine = 2.0 * tangent_of_half / (1.0 + tangent_of_half * tangent_of_half);
     let of_width = select(1.0, OF_SINE * sine, half_angle < SIXTH_OF_PI);
     let of_outlines = of_width * (of_all + of_shear * sine * sine);
     let of_curve = LEAST_ERROR + ROUGH * found[design.y];
@@ -306,7 +326,7 @@ fn row_of(design: vec4<u32>, load: u32) -> Row {
     let is_close = row.want != want_of(least, truncation, of_curve, of_outlines, is_positive);
     row.force_error = vec2<f32>(
         0.5 * (total.x + total.y),
-        0.5 * (total.y - total.x) + OF_ERRORS * total.y + NOISE,
+        widened * (0.5 * (total.y - total.x) + OF_ERRORS * total.y + NOISE),
     );
     // A little less than is allowed; what outlines leave counts in full.
     let is_accurate = total.y <= asked[ACCURACY] * (1.0 - OF_ERRORS);
@@ -327,10 +347,19 @@ fn exponent_of(value: f32) -> u32 {
     return select(2u * EXPONENTS, exponent + select(0u, EXPONENTS, value < 0.0), exponent < EXPONENTS);
 }
 
-// Below the first edge, in one of the bins, or above the last: counted from 0; `NOWHERE` where a number may be on either side of an edge.
-const NOWHERE = 0xffffffffu;
+// Whether a number surely has one.
+fn has_exponent(value: vec2<f32>) -> bool {
+    return max(exponent_of(value.x - value.y), exponent_of(value.x + value.y)) < 2u * EXPONENTS;
+}
 
-fn bin_of(histogram_at: u32, value: vec2<f32>) -> u32 {
+struct Bin {
+    // Below the first edge, in one of the bins, or above the last: counted from 0.
+    place: u32,
+    // The number is on no other side of an edge.
+    is_sure: bool,
+}
+
+fn bin_of(histogram_at: u32, value: vec2<f32>) -> Bin {
     let edge_count = whole(histogram_at + 1u);
     let edges_at = whole(histogram_at + 2u);
     let radius = value.y + CALCULATED * abs(value.x);
@@ -345,9 +374,9 @@ fn bin_of(histogram_at: u32, value: vec2<f32>) -> u32 {
             high = middle;
         }
     }
-    let is_clear = (low == 0u || value.x - asked[edges_at + low - 1u] > radius)
+    let is_sure = (low == 0u || value.x - asked[edges_at + low - 1u] > radius)
         && (low == edge_count || asked[edges_at + low] - value.x > radius);
-    return select(NOWHERE, low, is_clear);
+    return Bin(low, is_sure);
 }
 
 // Whether a row's values are sure enough to be counted.
@@ -359,13 +388,13 @@ fn is_countable(row: Row) -> bool {
             return false;
         }
         let is_counted = whole(whole(QUANTITIES_AT) + 2u * number + 1u) > 0u;
-        if is_counted && (value.y > TRUSTED * abs(value.x) || exponent_of(value.x) == 2u * EXPONENTS) {
+        if is_counted && (value.y > TRUSTED * abs(value.x) || !has_exponent(value)) {
             return false;
         }
     }
     for (var histogram = 0u; histogram < whole(HISTOGRAM_COUNT); histogram += 1u) {
         let histogram_at = whole(HISTOGRAMS_AT) + 4u * histogram;
-        if bin_of(histogram_at, quantity(whole(histogram_at), row)) == NOWHERE {
+        if !bin_of(histogram_at, quantity(whole(histogram_at), row)).is_sure {
             return false;
         }
     }
@@ -505,7 +534,7 @@ fn count_bins(row: Row) {
     for (var histogram = 0u; histogram < whole(HISTOGRAM_COUNT); histogram += 1u) {
         let histogram_at = whole(HISTOGRAMS_AT) + 4u * histogram;
         let bin = bin_of(histogram_at, quantity(whole(histogram_at), row));
-        atomicAdd(&told[whole(histogram_at + 3u) + bin], 1u);
+        atomicAdd(&told[whole(histogram_at + 3u) + bin.place], 1u);
     }
 }
 
@@ -592,6 +621,7 @@ fn answer(
         atomicStore(&said[own], select(0u, 1u, is_counted));
         atomicAdd(&totals[COUNTED_DESIGNS], select(0u, 1u, is_counted));
     }
+    widened = WHEN_COUNTED;
     let quantity_count = whole(QUANTITY_COUNT);
     // Once where none is summed.
     for (var first = 0u; first == 0u || first < quantity_count; first += ABREAST) {

@@ -338,17 +338,15 @@ fn side_of(side: u32, joints_at: u32, bounds_at: u32) -> Side {
 
     joints[bounds_at] = f32(words[fits_at + 1u]);
     joints[bounds_at + 1u] = f32(select(select(1u, 0u, is_inside), 2u, body.least_depth < THIN_END));
-    // Of the meshes the fit was made on: the deepest body that is known, then errors by depths.
+    // Of the meshes the fit was made on: the deepest body that is known, then by depths where errors stand.
     is_known = is_known && greatest <= numbers[known_at];
     var depth = 0u;
     for (var begin = 1u; begin < DEPTH_COUNT; begin += 1u) {
         depth += select(0u, 1u, body.least_depth >= numbers[words[table + 7u] + begin]);
     }
-    for (var column = 0u; column < COLUMNS; column += 1u) {
-        let error = numbers[known_at + 1u + COLUMNS * depth + column];
-        is_known = is_known && error < 1.0;
-        joints[bounds_at + 2u + column] = f32(error);
-    }
+    let errors_at = numbers[known_at + 1u + depth];
+    is_known = is_known && errors_at >= 0.0;
+    joints[bounds_at + 2u] = f32(errors_at);
     return body;
 }
 

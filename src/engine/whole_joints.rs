@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use crate::engine::accuracy::Want;
 use crate::engine::accuracy::body_errors::OwnError;
 use crate::engine::accuracy::fit_bound::FitBound;
+use crate::engine::accuracy::known_errors::{self, NO_MESH};
 use crate::engine::backend::joints::{AskedOfJoints, CondensedBody};
 use crate::engine::backend::{Device, IN_FLIGHT};
 use crate::engine::bodies::BodyLibrary;
@@ -24,7 +25,7 @@ use crate::engine::joint_contact::{Alike, joint_key};
 use crate::engine::outcome::{Answer, Method};
 use crate::engine::plan::JointPlan;
 use crate::engine::question::Asker;
-use crate::engine::question::tables::Standing;
+use crate::engine::question::tables::{BoundPlaces, Standing};
 use crate::engine::spaces::{Needs, Spaces};
 use crate::engine::stopwatch::Stopwatch;
 use crate::mechanics::compliance::near_field::{NearField, NearFieldClass};
@@ -118,11 +119,11 @@ impl WholeJoints<'_, '_> {
         asker: &dyn Asker,
     ) -> (Vec<bool>, usize) {
         let question = asker.question();
-        let standing = Standing::new(question, asker.limits()).on_meshes();
+        let rounding = self.library.device().map_or(0.0, Device::rounding);
+        let standing = Standing::new(question, asker.limits()).on_meshes(rounding);
         let mut tables = standing.tables();
         let no_bound_at = tables.len();
         tables.extend(FitBound::of_none::<f32>());
-        let rounding = self.library.device().map_or(0.0, Device::rounding);
         let is_counted = |(_, plan): &Open| plan.method() == Method::Fe && is_for_devices(plan);
         let whole: Vec<(u32, Open)> = (0..).zip(open).filter(|(_, open)| is_counted(open)).collect();
         let (mut are_there, mut batches) = (vec![false; cases.len()], 0);
@@ -138,9 +139,11 @@ impl WholeJoints<'_, '_> {
                 let own = std::iter::once(case);
                 let given =
                     given(self.spaces, plan, met.bodies(*place, self.library, &around), own, numbers)?;
-                let errors =
-                    [&plan.pin, &plan.plate].map(|request| (known_error(request, rounding), no_bound_at));
-                let is_for_device = standing.push_design(case, given.kept, errors, numbers);
+                let bound = |request| {
+                    Some(BoundPlaces { of_fit: no_bound_at, kind: 0, of_mesh: known_place(request)? })
+                };
+                let bounds = [bound(&plan.pin)?, bound(&plan.plate)?];
+                let is_for_device = standing.push_design(case, given.kept, bounds, numbers);
                 // No state comes back that would have to be judged.
                 is_for_device.then(|| given.keeping(()))
             };
@@ -245,7 +248,16 @@ impl WholeJoints<'_, '_> {
     }
 }
 
-/// Of a body of a plan that is for devices.
+/// Among `known_errors::all`, of a body of a plan that is for devices.
+fn known_place(request: &BodyRequest) -> Option<usize> {
+    match request.fidelity {
+        Fidelity::Mesh { level } => known_errors::place(&request.body, level),
+        // It has no layers.
+        Fidelity::Series => Some(NO_MESH),
+    }
+}
+
+/// The same as it counts.
 fn known_error(request: &BodyRequest, rounding: f64) -> OwnError<'_> {
     match request.fidelity {
         Fidelity::Mesh { level } => OwnError::of_mesh(&request.body, level, rounding),

@@ -206,6 +206,29 @@ fn counted_answers_are_the_processors() {
     assert!(worst[0] < 3e-5, "{worst:?}");
 }
 
+/// Angles of narrow contacts and of wide ones are as sure as all else, whatever the device's own functions are worth.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn half_angles_are_the_processors() {
+    let reduce = "statistics = ['contact_half_angle']";
+    for loads in ["force = ['20 N', '50 N']", "indentation = ['0.1 mm', '0.5 mm']"] {
+        let study = study(loads, "thickness > 4 mm", reduce);
+        let [found, expected] = [Some(Making::Checked), None]
+            .map(|on_device| answered(&study, Chosen::Range(0..DESIGNS), on_device, 2));
+        let [of_sums, _] = compare(&found.answers, &expected.answers);
+        let of = |name: &str| {
+            text(&expected.answers, "statistics.csv")
+                .lines()
+                .find(|line| line.contains(name))
+                .unwrap()
+                .to_string()
+        };
+        println!("{loads}: {of_sums:.1e}, {} {}", of("mean"), found.counted[0]);
+        assert!(2 * found.counted[0] > DESIGNS, "{:?}", found.counted);
+        assert!(of_sums < 5e-6, "{of_sums:e}");
+    }
+}
+
 /// The study with bodies on meshes, each condensed.
 fn on_meshes(study: &Study) -> Study {
     let text = format!("{}[solve]\nmethod = \"fe\"\ninterpolation = \"off\"\n", study.source_text());

@@ -43,6 +43,22 @@ fn by(
     outcomes
 }
 
+/// A device makes the kernels that a solver needs, and no others: each takes its time, and may be one too many for a driver.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn solvers_make_their_own_kernels() {
+    let options = SolveOptions { accuracy: 0.01, method: MethodChoice::Fe };
+    let cases = draw(51, 4, concentric);
+    for (solver, expected) in [
+        (DeviceSolver::Auto, vec!["assemble", "eliminate", "joints"]),
+        (DeviceSolver::Pcg, vec!["assemble", "condense", "joints", "pcg", "refine", "works"]),
+    ] {
+        let own = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap();
+        by(solver, &own, Precision::F32, options, &cases);
+        assert_eq!(own.made_kernels().into_iter().collect::<Vec<_>>(), expected);
+    }
+}
+
 /// The greatest relative difference of the forces and indentations, and how many steps have them; all else must be alike.
 fn compare(found: &[DesignOutcome], expected: &[DesignOutcome], backend: BackendKind) -> (f64, usize) {
     let mut differences = Vec::new();

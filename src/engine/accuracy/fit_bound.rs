@@ -1,6 +1,6 @@
 //! How good a fit across bodies is, told by bodies that were held out.
 
-use crate::engine::accuracy::known_errors::{Known, column, known_errors};
+use crate::engine::accuracy::known_errors::{self, NO_MESH, column};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::body_fit::ROUNDED;
@@ -91,13 +91,13 @@ impl FitBound {
 
     /// Of a body, inside of the box or near an end of it.
     pub fn of(&self, body: &Body, is_inside: bool) -> BodyBound<'_> {
-        let known = |level| known_errors(body, level).copied().unwrap_or([f64::INFINITY; _]);
         let kind = match is_inside {
             _ if is_thin(body) => 2,
             false => 1,
             true => 0,
         };
-        BodyBound { of_fit: self, kind, of_mesh: self.known_level.map_or([0.0; _], known) }
+        let of_mesh = self.known_level.map_or(Some(NO_MESH), |level| known_errors::place(body, level));
+        BodyBound { of_fit: self, kind, of_mesh }
     }
 
     /// Of the meshes the fit was made on, where it is known what they leave.
@@ -127,14 +127,15 @@ impl FitBound {
 pub struct BodyBound<'a> {
     of_fit: &'a FitBound,
     kind: usize,
-    /// Of the meshes the fit was made on.
-    of_mesh: Known,
+    /// Of the meshes the fit was made on, among `known_errors::all`; `None` of those of which nothing is known.
+    of_mesh: Option<usize>,
 }
 
 impl BodyBound<'_> {
-    /// As a device has it, beside the table of its fit: which of the kinds it is, and what is known of the meshes.
-    pub fn numbers(&self) -> (usize, Known) {
-        (self.kind, self.of_mesh)
+    /// As a device has it, beside the table of its fit: which of the kinds it is, and where among `known_errors::all` what is known of the
+    /// meshes stands.
+    pub fn places(&self) -> Option<(usize, usize)> {
+        Some((self.kind, self.of_mesh?))
     }
 
     /// At a contact half angle, rad: of the fit the greater of the bounds around it. What meshes leave of the samples and what the
@@ -143,7 +144,8 @@ impl BodyBound<'_> {
         let FitBound { angles, around, .. } = self.of_fit;
         // Few as they are, to count is quicker than to search.
         let below = angles.iter().filter(|angle| **angle > half_angle).count();
-        let of_mesh = self.of_mesh[column(half_angle)];
+        let known = |place: usize| known_errors::all()[place][column(half_angle)];
+        let of_mesh = self.of_mesh.map_or(f64::INFINITY, known);
         (around[below][self.kind] + of_mesh * of_mesh).sqrt()
     }
 }

@@ -138,16 +138,41 @@ type Row = (Group, Stiffness, f64, usize, Known);
 /// A row a level, coarsest first.
 pub type Table = [Known; KNOWN_LEVELS];
 
-/// By the numbers of kinds; `None` for those that were not drawn often enough.
-static TABLES: LazyLock<Vec<Option<Table>>> = LazyLock::new(|| {
-    let mut tables = vec![None; Group::ALL.len() * Stiffness::ALL.len() * DEPTHS.len()];
+/// What is known of all meshes.
+struct Errors {
+    /// By the numbers of kinds where in `all` their tables begin; `None` for those that were not drawn often enough.
+    firsts: Vec<Option<usize>>,
+    /// At `NO_MESH` none.
+    all: Vec<Known>,
+}
+
+/// The place among `all` of what a body leaves that is on no mesh.
+pub const NO_MESH: usize = 0;
+
+static ERRORS: LazyLock<Errors> = LazyLock::new(|| {
+    let mut firsts = vec![None; Group::ALL.len() * Stiffness::ALL.len() * DEPTHS.len()];
+    let mut all = vec![[0.0; _]];
     for (group, stiffness, least, level, errors) in rows::<Row>(include_str!("known_errors.csv")) {
         let depth = DEPTHS.iter().filter(|depth| **depth < least).count();
-        let table: &mut Option<Table> = &mut tables[Kind { group, stiffness, depth }.number()];
-        table.get_or_insert([[f64::NAN; COLUMNS.len() + 1]; KNOWN_LEVELS])[level] = errors;
+        let first = *firsts[Kind { group, stiffness, depth }.number()].get_or_insert_with(|| {
+            all.extend([[f64::NAN; _]; KNOWN_LEVELS]);
+            all.len() - KNOWN_LEVELS
+        });
+        all[first + level] = errors;
     }
-    tables
+    Errors { firsts, all }
 });
+
+/// What is known of all meshes, one after another.
+pub fn all() -> &'static [Known] {
+    &ERRORS.all
+}
+
+/// The place among `all` of what is known of a body on a mesh level.
+pub fn place(body: &Body, level: usize) -> Option<usize> {
+    let first = ERRORS.firsts[Kind::of(body)?.number()]?;
+    (level < KNOWN_LEVELS).then_some(first + level)
+}
 
 /// Of a half angle, rad.
 pub fn column(half_angle: f64) -> usize {
@@ -160,12 +185,12 @@ pub type Known = [f64; COLUMNS.len() + 1];
 /// Errors of the force at most, relative, of each level; `None` for bodies that were not measured, or behave otherwise: nearly
 /// incompressible, nearly conformal.
 pub fn known_of_levels(body: &Body) -> Option<&'static Table> {
-    TABLES[Kind::of(body)?.number()].as_ref()
+    all().get(place(body, 0)?..)?.first_chunk()
 }
 
 /// Those of one level.
 pub fn known_errors(body: &Body, level: usize) -> Option<&'static Known> {
-    known_of_levels(body)?.get(level)
+    all().get(place(body, level)?)
 }
 
 /// That at a contact half angle, rad.
@@ -187,8 +212,10 @@ mod tests {
     #[test]
     fn the_file_is_whole_and_monotone() {
         let rows = include_str!("known_errors.csv").lines().count() - 1;
-        let tables: Vec<&Table> = TABLES.iter().flatten().collect();
-        assert_eq!(rows, tables.len() * KNOWN_LEVELS);
+        assert_eq!(all()[NO_MESH], [0.0; _]);
+        let (tables, rest) = all()[1..].as_chunks::<KNOWN_LEVELS>();
+        assert_eq!((rest.len(), tables.len() * KNOWN_LEVELS), (0, rows));
+        assert_eq!(tables.len(), ERRORS.firsts.iter().flatten().count());
         assert!(tables.len() > 40, "{}", tables.len());
         for table in tables {
             assert!(table.iter().flatten().all(|error| *error > 0.0 && *error < 0.2), "{table:?}");

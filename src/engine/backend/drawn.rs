@@ -51,6 +51,9 @@ impl DrawSettings {
 /// In place of what there is not.
 pub const NOWHERE: u32 = u32::MAX;
 
+/// In place of a place among numbers.
+pub const UNKNOWN: f64 = -1.0;
+
 /// Of the table of a side: words before its rows, kinds of bodies by Poisson's ratio at most, and words of a fit.
 pub const SIDE_WORDS: usize = 8;
 pub const MOST_KINDS: usize = 12;

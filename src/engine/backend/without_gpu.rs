@@ -90,6 +90,10 @@ pub mod solver {
             match gpu.none {}
         }
 
+        pub fn sharing(self, _: usize) -> GpuCondenser<'a> {
+            match self.0 {}
+        }
+
         pub fn solving_joints(self, _: SolvedJoints) -> GpuCondenser<'a> {
             match self.0 {}
         }

@@ -3,9 +3,9 @@
 
 use std::ops::Range;
 
-use crate::engine::accuracy::known_errors::{DEPTHS, Group, Known};
+use crate::engine::accuracy::known_errors::{DEPTHS, Group};
 use crate::engine::backend::drawn::{
-    DrawSettings, DrawnDesigns, DrawnShape, LoadKind, MOST_KINDS, NOWHERE, SIDE_WORDS, TERMS_SHIFT,
+    DrawSettings, DrawnDesigns, DrawnShape, LoadKind, MOST_KINDS, NOWHERE, SIDE_WORDS, TERMS_SHIFT, UNKNOWN,
 };
 use crate::engine::backend::joints::{
     AskedOfJoints, BodyTables, JointTables, MOST_COORDINATES, SolvedJoints,
@@ -190,17 +190,18 @@ impl Probe {
         }
     }
 
-    /// The deepest of them that are known, then of each depth what meshes leave.
+    /// The deepest of them that are known, then of each depth where what meshes leave stands, `UNKNOWN` of those of which nothing is known.
     fn known(self, fit: &FittedFamily) -> Vec<f64> {
         let deepest = match fit.bound.known_level() {
             None => f64::INFINITY,
             Some(_) => Group::of(&self.body(MIDDLING)).map_or(0.0, |group| group.depths()[1]),
         };
-        let of_depth = |depth: &f64| -> Known {
+        let of_depth = |depth: &f64| {
             // Just within.
-            fit.bound.of(&self.body(depth * (1.0 + 1e-9)), true).numbers().1
+            let places = fit.bound.of(&self.body(depth * (1.0 + 1e-9)), true).places();
+            places.map_or(UNKNOWN, |(_, of_mesh)| of_mesh as f64)
         };
-        std::iter::once(deepest).chain(DEPTHS.iter().flat_map(of_depth)).collect()
+        std::iter::once(deepest).chain(DEPTHS.iter().map(of_depth)).collect()
     }
 }
 

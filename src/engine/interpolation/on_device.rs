@@ -12,7 +12,7 @@ use crate::engine::joint_contact::judged;
 use crate::engine::joint_scale::JointScale;
 use crate::engine::outcome::{Answer, BackendKind};
 use crate::engine::question::Asker;
-use crate::engine::question::tables::Standing;
+use crate::engine::question::tables::{BoundPlaces, Standing};
 use crate::engine::spaces::Spaces;
 use crate::study::design::DesignCase;
 
@@ -57,13 +57,12 @@ impl Interpolation {
         let give = |case: &DesignCase, numbers: &mut Vec<f32>| {
             let given = self.given(spaces, case, numbers)?;
             let (MetJoint { members, fits, points, .. }, even) = &given.kept;
-            let errors = [0, 1].map(|side| {
-                (
-                    OwnError::Fit(fits[side].error(&members[side].body, &points[side])),
-                    bounds_at[fits[side].number],
-                )
-            });
-            let is_for_device = standing.push_design(case, *even, errors, numbers);
+            let bound = |side: usize| {
+                let (kind, of_mesh) = fits[side].error(&members[side].body, &points[side]).places()?;
+                Some(BoundPlaces { of_fit: bounds_at[fits[side].number], kind, of_mesh })
+            };
+            let bounds = [bound(0)?, bound(1)?];
+            let is_for_device = standing.push_design(case, *even, bounds, numbers);
             // No state comes back that would have to be judged.
             is_for_device.then(|| given.keeping(()))
         };

@@ -2,15 +2,14 @@
 
 use super::formula::{Givens, value};
 use super::{Limits, MOST_POINTS, Question, Watch};
-use crate::engine::accuracy::body_errors::OwnError;
 use crate::engine::accuracy::geometry_error::OutlineError;
-use crate::engine::accuracy::known_errors::{COLUMNS, Known};
+use crate::engine::accuracy::known_errors::{self, COLUMNS, NO_MESH};
 use crate::engine::joint_scale::JointScale;
 use crate::study::design::{DesignCase, Load};
 
 /// Numbers of a design before its givens: sizes of the joint and its outlines, and bounds of its bodies.
 pub const SCENE_NUMBERS: usize = 7;
-pub const BOUND_NUMBERS: usize = 2 + size_of::<Known>() / size_of::<f64>();
+pub const BOUND_NUMBERS: usize = 3;
 pub const DESIGN_NUMBERS: usize = SCENE_NUMBERS + 2 * BOUND_NUMBERS;
 
 /// Numbers of the question before its tables, in their order: how many there are of what, and where it begins.
@@ -30,10 +29,21 @@ pub enum Field {
     GivenOfRow,
     VerdictsAt,
     ColumnBeginsAt,
+    MeshErrorsAt,
     /// 1 where bodies are on meshes, 0 where they are interpolated.
     OnMeshes,
     /// How many these are.
     Count,
+}
+
+/// Where a device finds the bound of a body.
+pub struct BoundPlaces {
+    /// Among the tables of the question, that of its fit.
+    pub of_fit: usize,
+    /// Which of the kinds in this it is.
+    pub kind: usize,
+    /// Among `known_errors::all`, what its mesh leaves.
+    pub of_mesh: usize,
 }
 
 /// Where limits and points end.
@@ -45,7 +55,8 @@ pub struct Standing<'a> {
     limits: Limits,
     /// Watches of what is given, each with its limit.
     given: Vec<(&'a Watch, f64)>,
-    on_meshes: bool,
+    /// What rounding adds to the errors of meshes, where bodies are on these.
+    on_meshes: Option<f64>,
     /// Of each axis that is given the scores of points, ascending.
     scores: Vec<Vec<f64>>,
 }
@@ -61,12 +72,12 @@ impl<'a> Standing<'a> {
         });
         let scores = scores.collect();
         let given = watches(question, &limits).filter(|(watch, _)| is_given(question, watch)).collect();
-        Standing { question, limits, given, on_meshes: false, scores }
+        Standing { question, limits, given, on_meshes: None, scores }
     }
 
-    /// Of bodies on meshes.
-    pub fn on_meshes(self) -> Standing<'a> {
-        Standing { on_meshes: true, ..self }
+    /// Of bodies on meshes, to whose errors rounding adds so much.
+    pub fn on_meshes(self, rounding: f64) -> Standing<'a> {
+        Standing { on_meshes: Some(rounding), ..self }
     }
 
     /// Before the bounds of fits, or one of none (`FitBound::of_none`).
@@ -76,7 +87,7 @@ impl<'a> Standing<'a> {
         let set = |tables: &mut Vec<f32>, field: Field, number: usize| tables[field as usize] = number as f32;
         let begin = |tables: &mut Vec<f32>, field: Field| tables[field as usize] = tables.len() as f32;
         tables[Field::Accuracy as usize] = question.accuracy as f32;
-        set(&mut tables, Field::OnMeshes, usize::from(*on_meshes));
+        set(&mut tables, Field::OnMeshes, usize::from(on_meshes.is_some()));
         set(&mut tables, Field::GivenOfDesign, question.givens.of_design.len());
         set(&mut tables, Field::GivenOfRow, question.givens.of_row.len());
         set(&mut tables, Field::VerdictsAt, question.layout.verdicts);
@@ -125,16 +136,23 @@ impl<'a> Standing<'a> {
 
         begin(&mut tables, Field::ColumnBeginsAt);
         tables.extend(COLUMNS.map(|begin| begin.to_radians() as f32));
+
+        begin(&mut tables, Field::MeshErrorsAt);
+        let rounding = on_meshes.unwrap_or(0.0);
+        let with_rounding = |(place, known): (usize, &known_errors::Known)| {
+            known.map(|known| if place == NO_MESH { known } else { known + rounding } as f32)
+        };
+        tables.extend(known_errors::all().iter().enumerate().flat_map(with_rounding));
         tables
     }
 
-    /// What the kernel is given of a design behind the numbers of its joint, whose infinite bodies come to `even`; its errors with where
-    /// the bounds of their fits are among the tables. `false` where it is not for a device: a load without contact, an input that is missing.
+    /// What the kernel is given of a design behind the numbers of its joint, whose infinite bodies come to `even`, and of the bounds of its
+    /// bodies. `false` where it is not for a device: a load without contact, an input that is missing.
     pub fn push_design(
         &self,
         case: &DesignCase,
         even: f64,
-        errors: [(OwnError, usize); 2],
+        bounds: [BoundPlaces; 2],
         to: &mut Vec<f32>,
     ) -> bool {
         let DesignCase { joint, steps, .. } = case;
@@ -145,15 +163,8 @@ impl<'a> Standing<'a> {
         let from = to.len();
         let scene = [joint.hole_radius, joint.thickness, even, clearance, softest, of_all, of_shear];
         to.extend(scene.iter().map(|number| *number as f32));
-        for (error, at) in errors {
-            let (kind, of_mesh) = match error {
-                OwnError::Fit(bound) => bound.numbers(),
-                OwnError::Mesh(known) => (0, known),
-                OwnError::Nothing => (0, [0.0; _]),
-                OwnError::CutModes(_) | OwnError::Bed(_) => return false,
-            };
-            to.extend_from_slice(&[at as f32, kind as f32]);
-            to.extend(of_mesh.iter().map(|error| *error as f32));
+        for BoundPlaces { of_fit, kind, of_mesh } in bounds {
+            to.extend([of_fit, kind, of_mesh].map(|number| number as f32));
         }
         let Givens { of_design, of_row } = &self.question.givens;
         to.extend(of_design.iter().map(|given| value(given, case, 0) as f32));

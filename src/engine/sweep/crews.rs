@@ -86,7 +86,7 @@ impl Crews {
         let Some((drawn, solved)) = of_crews.next() else { return Default::default() };
         // Without fits there is little to learn for the others, and kernels take their time to be made.
         let is_apart = usize::from(plan.is_some() || options.gpu.is_none());
-        let lead = Crew::new(study, options, (plan, drawing), digest, &fallback);
+        let lead = Crew::new(study, (options, self.count()), (plan, drawing), digest, &fallback);
         let lead = lead.solve_some(drawn.iter().take(is_apart), all, &solved);
         let twins: Vec<Crew<T>> = (0..of_crews.len()).map(|_| lead.twin()).collect();
         let mut pools = self.pools.iter();
@@ -123,6 +123,8 @@ struct Crew<'a, T> {
     /// How long that has taken, summed over threads.
     digestion: Duration,
     options: &'a SweepOptions<'a>,
+    /// It is one of so many.
+    crew_count: usize,
     fits_laws: bool,
     /// Designs whose rows a device counts while the processor makes the numbers of those behind them.
     begun: Option<Counting>,
@@ -135,7 +137,7 @@ struct Crew<'a, T> {
 impl<'a, T: Send> Crew<'a, T> {
     fn new(
         study: &'a Study,
-        options: &'a SweepOptions<'a>,
+        (options, crew_count): (&'a SweepOptions<'a>, usize),
         (plan, drawing): (Option<InterpolationPlan>, Option<&'a Drawing>),
         digest: &'a Digest<'a, T>,
         fallback: &'a OnceLock<String>,
@@ -152,6 +154,7 @@ impl<'a, T: Send> Crew<'a, T> {
             digest,
             digestion: Duration::ZERO,
             options,
+            crew_count,
             fits_laws: study.fits_laws(),
             begun: None,
             knows_limits: false,
@@ -172,7 +175,10 @@ impl<'a, T: Send> Crew<'a, T> {
         }
         match self.options.gpu.map(|gpu| gpu.condenser()) {
             None => self,
-            Some(Ok(condenser)) => Crew { ladder: self.ladder.on(Box::new(condenser)), ..self },
+            Some(Ok(condenser)) => {
+                let condenser = condenser.sharing(self.crew_count);
+                Crew { ladder: self.ladder.on(Box::new(condenser)), ..self }
+            }
             Some(Err(error)) => {
                 self.give_up(&error.to_string());
                 self

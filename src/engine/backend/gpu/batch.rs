@@ -38,6 +38,14 @@ pub const MOST_TRIPS: u64 = 60_000;
 /// more than the smallest has.
 pub const MOST_BYTES: u64 = 1 << 30;
 
+/// The same of all that share a device, bytes: a machine of many threads has many crews.
+const MOST_BYTES_OF_ALL: u64 = 8 << 30;
+
+/// For each of so many that share a device.
+pub fn most_bytes(sharing: usize) -> u64 {
+    MOST_BYTES.min(MOST_BYTES_OF_ALL / sharing.max(1) as u64)
+}
+
 /// A dispatch of fewer steps spends too much of its time loading and storing state: fewer bodies then.
 const FEWEST_STEPS: u64 = 10;
 
@@ -310,4 +318,19 @@ pub fn adapted(kernel: &KernelFacts, batch: &Batch, taken: Duration) -> KernelFa
     // A clock that saw nothing still saw less than a microsecond.
     let seconds = taken.as_secs_f64().max(1e-6) / work;
     KernelFacts { seconds_per_iteration: seconds, ..*kernel }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Few share what a device has as if they were alone; many take no more than these.
+    #[test]
+    fn many_that_share_a_device_take_less_each() {
+        assert_eq!([0, 1, 8].map(most_bytes), [MOST_BYTES; 3]);
+        for sharing in [9, 16, 100] {
+            let all = sharing as u64 * most_bytes(sharing);
+            assert!(all <= MOST_BYTES_OF_ALL && all + sharing as u64 > MOST_BYTES_OF_ALL, "{sharing}: {all}");
+        }
+    }
 }

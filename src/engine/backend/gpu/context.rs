@@ -4,6 +4,7 @@
 //! which panics on an environment variable that matches nothing.
 
 use std::cell::Cell;
+use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -26,6 +27,9 @@ pub struct Adapters {
     pub facts: Vec<AdapterFacts>,
 }
 
+/// A kernel's name and text, and whether its indices are checked.
+pub(super) type KernelKey = (&'static str, String, bool);
+
 /// A kernel as the device has it.
 pub(super) type MadeKernel = (wgpu::BindGroupLayout, Vec<wgpu::ComputePipeline>);
 
@@ -39,8 +43,8 @@ pub struct GpuDevice {
     pub(super) is_timed: bool,
     /// What making kernels has taken, ns.
     pub(super) making: Arc<AtomicU64>,
-    /// Those that were made, by their text and whether they are checked: others ask for the same.
-    pub(super) made: Arc<Mutex<HashMap<(String, bool), MadeKernel>>>,
+    /// Those that were made: others ask for the same.
+    pub(super) made: Arc<Mutex<HashMap<KernelKey, MadeKernel>>>,
     /// What is laid out for bodies that are eliminated on it.
     pub(super) layouts: Arc<Layouts>,
     /// Why it was lost, once it was.
@@ -105,6 +109,13 @@ impl GpuDevice {
     /// Time spent on making kernels so far.
     pub fn making_kernels(&self) -> Duration {
         Duration::from_nanos(self.making.load(Ordering::Relaxed))
+    }
+
+    /// The names of those that were made so far, once each.
+    pub fn made_kernels(&self) -> BTreeSet<&'static str> {
+        // A thread that panicked has left the map whole.
+        let made = self.made.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        made.keys().map(|(name, ..)| *name).collect()
     }
 
     /// Runs `work` and gives what the device has to say against it: misuse or want of memory. Without this, wgpu

@@ -35,8 +35,12 @@ impl JointKernel {
         if !gpu.facts.features.f64 || self.most_designs(gpu, &drawn.settings) == 0 {
             return Ok(false);
         }
-        if !self.have_room(gpu, &drawn.tables)? {
-            return Ok(false);
+        loop {
+            match self.have_room(gpu, &drawn.tables) {
+                Ok(true) => break,
+                Ok(false) => return Ok(false),
+                Err(error) => self.halve_after(gpu, error)?,
+            }
         }
         self.make_stages(gpu, &drawn.tables)?;
         self.make_answers(gpu, &drawn.asked.question.text)?;

@@ -30,6 +30,8 @@ pub struct Elimination {
     pace: Option<f64>,
     /// Of all buffers together.
     most_bytes: u64,
+    /// How often that was halved for want of memory.
+    halved: u32,
     /// In the order they were begun, with the number of the first.
     batches: VecDeque<Batch>,
     first_batch: usize,
@@ -50,6 +52,7 @@ impl Default for Elimination {
             travelling: Default::default(),
             pace: None,
             most_bytes: MOST_BYTES,
+            halved: 0,
             batches: VecDeque::new(),
             first_batch: 0,
             flights: VecDeque::new(),
@@ -136,7 +139,7 @@ impl Elimination {
         Elimination { pace: Some(pace), ..Elimination::default() }
     }
 
-    /// With buffers of so many bytes together, as after want of memory.
+    /// With buffers of so many bytes together.
     pub fn with_bytes(most_bytes: u64) -> Elimination {
         Elimination { most_bytes, ..Elimination::default() }
     }
@@ -213,7 +216,7 @@ impl Elimination {
 
     /// How often buffers were halved for want of memory.
     pub fn halved(&self) -> u32 {
-        (MOST_BYTES / self.most_bytes).ilog2()
+        self.halved
     }
 
     /// As many flights as may be on the device.
@@ -242,6 +245,7 @@ impl Elimination {
             self.land(kernels)?;
         }
         self.most_bytes /= 2;
+        self.halved += 1;
         (self.scratch, self.travelling) = Default::default();
         Ok(())
     }

@@ -25,6 +25,7 @@ pub const ROUGHEST: f64 = 1e-3;
 
 /// What a device hands over of a body.
 pub struct WorksOfBody<'a> {
+    /// As the device says, and by its works: a kernel's compiler may take it that no number is NaN.
     pub is_sound: bool,
     /// The worst true residual of its systems, or the greatest loss of a pivot.
     pub spoilt: f64,
@@ -38,7 +39,8 @@ impl WorksOfBody<'_> {
         let Some(([is_sound, spoilt], works)) = numbers.split_first_chunk::<WORKS_HEADER>() else {
             unreachable!("every body has a header")
         };
-        WorksOfBody { is_sound: *is_sound == 1.0, spoilt: *spoilt, works }
+        let is_sound = *is_sound == 1.0 && works.iter().all(|work| work.is_finite());
+        WorksOfBody { is_sound, spoilt: *spoilt, works }
     }
 }
 
@@ -305,6 +307,14 @@ fn entered_tiles(last_rows: impl Iterator<Item = u64>) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Whatever the device says of it.
+    #[test]
+    fn a_body_with_a_work_that_is_no_number_is_not_sound() {
+        let is_sound = |numbers: &[f64]| WorksOfBody::of(numbers).is_sound;
+        assert!(is_sound(&[1.0, 2.0, 0.5, 0.1]) && !is_sound(&[0.0, 2.0, 0.5, 0.1]));
+        assert!(!is_sound(&[1.0, 2.0, f64::NAN, 0.1]) && !is_sound(&[1.0, 2.0, 0.5, f64::INFINITY]));
+    }
 
     /// A full matrix of four rows of tiles; and a band of six that reaches two rows on: six tiles at first, then three a row.
     #[test]

@@ -190,17 +190,21 @@ impl JointKernel {
                 }
                 Ok(joints)
             }
-            Err(GpuError::OutOfMemory { .. }) if self.most_bytes > FEWEST_BYTES => {
-                // What is in flight keeps its buffers until it has landed, and what was written to until that is submitted.
-                self.land_all_but(gpu, 0)?;
-                self.most_bytes /= 2;
-                self.free.clear();
-                self.arenas = Arenas::default();
-                gpu.settle()?;
-                Ok(0)
-            }
-            Err(error) => Err(error),
+            Err(error) => self.halve_after(gpu, error).map(|()| 0),
         }
+    }
+
+    /// Goes on with flights of half the size where memory is short.
+    pub(super) fn halve_after(&mut self, gpu: &GpuDevice, error: GpuError) -> Result<(), GpuError> {
+        if !matches!(error, GpuError::OutOfMemory { .. }) || self.most_bytes <= FEWEST_BYTES {
+            return Err(error);
+        }
+        // What is in flight keeps its buffers until it has landed, and what was written to until that is submitted.
+        self.land_all_but(gpu, 0)?;
+        self.most_bytes /= 2;
+        self.free.clear();
+        self.arenas = Arenas::default();
+        gpu.settle()
     }
 
     /// How often flights were halved for want of memory.

@@ -9,7 +9,7 @@ use crate::engine::accuracy::fit_bound::{KINDS, NEAR_END, THIN_END};
 use crate::engine::accuracy::geometry_error::{
     LARGE_DISPLACEMENT, OF_CUBE, OF_HELD, OF_SHEAR, OF_SINE, OF_STRAIN, STIFFEST, WALL,
 };
-use crate::engine::accuracy::known_errors::DEPTHS;
+use crate::engine::accuracy::known_errors::{COLUMNS, DEPTHS};
 use crate::engine::backend::drawn::{DrawnShape, FIT_WORDS, LoadKind, MOST_KINDS, NOWHERE, SIDE_WORDS};
 use crate::engine::backend::joints::{
     ELSEWHERE, ENDED, JOINT_NUMBERS, JointKind, MISSING, MOST_COORDINATES, MOST_PRODUCTS, MOST_ROWS,
@@ -297,7 +297,6 @@ pub const DRAW: KernelFile = KernelFile {
         ("MOST_COORDINATES", Constant::Count(MOST_COORDINATES)),
         ("SCENE_NUMBERS", Constant::Count(SCENE_NUMBERS)),
         ("BODY_BOUND_NUMBERS", Constant::Count(BOUND_NUMBERS)),
-        ("COLUMNS", Constant::Count(BOUND_NUMBERS - 2)),
         ("DEPTH_COUNT", Constant::Count(DEPTHS.len())),
         ("THIN", Constant::Wide(THIN)),
         ("THIN_END", Constant::Wide(THIN_END)),
@@ -345,6 +344,7 @@ pub const ANSWERS: KernelFile = KernelFile {
         ("GIVEN_OF_ROW", Constant::Count(Field::GivenOfRow as usize)),
         ("VERDICTS_AT", Constant::Count(Field::VerdictsAt as usize)),
         ("COLUMN_BEGINS_AT", Constant::Count(Field::ColumnBeginsAt as usize)),
+        ("MESH_ERRORS_AT", Constant::Count(Field::MeshErrorsAt as usize)),
         ("ON_MESHES", Constant::Count(Field::OnMeshes as usize)),
         ("COUNTED_DESIGNS", Constant::Count(Total::CountedDesigns as usize)),
         ("COUNTED_ROWS", Constant::Count(Total::CountedRows as usize)),
@@ -365,7 +365,7 @@ pub const ANSWERS: KernelFile = KernelFile {
         ("BODY_BOUND_NUMBERS", Constant::Count(BOUND_NUMBERS)),
         ("DESIGN_NUMBERS", Constant::Count(DESIGN_NUMBERS)),
         ("KINDS", Constant::Count(KINDS)),
-        ("COLUMNS", Constant::Count(BOUND_NUMBERS - 2)),
+        ("COLUMNS", Constant::Count(COLUMNS.len() + 1)),
         ("LEAST_EXPONENT", Constant::Count((127 + FIRST_EXPONENT) as usize)),
         ("EXPONENTS", Constant::Count(EXPONENTS)),
         ("LEADING", Constant::Count(LEADING)),

@@ -1,8 +1,8 @@
 //! The pipelines of the kernels on a device.
 
 use std::collections::HashMap;
-use std::sync::Mutex;
 use std::sync::atomic::Ordering;
+use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
 use wgpu::ShaderStages;
@@ -51,16 +51,21 @@ pub struct Kernels<'a> {
     pub precision: Precision,
     pub invocations: u32,
     pub assemble: Stage,
-    /// Where the iteration needs matrices of its own.
-    pub narrow: Option<Stage>,
+    around_iteration: OnceLock<AroundIteration>,
     pcg: Mutex<HashMap<OnChip, Stage>>,
     eliminate: Mutex<HashMap<Front, Stage>>,
     shared: Mutex<SharedData>,
+    sums: Sums,
+    pub making: Making,
+}
+
+/// What conjugate gradients need beside `pcg`: elimination has no use for them.
+pub struct AroundIteration {
+    /// Where the iteration needs matrices of its own.
+    pub narrow: Option<Stage>,
     pub refine: Stage,
     pub condense: Stage,
     pub works: Stage,
-    sums: Sums,
-    pub making: Making,
 }
 
 impl<'a> Kernels<'a> {
@@ -98,22 +103,34 @@ impl<'a> Kernels<'a> {
             return Err(lacks(&format!("workgroups of {invocations} invocations")));
         }
         let variant = Variant { sums, ..Variant::plain(precision, invocations) };
-        let stage = |file| Stage::new(gpu, file, &variant, making);
         Ok(Kernels {
             gpu,
             precision,
             invocations,
-            assemble: stage(&ASSEMBLE)?,
-            narrow: precision.narrows().then(|| stage(&NARROW)).transpose()?,
+            assemble: Stage::new(gpu, &ASSEMBLE, &variant, making)?,
+            around_iteration: OnceLock::new(),
             pcg: Mutex::default(),
             eliminate: Mutex::default(),
             shared: Mutex::default(),
-            refine: stage(&REFINE)?,
-            condense: stage(&CONDENSE)?,
-            works: stage(&WORKS)?,
             sums,
             making,
         })
+    }
+
+    /// Made when they are first asked for.
+    pub fn around_iteration(&self) -> Result<&AroundIteration, GpuError> {
+        if let Some(made) = self.around_iteration.get() {
+            return Ok(made);
+        }
+        let variant = Variant { sums: self.sums, ..Variant::plain(self.precision, self.invocations) };
+        let stage = |file| Stage::new(self.gpu, file, &variant, self.making);
+        let made = AroundIteration {
+            narrow: self.precision.narrows().then(|| stage(&NARROW)).transpose()?,
+            refine: stage(&REFINE)?,
+            condense: stage(&CONDENSE)?,
+            works: stage(&WORKS)?,
+        };
+        Ok(self.around_iteration.get_or_init(|| made))
     }
 
     /// The iteration with so much on chip; made when it is first asked for.
@@ -205,12 +222,12 @@ impl Stage {
         let is_checked = making == Making::Checked;
         // A thread that panicked has left the map whole.
         let mut known = gpu.made.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        let key = (source, is_checked);
+        let key = (file.name, source, is_checked);
         if let Some((layout, pipelines)) = known.get(&key).cloned() {
             return Ok(Stage { bindings: file.bindings, layout, pipelines, making });
         }
         let started = Instant::now();
-        let made = gpu.checked(file.name, || Stage::build(&gpu.device, file, &key.0, is_checked))?;
+        let made = gpu.checked(file.name, || Stage::build(&gpu.device, file, &key.1, is_checked))?;
         gpu.making.fetch_add(started.elapsed().as_nanos() as u64, Ordering::Relaxed);
         known.insert(key, made.clone());
         let (layout, pipelines) = made;

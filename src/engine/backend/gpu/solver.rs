@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use foldhash::HashMap;
 use rayon::prelude::*;
 
-use super::batch::{BodyCounts, KernelFacts, adapted, batches};
+use super::batch::{BodyCounts, KernelFacts, adapted, batches, most_bytes};
 use super::context::{GpuDevice, GpuError};
 use super::elimination::{Elimination, KeptWorks};
 use super::front_topology::{FrontTopology, Job};
@@ -118,6 +118,11 @@ impl<'a> GpuCondenser<'a> {
             begun: VecDeque::new(),
             report: GpuReport::default(),
         }
+    }
+
+    /// One of so many that share the device and its memory.
+    pub fn sharing(self, sharing: usize) -> GpuCondenser<'a> {
+        GpuCondenser { elimination: Elimination::with_bytes(most_bytes(sharing)), ..self }
     }
 
     /// Which solves these joints, too, and leaves others to the processor.

@@ -4,7 +4,7 @@
 use super::batch::{ITERATES, OnChip, SOLUTIONS};
 use super::context::GpuError;
 use super::dispatch::{Argument, Dispatch};
-use super::kernels::{Kernels, Stage};
+use super::kernels::{AroundIteration, Kernels, Stage};
 use super::layout::MeshLayout;
 use super::system_layout::{SystemLayout, SystemState};
 use crate::mechanics::solve::refine::RefineSettings;
@@ -12,6 +12,7 @@ use crate::mechanics::solve::refine::RefineSettings;
 /// Systems of a batch on the device: matrices of one sparsity, their iterates, and the compliances of their rings.
 pub struct SystemBatch<'a> {
     kernels: &'a Kernels<'a>,
+    pub(crate) around_iteration: &'a AroundIteration,
     pub(crate) layout: &'a SystemLayout,
     body_count: usize,
     on_chip: OnChip,
@@ -51,17 +52,19 @@ impl<'a> SystemBatch<'a> {
             (layout.unknown_count() as u64, bodies * layout.sliced.columns.len() as u64);
         let empty = |label, bytes| gpu.empty(label, bytes);
         let on_chip = OnChip::fitting(unknowns, &kernels.facts(0.0), &kernels.gpu.facts.limits);
+        let around_iteration = kernels.around_iteration()?;
         kernels.gpu.checked("room for a batch", || {
             let values = empty("values", value_count * wide);
             SystemBatch {
                 kernels,
+                around_iteration,
                 layout,
                 body_count,
                 on_chip,
                 slice_starts: gpu.filled("slice_starts", &layout.sliced.starts),
                 columns: gpu.filled("columns", &layout.sliced.columns),
                 diagonal_places: gpu.filled("diagonal_places", &layout.sliced.diagonal_places),
-                narrowed: match &kernels.narrow {
+                narrowed: match &around_iteration.narrow {
                     Some(_) => empty("narrowed", value_count * real),
                     None => values.clone(),
                 },
@@ -165,7 +168,7 @@ impl<'a> SystemBatch<'a> {
     }
 
     pub(crate) fn rounds(&self, pcg: &Stage, settings: &RefineSettings, step_count: u32) -> Rounds {
-        let Kernels { gpu, narrow, refine, .. } = self.kernels;
+        let (gpu, AroundIteration { narrow, refine, .. }) = (self.kernels.gpu, self.around_iteration);
         let groups = self.block_groups();
         let parameters = gpu.uniform(&self.layout.parameters(settings, step_count));
         let bind = |stage, values, solutions: Option<Argument>| {
@@ -204,7 +207,7 @@ impl<'a> SystemBatch<'a> {
     }
 
     pub(crate) fn condensation(&self) -> Dispatch {
-        let Kernels { gpu, condense, .. } = self.kernels;
+        let (gpu, condense) = (self.kernels.gpu, &self.around_iteration.condense);
         let parameters = gpu.uniform(&self.layout.parameters(&NOTHING_TO_SOLVE, 0));
         let arguments = [
             Argument::whole("parameters", &parameters),

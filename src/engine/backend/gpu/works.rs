@@ -101,7 +101,7 @@ impl SystemBatch<'_> {
     }
 
     pub(crate) fn works_buffer(&self, loads: &ModeLoads) -> Result<WorksBuffer, GpuError> {
-        let Kernels { gpu, precision, works, .. } = self.kernels();
+        let (Kernels { gpu, precision, .. }, works) = (self.kernels(), &self.around_iteration.works);
         let parameters = WorksParameters {
             ring_count: self.layout.ring_count() as u32,
             block_count: self.layout.block_count() as u32,
