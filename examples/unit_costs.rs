@@ -386,7 +386,7 @@ interpolation = "{interpolation}"
 fn run_sweep(study: &Study) {
     let folder = std::env::temp_dir().join(format!("jointsweep-unit-costs-{}", std::process::id()));
     let claim = ResultFolder::of_run(Some(&folder), study).claim("of unit costs").expect("a folder");
-    let conditions = Conditions { gpu: None, threads: 1, started: SystemTime::now() };
+    let conditions = Conditions { gpu: None, threads: 1, started: SystemTime::now(), anew: false };
     let mut recorder = Recorder::new(claim, study, &conditions).expect("a recorder");
     let options = SweepOptions { threads: 1, ..SweepOptions::default() };
     let sinks = recorder.sinks();

@@ -3,7 +3,7 @@
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::context::is_guarded;
 
@@ -27,6 +27,7 @@ mod interrupt;
 mod laws;
 mod materials;
 mod merge;
+mod pace;
 mod pressure;
 mod stresses;
 mod progress;
@@ -117,8 +118,18 @@ enum Ending {
     Interrupted,
 }
 
+/// Values of options may be negative: each says then what is allowed.
+fn parsed() -> Result<Cli, clap::Error> {
+    let negative = |option: Arg| match option.get_long() {
+        Some(_) if option.get_action().takes_values() => option.allow_negative_numbers(true),
+        _ => option,
+    };
+    let command = Cli::command().mut_subcommands(|verb| verb.mut_args(negative));
+    Cli::from_arg_matches(&command.try_get_matches()?)
+}
+
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match parsed() {
         Ok(cli) => cli,
         Err(error) => {
             // Not clap's own 2, which says here that some designs failed.
@@ -182,7 +193,7 @@ fn way_out(error: &Error) -> &'static str {
     match error {
         Error::FolderTaken { .. } => ": name another folder with --out, or overwrite it with --force",
         Error::DamagedShard { .. } => ": run this shard again",
-        Error::CannotGoOn { .. } => ": go on with that program, or begin anew with --again",
+        Error::CannotGoOn { .. } => ": go on with that program on that device, or begin anew with --again",
         Error::FolderInUse { .. } => ": wait for it, or name another folder with --out",
         Error::DesignsInTheWay { .. } | Error::InputInTheWay { .. } => ": name another folder with --out",
         Error::FileTaken { .. } => ": name another file, or overwrite it with --force",

@@ -106,6 +106,9 @@ pub fn calibrate(
             let why = fit.problem.map_or(String::new(), |error| format!(": {error}"));
             return refuse(format!("the config's joint has no answer at the measured points{why}"));
         }
+        Err(NoMinimum::TooFar) => {
+            return refuse("the measured values are too far from those of the config's joint".into());
+        }
         Err(NoMinimum::NotSettled { iterations, inflation }) => {
             let alike: Vec<&str> = unknowns
                 .iter()

@@ -5,7 +5,7 @@ use faer::Mat;
 
 /// Residuals at some values of the unknowns, and their derivatives where they are asked.
 pub trait Problem {
-    /// `None` where there are none.
+    /// `None` where there are none. The sum of their squares must be a number to go on from.
     fn residuals(&mut self, unknowns: &[f64]) -> Option<Vec<f64>>;
 
     /// Columns d residuals/d unknown, at values that have residuals.
@@ -31,6 +31,8 @@ pub struct Minimum {
 pub enum NoMinimum {
     /// No residuals at the start.
     BadStart,
+    /// Residuals there whose squares no number holds.
+    TooFar,
     /// Still falling, or stuck, after so many iterations; with the inflation of each variance where it ended, as far as known.
     NotSettled { iterations: usize, inflation: Vec<f64> },
 }
@@ -52,6 +54,9 @@ const SMALLEST_SHARE: f64 = 1e-10;
 pub fn minimum(problem: &mut impl Problem, start: &[f64]) -> Result<Minimum, NoMinimum> {
     let mut unknowns = start.to_vec();
     let mut residuals = problem.residuals(&unknowns).ok_or(NoMinimum::BadStart)?;
+    if !norm_squared(&residuals).is_finite() {
+        return Err(NoMinimum::TooFar);
+    }
     let mut damping: f64 = 1e-3;
     // Whether the last step has changed the sum by no more than rounding does.
     let mut is_settled = false;
@@ -121,11 +126,12 @@ struct Slope {
 
 impl Slope {
     fn new(columns: &[Vec<f64>], residuals: &[f64]) -> Option<Slope> {
-        let norms: Vec<f64> = columns
-            .iter()
-            .map(|column| norm_squared(column).sqrt())
-            .map(|norm| if norm > 0.0 { norm } else { 1.0 })
-            .collect();
+        let norms = columns.iter().map(|column| norm_squared(column).sqrt());
+        // Of others the decomposition would not end.
+        if !norms.clone().all(f64::is_finite) {
+            return None;
+        }
+        let norms: Vec<f64> = norms.map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect();
         let (rows, count) = (residuals.len(), columns.len());
         let scaled = Mat::from_fn(rows, count, |row, column| columns[column][row] / norms[column]);
         let svd = scaled.thin_svd().ok()?;
@@ -269,6 +275,16 @@ mod tests {
         assert!(minimum.inverse[0][0].is_infinite() && minimum.inverse[1][1].is_infinite());
         assert!((minimum.unknowns[0] + minimum.unknowns[1] - 5.5 / 3.0).abs() < 1e-9);
         assert!(minimum.condition > 1e10);
+    }
+
+    /// Squares that no number holds, of residuals and of derivatives.
+    #[test]
+    fn numbers_that_are_too_large_come_to_an_end() {
+        let far = (0..5).map(|i| (f64::from(i), 4e160)).collect();
+        assert_eq!(minimum(&mut Line(far, false), &[0.0, 0.0]), Err(NoMinimum::TooFar));
+        let steep = (0..5).map(|i| (1e160 * f64::from(i), 1.0)).collect();
+        let error = minimum(&mut Line(steep, false), &[0.0, 0.0]).unwrap_err();
+        assert!(matches!(error, NoMinimum::NotSettled { .. }), "{error:?}");
     }
 
     #[test]

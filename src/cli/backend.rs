@@ -1,6 +1,6 @@
 //! Which device a run is computed on.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use jointsweep::Error;
@@ -60,6 +60,19 @@ pub enum SolverChoice {
     Pcg,
 }
 
+impl BackendArgs {
+    /// What a run was begun with, where nothing else is asked.
+    fn begun_as(self, begun: &Origin) -> BackendArgs {
+        let Some(device) = &begun.adapter else { return BackendArgs { backend: Backend::Cpu, ..self } };
+        BackendArgs {
+            backend: Backend::Gpu,
+            adapter: Some(device.name.clone()),
+            precision: self.precision.or_else(|| PrecisionChoice::from_str(&begun.precision, true).ok()),
+            solver: self.solver.or_else(|| SolverChoice::from_str(&device.solver, true).ok()),
+        }
+    }
+}
+
 /// Refuses what contradicts itself.
 pub fn check(args: &BackendArgs) -> Result<(), Error> {
     let for_gpu = [
@@ -106,8 +119,7 @@ pub fn choose_for_sweep(
         return choose(args, study);
     }
     if let Some(begun) = begun {
-        let backend = if begun.is_of_processor() { Backend::Cpu } else { Backend::Gpu };
-        return choose(&BackendArgs { backend, ..args.clone() }, study);
+        return choose(&args.clone().begun_as(begun), study);
     }
     match clearly_faster(args, study, threads) {
         Ok(chosen) => Ok(chosen),
@@ -164,12 +176,37 @@ pub fn gpu(chosen: &Option<OpenGpu>) -> Option<GpuChoice<'_>> {
     chosen.as_ref().map(OpenGpu::choice)
 }
 
-/// Gives a driver the folder that Mesa's looks for, so that it does not complain of it to the user.
+/// Gives a driver the folder that Mesa's looks for, so that it does not complain of it to the user. Mesa's maps the files where it keeps kernels:
+/// where the disk has no room for these, that would end the process, and it is to keep none.
 pub fn quiet_driver() {
-    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
-        // SAFETY: no other thread runs yet that could read the environment.
-        unsafe { std::env::set_var("XDG_RUNTIME_DIR", std::env::temp_dir()) };
+    let mut settings = vec![("XDG_RUNTIME_DIR", std::env::temp_dir().into_os_string())];
+    if dirs::cache_dir().is_some_and(|folder| is_full(&folder)) {
+        settings.push(("MESA_SHADER_CACHE_DISABLE", "true".into()));
     }
+    for (name, value) in settings {
+        if std::env::var_os(name).is_none() {
+            // SAFETY: no other thread runs yet that could read the environment.
+            unsafe { std::env::set_var(name, value) };
+        }
+    }
+}
+
+/// More than drivers write at a time, bytes.
+#[cfg(unix)]
+const ROOM_FOR_KERNELS: u64 = 64 << 20;
+
+/// Whether the disk of a folder, or of those it would be in, has hardly any room.
+#[cfg(unix)]
+fn is_full(folder: &Path) -> bool {
+    let there = folder.ancestors().find(|folder| folder.is_dir());
+    let disk = there.and_then(|folder| rustix::fs::statvfs(folder).ok());
+    disk.is_some_and(|disk| disk.f_bavail.saturating_mul(disk.f_frsize) < ROOM_FOR_KERNELS)
+}
+
+/// There is no such driver here.
+#[cfg(not(unix))]
+fn is_full(_: &Path) -> bool {
+    false
 }
 
 fn open(choice: AdapterChoice, args: &BackendArgs, accuracy: f64) -> Result<OpenGpu, GpuError> {

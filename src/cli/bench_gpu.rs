@@ -16,6 +16,7 @@ use jointsweep::internals::lab::gpu::figures::{AnswersRow, GpuSweep, PrecisionRo
 use jointsweep::internals::lab::gpu::measure::{KernelTime, SWEEP_ACCURACY, body_kernels, joint_kernel};
 use jointsweep::internals::lab::gpu::measured_sweep::{MeasuredSweep, SWEEPS};
 use jointsweep::internals::lab::gpu::roofline::{Peaks, peaks};
+use jointsweep::internals::output::folder::{GPU_BENCHMARK, Permissions, ResultFolder};
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::design::DesignCase;
 
@@ -40,8 +41,11 @@ pub struct BenchGpuArgs {
     /// Folder of the figures [default: results/<adapter's name>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Overwrite figures of other sizes, or another result
+    #[arg(long)]
+    force: bool,
     /// Time that all of it may take, like 8min or 90s: the most important figures come first, and what there is no time for is left out
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     budget: Option<Duration>,
     /// Threads of the processor [default: all cores]
     #[arg(long, value_name = "N", value_parser = thread_count)]
@@ -141,12 +145,16 @@ pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
     let budget = Budget::new(args.budget.map(|budget| budget.saturating_sub(opened.elapsed())));
     let sweeps = TimedSweeps { gpu: &gpu, threads, budget };
     let bench = Bench { sweeps, effort: Effort::on(gpu.facts.kind, most) };
+    let study = FIRST.study(most, false)?;
+    let out = args.out.clone().unwrap_or_else(|| Path::new("results").join(folder_name(&gpu.facts.name)));
+    let folder = ResultFolder::new(&GPU_BENCHMARK, out);
+    // Times are measured anew.
+    folder.check(&study, Permissions { force: args.force, again: true })?;
     say(&format!("{}, {}", gpu.facts.name, gpu.facts.driver));
 
     // Nothing is written before all precisions have been found right.
     let checks = precisions.iter().map(|precision| bench.check(*precision, precisions.len()));
     let checks = checks.collect::<Result<Vec<Checked>, Error>>()?;
-    let out = args.out.clone().unwrap_or_else(|| Path::new("results").join(folder_name(&gpu.facts.name)));
     let asked = Asked {
         most,
         precisions: precisions.iter().map(|precision| precision.name()).collect(),
@@ -159,12 +167,13 @@ pub fn bench_gpu(args: &BenchGpuArgs) -> Result<Ending, Error> {
         budget_seconds: args.budget.map(|budget| budget.as_secs_f64()),
         remark: bench.effort.remark,
     };
-    let mut files = GpuBenchmark::create(&out, &gpu.facts, asked, &FIRST.study(most, false)?, started)?;
+    let claim = folder.claim("of `jointsweep bench-gpu`")?;
+    let mut files = GpuBenchmark::create(claim, &gpu.facts, asked, &study, started)?;
     match bench.measure(&mut files, &precisions, &checks, best, most) {
         Ok(text) => {
             files.finish()?;
             print(&text)?;
-            say(&format!("the figures are in {}", out.display()));
+            say(&format!("the figures are in {}", folder.dir().display()));
             Ok(Ending::Complete)
         }
         Err(error) => {

@@ -33,7 +33,7 @@ pub struct ExportArgs {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// How far the simulator's own interpolation may be off, relative to the force
-    #[arg(long, value_name = "ERROR", default_value = "0.1 %")]
+    #[arg(long, value_name = "ERROR", default_value = "0.1 %", allow_hyphen_values = true)]
     error: String,
     /// Name of the functions, tables and files
     #[arg(long, value_name = "NAME", default_value = "joint")]
@@ -45,7 +45,7 @@ pub struct ExportArgs {
     #[arg(long, value_name = "V", requires = "restitution", allow_hyphen_values = true)]
     speed: Option<String>,
     /// End of the table, like "0.1 mm" [default: the largest indentation of the designs]
-    #[arg(long, value_name = "INDENTATION")]
+    #[arg(long, value_name = "INDENTATION", allow_hyphen_values = true)]
     up_to: Option<String>,
     /// Take rows that are answered with a remark
     #[arg(long)]

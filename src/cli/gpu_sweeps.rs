@@ -126,7 +126,7 @@ impl TimedSweeps<'_> {
         gpu: Option<GpuChoice>,
     ) -> Result<Option<(f64, Counts)>, Error> {
         let started = Instant::now();
-        let conditions = Conditions { gpu, threads: self.threads, started: SystemTime::now() };
+        let conditions = Conditions { gpu, threads: self.threads, started: SystemTime::now(), anew: false };
         let mut recorder = Recorder::new(folder.claim("of bench-gpu")?, study, &conditions)?;
         let sinks = recorder.sinks();
         let asking = sinks.asking();

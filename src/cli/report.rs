@@ -12,10 +12,13 @@ use jointsweep::internals::output::manifest::Manifest;
 use jointsweep::internals::output::manifest_parts::Shard;
 use jointsweep::internals::output::origin::Origin;
 
+use super::sbatch::shell_word;
+
 /// The most causes of failure that are listed; the table has them all.
 const CAUSES: usize = 10;
 
-pub fn estimate(estimate: &Estimate, table: &Path) -> String {
+/// On a machine of a pace (`pace`).
+pub fn estimate(estimate: &Estimate, pace: f64, table: &Path) -> String {
     let mut text = String::new();
     let mut line = |name, value: String| _ = writeln!(text, "{name:<16}{value}");
     line("designs", estimate.designs.to_string());
@@ -28,7 +31,8 @@ pub fn estimate(estimate: &Estimate, table: &Path) -> String {
         line("refused", format!("{} designs; `jointsweep explain` says why", estimate.refused));
     }
     line("unknowns", estimate.unknowns.to_string());
-    line("core time", format!("about {}, which the threads share", duration(estimate.seconds)));
+    let seconds = duration(pace * estimate.seconds);
+    line("core time", format!("about {seconds} on this machine, which the threads share"));
     line("table", table.display().to_string());
     text
 }
@@ -92,9 +96,10 @@ pub fn summary(manifest: &Manifest, dir: &Path, verbose: bool) -> String {
         _ = writeln!(text, "  {}", dir.join(name).display());
     }
     if counts.forces_n.is_some() {
-        let dir = dir.display();
+        let dir = shell_word(&dir.display().to_string());
         _ = writeln!(text, "next:\n  jointsweep report {dir}    a page to look at");
-        if manifest.file_names().any(|name| TABLES.contains(&name)) {
+        // Others would be refused.
+        if ok == counts.rows && manifest.file_names().any(|name| TABLES.contains(&name)) {
             let design = if counts.designs > 1 { " --design 0" } else { "" };
             _ = writeln!(text, "  jointsweep export {dir}{design} --to python    a table for a simulator");
         }
@@ -141,7 +146,8 @@ pub fn already_done(origin: &Origin, table: &Path) -> String {
         None => format!("version {}", origin.version),
     };
     format!(
-        "already complete, nothing to do: the same config was run before (by {by}); --again makes it anew\n{}\n",
+        "already complete, nothing to do: the same config was run before (by {by}, on {}); --again makes it anew\n{}\n",
+        origin.computed_by,
         table.display()
     )
 }

@@ -15,8 +15,8 @@ pub struct ReportArgs {
     /// Folder of a finished run
     #[arg(value_name = "DIR")]
     dir: PathBuf,
-    /// Draw the curves of these designs, by their numbers in the table [default: a handful spread over the sweep]
-    #[arg(long, value_name = "N", num_args = 1..)]
+    /// Draw the curve of this design, by its number in the table; may be repeated [default: a handful spread over the sweep]
+    #[arg(long, value_name = "N")]
     design: Vec<u64>,
     /// The page [default: DIR/report.html]
     #[arg(long, value_name = "FILE")]

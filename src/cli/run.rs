@@ -20,6 +20,7 @@ use jointsweep::internals::study::config::Study;
 use super::arguments::{SettingArgs, thread_count, threads};
 use super::backend::BackendArgs;
 use super::interrupt::Interrupt;
+use super::pace::pace;
 use super::progress::Progress;
 use super::{Ending, backend, print, report, retry, say, shard};
 
@@ -40,7 +41,8 @@ pub struct RunArgs {
     /// Overwrite the result of another config
     #[arg(long)]
     pub force: bool,
-    /// Begin anew where the config was run before; a complete result stays until the new one is
+    /// Begin anew where the config was run before; a complete result stays until the new one is. What was begun so and interrupted goes
+    /// on, with --force it begins anew, too
     #[arg(long)]
     pub again: bool,
     /// Solve only one of N parts of the sweep, of about the same cost, into one file of the folder; `merge` puts them together
@@ -69,7 +71,7 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
         return shard::run(args, &study, part, started);
     }
     if args.dry_run {
-        print(&report::estimate(&cost::estimate(&study)?, &folder.table(&study)))?;
+        print(&report::estimate(&cost::estimate(&study)?, pace()?, &folder.table(&study)))?;
         return Ok(Ending::Complete);
     }
     if args.retry_failed {
@@ -98,7 +100,7 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
         Verdict::Begun(origin) => Some(origin),
         Verdict::ToDo => None,
     };
-    let conditions = Conditions { gpu, threads, started };
+    let conditions = Conditions { gpu, threads, started, anew: args.again };
     let mut recorder = Recorder::new(claim, &study, &conditions)?;
     if let Some(begun) = begun {
         go_on(args, &mut recorder, &begun)?;
@@ -168,7 +170,11 @@ pub fn record(
 /// Goes on where a run before has stopped, and says so.
 pub fn go_on(args: &RunArgs, recorder: &mut Recorder, begun: &Origin) -> Result<(), Error> {
     let asked = recorder.designs_left();
-    let damage = recorder.go_on(begun)?;
+    let damage = match recorder.go_on(begun) {
+        // What cannot go on begins anew, as was asked.
+        Err(Error::CannotGoOn { .. }) if args.again => None,
+        damage => damage?,
+    };
     if !args.quiet {
         let done = recorder.designs_left().start - asked.start;
         say(&report::going_on(done, asked.end - asked.start, damage.as_deref()));

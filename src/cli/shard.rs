@@ -12,6 +12,7 @@ use jointsweep::internals::output::manifest_parts::Shard;
 use jointsweep::internals::output::origin::{Inputs, Origin};
 use jointsweep::internals::output::recorder::Recorder;
 use jointsweep::internals::output::shard::{MOST_SHARDS, ShardFile};
+use jointsweep::internals::output::survey::stranger;
 use jointsweep::internals::output::table_sink::cut;
 use jointsweep::internals::study::config::Study;
 
@@ -64,9 +65,13 @@ pub fn run(args: &RunArgs, study: &Study, part: Part, started: SystemTime) -> Re
         remove_rest(&shard.folder(dir))?;
         return already_done(args, &shard.file(dir), &origin);
     }
+    let stranger = if args.force { None } else { stranger(dir, &Inputs::of(study), of) };
+    if let Some(occupant) = stranger {
+        return Err(Error::FolderTaken { dir: dir.into(), occupant });
+    }
     let chosen = backend::choose(&args.backend, study)?;
     let gpu = backend::gpu(&chosen);
-    let conditions = Conditions { gpu, threads: threads(args.threads), started };
+    let conditions = Conditions { gpu, threads: threads(args.threads), started, anew: args.again };
     let mut claim = claim(args, &shard.folder(dir))?;
     // While this one waited another may have made it.
     if let Some(origin) = complete(study, &shard, dir, permissions)? {

@@ -20,7 +20,7 @@ pub struct StressesArgs {
     #[arg(long, value_name = "N", default_value = "91", value_parser = clap::value_parser!(u16).range(3..=10_000))]
     points: u16,
     /// Stresses below the contact, too, where they are often greatest: at this depth, such as "0.1 mm"; may be repeated
-    #[arg(long, value_name = "LENGTH", value_parser = depth)]
+    #[arg(long, value_name = "LENGTH", value_parser = depth, allow_hyphen_values = true)]
     depth: Vec<f64>,
 }
 

@@ -58,6 +58,10 @@ pub static TRADEOFF: Contents =
     Contents { command: Some("tradeoff"), files: &["tradeoff.csv", "front.csv", "tradeoff.svg"] };
 pub static CALIBRATION: Contents =
     Contents { command: Some("calibrate"), files: &["calibration.csv", "residuals.csv", "residuals.svg"] };
+pub static GPU_BENCHMARK: Contents = Contents {
+    command: Some("bench-gpu"),
+    files: &["precisions.csv", "scaling.csv", "answers.csv", "kernels.csv", "peaks.csv"],
+};
 pub static SENSITIVITY: Contents =
     Contents { command: Some("sensitivity"), files: &["sensitivity.csv", "sensitivity.svg"] };
 
@@ -66,7 +70,7 @@ pub static SENSITIVITY: Contents =
 pub struct Permissions {
     /// The result of another config, or files that nobody vouches for.
     pub force: bool,
-    /// A result of the same config, finished or not.
+    /// A result of the same config, finished or not; what was begun in its place goes on, unless `force` is given, too.
     pub again: bool,
 }
 
@@ -121,11 +125,17 @@ impl ResultFolder {
             (Occupant::Other(occupant), _) | (_, Occupant::Other(occupant)) if !permissions.force => {
                 Err(taken(occupant))
             }
+            (_, Occupant::Same(origin)) if permissions.again && origin.begun_anew && !permissions.force => {
+                Ok(Verdict::Begun(origin))
+            }
             (_, _) if permissions.again => Ok(Verdict::ToDo),
             (Occupant::Same(origin), _) => match self.changed(&origin) {
                 None => Ok(Verdict::Done(origin)),
                 Some(_) if permissions.force => Ok(Verdict::ToDo),
-                Some(file) => Err(taken(format!("a {file} that was changed after it was written"))),
+                Some(file) if self.dir.join(&file).exists() => {
+                    Err(taken(format!("a {file} that was changed after it was written")))
+                }
+                Some(file) => Err(taken(format!("a result whose {file} is missing"))),
             },
             (_, Occupant::Same(origin)) => Ok(Verdict::Begun(origin)),
             _ => Ok(Verdict::ToDo),
@@ -160,7 +170,7 @@ impl ResultFolder {
             Err(source) => return Err(Error::Io { action: "read", path: manifest.into(), source }),
         };
         Ok(match Origin::of(&text) {
-            None => Occupant::Other(format!("a {MANIFEST} of another program")),
+            None => Occupant::Other(format!("a {MANIFEST} that {}", Origin::complaint(&text))),
             Some(origin) if origin.command.as_deref() != self.contents.command => {
                 let command = origin.command.as_deref().unwrap_or("run");
                 Occupant::Other(format!("the result of `jointsweep {command}` for {}", origin.inputs.path))

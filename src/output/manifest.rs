@@ -25,6 +25,8 @@ pub struct Conditions<'a> {
     pub gpu: Option<GpuChoice<'a>>,
     pub threads: usize,
     pub started: SystemTime,
+    /// Whether it was to begin anew where the study was run before.
+    pub anew: bool,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -32,6 +34,9 @@ pub struct Manifest {
     #[serde(flatten)]
     program: Program,
     pub state: State,
+    /// Whether an unfinished run was to begin anew: then it goes on when it is to do so once more.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    begun_anew: bool,
     /// Why, when the run failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
@@ -103,6 +108,7 @@ impl Manifest {
         Manifest {
             program: Program::CURRENT,
             state: State::Incomplete,
+            begun_anew: conditions.anew,
             error: None,
             title: study.title().to_string(),
             part: None,
@@ -140,6 +146,11 @@ impl Manifest {
             started: conditions.started,
             before: Spent::default(),
         }
+    }
+
+    /// Says that the run went to its end.
+    pub fn complete(&mut self) {
+        (self.state, self.begun_anew) = (State::Complete, false);
     }
 
     /// Of one part of the study.

@@ -36,7 +36,8 @@ pub struct Adapter {
     pub name: String,
     pub kind: String,
     pub driver: String,
-    /// How it condenses bodies.
+    /// How it condenses bodies; benchmarks do not say.
+    #[serde(default)]
     pub solver: String,
 }
 

@@ -40,6 +40,8 @@ pub struct Origin {
     pub command: Option<String>,
     /// Only runs say.
     pub state: Option<State>,
+    /// Whether an unfinished run was to begin anew.
+    pub begun_anew: bool,
     pub version: String,
     pub commit: Option<String>,
     /// What was made, by name.
@@ -54,6 +56,9 @@ pub struct Origin {
     pub constants: Vec<(String, String)>,
     /// As `Manifest::computed_by` says it.
     pub computed_by: String,
+    /// The device that was asked, if one was, and the numbers it computed in.
+    pub adapter: Option<Adapter>,
+    pub precision: String,
     pub started_utc: String,
     pub starts: u64,
     pub spent: Spent,
@@ -68,6 +73,8 @@ struct Saved {
     commit: Option<String>,
     command: Option<String>,
     state: Option<State>,
+    #[serde(default)]
+    begun_anew: bool,
     part: Option<Shard>,
     #[serde(default)]
     header_bytes: Vec<u64>,
@@ -97,11 +104,6 @@ struct Saved {
 }
 
 impl Origin {
-    /// Whether no device has a part in it.
-    pub fn is_of_processor(&self) -> bool {
-        self.computed_by == computed_by(None, "")
-    }
-
     /// Reads a manifest; `None` where it is none of this program's.
     pub fn of(manifest: &str) -> Option<Origin> {
         let saved: Saved = serde_json::from_str(manifest).ok()?;
@@ -114,6 +116,8 @@ impl Origin {
         Some(Origin {
             constants: saved.constants.into_iter().map(|(name, value)| (name, cell(value))).collect(),
             computed_by: computed_by(saved.adapter.as_ref(), &saved.precision),
+            adapter: saved.adapter,
+            precision: saved.precision,
             part: saved.part.map(|part| (part, saved.header_bytes)),
             inputs: Inputs {
                 path: saved.config.path,
@@ -122,6 +126,7 @@ impl Origin {
             },
             command: saved.command,
             state: saved.state,
+            begun_anew: saved.begun_anew,
             version: saved.version,
             commit: saved.commit,
             files: saved.files.into_iter().filter_map(named).collect(),
@@ -134,6 +139,14 @@ impl Origin {
             spent: Spent { wall_seconds: saved.wall_seconds, processor_seconds: saved.processor_seconds },
             stage_seconds: saved.stage_seconds,
         })
+    }
+
+    /// What is wrong with a manifest that cannot be read.
+    pub fn complaint(manifest: &str) -> &'static str {
+        match serde_json::from_str::<serde_json::Value>(manifest) {
+            Ok(_) => "is of another program",
+            Err(_) => "is damaged",
+        }
     }
 
     /// What has made it, as `Program::in_words` says it.

@@ -231,7 +231,7 @@ impl Recorder {
                 }
                 self.manifest.remarks = answers.remarks();
             }
-            self.manifest.state = State::Complete;
+            self.manifest.complete();
         }
         // A shard is complete in its own file alone: one that is killed before it has it goes on, with no designs left.
         self.mark()
@@ -240,7 +240,7 @@ impl Recorder {
     /// Gives what is complete its own name.
     fn publish(&mut self) -> Result<(), Error> {
         let Some((_, to)) = &self.shard else { return self.claim.publish() };
-        self.manifest.state = State::Complete;
+        self.manifest.complete();
         let mut tables: Vec<PathBuf> =
             self.files.iter().map(|file| self.claim.partial(file.name())).collect();
         if tables.is_empty() {

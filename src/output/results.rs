@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::engine::status::Remark;
 use crate::error::{Error, quoted};
-use crate::output::folder::{MANIFEST, TABLE, TABLE_PARQUET, TABLE_ZST, TABLES};
+use crate::output::folder::{MANIFEST, TABLE, TABLE_PARQUET, TABLE_ZST, TABLES, partial};
 use crate::output::manifest_parts::State;
 use crate::output::origin::Origin;
 use crate::output::{parquet_text, zst_table};
@@ -60,14 +60,17 @@ impl Results {
         let manifest = match std::fs::read(&path) {
             Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
             Err(_) if !path.exists() => {
-                let problem = format!("there is no {MANIFEST}: `jointsweep run` makes results");
+                let problem = match partial(&path).exists() {
+                    true => "its run is unfinished: the same `jointsweep run` goes on with it".into(),
+                    false => format!("there is no {MANIFEST}: `jointsweep run` makes results"),
+                };
                 return Err(Error::NoResult { dir: dir.into(), problem });
             }
             Err(source) => return Err(Error::Io { action: "read", path, source }),
         };
         let refuse = |problem: String| Err(Error::NoResult { dir: dir.into(), problem });
         let Some(origin) = Origin::of(&manifest) else {
-            return refuse(format!("its {MANIFEST} is of another program"));
+            return refuse(format!("its {MANIFEST} {}", Origin::complaint(&manifest)));
         };
         if let Some(command) = &origin.command {
             return refuse(format!("it holds what `jointsweep {command}` makes, not `jointsweep run`"));

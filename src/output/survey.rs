@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::Error;
+use crate::output::origin::Inputs;
 use crate::output::shard::{MOST_SHARDS, ShardFile, file_name, numbers};
 
 /// How far the shards of a sweep are.
@@ -59,6 +60,22 @@ pub fn survey(dir: &Path, take: &mut dyn FnMut(ShardFile)) -> Result<Survey, Err
     let is_missing = |shard: &u64| survey.missing.binary_search(shard).is_ok();
     survey.started = folders.into_iter().map(|(shard, _)| shard).filter(is_missing).collect();
     Ok(survey)
+}
+
+/// A complete shard that cannot be put together with one of these inputs and of so many, as far as names and one of the others tell; in words.
+pub fn stranger(dir: &Path, inputs: &Inputs, of: u64) -> Option<String> {
+    let entries = std::fs::read_dir(dir).ok()?;
+    let names = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok());
+    let shards: Vec<(String, u64)> =
+        names.filter_map(|name| numbers(&name, ".shard").map(|(_, of)| (name, of))).collect();
+    if let Some((name, others)) = shards.iter().find(|(_, others)| *others != of) {
+        return Some(format!("{name}, a shard of a sweep in {others}, not in {of}"));
+    }
+    // Who has put the others there has compared them.
+    let (name, file) =
+        shards.iter().find_map(|(name, _)| Some((name, ShardFile::open(&dir.join(name)).ok()?)))?;
+    let is_stranger = file.origin.inputs != *inputs;
+    is_stranger.then(|| format!("{name}, a shard of another config ({})", file.origin.inputs.path))
 }
 
 /// "3-5,9", of numbers in their order.

@@ -125,6 +125,36 @@ fn every_file_is_there_and_its_figures_are_sane() {
     assert_eq!(iterations.iter().filter(|cell| cell.is_empty()).count(), expected.len() - 1);
 }
 
+/// A run's result is not lost to a benchmark, nor are the figures of one to another of other sizes.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_benchmark_destroys_nothing() {
+    let work = Workdir::new("bench-gpu-folder");
+    let bench = |most: &'static str, folder: &'static str| {
+        let short = ["bench-gpu", "--adapter", "", "--precision", "f32", "--budget", "0.01 s"];
+        [&short[..], &["--most", most, "--out", folder]].concat()
+    };
+    work.write("small.toml", &crate::SMALL);
+    work.run(&["run", "small.toml", "--out", "result"]).expect(0);
+    let before = (work.files(), work.read("result/manifest.json"));
+    let refused = work.run(&bench("10", "result")).expect(1);
+    assert!(refused.stderr.contains("result holds the result of `jointsweep run`"), "{}", refused.stderr);
+    assert_eq!((work.files(), work.read("result/manifest.json")), before);
+
+    work.run(&bench("10", "figures")).expect(0);
+    let manifest = work.read("figures/manifest.json");
+    let refused = work.run(&bench("20", "figures")).expect(1);
+    assert!(refused.stderr.contains("--force"), "{}", refused.stderr);
+    assert_eq!(work.read("figures/manifest.json"), manifest);
+    // The same benchmark takes the place of the one before, files that it has no time for included.
+    work.write("figures/scaling.csv", "of the one before");
+    work.run(&bench("10", "figures")).expect(0);
+    assert_ne!(work.read("figures/manifest.json"), manifest);
+    assert!(!work.path("figures/scaling.csv").exists());
+    work.run(&[&bench("20", "figures")[..], &["--force"]].concat()).expect(0);
+    assert_eq!(work.json("figures/manifest.json")["asked"]["most"], 20);
+}
+
 /// What there is no time for is left out and named; the check never is.
 #[test]
 #[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]

@@ -188,6 +188,32 @@ fn a_finished_result_is_not_made_again_unless_asked() {
     );
 }
 
+/// What is wrong with a result is said as it is.
+#[test]
+fn a_damaged_or_unfinished_result_is_told_from_others() {
+    let work = small("damaged");
+    work.run(&["run", "small.toml"]).expect(0);
+    let manifest = work.read("out/small/manifest.json");
+    let refused = |arguments: &[&str], told: &str| {
+        let refused = work.run(arguments).expect(1).stderr;
+        assert!(refused.contains(told), "{arguments:?}: {refused}");
+    };
+    for damaged in ["", "nonsense", &manifest[..manifest.len() / 2]] {
+        work.write("out/small/manifest.json", damaged);
+        refused(&["run", "small.toml"], "out/small holds a manifest.json that is damaged");
+        refused(&["report", "out/small"], "its manifest.json is damaged");
+    }
+    work.write("out/small/manifest.json", "{\"name\": \"something else\"}");
+    refused(&["run", "small.toml"], "out/small holds a manifest.json that is of another program");
+    refused(&["report", "out/small"], "its manifest.json is of another program");
+    work.write("out/small/manifest.json", &manifest);
+    std::fs::rename(work.path("out/small/table.csv"), work.path("table.csv")).unwrap();
+    refused(&["run", "small.toml"], "out/small holds a result whose table.csv is missing");
+    std::fs::rename(work.path("out/small/manifest.json"), work.path("out/small/manifest.json.partial"))
+        .unwrap();
+    refused(&["report", "out/small"], "its run is unfinished");
+}
+
 /// A list that was changed is another list, whatever its name.
 #[test]
 fn a_changed_list_of_designs_is_another_config() {
@@ -334,6 +360,10 @@ fn a_bad_command_line_exits_with_1_and_help_with_0() {
         (&["bench", "small.toml", "--runs", "0"], of_counts),
         (&["bench-gpu", "--most", "many"], of_counts),
         (&["tradeoff", "small.toml", "--designs", "0"], of_counts),
+        (&["run", "small.toml", "--threads", "-1"], of_threads),
+        (&["tradeoff", "small.toml", "--designs", "-3"], of_counts),
+        (&["bench-gpu", "--most", "-1"], of_counts),
+        (&["stresses", "small.toml", "--design", "0", "--depth", "-1 mm"], "must be above 0"),
     ] {
         let refused = work.run(arguments).expect(1);
         let is_told = refused.stderr.starts_with("error: ") && refused.stderr.contains(reason);

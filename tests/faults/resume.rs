@@ -157,6 +157,33 @@ fn a_run_that_was_killed_before_its_first_mark_is_no_damage() {
     work.run(&["run", "sweep.toml", "--out", "result"]).expect(1);
 }
 
+/// What a run was begun with, a device of a name and its numbers, it goes on with where nothing else is asked.
+#[test]
+#[cfg_attr(not(vulkan_driver), ignore = "no Vulkan driver here")]
+fn a_run_goes_on_with_the_device_that_it_was_begun_with() {
+    let work = Workdir::new("resume-device");
+    work.write("sweep.toml", &config(30));
+    let on_device =
+        ["run", "sweep.toml", "--out", "result", "--adapter", "", "--precision", "f32", "--solver", "pcg"];
+    work.run(&on_device).expect(0);
+    let complete = work.json("result/manifest.json");
+    let mut manifest = complete.clone();
+    (manifest["files"], manifest["state"]) = (serde_json::json!([]), "incomplete".into());
+    for name in ["designs", "rows"] {
+        manifest["counts"][name] = 0.into();
+    }
+    std::fs::remove_dir_all(work.path("result")).unwrap();
+    std::fs::create_dir(work.path("result")).unwrap();
+    work.write("result/manifest.json.partial", &manifest.to_string());
+    let other = work.run(&["run", "sweep.toml", "--out", "result", "--backend", "cpu"]).expect(1);
+    assert!(other.stderr.contains("go on with that program on that device"), "{}", other.stderr);
+    work.run(&["run", "sweep.toml", "--out", "result"]).expect(0);
+    let found = work.json("result/manifest.json");
+    let of = |manifest: &serde_json::Value| ["adapter", "precision"].map(|name| manifest[name].clone());
+    assert_eq!(of(&found), of(&complete));
+    assert_eq!((&found["adapter"]["solver"], &found["precision"]), (&"pcg".into(), &"f32".into()));
+}
+
 /// When the machine goes down, what was last written may be lost: the manifest of a safer moment tells where to go on.
 #[test]
 fn rows_that_never_reached_the_disk_are_made_again_from_the_last_safe_moment_on() {

@@ -103,6 +103,20 @@ fn a_merge_says_what_is_missing_or_damaged_and_writes_nothing() {
     assert!(work.read("shards/table.csv") == table);
 }
 
+/// Before it is solved, not when hours later all are put together.
+#[test]
+fn a_shard_beside_those_of_another_sweep_is_refused() {
+    let work = Workdir::new("shards-beside");
+    sweep(&work, 90);
+    shard(&work, 1, &[]);
+    work.write("other.toml", &config(95));
+    let of_other = ["run", "other.toml", "--out", "shards", "--shard", "2/5"];
+    let ended = work.run(&of_other).expect(1);
+    assert!(ended.stderr.contains("a shard of another config (sweep.toml)"), "{}", ended.stderr);
+    assert!(!work.path("shards/shard-2-of-5.shard").exists());
+    shard(&work, 2, &[]);
+}
+
 #[test]
 fn shards_of_different_sweeps_are_not_mixed() {
     let work = Workdir::new("shards-other");
@@ -116,7 +130,10 @@ fn shards_of_different_sweeps_are_not_mixed() {
     let ended = work.run(&["merge", "shards"]).expect(1);
     assert!(ended.stderr.contains("are of different configs: sweep.toml and other.toml"), "{}", ended.stderr);
     // Another count of shards.
-    let ended = work.run(&["run", "sweep.toml", "--out", "shards", "--shard", "2/7"]);
+    let sevenths = ["run", "sweep.toml", "--out", "shards", "--shard", "2/7"];
+    let ended = work.run(&sevenths).expect(1);
+    assert!(ended.stderr.contains("a shard of a sweep in 5, not in 7"), "{}", ended.stderr);
+    let ended = work.run(&[&sevenths[..], &["--force"]].concat());
     assert!(matches!(ended.code, Some(0 | 2)), "{}", ended.stderr);
     let ended = work.run(&["merge", "shards"]).expect(1);
     assert!(ended.stderr.contains("there are shards of 5 and shards of 7"), "{}", ended.stderr);

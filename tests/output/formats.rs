@@ -64,7 +64,12 @@ fn study_of(work: &Workdir, config: &str, output: &str) -> Study {
 
 fn recorder(work: &Workdir, study: &Study, folder: &str) -> Recorder {
     let claim = ResultFolder::of_run(Some(&work.path(folder)), study).claim("of a test").unwrap();
-    Recorder::new(claim, study, &Conditions { gpu: None, threads: 1, started: SystemTime::now() }).unwrap()
+    Recorder::new(
+        claim,
+        study,
+        &Conditions { gpu: None, threads: 1, started: SystemTime::now(), anew: false },
+    )
+    .unwrap()
 }
 
 /// The portions of a sweep.

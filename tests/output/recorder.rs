@@ -19,10 +19,15 @@ fn config() -> String {
 }
 
 fn recorder(work: &Workdir, folder: &str) -> (Study, Recorder) {
+    recorder_that(work, folder, false)
+}
+
+/// One that begins `anew`, or not.
+fn recorder_that(work: &Workdir, folder: &str, anew: bool) -> (Study, Recorder) {
     work.write("study.toml", &config());
     let study = Study::load(&work.path("study.toml")).unwrap();
     let claim = ResultFolder::of_run(Some(&work.path(folder)), &study).claim("of a test").unwrap();
-    let conditions = Conditions { gpu: None, threads: 1, started: SystemTime::now() };
+    let conditions = Conditions { gpu: None, threads: 1, started: SystemTime::now(), anew };
     let recorder = Recorder::new(claim, &study, &conditions).unwrap();
     (study, recorder)
 }
@@ -82,6 +87,36 @@ fn an_earlier_result_stays_until_the_new_one_is_whole() {
     let again = complete(&work, "result");
     assert_eq!(again.0, first.0);
     assert_eq!(work.files(), ["result/laws.csv", "result/manifest.json", "result/table.csv", "study.toml"]);
+}
+
+/// The same command goes on, also where it is to begin anew what was run before; what any other run has left begins anew then.
+#[test]
+fn what_was_begun_anew_and_interrupted_goes_on() {
+    let work = Workdir::new("anew");
+    let (table, _) = complete(&work, "result");
+    let study = Study::load(&work.path("study.toml")).unwrap();
+    let folder = ResultFolder::of_run(Some(&work.path("result")), &study);
+    let verdict = |force, again| folder.check(&study, Permissions { force, again }).unwrap();
+    let interrupted = |anew| {
+        let (study, mut recorder) = recorder_that(&work, "result", anew);
+        write(&mut recorder, outcomes(&study).remove(0));
+        recorder.interrupt(None).unwrap();
+    };
+    interrupted(false);
+    assert!(matches!(verdict(false, true), Verdict::ToDo));
+    interrupted(true);
+    let Verdict::Begun(begun) = verdict(false, true) else { panic!("it does not go on") };
+    assert!(matches!(verdict(true, true), Verdict::ToDo));
+    // The complete result is still there, and still is one.
+    assert!(matches!(verdict(false, false), Verdict::Done(_)));
+    let (study, mut recorder) = recorder_that(&work, "result", true);
+    recorder.go_on(&begun).unwrap();
+    assert_eq!(recorder.designs_left(), 1..3);
+    outcomes(&study).into_iter().skip(1).for_each(|outcome| write(&mut recorder, outcome));
+    recorder.finish(&Default::default()).unwrap();
+    assert_eq!(work.read("result/table.csv"), table);
+    assert!(!work.read("result/manifest.json").contains("begun_anew"));
+    assert!(matches!(verdict(false, true), Verdict::ToDo));
 }
 
 /// The partial files that a process leaves when it is killed between its renames, in every state of them.

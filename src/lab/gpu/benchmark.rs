@@ -1,6 +1,5 @@
 //! What a GPU was measured to do: `precisions.csv`, `scaling.csv`, `answers.csv`, `kernels.csv` and `peaks.csv`, with `manifest.json`.
 
-use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use serde::Serialize;
@@ -13,13 +12,14 @@ use crate::lab::gpu::figures::{
 };
 use crate::lab::gpu::measure::KernelTime;
 use crate::lab::gpu::roofline::Peaks;
+use crate::output::claim::Claim;
+use crate::output::folder::MANIFEST;
 use crate::output::host::{Host, Program, seconds_since, utc};
 use crate::output::manifest;
-use crate::output::manifest_parts::{Config, State};
-use crate::output::whole_file;
+use crate::output::manifest_parts::{Config, FileEntry, State};
+use crate::output::texts;
 use crate::study::config::Study;
 
-pub const MANIFEST: &str = "manifest.json";
 pub const PRECISIONS: &str = "precisions.csv";
 pub const SCALING: &str = "scaling.csv";
 pub const ANSWERS: &str = "answers.csv";
@@ -108,6 +108,7 @@ struct Manifest {
     #[serde(flatten)]
     program: Program,
     state: State,
+    command: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
     adapter: Adapter,
@@ -115,6 +116,8 @@ struct Manifest {
     workgroup_size: u32,
     asked: Asked,
     config: Config,
+    inputs: Vec<FileEntry>,
+    files: Vec<FileEntry>,
     /// What was left out, and why.
     remarks: Vec<String>,
     started_utc: String,
@@ -122,40 +125,41 @@ struct Manifest {
     host: Host,
 }
 
-/// The folder of a benchmark. Each file is written when its figures are complete; the manifest says whether all are there.
+/// The folder of a benchmark. Each file is written when its figures are complete, and has its own name when all are: what was there before stays
+/// until then.
 pub struct GpuBenchmark {
-    dir: PathBuf,
+    claim: Claim,
     manifest: Manifest,
     started: SystemTime,
 }
 
 impl GpuBenchmark {
-    /// Empties `dir` of the figures of an earlier benchmark.
+    /// In a folder that is this process's own, whose unfinished benchmark is gone then.
     pub fn create(
-        dir: &Path,
+        claim: Claim,
         facts: &AdapterFacts,
         asked: Asked,
         study: &Study,
         started: SystemTime,
     ) -> Result<GpuBenchmark, Error> {
-        whole_file::create_dir(dir)?;
-        for name in [PRECISIONS, SCALING, KERNELS, PEAKS] {
-            let _ = std::fs::remove_file(dir.join(name));
-        }
+        claim.remove_others(std::iter::empty())?;
         let manifest = Manifest {
             program: Program::CURRENT,
             state: State::Incomplete,
+            command: "bench-gpu",
             error: None,
             adapter: Adapter::of(facts),
             workgroup_size: INVOCATIONS,
             asked,
             config: Config::of(study),
+            inputs: FileEntry::inputs(study),
+            files: Vec::new(),
             remarks: Vec::new(),
             started_utc: utc(started),
             wall_seconds: 0.0,
             host: Host::current(),
         };
-        let mut benchmark = GpuBenchmark { dir: dir.into(), manifest, started };
+        let mut benchmark = GpuBenchmark { claim, manifest, started };
         benchmark.save_manifest()?;
         Ok(benchmark)
     }
@@ -165,29 +169,30 @@ impl GpuBenchmark {
     }
 
     pub fn save_precisions(&mut self, rows: &[PrecisionRow]) -> Result<(), Error> {
-        self.save(PRECISIONS, &precisions(rows))
+        self.save(PRECISIONS, precisions(rows))
     }
 
     pub fn save_scaling(&mut self, rows: &[ScalingRow]) -> Result<(), Error> {
-        self.save(SCALING, &scaling(rows))
+        self.save(SCALING, scaling(rows))
     }
 
     pub fn save_answers(&mut self, rows: &[AnswersRow]) -> Result<(), Error> {
-        self.save(ANSWERS, &answers(rows))
+        self.save(ANSWERS, answers(rows))
     }
 
     pub fn save_kernels(&mut self, times: &[KernelTime], peaks: &[Peaks]) -> Result<(), Error> {
-        self.save(KERNELS, &kernels(times, peaks))
+        self.save(KERNELS, kernels(times, peaks))
     }
 
     pub fn save_peaks(&mut self, rows: &[Peaks]) -> Result<(), Error> {
-        self.save(PEAKS, &peaks(rows))
+        self.save(PEAKS, peaks(rows))
     }
 
-    /// All figures are there.
+    /// All figures are there that there was time for.
     pub fn finish(mut self) -> Result<(), Error> {
         self.manifest.state = State::Complete;
-        self.save_manifest()
+        self.save_manifest()?;
+        self.claim.publish()
     }
 
     /// An error ended the benchmark; the files that are there are whole.
@@ -198,14 +203,15 @@ impl GpuBenchmark {
         let _ = self.save_manifest();
     }
 
-    fn save(&mut self, name: &str, text: &str) -> Result<(), Error> {
-        let path = self.dir.join(name);
-        std::fs::write(&path, text).map_err(|source| Error::Io { action: "write", path, source })?;
+    fn save(&mut self, name: &str, text: String) -> Result<(), Error> {
+        let files = texts::write(&self.claim, [(name, text)])?;
+        self.manifest.files.retain(|file| file.path != name);
+        self.manifest.files.extend(files);
         self.save_manifest()
     }
 
     fn save_manifest(&mut self) -> Result<(), Error> {
         self.manifest.wall_seconds = seconds_since(self.started);
-        manifest::write(&self.manifest, &self.dir.join(MANIFEST))
+        manifest::write(&self.manifest, &self.claim.partial(MANIFEST))
     }
 }

@@ -152,6 +152,12 @@ fn check(request: &Request) -> Result<(), Error> {
         );
         return refuse("name", problem);
     }
+    if format.reserved.contains(&name.as_str()) {
+        return refuse(
+            "name",
+            format!("`{name}` is a word of the language of `{}`: take another", format.name),
+        );
+    }
     if !(*error >= LEAST_ERROR && *error < 1.0) {
         return refuse("error", format!("{error}: must be at least {LEAST_ERROR} and below 1 (100 %)"));
     }

@@ -97,7 +97,7 @@ pub fn answer_keys() -> [ConfigKey; 13] {
             "\"log\"",
         )
         .default("\"linear\""),
-        limit("from", "where the first bin begins", "\"1 MPa\"", "the smallest value"),
-        limit("to", "where the last bin ends", "\"1 GPa\"", "the largest value"),
+        limit("from", "where the first bin begins, beside `to`", "\"1 MPa\"", "the smallest value"),
+        limit("to", "where the last bin ends, beside `from`", "\"1 GPa\"", "the largest value"),
     ]
 }

@@ -48,6 +48,10 @@ fn what_is_asked_wrongly_is_told() {
             &["--name: `"],
         );
     }
+    for (format, word) in [("python", "class"), ("modelica", "end"), ("simscape", "function")] {
+        let said = format!("--name: `{word}` is a word of the language of `{format}`");
+        refused(&work, &with(&["--to", format, "--name", word]), &[&said]);
+    }
     for (error, said) in
         [("0", "at least"), ("-1 %", ""), ("100 %", "below 1"), ("x", "--error"), ("nan", "at least")]
     {
