@@ -43,9 +43,11 @@ impl Setting {
         self.keys.join(".")
     }
 
-    /// Puts the value in the place of what the document has there; tables that are missing are made.
-    pub fn apply(&self, document: &mut DocumentMut) -> Result<(), Error> {
+    /// Puts the value in the place of what the document has there; tables that are missing are made. Returns the dotted key of what was not
+    /// there before, be it a table or the value, or of the value that was.
+    pub fn apply(&self, document: &mut DocumentMut) -> Result<String, Error> {
         let (last, above) = self.keys.split_last().expect("a setting has a key");
+        let mut made = None;
         let mut table: &mut dyn TableLike = document.as_table_mut();
         // Inside an inline table only inline tables can be.
         let mut is_inline = false;
@@ -55,6 +57,12 @@ impl Setting {
             dotted += if dotted.is_empty() { "" } else { "." };
             dotted += key;
             let refuse = |problem: String| Err(complaint(self.place, &self.key(), problem));
+            if !table.contains_key(key) {
+                if let Some(number) = above.clone().next().filter(|next| next.parse::<usize>().is_ok()) {
+                    return refuse(format!("`{dotted}` has no table; there is no number {number}"));
+                }
+                made.get_or_insert_with(|| dotted.clone());
+            }
             let item = table.entry(key).or_insert_with(|| new_table(is_inline));
             is_inline = item.is_inline_table() || item.is_array();
             if item.is_array_of_tables() || item.is_array() {
@@ -91,7 +99,7 @@ impl Setting {
             }
             None => _ = table.insert(last, Item::Value(value)),
         }
-        Ok(())
+        Ok(made.unwrap_or_else(|| self.key()))
     }
 }
 
@@ -162,6 +170,20 @@ mod tests {
         assert_eq!(pin, "joint = { thickness = \"5 mm\" , pin = { poissons_ratio = 0.3 } }\n");
         let table = toml::from_str::<toml::Table>(&pin).unwrap();
         assert_eq!(table["joint"]["pin"]["poissons_ratio"].as_float(), Some(0.3));
+    }
+
+    #[test]
+    fn what_was_not_there_is_told() {
+        let made = |text: &str, setting: &str| {
+            let mut document: DocumentMut = text.parse().unwrap();
+            Setting::parse(setting, "--set").unwrap().apply(&mut document).map_err(|error| error.to_string())
+        };
+        let text = "[joint]\nthickness = \"5 mm\"\n";
+        assert_eq!(made(text, "joint.thickness=6 mm").unwrap(), "joint.thickness");
+        assert_eq!(made(text, "joint.pin.tube.model=x").unwrap(), "joint.pin");
+        assert_eq!(made(text, "sampling.method=sobol").unwrap(), "sampling");
+        let refused = made(text, "joint.pin.layers.1.thickness=2 mm").unwrap_err();
+        assert!(refused.ends_with("`joint.pin.layers` has no table; there is no number 1"), "{refused}");
     }
 
     #[test]

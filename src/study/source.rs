@@ -28,6 +28,7 @@ pub struct Source {
 /// Lines `first..first + new` of a text (from 0) that stand where the text before had `first..first + old`.
 #[derive(Debug)]
 struct Edit {
+    /// Dotted, of what was not there before, or of the value.
     key: String,
     /// How it was given.
     place: &'static str,
@@ -37,19 +38,14 @@ struct Edit {
 }
 
 impl Edit {
-    fn between(setting: &Setting, before: &str, after: &str) -> Edit {
+    /// Which has made, or changed, what has a dotted key.
+    fn between(setting: &Setting, key: String, before: &str, after: &str) -> Edit {
         let (before, after): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());
         let first = before.iter().zip(&after).take_while(|(old, new)| old == new).count();
         let tail = before[first..].iter().rev().zip(after[first..].iter().rev());
         let last = tail.take_while(|(old, new)| old == new).count();
         let lines = |text: &[&str]| (text.len() - first - last) as u64;
-        Edit {
-            key: setting.key(),
-            place: setting.place,
-            first: first as u64,
-            old: lines(&before),
-            new: lines(&after),
-        }
+        Edit { key, place: setting.place, first: first as u64, old: lines(&before), new: lines(&after) }
     }
 
     /// The line of the text before in which `line` (from 0) of the text after stood; the nearest one for lines that are new.
@@ -114,9 +110,9 @@ impl Source {
                     return Err(self.error(start, "", format!("not valid TOML: {}", error.message())));
                 }
             };
-            setting.apply(&mut document)?;
+            let key = setting.apply(&mut document)?;
             let text = document.to_string();
-            self.edits.push(Edit::between(setting, &self.text, &text));
+            self.edits.push(Edit::between(setting, key, &self.text, &text));
             self.text = text;
         }
         Ok(())

@@ -151,8 +151,6 @@ fn a_benchmark_destroys_nothing() {
     work.run(&bench("10", "figures")).expect(0);
     assert_ne!(work.read("figures/manifest.json"), manifest);
     assert!(!work.path("figures/scaling.csv").exists());
-    work.run(&[&bench("20", "figures")[..], &["--force"]].concat()).expect(0);
-    assert_eq!(work.json("figures/manifest.json")["asked"]["most"], 20);
 }
 
 /// What there is no time for is left out and named; the check never is.
