@@ -249,7 +249,7 @@ fn found_number(value: f32) -> vec2<f32> {
     return vec2<f32>(value, widened * FOUND * abs(value));
 }
 
-// The angle of which half has a tangent, which is not negative. WGSL's `atan` may be off by 1e-4 of it.
+// The angle of which half has a tangent, which is not negative. WGSL's `atan` may be off by 4,096 roundings.
 fn angle_of(tangent_of_half: f32) -> f32 {
     let of_quarter = tangent_of_half / (1.0 + sqrt(1.0 + tangent_of_half * tangent_of_half));
     // At most tan(pi/8): a ninth term of the series would be 4e-8.

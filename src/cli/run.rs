@@ -41,8 +41,8 @@ pub struct RunArgs {
     /// Overwrite the result of another config
     #[arg(long)]
     pub force: bool,
-    /// Begin anew where the config was run before; a complete result stays until the new one is. What was begun so and interrupted goes
-    /// on, with --force it begins anew, too
+    /// Begin anew where the config was run before; a complete result stays until the new one is. Interrupted, the same command goes on;
+    /// with --force, too, it begins anew
     #[arg(long)]
     pub again: bool,
     /// Solve only one of N parts of the sweep, of about the same cost, into one file of the folder; `merge` puts them together

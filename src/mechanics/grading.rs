@@ -5,9 +5,6 @@
 //! body's own depth, not the contact angle, and one mesh serves every load. Depths are rounded to classes, so that
 //! bodies of one class share their topology and the near-field correction.
 
-use std::array::from_fn;
-use std::sync::LazyLock;
-
 use crate::mechanics::body::Body;
 use crate::mechanics::element::ElementKind;
 use crate::mechanics::layers::{Layers, SHRINK};
@@ -107,19 +104,7 @@ fn depth_class(least: f64) -> u32 {
 
 /// The depth that stands for a class: a lower bound, at most 1.
 fn class_depth(depth_class: u32) -> f64 {
-    static DEPTHS: LazyLock<[f64; 32]> = LazyLock::new(|| from_fn(|class| depth_of_class(class as u32)));
-    // Most bodies are asked for theirs many times.
-    DEPTHS.get(depth_class as usize).copied().unwrap_or_else(|| depth_of_class(depth_class))
-}
-
-fn depth_of_class(depth_class: u32) -> f64 {
     (-f64::from(depth_class) / CLASSES_PER_OCTAVE).exp2()
-}
-
-/// The most that a layer of a level adds to a depth.
-fn thickest_layer(level: usize) -> f64 {
-    static THICKEST: LazyLock<[f64; LEVEL_COUNT + 1]> = LazyLock::new(|| LEVELS.map(|own| own.growth.ln()));
-    THICKEST[level]
 }
 
 /// Thickness of the first layer in the shape's measure of depth.
@@ -194,7 +179,7 @@ impl GradingClass {
         let first = self.first_layer();
         Layers {
             first,
-            thickest: thickest_layer(self.level).max(first),
+            thickest: LEVELS[self.level].growth.ln().max(first),
             count: self.layer_count - self.lining.total(),
             shrinking: self.shrinking,
         }

@@ -16,7 +16,7 @@ use crate::study::fingerprint::Fingerprint;
 pub struct Beginning {
     #[serde(flatten)]
     program: Program,
-    state: State,
+    pub state: State,
     command: &'static str,
     pub title: String,
     config: Config,

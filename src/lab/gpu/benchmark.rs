@@ -14,10 +14,10 @@ use crate::lab::gpu::measure::KernelTime;
 use crate::lab::gpu::roofline::Peaks;
 use crate::output::claim::Claim;
 use crate::output::folder::MANIFEST;
-use crate::output::host::{Host, Program, seconds_since, utc};
+use crate::output::host::{Host, seconds_since, utc};
 use crate::output::manifest;
-use crate::output::manifest_parts::{Config, FileEntry, State};
-use crate::output::texts;
+use crate::output::manifest_parts::{FileEntry, State};
+use crate::output::texts::{self, Beginning};
 use crate::study::config::Study;
 
 pub const PRECISIONS: &str = "precisions.csv";
@@ -106,17 +106,13 @@ pub struct Asked {
 #[derive(Clone, Debug, Serialize)]
 struct Manifest {
     #[serde(flatten)]
-    program: Program,
-    state: State,
-    command: &'static str,
+    beginning: Beginning,
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
     adapter: Adapter,
     /// Invocations of a workgroup.
     workgroup_size: u32,
     asked: Asked,
-    config: Config,
-    inputs: Vec<FileEntry>,
     files: Vec<FileEntry>,
     /// What was left out, and why.
     remarks: Vec<String>,
@@ -143,16 +139,14 @@ impl GpuBenchmark {
         started: SystemTime,
     ) -> Result<GpuBenchmark, Error> {
         claim.remove_others(std::iter::empty())?;
+        let mut beginning = Beginning::of(study, "bench-gpu");
+        beginning.state = State::Incomplete;
         let manifest = Manifest {
-            program: Program::CURRENT,
-            state: State::Incomplete,
-            command: "bench-gpu",
+            beginning,
             error: None,
             adapter: Adapter::of(facts),
             workgroup_size: INVOCATIONS,
             asked,
-            config: Config::of(study),
-            inputs: FileEntry::inputs(study),
             files: Vec::new(),
             remarks: Vec::new(),
             started_utc: utc(started),
@@ -190,14 +184,14 @@ impl GpuBenchmark {
 
     /// All figures are there that there was time for.
     pub fn finish(mut self) -> Result<(), Error> {
-        self.manifest.state = State::Complete;
+        self.manifest.beginning.state = State::Complete;
         self.save_manifest()?;
         self.claim.publish()
     }
 
     /// An error ended the benchmark; the files that are there are whole.
     pub fn fail(mut self, error: &Error) {
-        self.manifest.state = State::Failed;
+        self.manifest.beginning.state = State::Failed;
         self.manifest.error = Some(error.to_string());
         // There is a first error to tell.
         let _ = self.save_manifest();

@@ -152,7 +152,7 @@ fn check(request: &Request) -> Result<(), Error> {
         );
         return refuse("name", problem);
     }
-    if format.reserved.contains(&name.as_str()) {
+    if format.reserved.split(' ').any(|word| word == name) {
         return refuse(
             "name",
             format!("`{name}` is a word of the language of `{}`: take another", format.name),

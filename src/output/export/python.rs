@@ -7,11 +7,8 @@ use super::sheet::{Format, Sheet};
 pub static FORMAT: Format = Format {
     name: "python",
     suffix: ".py",
-    reserved: &[
-        "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue",
-        "def", "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in",
-        "is", "lambda", "nonlocal", "not", "or", "pass", "raise", "return", "try", "while", "with", "yield",
-    ],
+    reserved: "False None True and as assert async await break class continue def del elif else except finally \
+               for from global if import in is lambda nonlocal not or pass raise return try while with yield",
     about: "one Python module without dependencies: force and stiffness",
     write,
     ..Format::HERMITE

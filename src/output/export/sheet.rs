@@ -16,8 +16,8 @@ pub struct Format {
     /// What follows the table's name in the file's.
     pub suffix: &'static str,
     pub about: &'static str,
-    /// Words of its language, which no table may be called.
-    pub reserved: &'static [&'static str],
+    /// Words of its language, with blanks between them: no table may be called so.
+    pub reserved: &'static str,
     /// Whether it holds a table over clearance and indentation.
     pub two_dimensional: bool,
     /// How its reader goes between points; the table is good for all of them.
@@ -41,7 +41,7 @@ impl Format {
         name: "",
         suffix: "",
         about: "",
-        reserved: &[],
+        reserved: "",
         two_dimensional: false,
         rules: &[Interpolation::Linear],
         between: Between::Linear,
