@@ -86,8 +86,8 @@ fn contact(plan: &JointPlan, modes_of_bodies: &[f64]) -> f64 {
     const FUNCTIONS: f64 = 12.0;
     let (terms, nodes, lanes) = (plan.space.terms as f64, plan.space.nodes as f64, LANES as f64);
     let entries = packed_count(plan.space.terms) as f64;
-    // Both kernels; then of each body the works of the modes before a mode, and its products with both.
-    let of_modes = |modes: &f64| 2.0 * nodes * modes * (modes * terms + 2.0 * entries);
+    // Both kernels; then of each body what works make of all modes, and the products of these with the modes.
+    let of_modes = |modes: &f64| 2.0 * nodes * modes * (modes * terms + entries);
     let compliance = nodes * entries * 4.0 + modes_of_bodies.iter().map(of_modes).sum::<f64>();
     // Cholesky, right-hand sides to and fro, the sums over them, the pressure between its zeros.
     let solve = nodes

@@ -10,7 +10,7 @@ use super::BodyCompliance;
 use super::arc::{ArcMap, ContactArc, MAX_TERMS, cosines, packed, packed_count};
 use super::infinite_body::InfiniteKernels;
 use super::ring_modes::RingModes;
-use super::second_order::Bands;
+use super::second_order::{self, Bands};
 use super::sine_arcs;
 use super::thin_wall::bed_matrix;
 use crate::mechanics::compliance::lane_work::{LaneWork, TermWork, in_lanes, in_lanes_with_terms};
@@ -129,9 +129,9 @@ impl PressureSpace {
     /// The compliance of bodies with their shares: 1/E of one body of a joint, the negative for a difference; of pins under such a
     /// tilt. Every body was prepared for.
     pub fn joint(&self, bodies: &[(&BodyCompliance, f64)], tilt: Tilt) -> JointCompliance<'static> {
-        let mut values = Vec::new();
-        let JointCompliance { even, bed, .. } = self.joint_in(bodies, tilt, &mut values);
-        JointCompliance { even, bed, values: values.into() }
+        let mut room = ComplianceRoom::default();
+        let JointCompliance { even, bed, .. } = self.joint_in(bodies, tilt, &mut room);
+        JointCompliance { even, bed, values: room.values.into() }
     }
 
     /// The same in the room of another one, which is overwritten.
@@ -139,7 +139,7 @@ impl PressureSpace {
         &self,
         bodies: &[(&BodyCompliance, f64)],
         tilt: Tilt,
-        values: &'a mut Vec<f64>,
+        ComplianceRoom { values, of_ring, of_works }: &'a mut ComplianceRoom,
     ) -> JointCompliance<'a> {
         let sum = |of: fn(&BodyCompliance) -> f64| bodies.iter().map(|(body, share)| share * of(body)).sum();
         let (even, odd, bed): (f64, f64, f64) =
@@ -161,18 +161,34 @@ impl PressureSpace {
             }
             if let Some((modes, works)) = body.boundary.ring_modes() {
                 let (normal, added) = works.split_at(packed_count(modes.count));
-                let added = if tilt.first == 0.0 { None } else { Some((tilt.first, added)) };
-                parts[1] = Some((&self.ring_modes[modes], Works::Packed(normal, added)));
+                let works = if tilt.first == 0.0 {
+                    normal
+                } else {
+                    of_ring.clear();
+                    of_ring.extend(normal.iter().zip(added).map(|(own, added)| own + tilt.first * added));
+                    &of_ring[..]
+                };
+                parts[1] = Some((&self.ring_modes[modes], Works::Packed(works)));
             }
             if !second.is_empty() {
                 parts[2] = Some((&self.modes, Works::Bands(second, tilt.second)));
             }
             for (moments, works) in parts.into_iter().flatten() {
-                in_lanes_with_terms(self.terms, Add { moments, works, share: *share, values });
+                in_lanes_with_terms(self.terms, Add { moments, works, share: *share, of_works, values });
             }
         }
         JointCompliance { even, bed, values: values[..].into() }
     }
+}
+
+/// What a compliance takes, to be taken again by that of another joint.
+#[derive(Default)]
+pub struct ComplianceRoom {
+    values: Vec<f64>,
+    /// Works of ring modes under a tilt, packed.
+    of_ring: Vec<f64>,
+    /// `[function][k]`, as `Works::on` has them.
+    of_works: Vec<[f64; LANES]>,
 }
 
 /// What infinite bodies and beds add to the compliance of a joint, at all entries and arcs.
@@ -312,8 +328,63 @@ enum Works<'a> {
     Alone(&'a [f64]),
     /// Of modes that do some on the next ones, times a factor.
     Bands(&'a [Bands], f64),
-    /// Packed; with as many that are added, times a factor.
-    Packed(&'a [f64], Option<(f64, &'a [f64])>),
+    /// Of all modes on each other, packed.
+    Packed(&'a [f64]),
+}
+
+impl Works<'_> {
+    /// How many functions do work, of those whose moments there are.
+    #[inline(always)]
+    fn count(&self, most: usize) -> usize {
+        match self {
+            Works::Alone(works) => works.len().min(most),
+            Works::Bands(bands, _) => bands.len().min(most),
+            Works::Packed(_) => most,
+        }
+    }
+
+    /// -share times the sum over n of W_mn M_nk.
+    #[inline(always)]
+    fn on<const WIDTH: usize, const TERMS: usize>(
+        &self,
+        m: usize,
+        share: f64,
+        moments: &[[[f64; LANES]; TERMS]],
+        to: &mut [[f64; LANES]; TERMS],
+    ) {
+        let mut sums = [Lanes::<WIDTH>::zero(); TERMS];
+        let mut add = |work: f64, moments: &[[f64; LANES]; TERMS]| {
+            let factor = Lanes::from_f64(share * work);
+            for (sum, moment) in sums.iter_mut().zip(moments) {
+                *sum = sum.minus_product(factor, Lanes(*moment));
+            }
+        };
+        match *self {
+            Works::Alone(works) => add(FRAC_2_PI * works[m], &moments[m]),
+            Works::Bands(bands, scale) => {
+                let count = self.count(moments.len());
+                for (back, band) in bands[m].iter().enumerate().take(m + 1) {
+                    let factor = if back == 0 { FRAC_2_PI } else { FRAC_1_PI };
+                    add(factor * scale * band, &moments[m - back]);
+                }
+                for n in m + 1..count.min(m + second_order::WIDTH) {
+                    add(FRAC_1_PI * scale * bands[n][n - m], &moments[n]);
+                }
+            }
+            Works::Packed(works) => {
+                let (before, behind) = moments.split_at(m + 1);
+                for (work, moments) in works[packed(m, 0)..].iter().zip(before) {
+                    add(*work, moments);
+                }
+                for (n, moments) in (m + 1..).zip(behind) {
+                    add(works[packed(n, m)], moments);
+                }
+            }
+        }
+        for (to, sum) in to.iter_mut().zip(&sums) {
+            *to = sum.0;
+        }
+    }
 }
 
 /// values[jk] += share * sum over m, n of M_mj W_mn M_nk, for all arcs.
@@ -321,84 +392,170 @@ struct Add<'a> {
     moments: &'a Moments,
     works: Works<'a>,
     share: f64,
+    of_works: &'a mut Vec<[f64; LANES]>,
     values: &'a mut [f64],
 }
+
+/// Functions that are added together, and columns of a row that are: as many as stay in registers.
+const FUNCTIONS: usize = 16;
+const COLUMNS: usize = 6;
 
 impl TermWork for Add<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<const WIDTH: usize, const TERMS: usize>(self) {
-        let Add { moments, works, share, values } = self;
+        let Add { moments, works, share, of_works, values } = self;
         let arcs = values.len() / packed_count(TERMS);
+        // What is there is overwritten.
+        of_works.resize(FUNCTIONS * TERMS, [0.0; LANES]);
+        let of_works = of_works.as_chunks_mut::<TERMS>().0;
         for (chunk, moments) in moments.values.chunks_exact(moments.count * TERMS).enumerate() {
             let moments = moments.as_chunks::<TERMS>().0;
-            let mut matrix = [[Lanes::<WIDTH>::zero(); TERMS]; TERMS];
-            match works {
-                Works::Alone(works) => {
-                    for (own, work) in moments.iter().zip(works) {
-                        let factor = Lanes::from_f64(-share * FRAC_2_PI * work);
-                        for j in 0..TERMS {
-                            let scaled = factor * Lanes(own[j]);
-                            // Rows as slices: entry by entry they would not stay in registers.
-                            for (sum, other) in matrix[j][..=j].iter_mut().zip(own) {
-                                *sum = sum.minus_product(scaled, Lanes(*other));
-                            }
+            let count = works.count(moments.len());
+            for first in (0..count).step_by(FUNCTIONS) {
+                let own = &moments[first..count.min(first + FUNCTIONS)];
+                for (m, of_works) in (first..).zip(&mut of_works[..own.len()]) {
+                    works.on::<WIDTH, TERMS>(m, share, moments, of_works);
+                }
+                for row in 0..TERMS {
+                    for from in (0..=row).step_by(COLUMNS) {
+                        let entry = Entry { row, from, arcs, chunk };
+                        match (row + 1 - from).min(COLUMNS) {
+                            1 => entry.add::<WIDTH, TERMS, 1>(own, of_works, values),
+                            2 => entry.add::<WIDTH, TERMS, 2>(own, of_works, values),
+                            3 => entry.add::<WIDTH, TERMS, 3>(own, of_works, values),
+                            4 => entry.add::<WIDTH, TERMS, 4>(own, of_works, values),
+                            5 => entry.add::<WIDTH, TERMS, 5>(own, of_works, values),
+                            _ => entry.add::<WIDTH, TERMS, COLUMNS>(own, of_works, values),
                         }
                     }
-                }
-                Works::Bands(bands, scale) => {
-                    for (n, (own, bands)) in moments.iter().zip(bands).enumerate() {
-                        let mut half = [Lanes::<WIDTH>::zero(); TERMS];
-                        for (back, band) in bands.iter().enumerate().take(n + 1) {
-                            let factor = Lanes::from_f64(-share * FRAC_1_PI * scale * band);
-                            for k in 0..TERMS {
-                                half[k] = half[k].minus_product(factor, Lanes(moments[n - back][k]));
-                            }
-                        }
-                        add_symmetric(&mut matrix, own, &half);
-                    }
-                }
-                Works::Packed(works, added) => {
-                    for (m, own) in moments.iter().enumerate() {
-                        // Half of the diagonal and all before it: the sum with its transpose is whole.
-                        let mut half = [Lanes::<WIDTH>::zero(); TERMS];
-                        let row = packed(m, 0)..=packed(m, m);
-                        for (n, (at, other)) in row.zip(moments).enumerate() {
-                            let mut work = works[at];
-                            if let Some((tilt, added)) = added {
-                                work += tilt * added[at];
-                            }
-                            let factor = Lanes::from_f64(if n == m { -0.5 * share } else { -share } * work);
-                            for k in 0..TERMS {
-                                half[k] = half[k].minus_product(factor, Lanes(other[k]));
-                            }
-                        }
-                        add_symmetric(&mut matrix, own, &half);
-                    }
-                }
-            }
-            for j in 0..TERMS {
-                for k in 0..=j {
-                    let to = &mut values[packed(j, k) * arcs + chunk * LANES..][..LANES];
-                    to.iter_mut().zip(&matrix[j][k].0).for_each(|(to, value)| *to += value);
                 }
             }
         }
     }
 }
 
-/// Adds the product of one with the other and of the other with one.
-#[inline(always)]
-fn add_symmetric<const WIDTH: usize, const TERMS: usize>(
-    matrix: &mut [[Lanes<WIDTH>; TERMS]; TERMS],
-    one: &[[f64; LANES]; TERMS],
-    other: &[Lanes<WIDTH>; TERMS],
-) {
-    for j in 0..TERMS {
-        let (one_j, other_j) = (Lanes::<WIDTH>(one[j].map(|value| -value)), -other[j]);
-        for (sum, (one, other)) in matrix[j][..=j].iter_mut().zip(one.iter().zip(other)) {
-            *sum = sum.minus_product(one_j, *other).minus_product(other_j, Lanes(*one));
+/// Columns of a row, from one on, at as many arcs as there are lanes.
+struct Entry {
+    row: usize,
+    from: usize,
+    arcs: usize,
+    chunk: usize,
+}
+
+impl Entry {
+    /// Adds the products of moments with what works make of them. The count of columns is told to the compiler, so that their sums stay in registers.
+    #[inline(always)]
+    fn add<const WIDTH: usize, const TERMS: usize, const COUNT: usize>(
+        &self,
+        moments: &[[[f64; LANES]; TERMS]],
+        of_works: &[[[f64; LANES]; TERMS]],
+        values: &mut [f64],
+    ) {
+        let mut sums = [Lanes::<WIDTH>::zero(); COUNT];
+        for (own, other) in moments.iter().zip(of_works) {
+            for column in 0..COUNT {
+                sums[column] =
+                    sums[column].minus_product(Lanes(own[self.row]), Lanes(other[self.from + column]));
+            }
         }
+        for column in 0..COUNT {
+            let at = packed(self.row, self.from + column) * self.arcs + self.chunk * LANES;
+            let to = &mut values[at..at + LANES];
+            to.copy_from_slice(&(Lanes::<WIDTH>::from_slice(to) + sums[column]).0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::compliance::arc::TERM_CHOICES;
+
+    /// From -0.5 to 0.5, each another one.
+    fn number(place: usize) -> f64 {
+        (place as f64 * 0.618_033_988_75).fract() - 0.5
+    }
+
+    fn numbers(count: usize) -> Vec<f64> {
+        (0..count).map(number).collect()
+    }
+
+    /// values[jk] = share * sum over m, n of M_mj W_mn M_nk, number by number.
+    fn by_the_formula(
+        moments: &Moments,
+        terms: usize,
+        work: &dyn Fn(usize, usize) -> f64,
+        share: f64,
+    ) -> Vec<f64> {
+        let chunks = moments.values.len() / moments.count / terms;
+        let mut values = Vec::new();
+        for (j, k) in (0..terms).flat_map(|j| (0..=j).map(move |k| (j, k))) {
+            for (chunk, lane) in (0..chunks).flat_map(|chunk| (0..LANES).map(move |lane| (chunk, lane))) {
+                let moment =
+                    |m: usize, k: usize| moments.values[(chunk * moments.count + m) * terms + k][lane];
+                let of_row = |m: usize| -> f64 {
+                    (0..moments.count).map(|n| moment(m, j) * work(m, n) * moment(n, k)).sum()
+                };
+                values.push(share * (0..moments.count).map(of_row).sum::<f64>());
+            }
+        }
+        values
+    }
+
+    #[test]
+    fn works_of_all_kinds_are_summed_up() {
+        const SHARE: f64 = 0.7;
+        const CHUNKS: usize = 3;
+        let mut compared = 0;
+        for terms in TERM_CHOICES {
+            // One, a part of a block, and more than two.
+            for count in [1, 3, 2 * FUNCTIONS + 3] {
+                let values = (0..CHUNKS * count * terms)
+                    .map(|place| std::array::from_fn(|lane| number(place * LANES + lane)))
+                    .collect();
+                let moments = Moments { values, count };
+                let (alone, packed_works) = (numbers(count), numbers(packed_count(count)));
+                let bands: Vec<Bands> = numbers(second_order::WIDTH * count).as_chunks().0.to_vec();
+                // Of modes and bands there may be fewer.
+                let few = &bands[..count.div_ceil(2)];
+                let of_alone = |m: usize, n: usize| if m == n { FRAC_2_PI * alone[m] } else { 0.0 };
+                let of_bands = |m: usize, n: usize| {
+                    let (own, back) = (m.max(n), m.abs_diff(n));
+                    let factor = if back == 0 { FRAC_2_PI } else { FRAC_1_PI };
+                    let band = few.get(own).and_then(|bands| bands.get(back));
+                    band.map_or(0.0, |band| 0.3 * factor * band)
+                };
+                let of_packed = |m: usize, n: usize| packed_works[packed(m.max(n), m.min(n))];
+                let kinds: [(Works, &dyn Fn(usize, usize) -> f64); 3] = [
+                    (Works::Alone(&alone), &of_alone),
+                    (Works::Bands(few, 0.3), &of_bands),
+                    (Works::Packed(&packed_works), &of_packed),
+                ];
+                for (works, work) in kinds {
+                    let expected = by_the_formula(&moments, terms, work, SHARE);
+                    let before = numbers(expected.len());
+                    let mut values = before.clone();
+                    let add = Add {
+                        moments: &moments,
+                        works,
+                        share: SHARE,
+                        of_works: &mut Vec::new(),
+                        values: &mut values,
+                    };
+                    in_lanes_with_terms(terms, add);
+                    for ((found, expected), before) in values.iter().zip(&expected).zip(&before) {
+                        let rounding = 1e-14 * count as f64 * (1.0 + count as f64);
+                        assert!(
+                            (found - before - expected).abs() < rounding,
+                            "{terms} {count}: {found} {expected}"
+                        );
+                        compared += 1;
+                    }
+                }
+            }
+        }
+        assert!(compared > 10_000);
     }
 }

@@ -8,7 +8,7 @@ use crate::mechanics::body::Side;
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::arc::{ArcMap, ContactArc};
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
-use crate::mechanics::compliance::pressure_space::{JointCompliance, PressureSpace, Tilt};
+use crate::mechanics::compliance::pressure_space::{ComplianceRoom, JointCompliance, PressureSpace, Tilt};
 use crate::mechanics::compliance::thin_wall::bed_matrix;
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -145,12 +145,12 @@ impl CurveSpace {
         side: Side,
         bodies: &[(&BodyCompliance, f64)],
         outlines: &Outlines,
-        PartRoom { values, moved }: &'a mut PartRoom,
+        PartRoom { own, moved }: &'a mut PartRoom,
     ) -> JointCompliance<'a> {
         match side {
-            Side::Pin => self.pressures.joint_in(bodies, outlines.tilt(), values),
+            Side::Pin => self.pressures.joint_in(bodies, outlines.tilt(), own),
             Side::Plate => {
-                let plate = self.pressures.joint_in(bodies, Tilt::NONE, values);
+                let plate = self.pressures.joint_in(bodies, Tilt::NONE, own);
                 self.to_hole(&plate, outlines, moved);
                 JointCompliance { values: moved[..].into(), ..plate }
             }
@@ -276,7 +276,7 @@ impl CurveSpace {
 /// What the part of a body takes, to be taken again by that of another one.
 #[derive(Default)]
 pub struct PartRoom {
-    values: Vec<f64>,
+    own: ComplianceRoom,
     moved: Vec<f64>,
 }
 
