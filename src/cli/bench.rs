@@ -7,7 +7,7 @@ use std::time::{Instant, SystemTime};
 use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::cost;
-use jointsweep::internals::lab::benchmark::{BenchmarkManifest, Measurement, Run};
+use jointsweep::internals::lab::benchmark::{BenchmarkManifest, Measurement, Run, figures};
 use jointsweep::internals::output::folder::MANIFEST;
 use jointsweep::internals::output::whole_file::create_dir;
 use jointsweep::internals::study::config::Study;
@@ -31,6 +31,9 @@ pub struct BenchArgs {
     /// Folder of the figures
     #[arg(long, value_name = "DIR", default_value = "out/bench")]
     out: PathBuf,
+    /// Overwrite the figures that are there
+    #[arg(long)]
+    force: bool,
 }
 
 /// What is measured when nothing is named.
@@ -43,6 +46,9 @@ pub fn bench(args: &BenchArgs) -> Result<Ending, Error> {
     let threads = threads(args.threads);
     let runs = args.runs;
     let manifest = BenchmarkManifest::new(&studies, threads, runs, started);
+    if let Some(path) = figures(&args.out).into_iter().find(|path| path.exists() && !args.force) {
+        return Err(Error::FileTaken { path });
+    }
 
     let folder = Scratch::new()?;
     let mut measurements = Vec::new();

@@ -19,6 +19,7 @@ use jointsweep::internals::study::config::MethodChoice;
 use jointsweep::internals::study::design::{DesignCase, Load};
 
 use super::arguments::{thread_count, threads};
+use super::progress::Progress;
 use super::{Ending, print};
 
 #[derive(Args)]
@@ -52,7 +53,9 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Error::Threads { threads, problem: error.to_string() })?;
     let mut file = SinkFile::new(LAWS, staged(&path));
-    let written = pool.install(|| write_laws(&results, Ladder::new(options), &mut file));
+    let mut progress = Progress::new(0, results.origin.counts.designs, false);
+    let written = pool.install(|| write_laws(&results, Ladder::new(options), &mut file, &mut progress));
+    progress.finish();
     if written.is_err() {
         // What is half written is of no use to anybody.
         let _ = std::fs::remove_file(staged(&path));
@@ -68,7 +71,12 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
 }
 
 /// Fits all designs of a result, and says how many there are.
-fn write_laws(results: &Results, mut ladder: Ladder, file: &mut SinkFile) -> Result<usize, Error> {
+fn write_laws(
+    results: &Results,
+    mut ladder: Ladder,
+    file: &mut SinkFile,
+    progress: &mut Progress,
+) -> Result<usize, Error> {
     file.open()?;
     file.begin(&LawsTable.header())?;
     let mut designs = Designs { rows: results.rows(&[Quantity::Indentation, Quantity::Force])?, next: None };
@@ -89,7 +97,9 @@ fn write_laws(results: &Results, mut ladder: Ladder, file: &mut SinkFile) -> Res
             let answer = Answer { backend: BackendKind::Cpu, steps: Vec::new() };
             DesignOutcome { laws: Some(Box::new(laws)), ..DesignOutcome::new(case, answer) }
         });
-        file.append(&LawsTable.rows(&with_laws.collect::<Vec<DesignOutcome>>()))?;
+        let with_laws: Vec<DesignOutcome> = with_laws.collect();
+        file.append(&LawsTable.rows(&with_laws))?;
+        progress.advance(with_laws.len() as u64);
     }
     Ok(count)
 }

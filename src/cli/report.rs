@@ -7,10 +7,13 @@ use std::path::Path;
 use jointsweep::internals::engine::cost::Estimate;
 use jointsweep::internals::engine::explain::percent;
 use jointsweep::internals::output::counts::Counts;
-use jointsweep::internals::output::folder::{MANIFEST, TABLES};
+use jointsweep::internals::output::export;
+use jointsweep::internals::output::folder::MANIFEST;
 use jointsweep::internals::output::manifest::Manifest;
 use jointsweep::internals::output::manifest_parts::Shard;
 use jointsweep::internals::output::origin::Origin;
+use jointsweep::internals::output::report::has_page;
+use jointsweep::internals::output::results::Results;
 
 use super::sbatch::shell_word;
 
@@ -95,14 +98,21 @@ pub fn summary(manifest: &Manifest, dir: &Path, verbose: bool) -> String {
     for name in manifest.file_names().chain([MANIFEST]) {
         _ = writeln!(text, "  {}", dir.join(name).display());
     }
-    if counts.forces_n.is_some() {
+    // What others would be refused is not named.
+    let results = Results::open(dir).ok().filter(|_| counts.forces_n.is_some());
+    let mut next = String::new();
+    if let Some(results) = results {
         let dir = shell_word(&dir.display().to_string());
-        _ = writeln!(text, "next:\n  jointsweep report {dir}    a page to look at");
-        // Others would be refused.
-        if ok == counts.rows && manifest.file_names().any(|name| TABLES.contains(&name)) {
-            let design = if counts.designs > 1 { " --design 0" } else { "" };
-            _ = writeln!(text, "  jointsweep export {dir}{design} --to python    a table for a simulator");
+        if has_page(&results) {
+            _ = writeln!(next, "  jointsweep report {dir}    a page to look at");
         }
+        if ok == counts.rows && results.has_table() && results.rows(&export::source::NEEDED).is_ok() {
+            let design = if counts.designs > 1 { " --design 0" } else { "" };
+            _ = writeln!(next, "  jointsweep export {dir}{design} --to python    a table for a simulator");
+        }
+    }
+    if !next.is_empty() {
+        text += &format!("next:\n{next}");
     }
     text
 }

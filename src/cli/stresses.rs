@@ -37,8 +37,10 @@ const HEADER: &str = "design,step,part,layer,radius_mm,angle_deg,radial_stress_m
 pub fn stresses(args: &StressesArgs) -> Result<Ending, Error> {
     args.chosen.write(HEADER, "stresses", |text, case, options| {
         let (design, mut all) = (case.index, true);
+        let before = text.len();
         let curve = Joint::try_from(case.joint)?.curve(options)?;
         let joint = curve.joint();
+        let mut too_deep = args.depth.clone();
         for (step, (load, answer)) in case.steps.iter().zip(curve.answers(&case.steps)?).enumerate() {
             let step_said = format!("design {design}, step {step} ({load})");
             if answer.status != Status::OK {
@@ -59,14 +61,30 @@ pub fn stresses(args: &StressesArgs) -> Result<Ending, Error> {
                 }
             }
             for circle in &circles {
+                too_deep.retain(|depth| !is_at(&joint, circle, *depth));
                 add_circle(text, &format!("{design},{step}"), circle, yield_stress(&joint, circle));
             }
             if let Some(nearest) = nearest_to_yield(&joint, &circles) {
                 say(&format!("{step_said}: {nearest}"));
             }
         }
+        // Where nothing was pressed no depth was looked for.
+        if text.len() > before {
+            for depth in too_deep {
+                say(&format!(
+                    "design {design}: neither part is {} mm deep below the contact",
+                    rounded_cell(depth)
+                ));
+            }
+        }
         Ok(all)
     })
+}
+
+/// Whether a circle is so far below the contact, mm; to rounding.
+fn is_at(joint: &Joint, circle: &CircleStresses, depth: f64) -> bool {
+    let contact = joint.design().contact_radius(circle.side);
+    ((circle.radius - contact).abs() - depth).abs() <= ROUNDING * contact
 }
 
 fn yield_stress(joint: &Joint, circle: &CircleStresses) -> Option<f64> {

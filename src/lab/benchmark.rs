@@ -119,10 +119,16 @@ impl BenchmarkManifest {
     /// Writes both files into `dir`, the manifest last.
     pub fn save(mut self, dir: &Path, measurements: &[Measurement]) -> Result<(), Error> {
         whole_file::create_dir(dir)?;
-        whole_file::write_whole(&dir.join("sweep.csv"), text(measurements).as_bytes())?;
+        let [table, conditions] = figures(dir);
+        whole_file::write_whole(&table, text(measurements).as_bytes())?;
         self.wall_seconds = seconds_since(self.started);
-        manifest::write(&self, &dir.join("sweep.manifest.json"))
+        manifest::write(&self, &conditions)
     }
+}
+
+/// The files of a benchmark in a folder, the manifest last.
+pub fn figures(dir: &Path) -> [PathBuf; 2] {
+    ["sweep.csv", "sweep.manifest.json"].map(|name| dir.join(name))
 }
 
 /// One row a config; times of stages are medians. A figure that the system does not tell is an empty cell.

@@ -59,6 +59,13 @@ fn a_benchmark_writes_a_row_a_config_and_says_how_it_was_made() {
     assert_eq!(manifest["runs"], 2);
     assert_eq!(manifest["threads"], 1);
     assert_eq!(manifest["configs"][1]["text"], all_different(20));
+
+    let again = ["bench", "ten.toml", "--runs", "1", "--out", "figures"];
+    let refused = work.run(&again).expect(1);
+    assert!(refused.stderr.contains("sweep.csv") && refused.stderr.contains("--force"), "{}", refused.stderr);
+    assert_eq!(work.table("figures/sweep.csv").column("config").len(), 2);
+    work.run(&[&again[..], &["--force"]].concat()).expect(0);
+    assert_eq!(work.table("figures/sweep.csv").column("config"), ["ten.toml"]);
 }
 
 #[test]

@@ -166,6 +166,35 @@ fn a_run_ends_with_a_summary_in_words() {
     work.run(&["run", "small.toml", "--quiet", "--verbose"]).expect(1);
 }
 
+/// A command that would be refused is not named.
+#[test]
+fn a_summary_names_what_can_be_done_with_the_columns_there_are() {
+    let work = small("next");
+    let next = |settings: &[&str]| -> Vec<String> {
+        let settings = settings.iter().flat_map(|setting| ["--set", setting]);
+        let told =
+            work.run(&["run", "small.toml", "--force"].into_iter().chain(settings).collect::<Vec<_>>());
+        let told = told.expect(0).stdout;
+        let named = told.split_once("next:\n").map_or("", |(_, commands)| commands).lines();
+        named.map(|line| line.split_whitespace().nth(1).unwrap().to_string()).collect()
+    };
+    let columns = |without: &str| {
+        let names = work.table("out/small/table.csv").names;
+        format!("output.columns={:?}", names.iter().filter(|name| *name != without).collect::<Vec<_>>())
+    };
+    assert_eq!(next(&[]), ["report", "export"]);
+    let [without_method, without_status] = ["method", "status"].map(columns);
+    assert_eq!(next(&[&without_method]), ["export"]);
+    work.run(&["report", "out/small"]).expect(1);
+    assert_eq!(next(&[&without_status]), [""; 0]);
+    // Answers make a page, too.
+    let rows = ["output.table=false", "output.laws=false"];
+    assert_eq!(next(&rows), [""; 0]);
+    let asked = ["reduce.statistics=[\"force\"]"];
+    assert_eq!(next(&[&rows[..], &asked].concat()), ["report"]);
+    work.run(&["report", "out/small"]).expect(0);
+}
+
 /// The same with pins that carry up to some half angle only.
 pub fn half_pins(text: &str) -> String {
     let text = text.replace("rigid-core", "rigid-midplane").replace("core_radius_ratio = 0.2\n", "");

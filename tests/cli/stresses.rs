@@ -79,7 +79,9 @@ fn stresses_are_of_all_bodies() {
     let deep = ["--depth", "0.1 mm", "--depth", "200 um", "--depth", "5 m"];
     let all = [&["stresses", "half.toml", "--design", "0", "--points", "5", "--out", "deep.csv"][..], &deep]
         .concat();
-    work.run(&all).expect(0);
+    let told = work.run(&all).expect(0).stderr;
+    let missing: Vec<&str> = told.lines().filter(|line| line.contains("neither part")).collect();
+    assert_eq!(missing, ["design 0: neither part is 5000 mm deep below the contact"]);
     let radii = numbers(&work, "deep.csv", "radius_mm");
     let deep = work.table("deep.csv");
     let of = |part: &str| -> Vec<f64> {

@@ -131,7 +131,7 @@ impl Source {
 }
 
 /// What an export takes from a table besides the joints.
-const NEEDED: [Quantity; 3] = [Quantity::Indentation, Quantity::Force, Quantity::Status];
+pub const NEEDED: [Quantity; 3] = [Quantity::Indentation, Quantity::Force, Quantity::Status];
 
 fn member(design: u64, rows: Vec<TableRow>) -> Member {
     Member { design, joint: rows[0].joint.clone(), rows }

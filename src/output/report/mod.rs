@@ -41,6 +41,15 @@ pub struct Report<'a> {
     pub named: bool,
 }
 
+/// Whether a result has what a page is made of.
+pub fn has_page(results: &Results) -> bool {
+    if results.has_table() {
+        results.rows(&scan::NEEDED).is_ok()
+    } else {
+        !answers::section(results.dir()).is_empty()
+    }
+}
+
 /// The whole page, with the curves of `designs`, or of some spread over the sweep where none is named.
 pub fn page(results: &Results, designs: &[u64]) -> Result<String, Error> {
     let mut designs = designs.to_vec();

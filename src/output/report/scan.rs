@@ -59,7 +59,8 @@ const ANSWERS: [&str; 5] = [
 ];
 
 /// What a page cannot do without; other columns may be missing.
-const NEEDED: [Quantity; 4] = [Quantity::Indentation, Quantity::Force, Quantity::Method, Quantity::Status];
+pub const NEEDED: [Quantity; 4] =
+    [Quantity::Indentation, Quantity::Force, Quantity::Method, Quantity::Status];
 
 impl Scan {
     /// Reads the table once. `named` designs are kept whole; `accuracy`, as it was asked, is the limit of `force_error`.
