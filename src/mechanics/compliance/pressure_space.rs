@@ -353,37 +353,44 @@ impl Works<'_> {
         to: &mut [[f64; LANES]; TERMS],
     ) {
         let mut sums = [Lanes::<WIDTH>::zero(); TERMS];
-        let mut add = |work: f64, moments: &[[f64; LANES]; TERMS]| {
-            let factor = Lanes::from_f64(share * work);
-            for (sum, moment) in sums.iter_mut().zip(moments) {
-                *sum = sum.minus_product(factor, Lanes(*moment));
-            }
-        };
         match *self {
-            Works::Alone(works) => add(FRAC_2_PI * works[m], &moments[m]),
+            Works::Alone(works) => less(&mut sums, share * FRAC_2_PI * works[m], &moments[m]),
             Works::Bands(bands, scale) => {
                 let count = self.count(moments.len());
                 for (back, band) in bands[m].iter().enumerate().take(m + 1) {
                     let factor = if back == 0 { FRAC_2_PI } else { FRAC_1_PI };
-                    add(factor * scale * band, &moments[m - back]);
+                    less(&mut sums, share * factor * scale * band, &moments[m - back]);
                 }
                 for n in m + 1..count.min(m + second_order::WIDTH) {
-                    add(FRAC_1_PI * scale * bands[n][n - m], &moments[n]);
+                    less(&mut sums, share * FRAC_1_PI * scale * bands[n][n - m], &moments[n]);
                 }
             }
             Works::Packed(works) => {
                 let (before, behind) = moments.split_at(m + 1);
                 for (work, moments) in works[packed(m, 0)..].iter().zip(before) {
-                    add(*work, moments);
+                    less(&mut sums, share * work, moments);
                 }
                 for (n, moments) in (m + 1..).zip(behind) {
-                    add(works[packed(n, m)], moments);
+                    less(&mut sums, share * works[packed(n, m)], moments);
                 }
             }
         }
         for (to, sum) in to.iter_mut().zip(&sums) {
             *to = sum.0;
         }
+    }
+}
+
+/// Takes as many times the moments off. A function, because closures are not always inlined.
+#[inline(always)]
+fn less<const WIDTH: usize, const TERMS: usize>(
+    sums: &mut [Lanes<WIDTH>; TERMS],
+    factor: f64,
+    moments: &[[f64; LANES]; TERMS],
+) {
+    let factor = Lanes::from_f64(factor);
+    for (sum, moment) in sums.iter_mut().zip(moments) {
+        *sum = sum.minus_product(factor, Lanes(*moment));
     }
 }
 
