@@ -485,17 +485,15 @@ mod tests {
         (place as f64 * 0.618_033_988_75).fract() - 0.5
     }
 
+    /// W_mn.
+    type WorkOf<'a> = &'a dyn Fn(usize, usize) -> f64;
+
     fn numbers(count: usize) -> Vec<f64> {
         (0..count).map(number).collect()
     }
 
     /// values[jk] = share * sum over m, n of M_mj W_mn M_nk, number by number.
-    fn by_the_formula(
-        moments: &Moments,
-        terms: usize,
-        work: &dyn Fn(usize, usize) -> f64,
-        share: f64,
-    ) -> Vec<f64> {
+    fn by_the_formula(moments: &Moments, terms: usize, work: WorkOf, share: f64) -> Vec<f64> {
         let chunks = moments.values.len() / moments.count / terms;
         let mut values = Vec::new();
         for (j, k) in (0..terms).flat_map(|j| (0..=j).map(move |k| (j, k))) {
@@ -535,7 +533,7 @@ mod tests {
                     band.map_or(0.0, |band| 0.3 * factor * band)
                 };
                 let of_packed = |m: usize, n: usize| packed_works[packed(m.max(n), m.min(n))];
-                let kinds: [(Works, &dyn Fn(usize, usize) -> f64); 3] = [
+                let kinds: [(Works, WorkOf); 3] = [
                     (Works::Alone(&alone), &of_alone),
                     (Works::Bands(few, 0.3), &of_bands),
                     (Works::Packed(&packed_works), &of_packed),
