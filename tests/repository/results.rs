@@ -19,6 +19,9 @@ const TABLES: [&str; 7] =
 /// A table has nine digits; the last ones hang on the width of a machine's vectors.
 const ROUNDING: f64 = 1e-7;
 
+/// `force_error` is a share of the force, whose own rounding it does not tell: exact bodies have some 1e-8.
+const OF_FORCE: f64 = 1e-12;
+
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
@@ -85,7 +88,8 @@ fn every_table_is_that_of_the_program_of_today() {
                     continue;
                 }
                 let numbers = found.parse::<f64>().and_then(|found| Ok((found, expected.parse::<f64>()?)));
-                let is_alike = numbers.is_ok_and(|(a, b)| (a - b).abs() <= ROUNDING * b.abs());
+                let least = if column == "force_error" { OF_FORCE } else { 0.0 };
+                let is_alike = numbers.is_ok_and(|(a, b)| (a - b).abs() <= (ROUNDING * b.abs()).max(least));
                 assert!(is_alike, "{name}, row {row}, {column}: {found} today, {expected} in results/");
             }
         }
