@@ -46,8 +46,8 @@ pub fn bench(args: &BenchArgs) -> Result<Ending, Error> {
     let threads = threads(args.threads);
     let runs = args.runs;
     let manifest = BenchmarkManifest::new(&studies, threads, runs, started);
-    if let Some(path) = figures(&args.out).into_iter().find(|path| path.exists() && !args.force) {
-        return Err(Error::FileTaken { path });
+    if !args.force && figures(&args.out).iter().any(|path| path.exists()) {
+        return Err(Error::FolderTaken { dir: args.out.clone(), occupant: "figures of a benchmark".into() });
     }
 
     let folder = Scratch::new()?;

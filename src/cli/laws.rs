@@ -90,16 +90,16 @@ fn write_laws(
         if batch.is_empty() {
             break;
         }
-        count += batch.len();
+        let done = batch.len();
+        count += done;
         let asked: Vec<_> = batch.iter().map(|(case, working)| (case, *working)).collect();
         let fitted = laws_of_all(&mut ladder, &asked);
         let with_laws = batch.into_iter().zip(fitted).map(|((case, _), laws)| {
             let answer = Answer { backend: BackendKind::Cpu, steps: Vec::new() };
             DesignOutcome { laws: Some(Box::new(laws)), ..DesignOutcome::new(case, answer) }
         });
-        let with_laws: Vec<DesignOutcome> = with_laws.collect();
-        file.append(&LawsTable.rows(&with_laws))?;
-        progress.advance(with_laws.len() as u64);
+        file.append(&LawsTable.rows(&with_laws.collect::<Vec<DesignOutcome>>()))?;
+        progress.advance(done as u64);
     }
     Ok(count)
 }

@@ -99,14 +99,13 @@ pub fn summary(manifest: &Manifest, dir: &Path, verbose: bool) -> String {
         _ = writeln!(text, "  {}", dir.join(name).display());
     }
     // What others would be refused is not named.
-    let results = Results::open(dir).ok().filter(|_| counts.forces_n.is_some());
     let mut next = String::new();
-    if let Some(results) = results {
+    if let Some(results) = counts.forces_n.and_then(|_| Results::open(dir).ok()) {
         let dir = shell_word(&dir.display().to_string());
         if has_page(&results) {
             _ = writeln!(next, "  jointsweep report {dir}    a page to look at");
         }
-        if ok == counts.rows && results.has_table() && results.rows(&export::source::NEEDED).is_ok() {
+        if ok == counts.rows && results.rows(&export::source::NEEDED).is_ok() {
             let design = if counts.designs > 1 { " --design 0" } else { "" };
             _ = writeln!(next, "  jointsweep export {dir}{design} --to python    a table for a simulator");
         }

@@ -37,10 +37,9 @@ const HEADER: &str = "design,step,part,layer,radius_mm,angle_deg,radial_stress_m
 pub fn stresses(args: &StressesArgs) -> Result<Ending, Error> {
     args.chosen.write(HEADER, "stresses", |text, case, options| {
         let (design, mut all) = (case.index, true);
-        let before = text.len();
         let curve = Joint::try_from(case.joint)?.curve(options)?;
         let joint = curve.joint();
-        let mut too_deep = args.depth.clone();
+        let mut unsaid = &args.depth[..];
         for (step, (load, answer)) in case.steps.iter().zip(curve.answers(&case.steps)?).enumerate() {
             let step_said = format!("design {design}, step {step} ({load})");
             if answer.status != Status::OK {
@@ -50,31 +49,31 @@ pub fn stresses(args: &StressesArgs) -> Result<Ending, Error> {
                 all = false;
                 continue;
             }
-            let mut circles = Vec::new();
+            let (mut circles, mut are_whole) = (Vec::new(), true);
             for side in [Side::Pin, Side::Plate] {
                 match curve.stresses(side, *load, usize::from(args.points), &args.depth) {
                     Ok(own) => circles.extend(own),
                     Err(problem) => {
                         say(&format!("{step_said}: {problem}"));
-                        all = false;
+                        are_whole = false;
                     }
                 }
             }
             for circle in &circles {
-                too_deep.retain(|depth| !is_at(&joint, circle, *depth));
                 add_circle(text, &format!("{design},{step}"), circle, yield_stress(&joint, circle));
+            }
+            all &= are_whole;
+            // Circles are the same under every load that presses.
+            if are_whole && !circles.is_empty() {
+                for depth in std::mem::take(&mut unsaid) {
+                    if !circles.iter().any(|circle| is_at(&joint, circle, *depth)) {
+                        let depth = rounded_cell(*depth);
+                        say(&format!("design {design}: neither part is {depth} mm deep below the contact"));
+                    }
+                }
             }
             if let Some(nearest) = nearest_to_yield(&joint, &circles) {
                 say(&format!("{step_said}: {nearest}"));
-            }
-        }
-        // Where nothing was pressed no depth was looked for.
-        if text.len() > before {
-            for depth in too_deep {
-                say(&format!(
-                    "design {design}: neither part is {} mm deep below the contact",
-                    rounded_cell(depth)
-                ));
             }
         }
         Ok(all)

@@ -62,7 +62,9 @@ fn a_benchmark_writes_a_row_a_config_and_says_how_it_was_made() {
 
     let again = ["bench", "ten.toml", "--runs", "1", "--out", "figures"];
     let refused = work.run(&again).expect(1);
-    assert!(refused.stderr.contains("sweep.csv") && refused.stderr.contains("--force"), "{}", refused.stderr);
+    let way_out =
+        "figures holds figures of a benchmark: name another folder with --out, or overwrite it with --force";
+    assert!(refused.stderr.contains(way_out), "{}", refused.stderr);
     assert_eq!(work.table("figures/sweep.csv").column("config").len(), 2);
     work.run(&[&again[..], &["--force"]].concat()).expect(0);
     assert_eq!(work.table("figures/sweep.csv").column("config"), ["ten.toml"]);

@@ -12,6 +12,8 @@ pub mod layered_ring;
 pub mod concentric_body;
 pub mod series;
 pub mod circle_stresses;
+pub mod trial_moments;
+pub mod work_sums;
 pub mod pressure_space;
 pub mod lane_condensation;
 pub mod near_field;
