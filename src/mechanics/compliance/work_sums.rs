@@ -81,7 +81,7 @@ fn less<const WIDTH: usize, const TERMS: usize>(
 }
 
 impl Moments {
-    /// values[jk] += share * sum over m, n of M_mj W_mn M_nk, for so many trial pressures and all arcs. What `room` holds is overwritten.
+    /// `values[jk] += share * sum over m, n of M_mj W_mn M_nk`, for so many trial pressures and all arcs. What `room` holds is overwritten.
     pub fn add(
         &self,
         terms: usize,
@@ -192,7 +192,7 @@ mod tests {
         (0..count).map(number).collect()
     }
 
-    /// values[jk] = share * sum over m, n of M_mj W_mn M_nk, number by number.
+    /// `values[jk] = share * sum over m, n of M_mj W_mn M_nk`, number by number.
     fn by_the_formula(moments: &Moments, terms: usize, work: WorkOf, share: f64) -> Vec<f64> {
         let chunks = moments.values.len() / moments.count / terms;
         let mut values = Vec::new();
