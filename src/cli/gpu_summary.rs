@@ -17,7 +17,7 @@ pub fn told(sweep: &GpuSweep) -> String {
     )
 }
 
-/// All figures.
+/// All figures that there are.
 pub fn summary(
     gpu: &GpuDevice,
     precisions: &[PrecisionRow],
@@ -25,7 +25,7 @@ pub fn summary(
     kernels: &[KernelTime],
     peaks: &[Peaks],
 ) -> String {
-    let mut text = format!("{}, {}\n\n", gpu.facts.name, gpu.facts.driver);
+    let mut text = format!("{}, {}\n", gpu.facts.name, gpu.facts.driver);
     let mut lines =
         vec![["precision", "designs", "wall", "designs/s", "solves/s", "worst difference"].map(String::from)];
     lines.extend(precisions.iter().map(|PrecisionRow { precision, sweep, worst_difference, .. }| {
@@ -38,9 +38,9 @@ pub fn summary(
             format!("{worst_difference:.1e}"),
         ]
     }));
-    text += &aligned(&lines);
+    append(&mut text, "", &lines);
 
-    text += &format!("\nin {}\n", scaling.first().map_or("", |row| row.precision));
+    let precision = scaling.first().map_or("", |row| row.precision);
     let header = [
         "plates",
         "accuracy",
@@ -77,9 +77,8 @@ pub fn summary(
             duration(sweep.kernels_seconds),
         ]
     }));
-    text += &aligned(&lines);
+    append(&mut text, &format!("in {precision}\n"), &lines);
 
-    text.push('\n');
     let header = [
         "kernel",
         "precision",
@@ -118,6 +117,13 @@ pub fn summary(
             percent(bound.map(|(_, share)| share)),
         ]
     }));
-    text += &aligned(&lines);
+    append(&mut text, "", &lines);
     text
+}
+
+/// A table under its title, if there is more of it than its header.
+fn append<const COLUMNS: usize>(text: &mut String, title: &str, lines: &[[String; COLUMNS]]) {
+    if lines.len() > 1 {
+        *text += &format!("\n{title}{}", aligned(lines));
+    }
 }

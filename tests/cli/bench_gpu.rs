@@ -178,6 +178,8 @@ fn a_benchmark_ends_in_time() {
     assert!(!work.files().contains(&"figures/scaling.csv".to_string()));
     assert!(work.table("figures/precisions.csv").column("precision").is_empty());
     assert!(work.table("figures/kernels.csv").column("kernel").is_empty());
+    // What is told ends with the adapter: no header stands alone.
+    assert_eq!(told.stdout.trim_end().lines().count(), 1, "{}", told.stdout);
     for wrong in ["8", "0s", "1 day", "min", "nan s"] {
         let refused = work.run(&["bench-gpu", "--budget", wrong]).expect(1);
         assert!(

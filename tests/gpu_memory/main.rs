@@ -62,7 +62,7 @@ fn elimination_goes_on_with_smaller_buffers(gpu: &GpuDevice) {
         all_around: false,
     };
     let bodies: Vec<Body> = (0..MANY).map(plate).collect();
-    let class = mesh_class(&bodies[0], 1);
+    let class = mesh_class(&bodies[0], 0);
     let grading = class.grading(bodies[0].shape.end_angle);
     let mesh = MeshLayout::new(&bodies[0], &grading).unwrap();
     let front = FrontLayout::new(&bodies[0], &grading, &RingModes::of(&class), &mesh);

@@ -263,10 +263,13 @@ fn rows_of_bodies_on_meshes_are_counted_too() {
             "{name}: {counted} counted, {candidates} solved again, {waits} waits ({of_rows}), {of_sums:.1e}"
         );
         assert!(10 * counted > 6 * designs && 2 * candidates < designs, "{counted} {candidates}");
-        // Crews that begin all at once have little to compare with, but not for long.
-        let [of_crews, candidates] = answered(true, 8).counted;
-        println!("{of_crews} counted by crews, {candidates} solved again");
-        assert!(of_crews == counted && 2 * candidates < designs, "{of_crews} {counted} {candidates}");
+        // Crews that begin all at once have little to compare with, but not for long. In the short form they answer one of the long sweeps and
+        // both short ones.
+        if name != "forces" || is_long() {
+            let [of_crews, candidates] = answered(true, 8).counted;
+            println!("{of_crews} counted by crews, {candidates} solved again");
+            assert!(of_crews == counted && 2 * candidates < designs, "{of_crews} {counted} {candidates}");
+        }
         assert_eq!(found.statistics.designs_on_cpu, 0);
         let batches = 1 + (designs - 64).div_ceil(by.batch_size(false) as u64);
         // Beside the waits of all attempts one a batch for those designs that are solved again; none for first attempts of which it is known what

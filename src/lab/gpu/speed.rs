@@ -1,10 +1,11 @@
 //! How fast a device is, measured on it: times of dispatches, and what workgroups do a second where there are enough of them.
 
+use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::engine::backend::gpu::context::{GpuDevice, GpuError};
+use crate::engine::backend::gpu::context::{AdapterKind, GpuDevice, GpuError};
 use crate::engine::backend::gpu::dispatch::{Dispatch, Pass};
 
 /// What `roofline` is told.
@@ -33,7 +34,11 @@ const LONG_ENOUGH: Duration = Duration::from_millis(20);
 /// What workgroups do a second of which each does `of_group`: with more and more of them, until a dispatch is long enough; the best of
 /// some samples.
 pub(crate) fn peak(gpu: &GpuDevice, one: &Dispatch, of_group: u64, count: usize) -> Result<f64, GpuError> {
-    let mut groups = 16_u32;
+    // Software is filled by one for each thread, and is slow enough for that.
+    let mut groups = match gpu.facts.kind {
+        AdapterKind::Software => available_parallelism().map_or(1, |threads| threads.get() as u32),
+        _ => 16,
+    };
     loop {
         let dispatch = Dispatch { workgroups: [groups, 1], ..one.clone() };
         let pass = dispatch.pass();

@@ -1,5 +1,6 @@
 //! The breakpoints of a table: chosen among the places where its curves are known so that every rule stays within an error.
 
+use crate::engine::explain::percent;
 use crate::error::Error;
 use crate::output::export::interpolation::{Interpolant, Interpolation};
 use crate::output::export::numbers::rounded;
@@ -24,6 +25,9 @@ const AIM: f64 = 0.8;
 /// The stiffness of Hermite's rule may be off by so many times the force.
 const OF_STIFFNESS: f64 = 3.0;
 
+/// Errors that are tried in turn where the one that is asked cannot be had, to say which can.
+const LARGER: [f64; 14] = [1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 0.1, 0.2];
+
 /// Indices of places that become points: halves segments until all rules are good on all curves. Curves bend at the places `bends`,
 /// which are points in any case: beside them halving would end with steps in which the digits of a force do not tell its slope.
 pub fn choose(
@@ -34,18 +38,28 @@ pub fn choose(
     least_step: f64,
     error: f64,
 ) -> Result<Vec<usize>, Error> {
-    let too_many = || {
-        let percent = 100.0 * error;
-        let problem = format!("{percent} % needs more than {MOST_POINTS} points: ask for a larger error");
-        Error::Export { what: "error".into(), problem }
-    };
-    let too_close = || {
-        let percent = 100.0 * error;
-        let problem = format!(
-            "{percent} % needs points closer than {least_step} mm, which this format does not take: ask for a larger error"
-        );
-        Error::Export { what: "error".into(), problem }
-    };
+    let within = |error: f64| choose_within(places, bends, curves, rules, least_step, error);
+    within(error).map_err(|needs| {
+        let larger = LARGER.into_iter().find(|larger| *larger > error && within(*larger).is_ok());
+        let advice = match larger {
+            Some(larger) => format!("{} can be had", percent(larger)),
+            None => "ask for a larger error".into(),
+        };
+        Error::Export { what: "error".into(), problem: format!("{} needs {needs}: {advice}", percent(error)) }
+    })
+}
+
+/// The same, or what so small an error needs.
+fn choose_within(
+    places: &[f64],
+    bends: &[usize],
+    curves: &[Samples],
+    rules: &[Interpolation],
+    least_step: f64,
+    error: f64,
+) -> Result<Vec<usize>, String> {
+    let too_many = || format!("more than {MOST_POINTS} points");
+    let too_close = || format!("points closer than {least_step} mm, which this format does not take");
     let mut aim = AIM * error;
     loop {
         let even = (0..=SPARSEST).map(|i| i * PLACES / SPARSEST);

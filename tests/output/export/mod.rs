@@ -428,7 +428,7 @@ fn a_table_over_the_clearance_takes_a_fifth_of_a_second() {
     assert!(best.as_secs_f64() < 0.2, "{best:?}");
 }
 
-/// A smaller error is kept, with more points; one that wants too many is refused.
+/// A smaller error is kept, with more points; one that wants too many is refused, and it is said which can be had.
 #[test]
 fn the_error_asked_is_kept() {
     let work = solved("export-error", "\"0.02 mm\"", "3");
@@ -444,10 +444,13 @@ fn the_error_asked_is_kept() {
         counts.push(pairs.len());
     }
     assert!(counts.windows(2).all(|pair| pair[0] < pair[1]), "{counts:?}");
-    let ended = work
-        .run(&["export", "out/sweep", "--to", "mbdyn", "--error", "0.0005 %", "--out", "u.mbd"])
-        .expect(1);
-    assert!(ended.stderr.contains("more than 400 points"), "{}", ended.stderr);
+    let with_error =
+        |error: &str| work.run(&["export", "out/sweep", "--to", "mbdyn", "--error", error, "--out", "u.mbd"]);
+    let refused = with_error("0.0005 %").expect(1).stderr;
+    let (_, told) = refused.split_once("0.0005 % needs more than 400 points: ").expect(&refused);
+    let larger = told.trim_end().strip_suffix(" can be had").expect(&refused);
+    assert!(work.files().iter().all(|file| file != "u.mbd"));
+    with_error(larger).expect(0);
 }
 
 /// Relative to the mean motion of the rings, the plate's size is nearly out of the table: beyond the local field
