@@ -352,6 +352,30 @@ fn energy_force_and_stiffness_of_a_fitted_block_belong_together() {
     assert_eq!(at(Load::Offset(0.0)).force, 0.0);
 }
 
+/// Beyond the opening, where gaps are found place by place, edges move with the load, and the stiffness is the slope of the forces all the same.
+#[test]
+fn stiffness_beside_a_gap_is_the_slope_of_the_force() {
+    const STEP: f64 = 1e-3;
+    const AROUND: usize = 5;
+    let curve = curve(&lug(-OVERLAP));
+    let opening = curve.opening().unwrap();
+    let loads = (0..110).map(|place| Load::Offset(opening * (1.0 + STEP * place as f64)));
+    let found: Vec<Response> = curve.answers(&loads.collect::<Vec<Load>>()).iter().map(answered).collect();
+    let mut errors = Vec::new();
+    for window in found.windows(2 * AROUND + 1) {
+        let [before, here, behind] = [window[0], window[AROUND], window[2 * AROUND]];
+        let slope = (behind.force - before.force) / (behind.offset - before.offset);
+        errors.push((here.tangent_stiffness / slope - 1.0).abs());
+    }
+    let softening = found[found.len() - 1].tangent_stiffness / found[0].tangent_stiffness;
+    errors.sort_by(f64::total_cmp);
+    // The force bends where a gap opens, the second one of them here by 7 %, and the slope is told over a wider way than it is here.
+    let [half, all] = [errors[errors.len() / 2], errors[errors.len() - 1]];
+    println!("half of {} to {half:.1e}, all to {all:.1e}, softer by {softening:.3}", errors.len());
+    assert!(errors.len() == 100 && softening < 0.95, "{} {softening}", errors.len());
+    assert!(half < 1e-3 && all < 3e-2, "{half:e} {all:e}");
+}
+
 /// A press fit, a neat fit and a clearance of a billionth, on the meshes of each.
 #[test]
 fn fitted_blocks_go_over_into_neat_fits() {

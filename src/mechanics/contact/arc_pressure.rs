@@ -9,6 +9,9 @@ use crate::mechanics::real::{LANES, Lanes, Real};
 /// Places per trial pressure among which the greatest pressure is looked for: the fastest wave has a dozen a period.
 const PLACES_PER_TERM: usize = 6;
 
+/// The same where gaps open on the whole ring: edges move from place to place with the load, and forces with them.
+const RING_PLACES_PER_TERM: usize = 24;
+
 /// The pressure of one state.
 pub struct ArcPressure {
     map: ArcMap,
@@ -35,7 +38,7 @@ impl ArcPressure {
     /// Angles all around the ring, the load line and the far side among them, as many as tell a pressure between them, with what each trial
     /// pressure on the whole ring is there.
     pub(super) fn around(terms: usize) -> Vec<(f64, Vec<f64>)> {
-        let places = PLACES_PER_TERM * terms;
+        let places = RING_PLACES_PER_TERM * terms;
         let at_place = |place: usize| {
             let angle = PI * place as f64 / places as f64;
             (angle, (0..terms).map(|k| 0.5 * (k as f64 * (PI - angle)).cos()).collect())

@@ -132,7 +132,7 @@ impl ContactCurve<'_> {
         }
         let left = |node: usize| {
             let offset = 1.0 / (self.states.indentation(node) - 1.0);
-            let found = ring.open(offset)?;
+            let found = ring.with_gaps_at(offset)?;
             Some((node, (found.force / (offset * self.states.force(node)) - 1.0).abs()))
         };
         let nodes = self.first..self.states.count().min(self.first + SEAM_NODES);
@@ -165,7 +165,7 @@ impl ContactCurve<'_> {
         let offset = state.indentation - 1.0;
         let found = match offset <= self.opening_of(&ring) {
             true => ring.closed(ring.rest + offset),
-            false => ring.open(ring.rest + offset)?,
+            false => ring.with_gaps_at(ring.rest + offset)?,
         };
         Some(found.pressure)
     }

@@ -23,7 +23,8 @@
 //! ```
 //!
 //! l_i >= 0 where p = g_i.c is zero, a gap. Places with a gap are found one by one (Lawson & Hanson, Solving Least Squares Problems, chapter 23).
-//! Few trial pressures carry the edges of a gap, but the force, a slope of the least energy, is off by the square of what they leave.
+//! Few trial pressures carry the edges of a gap, but the force, a slope of the least energy, is off by the square of what they leave. The stiffness is a
+//! difference of forces: with the gaps held where they are it would be off by some percent.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -70,6 +71,9 @@ const MOST_TRIED: usize = 4;
 
 /// Steps of a search for the offset at most.
 const MOST_STEPS: usize = 50;
+
+/// Of differences of forces, over the offset from where the joint is at rest, or |dR| if that is more.
+const SLOPE_STEP: f64 = 0.01;
 
 /// Where it ends: the offset that is left, by the stiffness of the closed contact.
 const TOLERANCE: f64 = 1e-9;
@@ -135,6 +139,22 @@ impl<'a> WholeRing<'a> {
 
     /// Of the contact with gaps wherever it would pull, at an offset; `None` where gaps are not found.
     pub(super) fn open(&self, offset: f64) -> Option<RingState> {
+        self.with_slope(self.with_gaps_at(offset)?)
+    }
+
+    /// With the slope of the forces in place of the stiffness of gaps that stay where they are, which is off by some percent because their edges move
+    /// with the load. The difference is taken over more places than one, and not across the opening.
+    fn with_slope(&self, state: RingState) -> Option<RingState> {
+        let most = SLOPE_STEP * (state.offset - self.rest).abs().max(1.0);
+        let opening = self.rest_of_closed() + self.opening();
+        let step = (state.offset - opening).max(0.1 * most).min(most);
+        let [before, behind] = [(state.offset - step).max(opening), state.offset + step];
+        let [least, most] = [self.with_gaps_at(before)?.force, self.with_gaps_at(behind)?.force];
+        Some(RingState { stiffness: (most - least) / (behind - before), ..state })
+    }
+
+    /// The same with the stiffness of gaps that stay where they are.
+    pub(super) fn with_gaps_at(&self, offset: f64) -> Option<RingState> {
         let closed = self.closed_coefficients(offset);
         let mut gaps: Vec<Gap> = Vec::new();
         for _ in 0..MOST_TRIED * self.places.len() {
@@ -177,13 +197,13 @@ impl<'a> WholeRing<'a> {
 
     /// The same under a force, from an offset on: forces grow ever less with it, so that after the first of Newton's steps all end short of it.
     pub(super) fn under_force(&self, wanted: f64, least: f64) -> Option<RingState> {
-        let mut state = self.open(least)?;
+        let mut state = self.with_gaps_at(least)?;
         for _ in 0..MOST_STEPS {
             let left = wanted - state.force;
             if left.abs() <= TOLERANCE * self.stiffness() {
-                return Some(state);
+                return self.with_slope(state);
             }
-            state = self.open(state.offset + left / state.stiffness)?;
+            state = self.with_gaps_at(state.offset + left / state.stiffness)?;
         }
         None
     }
