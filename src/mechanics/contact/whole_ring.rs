@@ -149,8 +149,8 @@ impl<'a> WholeRing<'a> {
         let opening = self.rest_of_closed() + self.opening();
         let step = (state.offset - opening).max(0.1 * most).min(most);
         let [before, behind] = [(state.offset - step).max(opening), state.offset + step];
-        let [least, most] = [self.with_gaps_at(before)?.force, self.with_gaps_at(behind)?.force];
-        Some(RingState { stiffness: (most - least) / (behind - before), ..state })
+        let more = self.with_gaps_at(behind)?.force - self.with_gaps_at(before)?.force;
+        Some(RingState { stiffness: more / (behind - before), ..state })
     }
 
     /// The same with the stiffness of gaps that stay where they are.

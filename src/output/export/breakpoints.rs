@@ -28,84 +28,84 @@ const OF_STIFFNESS: f64 = 3.0;
 /// Errors that are tried in turn where the one that is asked cannot be had, to say which can.
 const LARGER: [f64; 14] = [1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 0.1, 0.2];
 
-/// Indices of places that become points: halves segments until all rules are good on all curves. Curves bend at the places `bends`,
-/// which are points in any case: beside them halving would end with steps in which the digits of a force do not tell its slope.
-pub fn choose(
-    places: &[f64],
-    bends: &[usize],
-    curves: &[Samples],
-    rules: &[Interpolation],
-    least_step: f64,
-    error: f64,
-) -> Result<Vec<usize>, Error> {
-    let within = |error: f64| choose_within(places, bends, curves, rules, least_step, error);
-    within(error).map_err(|needs| {
-        let larger = LARGER.into_iter().find(|larger| *larger > error && within(*larger).is_ok());
-        let advice = match larger {
-            Some(larger) => format!("{} can be had", percent(larger)),
-            None => "ask for a larger error".into(),
-        };
-        Error::Export { what: "error".into(), problem: format!("{} needs {needs}: {advice}", percent(error)) }
-    })
+/// What points are chosen from, and for.
+pub struct Choice<'a> {
+    pub places: &'a [f64],
+    /// Places where curves bend. They are points in any case: beside them halving would end with steps in which the digits of a force do not tell its
+    /// slope.
+    pub bends: &'a [usize],
+    pub curves: &'a [Samples],
+    pub rules: &'a [Interpolation],
+    /// Between points, mm.
+    pub least_step: f64,
 }
 
-/// The same, or what so small an error needs.
-fn choose_within(
-    places: &[f64],
-    bends: &[usize],
-    curves: &[Samples],
-    rules: &[Interpolation],
-    least_step: f64,
-    error: f64,
-) -> Result<Vec<usize>, String> {
-    let too_many = || format!("more than {MOST_POINTS} points");
-    let too_close = || format!("points closer than {least_step} mm, which this format does not take");
-    let mut aim = AIM * error;
-    loop {
-        let even = (0..=SPARSEST).map(|i| i * PLACES / SPARSEST);
-        let mut points: Vec<usize> = even.chain(bends.iter().copied()).collect();
-        points.sort_unstable();
-        points.dedup();
-        loop {
-            let mut bad = vec![false; points.len() - 1];
-            let off = |i: usize, force: f64, slope: f64| {
-                if i.is_multiple_of(2) && force.max(slope / OF_STIFFNESS) > aim {
-                    bad[points.partition_point(|point| *point < i) - 1] = true;
-                }
+impl Choice<'_> {
+    /// Indices of places that become points: halves segments until all rules are good on all curves.
+    pub fn points(&self, error: f64) -> Result<Vec<usize>, Error> {
+        self.points_within(error).map_err(|needs| {
+            let is_had = |larger: &f64| *larger > error && self.points_within(*larger).is_ok();
+            let advice = match LARGER.into_iter().find(is_had) {
+                Some(larger) => format!("{} can be had", percent(larger)),
+                None => "ask for a larger error".into(),
             };
-            deviations(places, curves, rules, &points, off);
-            if !bad.contains(&true) {
-                break;
-            }
-            let mut finer = vec![points[0]];
-            for (pair, is_bad) in points.windows(2).zip(bad) {
-                let middle = (pair[0] + pair[1]) / (2 * STRIDE) * STRIDE;
-                if is_bad && middle == pair[0] {
+            let problem = format!("{} needs {needs}: {advice}", percent(error));
+            Error::Export { what: "error".into(), problem }
+        })
+    }
+
+    /// The same, or what so small an error needs.
+    fn points_within(&self, error: f64) -> Result<Vec<usize>, String> {
+        let Choice { places, bends, curves, rules, least_step } = *self;
+        let too_many = || format!("more than {MOST_POINTS} points");
+        let too_close = || format!("points closer than {least_step} mm, which this format does not take");
+        let mut aim = AIM * error;
+        loop {
+            let even = (0..=SPARSEST).map(|i| i * PLACES / SPARSEST);
+            let mut points: Vec<usize> = even.chain(bends.iter().copied()).collect();
+            points.sort_unstable();
+            points.dedup();
+            loop {
+                let mut bad = vec![false; points.len() - 1];
+                let off = |i: usize, force: f64, slope: f64| {
+                    if i.is_multiple_of(2) && force.max(slope / OF_STIFFNESS) > aim {
+                        bad[points.partition_point(|point| *point < i) - 1] = true;
+                    }
+                };
+                deviations(places, curves, rules, &points, off);
+                if !bad.contains(&true) {
+                    break;
+                }
+                let mut finer = vec![points[0]];
+                for (pair, is_bad) in points.windows(2).zip(bad) {
+                    let middle = (pair[0] + pair[1]) / (2 * STRIDE) * STRIDE;
+                    if is_bad && middle == pair[0] {
+                        return Err(too_many());
+                    }
+                    let steps = [places[middle] - places[pair[0]], places[pair[1]] - places[middle]];
+                    if is_bad && steps.into_iter().any(|step| step < least_step) {
+                        return Err(too_close());
+                    }
+                    finer.extend(is_bad.then_some(middle));
+                    finer.push(pair[1]);
+                }
+                points = finer;
+                // With zero and the gap's.
+                if points.len() + 3 > MOST_POINTS {
                     return Err(too_many());
                 }
-                let steps = [places[middle] - places[pair[0]], places[pair[1]] - places[middle]];
-                if is_bad && steps.into_iter().any(|step| step < least_step) {
-                    return Err(too_close());
+            }
+            let mut worst = 0.0_f64;
+            deviations(places, curves, rules, &points, |i, force, slope| {
+                if i % 2 == 1 {
+                    worst = worst.max(force).max(slope / OF_STIFFNESS);
                 }
-                finer.extend(is_bad.then_some(middle));
-                finer.push(pair[1]);
+            });
+            if worst <= error {
+                return Ok(points);
             }
-            points = finer;
-            // With zero and the gap's.
-            if points.len() + 3 > MOST_POINTS {
-                return Err(too_many());
-            }
+            aim *= 0.5;
         }
-        let mut worst = 0.0_f64;
-        deviations(places, curves, rules, &points, |i, force, slope| {
-            if i % 2 == 1 {
-                worst = worst.max(force).max(slope / OF_STIFFNESS);
-            }
-        });
-        if worst <= error {
-            return Ok(points);
-        }
-        aim *= 0.5;
     }
 }
 

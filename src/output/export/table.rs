@@ -2,7 +2,7 @@
 //! within an error.
 
 use crate::error::Error;
-use crate::output::export::breakpoints::{PLACES, STRIDE, choose, deviations};
+use crate::output::export::breakpoints::{Choice, PLACES, STRIDE, deviations};
 use crate::output::export::interpolation::{Interpolant, Interpolation, cubic_weights};
 use crate::output::export::numbers::rounded;
 use crate::output::export::samples::{Samples, Solver, openings, reached_force};
@@ -129,7 +129,8 @@ pub fn tabulate(
         curve.stiffness.drain(..BELOW.len());
         curves.push(curve);
     }
-    let points = choose(&places, &bends, &curves, rules, least_step, error)?;
+    let choice = Choice { places: &places, bends: &bends, curves: &curves, rules, least_step };
+    let points = choice.points(error)?;
     // From where a press fit is concentric the way is the whole distance: alone it is a law without clearance.
     let least = if source.is_family() { f64::NEG_INFINITY } else { 0.0 };
     let clearances = source.members.iter().map(|member| member.joint.radial_clearance.max(least)).collect();
