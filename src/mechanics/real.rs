@@ -4,6 +4,7 @@
 //! one topology at a time, which is what fills the vector units: each body keeps to its own lane from its
 //! coordinates to its compliance.
 
+use std::mem::transmute;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use crate::mechanics::registers::{self, ANY};
@@ -30,6 +31,15 @@ pub trait Real:
     fn is_positive(self) -> bool;
     /// `self - a * b`, fused where the processor can.
     fn minus_product(self, a: Self, b: Self) -> Self;
+
+    /// The same of each of four numbers, with one b.
+    #[inline(always)]
+    fn four_minus_products(mut four: [Self; 4], a: [Self; 4], b: Self) -> [Self; 4] {
+        for i in 0..4 {
+            four[i] = four[i].minus_product(a[i], b);
+        }
+        four
+    }
 
     fn zero() -> Self {
         Self::from_f64(0.0)
@@ -208,10 +218,22 @@ pub trait Scalar: Real + PartialOrd + Into<f64> {
     fn minus_fused_product(self, a: Self, b: Self) -> Self;
     /// Without its sign.
     fn magnitude(self) -> Self;
+    /// `Real::four_minus_products` of one body.
+    #[inline(always)]
+    fn four_minus_products_alone<const WIDTH: usize>(
+        mut four: [Alone<WIDTH, Self>; 4],
+        a: [Alone<WIDTH, Self>; 4],
+        b: Alone<WIDTH, Self>,
+    ) -> [Alone<WIDTH, Self>; 4] {
+        for i in 0..4 {
+            four[i] = four[i].minus_product(a[i], b);
+        }
+        four
+    }
 }
 
 macro_rules! scalar {
-    ($scalar:ty) => {
+    ($scalar:ty $(, $own:item)?) => {
         impl Scalar for $scalar {
             #[inline(always)]
             fn minus_fused_product(self, a: Self, b: Self) -> Self {
@@ -221,14 +243,31 @@ macro_rules! scalar {
             fn magnitude(self) -> Self {
                 self.abs()
             }
+            $($own)?
         }
     };
 }
-scalar!(f64);
 scalar!(f32);
+scalar!(
+    f64,
+    #[inline(always)]
+    fn four_minus_products_alone<const WIDTH: usize>(
+        four: [Alone<WIDTH>; 4],
+        a: [Alone<WIDTH>; 4],
+        b: Alone<WIDTH>,
+    ) -> [Alone<WIDTH>; 4] {
+        // SAFETY: `Alone` is the number in it. Numbers that are taken out one by one do not stay in one register.
+        unsafe {
+            let four: [f64; 4] = transmute(four);
+            let a: [f64; 4] = transmute(a);
+            transmute(registers::minus_product::<WIDTH, 4>(four, a, [b.0; 4]))
+        }
+    }
+);
 
 /// One number of one body, which comes to the same bits as in a lane of `Lanes`, in single precision of `Singles`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(transparent)]
 pub struct Alone<const WIDTH: usize, S = f64>(pub S);
 
 macro_rules! alone {
@@ -293,6 +332,10 @@ impl<const WIDTH: usize, S: Scalar> Real for Alone<WIDTH, S> {
     #[inline(always)]
     fn minus_product(self, a: Self, b: Self) -> Self {
         Alone(if WIDTH == ANY { self.0 - a.0 * b.0 } else { self.0.minus_fused_product(a.0, b.0) })
+    }
+    #[inline(always)]
+    fn four_minus_products(four: [Self; 4], a: [Self; 4], b: Self) -> [Self; 4] {
+        S::four_minus_products_alone(four, a, b)
     }
 }
 

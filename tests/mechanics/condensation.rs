@@ -79,21 +79,26 @@ fn loads_of_a_ring_are_those_of_its_bodies() {
 #[test]
 fn company_does_not_matter() {
     type Ratios = fn(f64) -> Vec<f64>;
-    let shapes: [(&str, Ratios); 4] = [
-        ("annulus", |i| vec![2.8 + 0.02 * i]),
-        ("rigid-core", |i| vec![0.3 - 0.001 * i]),
-        ("rigid-midplane", |_| vec![]),
+    let shapes: [(&str, usize, Ratios); 5] = [
+        ("annulus", 1, |i| vec![2.8 + 0.02 * i]),
+        ("rigid-core", 1, |i| vec![0.3 - 0.001 * i]),
+        ("rigid-midplane", 1, |_| vec![]),
         // Each line of each has a depth of its own.
-        ("block", |i| vec![2.0 + 0.002 * i, 3.0, 1.6]),
+        ("block", 1, |i| vec![2.0 + 0.002 * i, 3.0, 1.6]),
+        // Too large for lanes in some registers.
+        ("annulus", 4, |i| vec![1.1 - 0.0001 * i]),
     ];
-    for (name, ratios) in shapes {
+    for (name, level, ratios) in shapes {
         let one = |i: usize| {
             let idealization = Idealization::ALL[i % 3 % 2];
             body(name, &ratios(i as f64), idealization, 0.1 + 0.03 * i as f64)
         };
         let bodies: Vec<Body> = (0..11).map(one).collect();
-        let class = GradingClass::of(&bodies[0], ElementKind::Quad8, 1);
-        assert!(bodies.iter().all(|body| GradingClass::of(body, ElementKind::Quad8, 1) == class), "{name}");
+        let class = GradingClass::of(&bodies[0], ElementKind::Quad8, level);
+        assert!(
+            bodies.iter().all(|body| GradingClass::of(body, ElementKind::Quad8, level) == class),
+            "{name}"
+        );
         let plan = plan(&bodies[0], &class);
         let together = plan.condense(&bodies);
         assert_eq!(together.len(), bodies.len());

@@ -109,9 +109,11 @@ fn structure(level: usize) -> BandStructure {
 fn the_factorisation_does_what_is_counted() {
     for level in 0..3 {
         let structure = structure(level);
-        let mut tiles = structure.empty::<Counted>();
-        let done = operations(|| structure.factorise::<_, 1, 1>(&mut tiles));
+        let tiles = structure.empty::<Counted>();
+        let done = operations(|| structure.factorise::<_, 1, 1>(&mut tiles.clone()));
         assert_eq!(structure.factorise_operations(), done, "level {level}");
+        let two_rows = operations(|| structure.factorise::<_, 4, 2>(&mut tiles.clone()));
+        assert_eq!(two_rows, done, "level {level}, two rows at a time");
     }
 }
 

@@ -14,6 +14,7 @@ use crate::mechanics::element::stiffness::{
 use crate::mechanics::lines::coordinates_abreast;
 use crate::mechanics::mesh::{Grading, RingTopology};
 use crate::mechanics::real::{Alone, Bodies, LANES, Lanes, Real};
+use crate::mechanics::registers::AVX2;
 use crate::mechanics::singles::{SINGLES, Single, Singles};
 use crate::mechanics::solve::band::{BandStructure, TILE, Tile};
 
@@ -51,6 +52,9 @@ const FEW: [usize; 2] = [2, 4];
 
 /// Bytes that stay near it.
 const NEAR: usize = 1 << 20;
+
+/// From so many bytes on lanes wait for them, and any number of bodies is few: in registers of four. Those of eight were not measured.
+const FAR: usize = 8 << 20;
 
 /// Modes that are substituted side by side: some blocks of them are a plan's.
 const BLOCKS: [usize; 2] = [12, 8];
@@ -117,25 +121,13 @@ impl CondensationPlan {
     /// The works of the ring modes on each body, packed, one way to push after the other; the order is kept. A body whose mesh is
     /// turned inside out or whose stiffness is not positive definite gives NaN.
     pub fn condense(&self, bodies: &[Body]) -> Vec<Vec<f64>> {
-        let few = self.few();
-        let together = |bodies: &[Body]| {
-            if bodies.len() <= few {
-                bodies.iter().map(|body| self.condense_alone(body)).collect()
-            } else {
-                in_lanes(Condense { plan: self, bodies })
-            }
-        };
-        bodies.chunks(LANES).flat_map(together).collect()
+        bodies.chunks(LANES).flat_map(|bodies| in_lanes(Condense { plan: self, bodies })).collect()
     }
 
     /// The same in single precision, but for bodies that lose too many digits so. What a body comes to does not hang on the others.
     pub fn condense_in_singles(&self, bodies: &[Body]) -> Vec<Vec<f64>> {
-        let condense = |bodies: &[Body]| in_lanes(InSingles(Condense { plan: self, bodies }));
-        let few = self.few();
-        let together = |bodies: &[Body]| -> Vec<Vec<f64>> {
-            if bodies.len() <= few { bodies.chunks(1).flat_map(condense).collect() } else { condense(bodies) }
-        };
-        let mut works: Vec<Vec<f64>> = bodies.chunks(SINGLES).flat_map(together).collect();
+        let condense = |bodies| in_lanes(InSingles(Condense { plan: self, bodies }));
+        let mut works: Vec<Vec<f64>> = bodies.chunks(SINGLES).flat_map(condense).collect();
         let is_lost = |works: &Vec<f64>| works[0].is_nan();
         let lost: Vec<usize> = (0..works.len()).filter(|place| is_lost(&works[*place])).collect();
         if !lost.is_empty() {
@@ -147,10 +139,13 @@ impl CondensationPlan {
         works
     }
 
-    /// How many bodies are few.
-    fn few(&self) -> usize {
-        let bytes = self.structure.tile_count * size_of::<Tile<Lanes<1>>>();
-        FEW[usize::from(bytes > NEAR)]
+    /// How many bodies are few, in registers of a `WIDTH`.
+    fn few<const WIDTH: usize>(&self) -> usize {
+        match self.structure.tile_count * size_of::<Tile<Lanes<WIDTH>>>() {
+            ..=NEAR => FEW[0],
+            FAR.. if WIDTH == AVX2 => LANES,
+            _ => FEW[1],
+        }
     }
 
     /// One body, to the same bits, in a fraction of the memory that lanes take.
@@ -172,8 +167,12 @@ impl LaneWork for Condense<'_> {
         // As many sums at a time as stay in registers: all 16 of a tile where a register holds one in all lanes and there are 32, 4
         // where it takes two and there are 16. Of a body alone a register holds several sums: all 16 take two to eight,
         // so few that each waits for the one before, unless two rows of tiles are summed at a time.
-        if self.bodies.len() == 1 {
-            self.works::<Alone<WIDTH>, 4, 2>()
+        if self.bodies.len() <= self.plan.few::<WIDTH>() {
+            let mut works = Vec::with_capacity(self.bodies.len());
+            for bodies in self.bodies.chunks(1) {
+                works.append(&mut Condense { bodies, ..self }.works::<Alone<WIDTH>, 4, 2>());
+            }
+            works
         } else if WIDTH >= LANES {
             self.works::<Lanes<WIDTH>, 4, 1>()
         } else {
@@ -194,8 +193,13 @@ impl LaneWork for InSingles<'_> {
 
     #[inline(always)]
     fn run<const WIDTH: usize>(self) -> Vec<Vec<f64>> {
-        if self.0.bodies.len() == 1 {
-            self.0.works::<Single<WIDTH>, 4, 2>()
+        let Condense { plan, bodies } = self.0;
+        if bodies.len() <= plan.few::<WIDTH>().min(FEW[1]) {
+            let mut works = Vec::with_capacity(bodies.len());
+            for bodies in bodies.chunks(1) {
+                works.append(&mut Condense { plan, bodies }.works::<Single<WIDTH>, 4, 2>());
+            }
+            works
         } else if WIDTH >= LANES {
             self.0.works::<Singles<WIDTH>, 4, 1>()
         } else {

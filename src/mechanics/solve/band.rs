@@ -201,7 +201,7 @@ impl BandStructure {
 
     /// K = L L^T in place, tile row by tile row: each tile less the products of its row and its column, then divided
     /// by the column's diagonal tile. In place of the diagonal is its inverse. A lane that is not positive definite ends in NaN.
-    /// `ABREAST` columns of a tile are summed at a time, in `ROWS` tile rows (1 or 2): the same bits whatever they are.
+    /// `ABREAST` columns of a tile are summed at a time, in `ROWS` tile rows: the same bits whatever they are.
     #[inline(always)]
     pub fn factorise<T: Real, const ABREAST: usize, const ROWS: usize>(&self, tiles: &mut [Tile<T>]) {
         self.eliminate::<T, ABREAST, ROWS, false>(tiles);
@@ -222,23 +222,22 @@ impl BandStructure {
         &self,
         tiles: &mut [Tile<T>],
     ) -> T {
-        const { assert!(ROWS == 1 || ROWS == 2) };
         let mut minus_loss = T::from_f64(-1.0);
-        for rows in (0..self.rows.len()).step_by(ROWS) {
-            // Columns of this row alone, of the next one alone, then those of both.
-            let mut of_both = rows..rows;
-            if ROWS == 2 && rows + 1 < self.rows.len() {
-                let firsts = [self.rows[rows].0, self.rows[rows + 1].0];
-                of_both.start = firsts[0].max(firsts[1]).min(rows);
-                self.eliminate_columns::<T, ABREAST>(tiles, rows + 1, firsts[1]..of_both.start);
+        for begin in (0..self.rows.len()).step_by(ROWS) {
+            let rows = begin..(begin + ROWS).min(self.rows.len());
+            // Columns that a row has alone, those of all, and those between the rows.
+            let mut of_all = begin..begin;
+            if ROWS > 1 && rows.len() == ROWS {
+                let first = self.rows[rows.clone()].iter().map(|(first, _)| *first).max();
+                of_all.start = first.unwrap_or(begin).min(begin);
             }
-            self.eliminate_columns::<T, ABREAST>(tiles, rows, self.rows[rows].0..of_both.start);
-            self.eliminate_columns_of_two::<T, ABREAST>(tiles, rows, of_both);
-            for row in rows..(rows + ROWS).min(self.rows.len()) {
-                if row > rows {
-                    self.eliminate_columns::<T, ABREAST>(tiles, row, rows.max(self.rows[row].0)..row);
-                }
+            for row in rows.clone() {
+                self.eliminate_columns::<T, ABREAST, 1>(tiles, row, self.rows[row].0..of_all.start);
+            }
+            self.eliminate_columns::<T, ABREAST, ROWS>(tiles, begin, of_all);
+            for row in rows {
                 let (first, offset) = self.rows[row];
+                self.eliminate_columns::<T, ABREAST, 1>(tiles, row, begin.max(first)..row);
                 let (left, right) = tiles[offset..].split_at_mut(row - first);
                 let tile = &mut right[0];
                 let mut before = [T::zero(); TILE];
@@ -258,31 +257,9 @@ impl BandStructure {
         -minus_loss
     }
 
-    /// Some columns of a tile row, beside the diagonal; those before them are done.
+    /// Some columns of `ROWS` tile rows, each of which has them all, beside the diagonal; those before them are done.
     #[inline(always)]
-    fn eliminate_columns<T: Real, const ABREAST: usize>(
-        &self,
-        tiles: &mut [Tile<T>],
-        row: usize,
-        columns: Range<usize>,
-    ) {
-        let (first, offset) = self.rows[row];
-        let (done, current) = tiles.split_at_mut(offset);
-        for column in columns {
-            let (column_first, column_offset) = self.rows[column];
-            let start = first.max(column_first);
-            let (left, right) = current.split_at_mut(column - first);
-            let row_tiles = &left[start - first..];
-            let column_tiles = &done[column_offset + start - column_first..][..row_tiles.len()];
-            let tile = &mut right[0];
-            subtract_products::<T, ABREAST>(tile, row_tiles, column_tiles);
-            divide_by_lower_transposed(tile, &done[column_offset + column - column_first]);
-        }
-    }
-
-    /// The same of a tile row and the next one.
-    #[inline(always)]
-    fn eliminate_columns_of_two<T: Real, const ABREAST: usize>(
+    fn eliminate_columns<T: Real, const ABREAST: usize, const ROWS: usize>(
         &self,
         tiles: &mut [Tile<T>],
         row: usize,
@@ -291,36 +268,32 @@ impl BandStructure {
         if columns.is_empty() {
             return;
         }
-        let [(first, offset), (next_first, next_offset)] = [self.rows[row], self.rows[row + 1]];
-        let (done, current) = tiles.split_at_mut(offset);
-        let (current, next) = current.split_at_mut(next_offset - offset);
+        let rows = &self.rows[row..row + ROWS];
+        let begin = rows[0].1;
+        let (done, current) = tiles.split_at_mut(begin);
         for column in columns {
-            let (column_first, column_offset) = self.rows[column];
-            let of_column = &done[column_offset..][..column - column_first + 1];
-            let (left, right) = current.split_at_mut(column - first);
-            let (next_left, next_right) = next.split_at_mut(column - next_first);
-            let (tile, next_tile) = (&mut right[0], &mut next_right[0]);
-            // What either has alone, then what both have.
-            let [start, next_start] = [first, next_first].map(|first| first.max(column_first));
-            let common = start.max(next_start);
-            subtract_products::<T, ABREAST>(
-                tile,
-                &left[start - first..common - first],
-                &of_column[start - column_first..],
-            );
-            subtract_products::<T, ABREAST>(
-                next_tile,
-                &next_left[next_start - next_first..common - next_first],
-                &of_column[next_start - column_first..],
-            );
-            subtract_products_of_two::<T, ABREAST>(
-                [tile, next_tile],
-                [&left[common - first..], &next_left[common - next_first..]],
-                &of_column[common - column_first..],
-            );
-            let diagonal = &of_column[column - column_first];
-            divide_by_lower_transposed(tile, diagonal);
-            divide_by_lower_transposed(next_tile, diagonal);
+            let (column_first, offset) = self.rows[column];
+            let of_column = &done[offset..][..column - column_first + 1];
+            let mut places = [0; ROWS];
+            let mut common = column_first;
+            for (place, (first, offset)) in places.iter_mut().zip(rows) {
+                *place = offset - begin + column - first;
+                common = common.max(*first);
+            }
+            // What a row has alone, then what all have.
+            if ROWS > 1 {
+                for (place, (first, _)) in places.iter().zip(rows) {
+                    let start = column_first.max(*first);
+                    let (left, right) = current.split_at_mut(*place);
+                    let alone = &left[place + start - column..place + common - column];
+                    subtract_products::<T, ABREAST>(&mut right[0], alone, &of_column[start - column_first..]);
+                }
+            }
+            let (of_common, diagonal) = of_column[common - column_first..].split_at(column - common);
+            subtract_products_of_rows::<T, ABREAST, ROWS>(current, places, of_common);
+            for place in places {
+                divide_by_lower_transposed(&mut current[place], &diagonal[0]);
+            }
         }
     }
 
@@ -399,9 +372,7 @@ fn subtract_products<T: Real, const ABREAST: usize>(tile: &mut Tile<T>, row: &[T
         for (a, b) in row.iter().zip(column) {
             for k in 0..TILE {
                 for j in 0..ABREAST {
-                    for i in 0..TILE {
-                        sums[j][i] = sums[j][i].minus_product(a[k][i], b[k][first + j]);
-                    }
+                    sums[j] = T::four_minus_products(sums[j], a[k], b[k][first + j]);
                 }
             }
         }
@@ -409,31 +380,33 @@ fn subtract_products<T: Real, const ABREAST: usize>(tile: &mut Tile<T>, row: &[T
     }
 }
 
-/// The same of two tiles with the same column.
+/// The same of the tiles in some places, each with the tiles before it in its row, and with the same column.
 #[inline(always)]
-fn subtract_products_of_two<T: Real, const ABREAST: usize>(
-    [one, other]: [&mut Tile<T>; 2],
-    [one_row, other_row]: [&[Tile<T>]; 2],
+fn subtract_products_of_rows<T: Real, const ABREAST: usize, const ROWS: usize>(
+    tiles: &mut [Tile<T>],
+    places: [usize; ROWS],
     column: &[Tile<T>],
 ) {
     for first in (0..TILE).step_by(ABREAST) {
-        let [mut one_sums, mut other_sums] = [[[T::zero(); TILE]; ABREAST]; 2];
-        one_sums.copy_from_slice(&one[first..first + ABREAST]);
-        other_sums.copy_from_slice(&other[first..first + ABREAST]);
-        for ((one, other), b) in one_row.iter().zip(other_row).zip(column) {
+        let mut sums = [[[T::zero(); TILE]; ABREAST]; ROWS];
+        let mut rows = [column; ROWS];
+        for (at, place) in places.into_iter().enumerate() {
+            sums[at].copy_from_slice(&tiles[place][first..first + ABREAST]);
+            rows[at] = &tiles[place - column.len()..place];
+        }
+        for (place, b) in column.iter().enumerate() {
             for k in 0..TILE {
                 for j in 0..ABREAST {
-                    for i in 0..TILE {
-                        one_sums[j][i] = one_sums[j][i].minus_product(one[k][i], b[k][first + j]);
-                    }
-                    for i in 0..TILE {
-                        other_sums[j][i] = other_sums[j][i].minus_product(other[k][i], b[k][first + j]);
+                    for at in 0..ROWS {
+                        sums[at][j] =
+                            T::four_minus_products(sums[at][j], rows[at][place][k], b[k][first + j]);
                     }
                 }
             }
         }
-        one[first..first + ABREAST].copy_from_slice(&one_sums);
-        other[first..first + ABREAST].copy_from_slice(&other_sums);
+        for (place, sums) in places.into_iter().zip(sums) {
+            tiles[place][first..first + ABREAST].copy_from_slice(&sums);
+        }
     }
 }
 
@@ -444,9 +417,7 @@ fn divide_by_lower_transposed<T: Real>(tile: &mut Tile<T>, lower: &Tile<T>) {
         let (done, current) = tile.split_at_mut(j);
         let column = &mut current[0];
         for (known, lower) in done.iter().zip(lower) {
-            for i in 0..TILE {
-                column[i] = column[i].minus_product(known[i], lower[j]);
-            }
+            *column = T::four_minus_products(*column, *known, lower[j]);
         }
         for value in column {
             *value = *value * lower[j][j];
