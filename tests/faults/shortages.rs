@@ -16,7 +16,8 @@ fn limited(work: &Workdir, limit: &str, arguments: &str) -> Ended {
     Ended::new(Command::new("sh").args(["-c", &command]).current_dir(work.path("")).output().unwrap())
 }
 
-/// A process that gets no memory is ended at once, in the middle of whatever it does.
+/// A process that gets no memory is ended at once, in the middle of whatever it does. A body of this sweep takes 10 to 14 MB, beyond what the
+/// program itself does.
 #[test]
 fn a_run_that_gets_no_memory_loses_nothing_that_was_finished() {
     let work = Workdir::new("no-memory");
@@ -24,7 +25,7 @@ fn a_run_that_gets_no_memory_loses_nothing_that_was_finished() {
     work.run(&["run", "slow.toml"]).expect(0);
     let table = work.read("out/slow/table.csv");
     work.write("slow.toml", &slow_config());
-    let ended = limited(&work, "ulimit -v 200000", "run slow.toml --force --threads 1");
+    let ended = limited(&work, "ulimit -v 50000", "run slow.toml --force --threads 1");
     assert!(ended.code != Some(0) && ended.code != Some(2), "{:?} {}", ended.code, ended.stderr);
     assert!(work.read("out/slow/table.csv") == table);
     assert_eq!(work.json("out/slow/manifest.json")["state"], "complete");
