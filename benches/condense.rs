@@ -1,9 +1,10 @@
 //! Time to condense one lane batch of bodies to their ring, one core, and how near that is to the arithmetic peak:
 //! `cargo bench --bench condense`.
 //!
-//! First a table of mesh levels, of plates of ratio 3 and of thin rings of ratio 1.1: unknowns, counted floating-point operations a body (`CondensationPlan::operations`), the
-//! median time a body, GFLOP/s and their share of the peak, which a loop of independent multiply-adds measures; `single`: in single
-//! precision, twice as many bodies against twice the peak; `alone`: one body after the other, in double precision. Then divan's figures of the same batches.
+//! First a table of mesh levels, of plates of ratio 3 and of thin rings of ratio 1.1: unknowns, counted floating-point
+//! operations a body (`CondensationPlan::operations`), the median time a body, GFLOP/s and their share of the peak, which a
+//! loop of independent multiply-adds measures; `single`: in single precision, twice as many bodies against twice the peak;
+//! `alone`: one body after the other, in double precision. Then divan's figures of the batches of ratio 3.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};

@@ -168,11 +168,7 @@ impl LaneWork for Condense<'_> {
         // where it takes two and there are 16. Of a body alone a register holds several sums: all 16 take two to eight,
         // so few that each waits for the one before, unless two rows of tiles are summed at a time.
         if self.bodies.len() <= self.plan.few::<WIDTH>() {
-            let mut works = Vec::with_capacity(self.bodies.len());
-            for bodies in self.bodies.chunks(1) {
-                works.append(&mut Condense { bodies, ..self }.works::<Alone<WIDTH>, 4, 2>());
-            }
-            works
+            self.one_by_one::<Alone<WIDTH>>()
         } else if WIDTH >= LANES {
             self.works::<Lanes<WIDTH>, 4, 1>()
         } else {
@@ -193,13 +189,8 @@ impl LaneWork for InSingles<'_> {
 
     #[inline(always)]
     fn run<const WIDTH: usize>(self) -> Vec<Vec<f64>> {
-        let Condense { plan, bodies } = self.0;
-        if bodies.len() <= plan.few::<WIDTH>().min(FEW[1]) {
-            let mut works = Vec::with_capacity(bodies.len());
-            for bodies in bodies.chunks(1) {
-                works.append(&mut Condense { plan, bodies }.works::<Single<WIDTH>, 4, 2>());
-            }
-            works
+        if self.0.bodies.len() <= self.0.plan.few::<WIDTH>().min(FEW[1]) {
+            self.0.one_by_one::<Single<WIDTH>>()
         } else if WIDTH >= LANES {
             self.0.works::<Singles<WIDTH>, 4, 1>()
         } else {
@@ -279,6 +270,16 @@ impl<const WIDTH: usize> Working for Singles<WIDTH> {
 }
 
 impl Condense<'_> {
+    /// Each body alone, two rows of tiles at a time.
+    #[inline(always)]
+    fn one_by_one<T: Working>(&self) -> Vec<Vec<f64>> {
+        let mut works = Vec::with_capacity(self.bodies.len());
+        for bodies in self.bodies.chunks(1) {
+            works.append(&mut Condense { bodies, ..*self }.works::<T, 4, 2>());
+        }
+        works
+    }
+
     #[inline(always)]
     fn works<T: Working, const ABREAST: usize, const ROWS: usize>(&self) -> Vec<Vec<f64>> {
         let mut tiles = self.plan.structure.empty::<T>();
