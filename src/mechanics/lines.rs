@@ -225,25 +225,32 @@ pub fn coordinates_abreast<T: Bodies>(
     }
     for &(row, column) in &topology.grid {
         let [end, next] = around(row);
-        let place = |column: usize, axis: usize| {
-            middle(points[column * ends + end][axis], points[column * ends + next][axis])
-        };
         if column.is_multiple_of(2) {
-            nodes.push([place(column, 0), place(column, 1)]);
+            nodes.push(between(&points, column * ends + end, column * ends + next));
             continue;
         }
         // Between two lines half-way between these, but for the bow. The layers of their own line do not matter, so
         // that elements keep their shape where the depth changes quickly.
         let bow = middle(bows[column * ends + end], bows[column * ends + next]);
-        let bowed = |axis: usize| {
-            let [before, own, behind] = [column - 1, column, column + 1];
+        let [before, behind] = [(column - 1) * ends, (column + 1) * ends];
+        let [before, behind] =
+            [between(&points, before + end, before + next), between(&points, behind + end, behind + next)];
+        let mut node = [bow; 2];
+        for (axis, node) in node.iter_mut().enumerate() {
             let on_ring = |column: usize| topology.ring_points[column][axis];
-            let chord = 0.5 * (on_ring(before) + on_ring(behind));
-            middle(place(before, axis), place(behind, axis)) + bow * T::from_f64(on_ring(own) - chord)
-        };
-        nodes.push([bowed(0), bowed(1)]);
+            let chord = 0.5 * (on_ring(column - 1) + on_ring(column + 1));
+            *node = middle(before[axis], behind[axis]) + bow * T::from_f64(on_ring(column) - chord);
+        }
+        nodes.push(node);
     }
     nodes
+}
+
+/// Half-way between two of the points. (A closure that is called in several places would be a function of its own, which is not compiled for
+/// the vectors.)
+#[inline(always)]
+fn between<T: Bodies>(points: &[[T; 2]], a: usize, b: usize) -> [T; 2] {
+    [middle(points[a][0], points[b][0]), middle(points[a][1], points[b][1])]
 }
 
 /// Of a column of the ring.

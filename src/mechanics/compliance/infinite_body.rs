@@ -210,7 +210,7 @@ impl<const WIDTH: usize> Point<WIDTH> {
         let logarithm = (double + self.ln_g + other.ln_g) * number(step) + number(weights[0]);
         // g (1 - x^2 x'^2) g' = g + g' - 1, free of squares; cos phi = 2 g - 1.
         let sum = self.g + other.g - number(1.0);
-        let [own, others] = [self, other].map(|point| number(2.0) * point.g - number(1.0));
+        let (own, others) = (number(2.0) * self.g - number(1.0), number(2.0) * other.g - number(1.0));
         // cos theta, (1 + cos theta)/2 and cos(phi + phi').
         let (cosine, near) = (number(1.0) - versine, number(1.0) - number(0.5) * versine);
         let of_sum = number(2.0) * own * others - cosine;
@@ -245,24 +245,29 @@ impl LaneWork for Regular<'_> {
         let step = FRAC_PI_2 / *half as f64;
         let b = Lanes::<WIDTH>(arcs.map(|arc| arc.b));
         let double = Lanes::<WIDTH>(arcs.map(|arc| (2.0 * arc.b).ln()));
-        let points: Vec<Point<WIDTH>> = nodes.iter().map(|s| Point::new(b * number(*s))).collect();
+        let mut points: Vec<Point<WIDTH>> = Vec::with_capacity(nodes.len());
+        for s in nodes {
+            points.push(Point::new(b * number(*s)));
+        }
         let mut matrices = [(); KERNELS].map(|()| vec![[0.0; LANES]; packed_count(terms)]);
         let mut of_point = vec![[Lanes::<WIDTH>::zero(); KERNELS]; *half];
         for (i, point) in points.iter().enumerate() {
-            for (j, other) in points.iter().enumerate() {
+            // Kernels are the same with the points exchanged: the sums over those up to this one are added both ways.
+            for (j, other) in points[..=i].iter().enumerate() {
                 // The trial pressures are the same at both.
                 let [own, mirrored] = weights[i * half + j];
                 let own = point.kernels(*other, (step, double), own);
                 let mirrored = point.kernels(other.mirrored(), (step, double), mirrored);
+                let share = number(if i == j { -0.5 } else { -1.0 });
                 for kernel in 0..KERNELS {
-                    of_point[j][kernel] = -(own[kernel] + mirrored[kernel]);
+                    of_point[j][kernel] = share * (own[kernel] + mirrored[kernel]);
                 }
             }
             for (kernel, matrix) in matrices.iter_mut().enumerate() {
                 let mut potential = [Lanes::<WIDTH>::zero(); MAX_TERMS];
                 for (block, sums) in potential.as_chunks_mut::<ABREAST>().0.iter_mut().enumerate() {
                     if block * ABREAST < terms {
-                        for (weights, trials) in of_point.iter().zip(trials) {
+                        for (weights, trials) in of_point[..=i].iter().zip(trials) {
                             for k in 0..ABREAST {
                                 let trial = number(trials[block * ABREAST + k]);
                                 sums[k] = sums[k].minus_product(weights[kernel], trial);
@@ -271,13 +276,12 @@ impl LaneWork for Regular<'_> {
                     }
                 }
                 for row in 0..terms {
-                    let factor = step / PI * trials[i][row];
+                    let of_row = number(-step / PI * trials[i][row]);
                     for column in 0..=row {
+                        let of_column = number(-step / PI * trials[i][column]);
                         let entry = &mut matrix[packed(row, column)];
-                        entry
-                            .iter_mut()
-                            .zip(potential[column].0)
-                            .for_each(|(sum, value)| *sum += factor * value);
+                        let sum = Lanes::<WIDTH>(*entry).minus_product(of_row, potential[column]);
+                        *entry = sum.minus_product(of_column, potential[row]).0;
                     }
                 }
             }
