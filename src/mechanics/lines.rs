@@ -57,14 +57,18 @@ impl<'a, T: Bodies> Layering<'a, T> {
     #[inline(always)]
     fn new(rest: &'a Abreast, layers: Layers, first: T) -> Layering<'a, T> {
         let shape = rest.bodies[0].shape;
-        let pulled = || (rest.each(|_, body| centre_pull(body)), rest.each(|_, body| deepest(body)));
+        let centre_pull = if shape.reaches_centre {
+            Some((rest.each(|_, body| centre_pull(body)), rest.each(|_, body| deepest(body))))
+        } else {
+            None
+        };
         let nothing = T::from_f64(f64::NAN);
         Layering {
             rest,
             side: shape.side,
             layers,
             first,
-            centre_pull: shape.reaches_centre.then(pulled),
+            centre_pull,
             depth: nothing,
             growth: T::from_f64(1.0),
             far_radius: nothing,

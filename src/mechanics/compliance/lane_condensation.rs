@@ -313,8 +313,10 @@ impl Condense<'_> {
         let CondensationPlan { grading, topology, structure, rule, .. } = self.plan;
         let zero = T::zero();
         let nodes = T::nodes(self.bodies, grading, topology);
-        let materials: Vec<Elasticity<T>> =
-            (0..=self.bodies[0].lining.list().len()).map(|material| self.elasticity(material)).collect();
+        let mut materials: Vec<Elasticity<T>> = Vec::new();
+        for material in 0..=self.bodies[0].lining.list().len() {
+            materials.push(self.elasticity(material));
+        }
         let count = topology.element.node_count();
         let mut smallest_jacobian = T::from_f64(f64::INFINITY);
         let mut stiffness = ElementStiffness::room();

@@ -235,7 +235,13 @@ impl Solve<'_> {
             ArcMap::Tangent => {
                 [versines_over(b, outlines.ratio()), versines_over(b, outlines.ratio().sqrt())]
             }
-            ArcMap::Sine => [ContactArc::versines_of_sines().map(Lanes::from_f64); 2],
+            ArcMap::Sine => {
+                let mut versine = [zero; TERMS];
+                for (lanes, own) in versine.iter_mut().zip(ContactArc::versines_of_sines::<TERMS>()) {
+                    *lanes = Lanes::from_f64(own);
+                }
+                [versine; 2]
+            }
         };
         let bend = outlines.bend();
         if bend != 0.0 {
