@@ -196,6 +196,7 @@ fn way_out(error: &Error) -> &'static str {
         Error::CannotGoOn { .. } => ": go on with that program on that device, or begin anew with --again",
         Error::FolderInUse { .. } => ": wait for it, or name another folder with --out",
         Error::DesignsInTheWay { .. } | Error::InputInTheWay { .. } => ": name another folder with --out",
+        Error::Threads { .. } => ": raise the limits on processes and memory (ulimit -u, ulimit -v)",
         Error::FileTaken { .. } => ": name another file, or overwrite it with --force",
         _ => "",
     }

@@ -10,7 +10,8 @@ pub enum Error {
     #[error("cannot write to standard output: {source}")]
     Output { source: std::io::Error },
 
-    #[error("cannot start {threads} threads: {problem}")]
+    /// `threads` is how many were asked for at once.
+    #[error("cannot start {threads} more thread{}: {problem}", if *threads == 1 { "" } else { "s" })]
     Threads { threads: usize, problem: String },
 
     /// Something a person wrote in a config or a list of designs. `key` is the dotted key or the column, empty

@@ -5,6 +5,7 @@ use crate::engine::joint_stresses::{CircleStresses, NoStresses};
 use crate::engine::material_shares::{self, MaterialShare};
 use crate::engine::outcome::{Response, StepOutcome};
 use crate::engine::status::Status;
+use crate::engine::threads::common_pool;
 use crate::error::Error;
 use crate::mechanics::body::Side;
 use crate::mechanics::material::Idealization;
@@ -56,6 +57,7 @@ impl Joint {
             let problem = "a closed form has no curve of the joint; see `mechanics::laws`".into();
             return Err(Error::Joint { quantity: "method".into(), problem });
         }
+        common_pool()?;
         match JointCurve::after(before.map(|curve| curve.0), &self.0, options) {
             Ok(curve) => Ok(Curve(curve)),
             Err(failure) => Err(Error::Joint { quantity: String::new(), problem: failure.to_string() }),

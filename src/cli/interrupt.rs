@@ -32,7 +32,7 @@ impl Interrupt {
             // A file that may not grow is then an error of the write, not the end of the process.
             let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
             if let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) {
-                std::thread::spawn(move || {
+                let watching = move || {
                     if signals.forever().next().is_some() {
                         flag.store(true, Ordering::Relaxed);
                         let ended = Instant::now() + GRACE;
@@ -41,7 +41,13 @@ impl Interrupt {
                         }
                         end_now(&recorder, quiet);
                     }
-                });
+                };
+                if std::thread::Builder::new().spawn(watching).is_err() {
+                    let always = Arc::new(AtomicBool::new(true));
+                    for signal in [SIGINT, SIGTERM] {
+                        let _ = signal_hook::flag::register_conditional_default(signal, Arc::clone(&always));
+                    }
+                }
             }
         }
         #[cfg(not(unix))]

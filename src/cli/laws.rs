@@ -7,6 +7,7 @@ use jointsweep::Error;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::law_fit::laws_of_all;
 use jointsweep::internals::engine::outcome::{Answer, BackendKind, DesignOutcome};
+use jointsweep::internals::engine::threads::pool;
 use jointsweep::internals::output::folder::{LAWS, MANIFEST};
 use jointsweep::internals::output::laws_table::LawsTable;
 use jointsweep::internals::output::lock::FolderLock;
@@ -50,8 +51,7 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
     }
     let _lock = FolderLock::take(&args.dir, "of its laws")?;
     let threads = threads(args.threads);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|error| Error::Threads { threads, problem: error.to_string() })?;
+    let pool = pool(threads)?;
     let mut file = SinkFile::new(LAWS, staged(&path));
     let mut progress = Progress::new(0, results.origin.counts.designs, false);
     let written = pool.install(|| write_laws(&results, Ladder::new(options), &mut file, &mut progress));

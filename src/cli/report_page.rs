@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use jointsweep::Error;
+use jointsweep::internals::engine::threads::common_pool;
 use jointsweep::internals::output::report::page;
 use jointsweep::internals::output::results::Results;
 use jointsweep::internals::output::whole_file::write_whole;
@@ -35,6 +36,7 @@ pub fn report_page(args: &ReportArgs) -> Result<Ending, Error> {
     if path.exists() && !args.force {
         return Err(Error::FileTaken { path });
     }
+    common_pool()?;
     let page = page(&results, &args.design)?;
     write_whole(&path, page.as_bytes())?;
     if !args.quiet {

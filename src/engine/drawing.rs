@@ -1,9 +1,9 @@
 //! The designs of a sweep, drawn in batches ahead of those who solve them.
 
 use std::ops::Range;
-use std::thread::ScopedJoinHandle;
 
 use crate::engine::distinct::{Distinct, distinct_among};
+use crate::engine::threads::{joined, spawned};
 use crate::error::Error;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
@@ -148,7 +148,14 @@ impl<'a> Drawer<'a> {
     fn number_all(&mut self, batch_size: usize, mut hand_over: impl FnMut(Drawn) -> bool) -> u64 {
         let (first, study, all) = (self.first_number(), self.study, self.left.clone());
         std::thread::scope(|scope| {
-            let of_all = scope.spawn(move || about_distinct(study, first + all.start..first + all.end));
+            let of_all = spawned(scope, move || about_distinct(study, first + all.start..first + all.end));
+            let of_all = match of_all {
+                Ok(of_all) => of_all,
+                Err(error) => {
+                    hand_over(Err(error));
+                    return 0;
+                }
+            };
             let start = self.left.start;
             let mut count = FIRST_BATCH.min(batch_size);
             while !self.left.is_empty() {
@@ -203,12 +210,10 @@ impl<'a> Drawer<'a> {
             return of_piece(0, &mut bodies[0]);
         }
         let pieces: Vec<DrawnCases> = std::thread::scope(|scope| {
-            let mut hands = Vec::with_capacity(bodies.len());
-            for (place, own) in (0..).zip(bodies) {
-                hands.push(scope.spawn(move || of_piece(place, own)));
-            }
-            hands.into_iter().map(joined).collect()
-        });
+            let hands = (0..).zip(bodies).map(|(place, own)| spawned(scope, move || of_piece(place, own)));
+            let hands: Vec<_> = hands.collect::<Result<_, Error>>()?;
+            Ok(hands.into_iter().map(joined).collect())
+        })?;
         let mut all = Vec::with_capacity((next - start) as usize);
         for piece in pieces {
             all.extend(piece?);
@@ -240,11 +245,6 @@ fn about_distinct(study: &Study, numbers: Range<u64>) -> u64 {
         found => distinct_among(count as f64, looked_at.len() as f64, found as f64).round() as u64,
     };
     of_sides.iter().map(about).sum()
-}
-
-/// A panic of one thread is one of all.
-pub fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
-    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// All of them, about as many as `count`, with their bodies met.

@@ -1,4 +1,5 @@
 pub mod stopwatch;
+pub mod threads;
 #[cfg(feature = "files")]
 pub mod relay;
 mod csv_rows;

@@ -131,7 +131,7 @@ fn write(claim: &Claim, parts: &Parts) -> Result<String, Error> {
         file.open()?;
         file.begin(&[])?;
         // Shards are read and checked beside what is written.
-        let read = |give: &mut dyn FnMut(Vec<u8>) -> Result<(), Ended<Error>>| {
+        let read = |give: &mut dyn FnMut(Vec<u8>) -> Result<(), Ended>| {
             let mut shards = parts.tables.iter().enumerate();
             shards.try_for_each(|(number, (path, tables))| tables[place].read(path, name, number == 0, give))
         };

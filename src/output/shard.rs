@@ -138,8 +138,8 @@ impl ShardTable {
         path: &Path,
         name: &str,
         with_header: bool,
-        give: &mut dyn FnMut(Vec<u8>) -> Result<(), Ended<Error>>,
-    ) -> Result<(), Ended<Error>> {
+        give: &mut dyn FnMut(Vec<u8>) -> Result<(), Ended>,
+    ) -> Result<(), Ended> {
         let unreadable = |source| Ended::Failed(Error::Io { action: "read", path: path.into(), source });
         let mut file = File::open(path).map_err(unreadable)?;
         file.seek(SeekFrom::Start(self.start)).map_err(unreadable)?;

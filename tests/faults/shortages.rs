@@ -24,8 +24,11 @@ fn a_run_that_gets_no_memory_loses_nothing_that_was_finished() {
     work.write("slow.toml", &slow_config().replace("0.1 %", "10 %"));
     work.run(&["run", "slow.toml"]).expect(0);
     let table = work.read("out/slow/table.csv");
+    // What is coarse can be solved with so little.
+    let limit = "ulimit -v 50000";
+    limited(&work, limit, "run slow.toml --again --force --threads 1").expect(0);
     work.write("slow.toml", &slow_config());
-    let ended = limited(&work, "ulimit -v 50000", "run slow.toml --force --threads 1");
+    let ended = limited(&work, limit, "run slow.toml --force --threads 1");
     assert!(ended.code != Some(0) && ended.code != Some(2), "{:?} {}", ended.code, ended.stderr);
     assert!(work.read("out/slow/table.csv") == table);
     assert_eq!(work.json("out/slow/manifest.json")["state"], "complete");
@@ -34,6 +37,36 @@ fn a_run_that_gets_no_memory_loses_nothing_that_was_finished() {
             assert_eq!(work.json(name)["state"], "incomplete", "{name}");
         }
     }
+}
+
+/// Each thread takes 4 GiB of addresses here, so that the limits let the first, the second ... of them fail.
+#[test]
+fn a_thread_that_cannot_be_had_is_an_error() {
+    let work = Workdir::new("no-threads");
+    work.write("sweep.toml", &config(3));
+    work.run(&["run", "sweep.toml", "--out", "whole"]).expect(0);
+    let table = work.read("whole/table.csv");
+    let (mut refused, mut complete) = (0, 0);
+    // With six threads there are crews, each with threads of its own.
+    for (command, most) in [
+        ("run sweep.toml --force --again --threads 1", 6),
+        ("run sweep.toml --force --again --threads 6 --backend cpu", 20),
+        ("explain sweep.toml --design 1", 8),
+    ] {
+        for threads in 0..=most {
+            let limit = format!("export RUST_MIN_STACK=4294967296; ulimit -v {}", (2 * threads + 1) << 21);
+            let ended = limited(&work, &limit, command);
+            if ended.code == Some(0) {
+                complete += 1;
+                continue;
+            }
+            let ended = ended.expect(1);
+            assert!(ended.stderr.starts_with("error: cannot start "), "{command}: {}", ended.stderr);
+            refused += 1;
+        }
+    }
+    assert!(refused >= 15 && complete >= 3, "{refused} refused, {complete} complete");
+    assert_eq!(work.read("out/sweep/table.csv"), table);
 }
 
 /// The signal that a file has grown too large ends a process that does not expect it.

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use super::digestion::{Solved, stretches};
 use super::{CountedDesigns, Digest, SolvedDesigns, Statistics, SweepOptions};
 use crate::engine::backend::precision::Precision;
-use crate::engine::drawing::{Batch, Chosen, Drawn, FIRST_BATCH, joined};
+use crate::engine::drawing::{Batch, Chosen, Drawn, FIRST_BATCH};
 use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::ladder::Ladder;
@@ -27,6 +27,7 @@ use crate::engine::ladder::counting::{Counting, drawn_here};
 use crate::engine::law_fit::add_laws;
 use crate::engine::outcome::{Answer, DesignOutcome};
 use crate::engine::question::counted::Verdict;
+use crate::engine::threads::{joined, pool, spawned};
 use crate::error::Error;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
@@ -41,12 +42,6 @@ const FEWEST: u64 = 512;
 /// The threads of each crew; of one crew those of the sweep.
 pub(super) struct Crews {
     pools: Vec<ThreadPool>,
-}
-
-/// So many threads that solve.
-pub(super) fn pool(threads: usize) -> Result<ThreadPool, Error> {
-    let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    built.map_err(|error| Error::Threads { threads, problem: error.to_string() })
 }
 
 impl Crews {
@@ -80,10 +75,10 @@ impl Crews {
         digest: &Digest<T>,
         all: &ThreadPool,
         of_crews: Vec<(Receiver<Drawn>, SyncSender<Solved<T>>)>,
-    ) -> (Statistics, Duration) {
+    ) -> Result<(Statistics, Duration), Error> {
         let fallback = OnceLock::new();
         let mut of_crews = of_crews.into_iter();
-        let Some((drawn, solved)) = of_crews.next() else { return Default::default() };
+        let Some((drawn, solved)) = of_crews.next() else { return Ok(Default::default()) };
         // Without fits there is little to learn for the others, and kernels take their time to be made.
         let is_apart = usize::from(plan.is_some() || options.gpu.is_none());
         let lead = Crew::new(study, (options, self.count()), (plan, drawing), digest, &fallback);
@@ -91,18 +86,18 @@ impl Crews {
         let twins: Vec<Crew<T>> = (0..of_crews.len()).map(|_| lead.twin()).collect();
         let mut pools = self.pools.iter();
         let own = pools.next().unwrap_or(all);
-        let crews: Vec<Crew<T>> = std::thread::scope(|scope| {
+        let crews = std::thread::scope(|scope| -> Result<Vec<Crew<T>>, Error> {
             let mut others = Vec::with_capacity(twins.len());
             for ((twin, (drawn, solved)), pool) in twins.into_iter().zip(of_crews).zip(pools) {
-                others.push(scope.spawn(move || twin.solve_rest(drawn, pool, solved)));
+                others.push(spawned(scope, move || twin.solve_rest(drawn, pool, solved))?);
             }
             let lead = lead.solve_rest(drawn, own, solved);
-            std::iter::once(lead).chain(others.into_iter().map(joined)).collect()
-        });
+            Ok(std::iter::once(lead).chain(others.into_iter().map(joined)).collect())
+        })?;
         let mut statistics = Statistics::default();
         crews.iter().for_each(|crew| crew.add_to(&mut statistics));
         statistics.fallback = fallback.get().cloned();
-        (statistics, crews.iter().map(|crew| crew.digestion).sum())
+        Ok((statistics, crews.iter().map(|crew| crew.digestion).sum()))
     }
 }
 

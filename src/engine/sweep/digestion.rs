@@ -192,6 +192,7 @@ mod tests {
 
     use super::*;
     use crate::engine::outcome::Answer;
+    use crate::engine::threads::pool;
     use crate::study::config::Study;
 
     /// However designs are cut into batches, portions end before multiples and nowhere else but at the end; those that a batch has whole are
@@ -200,7 +201,7 @@ mod tests {
     fn portions_end_before_multiples() {
         let config = include_str!("../../../configs/random.toml");
         let study = Study::from_text(Path::new("random.toml"), config.to_string()).unwrap();
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let pool = pool(2).unwrap();
         let make = |solved: SolvedDesigns| -> Vec<u64> {
             solved.outcomes.iter().map(|outcome| outcome.case.index).collect()
         };

@@ -7,20 +7,21 @@ use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
 
-use crews::{Crews, pool};
+use crews::Crews;
 use digestion::{Digested, digest_all};
 
 use crate::engine::backend::Counts;
 use crate::engine::backend::choice::GpuChoice;
 use crate::engine::backend::joints::SolvedJoints;
 use crate::engine::cost::DesignCost;
-use crate::engine::drawing::{Chosen, Drawer, FIRST_BATCH, joined};
+use crate::engine::drawing::{Chosen, Drawer, FIRST_BATCH};
 use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::InterpolationPlan;
 use crate::engine::outcome::DesignOutcome;
 use crate::engine::question::Asker;
 use crate::engine::question::counted::Counted;
 use crate::engine::stopwatch::Stopwatch;
+use crate::engine::threads::{joined, pool, spawned};
 use crate::error::Error;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
@@ -186,26 +187,26 @@ pub fn run_digested<T: Send>(
         let mut places = (0..crews.count()).cycle();
         let hand_over =
             move |batch| places.next().is_some_and(|crew| drawn_senders[crew].send(batch).is_ok());
-        let drawer = scope.spawn(move || drawer.draw_all(batch_size, is_soon, hand_over));
+        let drawer = spawned(scope, move || drawer.draw_all(batch_size, is_soon, hand_over))?;
         let (pool, crews) = (&pool, &crews);
         let of_crews = drawn.into_iter().zip(solved_senders).collect();
         let plan = (plan, drawing.as_ref());
-        let solver = scope.spawn(move || crews.solve_all(study, options, plan, digest, pool, of_crews));
-        let digester = scope.spawn(move || digest_all(digest, pool, &solved, &digested_sender));
+        let solver = spawned(scope, move || crews.solve_all(study, options, plan, digest, pool, of_crews))?;
+        let digester = spawned(scope, move || digest_all(digest, pool, &solved, &digested_sender))?;
         let mut received = Duration::ZERO;
         let result = receive_all(&digested, receive, &mut statistics, &mut received);
         // Those who still send to nobody end.
         drop(digested);
         let digestion = joined(digester);
-        let (Statistics { solves, asked, worst_residual, fallback, mut stages, .. }, of_crews) =
-            joined(solver);
-        stages.extend([("table", digestion + of_crews), ("writing", received)]);
+        let solved = joined(solver);
         let distinct_bodies = joined(drawer);
         statistics.interrupted &= statistics.designs < count;
         if options.gpu.is_none() {
             statistics.designs_on_cpu = 0;
         }
         result?;
+        let (Statistics { solves, asked, worst_residual, fallback, mut stages, .. }, of_crews) = solved?;
+        stages.extend([("table", digestion + of_crews), ("writing", received)]);
         Ok(Statistics { distinct_bodies, solves, asked, worst_residual, fallback, stages, ..statistics })
     })
 }

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::engine::threads::pool;
 use crate::error::Error;
 use crate::lab::tradeoff::answer::States;
 use crate::lab::tradeoff::choice::{Choice, Solution};
@@ -68,11 +69,7 @@ pub fn measure(
     notify: &mut (dyn FnMut(&Measured) + Send),
 ) -> Result<Tradeoff, Error> {
     // What the library of bodies spreads over threads stays on this one.
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build()
-        .map_err(|error| Error::Threads { threads: 1, problem: error.to_string() })?;
-    pool.install(|| {
+    pool(1)?.install(|| {
         let oracle = Oracle::new(cases);
         let mut tallies: Vec<Tally> = choices
             .iter()

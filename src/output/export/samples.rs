@@ -4,6 +4,7 @@
 use crate::engine::joint_curve::JointCurve;
 use crate::engine::outcome::{Response, StepOutcome};
 use crate::engine::status::Status;
+use crate::engine::threads::common_pool;
 use crate::error::Error;
 use crate::output::export::numbers::rounded;
 use crate::output::export::source::{Member, Source, refuse};
@@ -61,6 +62,7 @@ pub fn openings(source: &Source) -> Result<Vec<f64>, Error> {
 
 fn solved(joint: &JointDesign, solve: SolveOptions, before: Option<JointCurve>) -> Result<JointCurve, Error> {
     let what = || format!("radial_clearance {} mm", joint.radial_clearance);
+    common_pool()?;
     JointCurve::after(before, joint, solve)
         .map_err(|failure| Error::Export { what: what(), problem: failure.to_string() })
 }

@@ -1,6 +1,6 @@
 //! How fast a device condenses bodies and solves joints, and the processor beside it: measured on both, which takes a second or two.
 
-use std::sync::Barrier;
+use std::sync::RwLock;
 use std::time::{Duration, Instant};
 
 use foldhash::HashMap;
@@ -17,6 +17,7 @@ use crate::engine::backend::joints::{
 use crate::engine::backend::rates::{JointRates, Rates};
 use crate::engine::body_request::{BodyHandle, BodyRequest, Fidelity, Group, Meshed, TopologyKey};
 use crate::engine::spaces::{SpaceKey, Spaces};
+use crate::engine::threads::{joined, spawned};
 use crate::engine::unit_costs::{body_seconds, curve, spread_seconds};
 use crate::mechanics::body::{Body, MAX_PARAMETERS, SHAPES};
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
@@ -247,9 +248,9 @@ fn on_processor(name_and_ratios: (&str, [f64; MAX_PARAMETERS])) -> f64 {
     let bodies: Vec<Body> = group.into_iter().map(|meshed| meshed.body).collect();
     let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), RingModes::of(&key.class));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let all_there = Barrier::new(threads);
+    let gate = RwLock::new(());
     let fastest = || {
-        all_there.wait();
+        drop(gate.read());
         let (begun, mut fastest) = (Instant::now(), f64::INFINITY);
         while begun.elapsed() < AT_WORK {
             let started = Instant::now();
@@ -258,11 +259,12 @@ fn on_processor(name_and_ratios: (&str, [f64; MAX_PARAMETERS])) -> f64 {
         }
         fastest
     };
-    let sum: f64 = std::thread::scope(|scope| {
-        let others: Vec<_> = (1..threads).map(|_| scope.spawn(fastest)).collect();
-        let own = fastest();
-        let of_others = others.into_iter().map(|other| other.join().unwrap_or(f64::INFINITY));
-        own + of_others.sum::<f64>()
+    let all: Vec<f64> = std::thread::scope(|scope| {
+        let shut = gate.write();
+        // As many as the system gives.
+        let others: Vec<_> = (1..threads).map_while(|_| spawned(scope, fastest).ok()).collect();
+        drop(shut);
+        std::iter::once(fastest()).chain(others.into_iter().map(joined)).collect()
     });
-    sum / (threads * LANES) as f64 / body_seconds(&requests[0])
+    all.iter().sum::<f64>() / (all.len() * LANES) as f64 / body_seconds(&requests[0])
 }

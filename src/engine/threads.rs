@@ -1,0 +1,60 @@
+//! Threads, or an error where the system gives none.
+
+use std::error::Error as _;
+use std::panic::resume_unwind;
+use std::thread::{Builder, Scope, ScopedJoinHandle};
+
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+
+use crate::error::Error;
+
+/// So many threads that work together.
+///
+/// # Errors
+///
+/// `Error::Threads`, as of `spawned`.
+pub fn pool(threads: usize) -> Result<ThreadPool, Error> {
+    let built = ThreadPoolBuilder::new().num_threads(threads).build();
+    built.map_err(|error| refused(threads, &error))
+}
+
+/// Starts the threads that work outside of every `pool`, one a processor, unless they are there.
+///
+/// # Errors
+///
+/// `Error::Threads`, as of `spawned`.
+pub fn common_pool() -> Result<(), Error> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    // Where there are no threads at all the first work finds out that its caller has to do it.
+    if cfg!(target_family = "wasm") {
+        return Ok(());
+    }
+    match ThreadPoolBuilder::new().build_global() {
+        // One that tells no cause: they are there.
+        Err(error) if error.source().is_some() => Err(refused(threads, &error)),
+        _ => Ok(()),
+    }
+}
+
+fn refused(threads: usize, error: &ThreadPoolBuildError) -> Error {
+    Error::Threads { threads, problem: error.to_string() }
+}
+
+/// Begins `work` on a thread of its own.
+///
+/// # Errors
+///
+/// `Error::Threads` where the system gives none: its limits are on processes and on memory. `work` is dropped then, and with it the ends of
+/// channels that others wait at.
+pub fn spawned<'scope, T: Send + 'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    work: impl FnOnce() -> T + Send + 'scope,
+) -> Result<ScopedJoinHandle<'scope, T>, Error> {
+    let begun = Builder::new().spawn_scoped(scope, work);
+    begun.map_err(|error| Error::Threads { threads: 1, problem: error.to_string() })
+}
+
+/// What its work came to. A panic of one thread is one of all.
+pub fn joined<T>(thread: ScopedJoinHandle<T>) -> T {
+    thread.join().unwrap_or_else(|panic| resume_unwind(panic))
+}
