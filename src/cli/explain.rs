@@ -9,11 +9,12 @@ use jointsweep::Error;
 use jointsweep::internals::engine::explain::{Explainer, Explanation, percent};
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::status::Status;
+use jointsweep::internals::engine::threads::common_pool;
 use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::design::DesignCase;
 
 use super::arguments::SettingArgs;
-use super::report::{aligned, duration};
+use super::report::{aligned, duration, rounded};
 use super::{Ending, print};
 
 #[derive(Args)]
@@ -39,13 +40,14 @@ pub fn explain(args: &ExplainArgs) -> Result<Ending, Error> {
 }
 
 fn overview(study: &Study, explainer: &Explainer) -> Result<String, Error> {
-    let shares = explainer.shares()?;
+    let (shares, looked_at) = explainer.shares()?;
+    let is_of_all = looked_at == study.design_count();
     let mut lines = vec![["chosen".to_string(), "designs".into(), "core time".into(), "for example".into()]];
     for (chosen, share) in shares {
         let example = format!("--design {}", share.example);
         lines.push([
             chosen,
-            share.designs.to_string(),
+            if is_of_all { share.designs.to_string() } else { format!("about {}", rounded(share.designs)) },
             format!("about {}", duration(share.seconds)),
             example,
         ]);
@@ -54,6 +56,9 @@ fn overview(study: &Study, explainer: &Explainer) -> Result<String, Error> {
     let mut text =
         format!("{} designs at {accuracy} %, method {}\n\n", study.design_count(), study.solve.method.name());
     text += &aligned(&lines);
+    if !is_of_all {
+        _ = writeln!(text, "\nBy {looked_at} designs that are spread over the sweep.");
+    }
     text += "\nThe time leaves out what a sweep shares: near fields, meshes, fits.\n";
     Ok(text)
 }
@@ -75,6 +80,7 @@ fn one(study: &Study, explainer: &Explainer, design: u64) -> Result<String, Erro
     if error.is_finite() {
         line("error", &format!("at most about {} of the force, told before solving", percent(error)));
     }
+    common_pool()?;
     if let Some(told) = solved(study, case) {
         line("solved", &told);
     }

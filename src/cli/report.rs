@@ -24,20 +24,32 @@ const CAUSES: usize = 10;
 pub fn estimate(estimate: &Estimate, pace: f64, table: &Path) -> String {
     let mut text = String::new();
     let mut line = |name, value: String| _ = writeln!(text, "{name:<16}{value}");
+    let is_of_all = estimate.looked_at == estimate.designs;
+    let counted =
+        |count: u64| if is_of_all { count.to_string() } else { format!("about {}", rounded(count)) };
     line("designs", estimate.designs.to_string());
+    if !is_of_all {
+        line("looked at", format!("{} of them, spread over the sweep", estimate.looked_at));
+    }
     line("rows", estimate.rows.to_string());
-    line("distinct bodies", estimate.distinct_bodies.to_string());
+    line("distinct bodies", counted(estimate.distinct_bodies));
     if estimate.interpolated > 0 {
-        line("interpolated", format!("{} designs", estimate.interpolated));
+        line("interpolated", format!("{} designs", counted(estimate.interpolated)));
     }
     if estimate.refused > 0 {
-        line("refused", format!("{} designs; `jointsweep explain` says why", estimate.refused));
+        line("refused", format!("{} designs; `jointsweep explain` says why", counted(estimate.refused)));
     }
-    line("unknowns", estimate.unknowns.to_string());
+    line("unknowns", counted(estimate.unknowns));
     let seconds = duration(pace * estimate.seconds);
     line("core time", format!("about {seconds} on this machine, which the threads share"));
     line("table", table.display().to_string());
     text
+}
+
+/// To three digits.
+pub fn rounded(count: u64) -> u64 {
+    let unit = 10_u64.pow(count.max(1).ilog10().saturating_sub(2));
+    (count.saturating_add(unit / 2) / unit).saturating_mul(unit)
 }
 
 /// What a run came to, where it is, and what to do with it; with `verbose` how long each stage took.

@@ -12,7 +12,8 @@ use crate::engine::accuracy::single_precision::{accuracy_bears_singles, body_bea
 use crate::engine::body_request::{
     BodyRequest, Fidelity, MeshSize, TopologyKey, concentric, mesh_class, mesh_size,
 };
-use crate::engine::interpolation::fit_plan::InterpolationPlan;
+use crate::engine::distinct::distinct_among;
+use crate::engine::interpolation::fit_plan::{InterpolationPlan, picks};
 use crate::engine::joint_contact::joint_key;
 use crate::engine::law_fit::{law_case, range_of};
 use crate::engine::plan::JointPlan;
@@ -22,6 +23,7 @@ use crate::engine::unit_costs::{
     reference_seconds, row, series, space, space_modes, space_ring_modes, topology,
 };
 use crate::error::Error;
+use crate::mechanics::body::Body;
 use crate::mechanics::compliance::concentric_body::ConcentricBody;
 use crate::mechanics::compliance::near_field::{NearFieldClass, ReferenceMesh};
 use crate::mechanics::compliance::ring_modes::RingModes;
@@ -35,6 +37,8 @@ use crate::study::design::{DesignCase, Load};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Estimate {
     pub designs: u64,
+    /// So many of them tell all that is not of their number alone.
+    pub looked_at: u64,
     pub rows: u64,
     pub distinct_bodies: u64,
     /// Designs whose bodies are interpolated.
@@ -61,6 +65,9 @@ fn climbers(plan: &JointPlan, accuracy: f64) -> f64 {
 /// Below this accuracy meshes that are trusted little are often not enough.
 const MUCH_ASKED: f64 = 5e-3;
 
+/// Of more designs than this so many tell an estimate.
+pub const MOST_LOOKED_AT: u64 = 1 << 16;
+
 /// Rungs of the ladder that fewer designs come to are left out.
 const FEW: f64 = 0.05;
 
@@ -70,6 +77,7 @@ struct Group {
     size: MeshSize,
     modes: usize,
     bodies: f64,
+    side: usize,
     /// That a batch takes.
     lanes: usize,
     /// Whether they have layers.
@@ -95,8 +103,8 @@ struct Needs {
     hasher: RandomState,
     /// Whether bodies that bear it are condensed in single precision.
     in_singles: bool,
-    // Hashes, not keys: 8 bytes a body keep a million designs small.
-    bodies: HashSet<u64>,
+    /// Hashes of pins, and of plates.
+    bodies: [HashSet<u64>; 2],
     solved: HashSet<u64>,
     groups: HashMap<u64, Group>,
     /// With the size of the reference's mesh, and how many bodies need it.
@@ -105,10 +113,14 @@ struct Needs {
     spaces: HashMap<SpaceKey, usize>,
     /// Ring modes of bodies on meshes in each space, and how many joints need them.
     ring_modes: HashMap<(SpaceKey, RingModes), f64>,
-    /// Joints that have a curve of their own.
+    /// Joints that have a curve of their own; of these the first ones of designs, and how often designs asked for one.
     joints: HashSet<u64>,
-    unknowns: u64,
-    seconds: f64,
+    first_joints: usize,
+    asked: usize,
+    /// Of the meshes of pins, and of plates; so are the seconds of bodies.
+    unknowns: [u64; 2],
+    of_bodies: [f64; 2],
+    of_joints: f64,
     /// Of these the contact of joints that a device may solve.
     for_devices: Part,
 }
@@ -118,14 +130,20 @@ impl Needs {
         Needs { in_singles: accuracy_bears_singles(accuracy), ..Needs::default() }
     }
 
+    /// Adds a body that a design has.
+    fn meet(&mut self, body: &Body) {
+        self.bodies[body.shape.side as usize].insert(self.hasher.hash_one(body));
+    }
+
     /// Adds a body as it is solved `times` a design, less than once where only some designs come to it.
     fn add(&mut self, request: &BodyRequest, times: f64) {
-        self.bodies.insert(self.hasher.hash_one(&request.body));
+        self.meet(&request.body);
+        let side = request.body.shape.side as usize;
         if !self.solved.insert(self.hasher.hash_one(request)) {
             return;
         }
         let Fidelity::Mesh { level } = request.fidelity else {
-            self.seconds += times * body_seconds(request);
+            self.of_bodies[side] += times * body_seconds(request);
             return;
         };
         let size = mesh_size(&request.body, level);
@@ -134,15 +152,16 @@ impl Needs {
         (group.size, group.modes) = (size, RingModes::of(&topology.class).count);
         let in_singles = self.in_singles && body_bears_singles(&request.body, &topology.class);
         group.lanes = if in_singles { SINGLES } else { LANES };
+        group.side = side;
         group.bodies += times;
         if times == 1.0 {
-            self.unknowns += size.unknowns;
+            self.unknowns[side] += size.unknowns;
         }
         group.is_lined = topology.class.is_lined();
         if group.is_lined {
             // A lined body has a reference of its own, condensed like it, with exact modes.
             group.bodies += times;
-            self.seconds += times * reference_seconds(&request.body);
+            self.of_bodies[side] += times * reference_seconds(&request.body);
             return;
         }
         for class in NearFieldClass::around(&request.body, topology.class).0 {
@@ -158,11 +177,14 @@ impl Needs {
 
     /// Adds the contact of a joint as it is solved `times` a design.
     fn add_joint(&mut self, plan: &JointPlan, case: &DesignCase, times: f64) {
+        let is_first = times == 1.0;
+        self.asked += usize::from(is_first);
         if !self.joints.insert(self.hasher.hash_one(joint_key([&plan.pin, &plan.plate], plan, case))) {
             return;
         }
+        self.first_joints += usize::from(is_first);
         let contact = times * joint_seconds(plan);
-        self.seconds += contact;
+        self.of_joints += contact;
         if plan.estimate == HowKnown::Known {
             self.for_devices += Part { count: times, seconds: contact };
         }
@@ -191,6 +213,21 @@ impl Needs {
         }
     }
 
+    /// Where so many designs, which are not all, were looked at: as all of them would have it. What bodies and joints share was met, all of it
+    /// that weighs.
+    fn stand_for(&mut self, all: f64, seen: f64) {
+        let times = |looked_at: f64, found: usize| {
+            distinct_among(looked_at * all / seen, looked_at, found as f64) / (found as f64).max(1.0)
+        };
+        let of_sides = [0, 1].map(|side| times(seen, self.bodies[side].len()));
+        for side in 0..2 {
+            self.of_bodies[side] *= of_sides[side];
+            self.unknowns[side] = (self.unknowns[side] as f64 * of_sides[side]) as u64;
+        }
+        self.groups.values_mut().for_each(|group| group.bodies *= of_sides[group.side]);
+        self.of_joints *= times(self.asked as f64, self.first_joints);
+    }
+
     fn total_seconds(&self) -> f64 {
         let of_near_field = |(class, (size, bodies)): (&NearFieldClass, &(MeshSize, f64))| {
             let modes = RingModes::of(&class.grading).count;
@@ -213,7 +250,8 @@ impl Needs {
         let of_ring_modes = |((key, modes), joints): (&(SpaceKey, RingModes), &f64)| {
             likely(*joints) * space_ring_modes(*key, modes.count).seconds()
         };
-        self.seconds
+        self.of_bodies.iter().sum::<f64>()
+            + self.of_joints
             + self.spaces.iter().map(of_space).sum::<f64>()
             + self.ring_modes.iter().map(of_ring_modes).sum::<f64>()
             + self.groups.values().map(Group::seconds).sum::<f64>()
@@ -319,7 +357,8 @@ impl DesignCost<'_> {
         needs.climb(case, first, solve.accuracy);
         let mut parts = DesignParts {
             on_meshes: needs.for_devices,
-            others: of_rows.seconds() + needs.seconds - needs.for_devices.seconds,
+            others: of_rows.seconds() + needs.of_bodies.iter().sum::<f64>() + needs.of_joints
+                - needs.for_devices.seconds,
             rows_on_meshes: if needs.for_devices.count > 0.0 { rows * row.seconds() } else { 0.0 },
             ..DesignParts::default()
         };
@@ -336,7 +375,7 @@ impl DesignCost<'_> {
         parts
     }
 
-    /// Goes through some designs without solving any, as if they were run alone.
+    /// Some designs, as if they were run alone: by all of them, or by some that are spread over them, none of which is solved.
     pub fn estimate(&self, designs: Range<u64>) -> Result<Estimate, Error> {
         let DesignCost { study, interpolation } = self;
         let (method, accuracy) = (study.solve.method, study.solve.accuracy);
@@ -344,22 +383,22 @@ impl DesignCost<'_> {
         let count = designs.end.min(study.design_count()).saturating_sub(designs.start);
         let rows = count.saturating_mul(study.steps_per_design());
         let row = row(study.writes_table());
-        let mut estimate = Estimate { designs: count, rows, ..Estimate::default() };
-        for case in study.cases()?.skip(designs.start as usize).take(count as usize) {
+        let numbers = picks(count, MOST_LOOKED_AT).into_iter().map(|number| designs.start + number);
+        let (mut looked_at, mut interpolated, mut refused, mut of_laws) = (0_u64, 0_u64, 0_u64, 0.0);
+        for case in study.cases_at(numbers)? {
             let case = case?;
+            looked_at += 1;
             let joint = &case.joint;
             if interpolation.as_ref().is_some_and(|plan| plan.covers(joint)) {
-                estimate.interpolated += 1;
-                for part in [&joint.pin, &joint.plate] {
-                    needs.bodies.insert(needs.hasher.hash_one(joint.body(part)));
-                }
+                interpolated += 1;
+                [&joint.pin, &joint.plate].into_iter().for_each(|part| needs.meet(&joint.body(part)));
                 continue;
             }
             if method == MethodChoice::ClosedForm {
                 continue;
             }
             let Ok(first) = JointPlan::cheapest(&case, method, accuracy) else {
-                estimate.refused += 1;
+                refused += 1;
                 continue;
             };
             needs.climb(&case, first, accuracy);
@@ -368,27 +407,46 @@ impl DesignCost<'_> {
                 let case = law_case(&case, working_range_of(&case));
                 let unknowns = needs.unknowns;
                 if let Ok(first) = JointPlan::cheapest(&case, method, accuracy) {
-                    let of_design = joint_seconds(&first) + design(case.steps.len() as f64, row).seconds();
+                    of_laws += joint_seconds(&first) + design(case.steps.len() as f64, row).seconds();
+                    of_laws += Unit::Laws.seconds();
                     needs.climb(&case, first, accuracy);
-                    needs.seconds += of_design + Unit::Laws.seconds();
                 }
                 needs.unknowns = unknowns;
             }
         }
-        estimate.distinct_bodies = needs.bodies.len() as u64;
-        estimate.unknowns = needs.unknowns;
-        let rows = estimate.rows as f64 / (estimate.designs as f64).max(1.0);
-        let (interpolated, refused) = (estimate.interpolated as f64, estimate.refused as f64);
-        estimate.seconds = Unit::Process.seconds()
+        let of_all = count as f64 / (looked_at as f64).max(1.0);
+        let all = |of_seen: u64| (of_seen as f64 * of_all).round() as u64;
+        let mut distinct_bodies: u64 = needs.bodies.iter().map(|bodies| bodies.len() as u64).sum();
+        if looked_at < count {
+            let of_side =
+                |found: &HashSet<u64>| distinct_among(count as f64, looked_at as f64, found.len() as f64);
+            distinct_bodies = needs.bodies.iter().map(of_side).sum::<f64>().round() as u64;
+            needs.stand_for(count as f64, looked_at as f64);
+        }
+        let (interpolated, refused) = (all(interpolated), all(refused));
+        let rows_each = rows as f64 / (count as f64).max(1.0);
+        let solved = count as f64 - interpolated as f64 - refused as f64;
+        let seconds = Unit::Process.seconds()
             + needs.total_seconds()
+            + of_all * of_laws
             + interpolation.as_ref().map_or(0.0, |plan| plan.seconds())
-            + (estimate.designs as f64 - interpolated - refused) * design(rows, row).seconds()
-            + interpolated * interpolated_design(rows, row).seconds();
-        Ok(estimate)
+            + solved * design(rows_each, row).seconds()
+            + interpolated as f64 * interpolated_design(rows_each, row).seconds();
+        let unknowns = needs.unknowns.iter().sum();
+        Ok(Estimate {
+            designs: count,
+            looked_at,
+            rows,
+            distinct_bodies,
+            interpolated,
+            refused,
+            unknowns,
+            seconds,
+        })
     }
 }
 
-/// Goes through the designs of a study without solving any.
+/// All designs of a study, none of which is solved.
 pub fn estimate(study: &Study) -> Result<Estimate, Error> {
     DesignCost::of_study(study).estimate(0..study.design_count())
 }

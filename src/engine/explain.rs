@@ -7,8 +7,9 @@ use crate::engine::accuracy::Estimate;
 use crate::engine::accuracy::geometry_error::OutlineError;
 use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
 use crate::engine::body_request::{BodyRequest, Fidelity, mesh_size};
+use crate::engine::cost::MOST_LOOKED_AT;
 use crate::engine::expected_contact::ExpectedContact;
-use crate::engine::interpolation::fit_plan::{FINEST_ACCURACY, InterpolationPlan};
+use crate::engine::interpolation::fit_plan::{FINEST_ACCURACY, InterpolationPlan, picks};
 use crate::engine::joint_scale::JointScale;
 use crate::engine::plan::{JointPlan, first_level};
 use crate::engine::refusal::Refusal;
@@ -57,17 +58,22 @@ impl<'a> Explainer<'a> {
         Explainer { study, interpolation: InterpolationPlan::of_study(study) }
     }
 
-    /// The whole study by what is chosen.
-    pub fn shares(&self) -> Result<BTreeMap<String, Share>, Error> {
+    /// The whole study by what is chosen, and how many designs tell it: all of them, or some that are spread over it.
+    pub fn shares(&self) -> Result<(BTreeMap<String, Share>, u64), Error> {
         let mut shares: BTreeMap<String, Share> = BTreeMap::new();
-        for case in self.study.cases()? {
+        let count = self.study.design_count();
+        let numbers = picks(count, MOST_LOOKED_AT);
+        let looked_at = numbers.len() as u64;
+        let of_all = count as f64 / (looked_at as f64).max(1.0);
+        for case in self.study.cases_at(numbers)? {
             let case = case?;
             let Explanation { chosen, seconds, .. } = self.explain(&case);
             let share = shares.entry(chosen).or_insert(Share { example: case.index, ..Share::default() });
             share.designs += 1;
-            share.seconds += seconds;
+            share.seconds += of_all * seconds;
         }
-        Ok(shares)
+        shares.values_mut().for_each(|share| share.designs = (of_all * share.designs as f64).round() as u64);
+        Ok((shares, looked_at))
     }
 
     pub fn explain(&self, case: &DesignCase) -> Explanation {

@@ -9,7 +9,7 @@ use crate::engine::backend::rates::Rates;
 use crate::engine::cost::{DesignCost, DesignParts, Part};
 use crate::engine::distinct::distinct_among;
 use crate::engine::interpolation::drawn_on_device::Drawing;
-use crate::engine::interpolation::fit_plan::picks;
+use crate::engine::interpolation::fit_plan::{LOOKED_AT, picks};
 use crate::engine::question::Question;
 use crate::study::config::Study;
 
@@ -57,7 +57,7 @@ impl Demand {
             return None;
         }
         let least = threads as f64 * processor.map_or(WORTH, |pace| WORTH_KNOWN / pace);
-        let numbers = picks(study.design_count());
+        let numbers = picks(study.design_count(), LOOKED_AT);
         let few = numbers.iter().copied().step_by(numbers.len().div_ceil(FIRST).max(1));
         let first = Demand::of(study, &DesignCost::without_interpolation(study), few)?;
         if first.for_devices() < least {

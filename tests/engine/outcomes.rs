@@ -466,6 +466,48 @@ fn a_sweep_counts_its_designs_bodies_and_rows() {
     assert!(!run(4).interrupted);
 }
 
+/// Of more designs than are looked at some stand for all, whether bodies are all different or come again and again.
+#[test]
+fn a_large_sweep_is_estimated_by_some_of_its_designs() {
+    let random = include_str!("../../configs/random.toml");
+    assert!(random.contains("count  = 10000"));
+    let estimate = |text: String| {
+        cost::estimate(&Study::from_text(std::path::Path::new("sweep.toml"), text).unwrap()).unwrap()
+    };
+    let of = |count: u64| estimate(random.replace("count  = 10000", &format!("count = {count}")));
+    let [few, all, more, most] = [30_000, 60_000, 600_000, 1_000_000_000].map(of);
+    assert_eq!((all.looked_at, all.distinct_bodies), (60_000, 120_000));
+    for estimate in [more, most] {
+        assert!(estimate.looked_at < 70_000 && estimate.rows == 10 * estimate.designs, "{estimate:?}");
+        // As much more as from the first to the second, whose designs were looked at one by one.
+        let times = (estimate.designs - all.designs) as f64 / (all.designs - few.designs) as f64;
+        for (name, of) in [
+            ("seconds", (|estimate: &cost::Estimate| estimate.seconds) as fn(&cost::Estimate) -> f64),
+            ("unknowns", |estimate| estimate.unknowns as f64),
+            ("distinct bodies", |estimate| estimate.distinct_bodies as f64),
+        ] {
+            let expected = of(&all) + times * (of(&all) - of(&few));
+            let found = of(&estimate);
+            assert!(
+                (found / expected - 1.0).abs() < 0.03,
+                "{name} of {}: {found} {expected}",
+                estimate.designs
+            );
+        }
+    }
+    let ranges = [
+        ("\"0.05 mm\"", "{ from = \"0.01 mm\", to = \"0.1 mm\", count = 1000 }"),
+        ("[2.0, 3.0]", "{ from = 2, to = 3, count = 250 }"),
+    ];
+    let grid = ranges.iter().fold(STUDY.to_string(), |text, (one, many)| {
+        assert!(text.contains(one), "{one}");
+        text.replacen(one, many, 1)
+    });
+    let again = estimate(grid);
+    assert_eq!((again.designs, again.distinct_bodies), (500_000, 251));
+    assert!(again.looked_at < 70_000 && again.seconds < 0.05 * most.seconds, "{again:?}");
+}
+
 /// The count of unknowns is told without a mesh; supports are few.
 #[test]
 fn unknowns_are_those_of_the_mesh() {

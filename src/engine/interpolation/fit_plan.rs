@@ -19,7 +19,7 @@ use crate::study::config::{MethodChoice, SolveOptions, Study};
 use crate::study::design::{JointDesign, Part};
 
 /// Designs looked at.
-const LOOKED_AT: u64 = 4096;
+pub const LOOKED_AT: u64 = 4096;
 
 /// The least accuracy (relative, of the force) that curves between nodes are good for.
 pub const FINEST_ACCURACY: f64 = 1e-3;
@@ -99,7 +99,7 @@ impl InterpolationPlan {
         }
         let count = study.design_count();
         // A list that cannot be read is complained of where its designs are drawn.
-        let joints = study.cases_at(picks(count)).ok()?.map(|case| Some(case.ok()?.joint));
+        let joints = study.cases_at(picks(count, LOOKED_AT)).ok()?.map(|case| Some(case.ok()?.joint));
         InterpolationPlan::new(&study.solve, count, &joints.collect::<Option<Vec<JointDesign>>>()?)
     }
 
@@ -205,16 +205,16 @@ fn may_interpolate(solve: &SolveOptions) -> bool {
     matches!(solve.method, MethodChoice::Auto | MethodChoice::Fe) && solve.accuracy >= FINEST_ACCURACY
 }
 
-/// The numbers of the designs looked at, ascending: one in each of equal shares of the study, at no fixed distance, so that
-/// they do not keep step with a grid.
-pub fn picks(count: u64) -> Vec<u64> {
-    if count <= LOOKED_AT {
+/// The numbers of designs that stand for all, `most` of them, ascending: one in each of equal shares of the study, at no fixed distance, so
+/// that they do not keep step with a grid.
+pub fn picks(count: u64, most: u64) -> Vec<u64> {
+    if count <= most {
         return (0..count).collect();
     }
-    let share = count as f64 / LOOKED_AT as f64;
+    let share = count as f64 / most as f64;
     let golden = 0.618_033_988_749_894_9;
     let pick = |i: u64| (share * (i as f64 + (golden * i as f64).fract())) as u64;
-    let mut picks: Vec<u64> = (0..LOOKED_AT).map(|i| pick(i).min(count - 1)).collect();
+    let mut picks: Vec<u64> = (0..most).map(|i| pick(i).min(count - 1)).collect();
     // Shares of hardly more than one design may have the same one.
     picks.dedup();
     picks
@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn picks_are_spread_over_the_study() {
         for count in [1, 4096, 4097, 6000, 100_000, 1_000_000_000] {
-            let picks = picks(count);
+            let picks = picks(count, LOOKED_AT);
             assert!(picks.windows(2).all(|pair| pair[0] < pair[1]), "{count}");
             assert!(picks[0] <= count / 1000 && picks[picks.len() - 1] < count, "{count}");
             // Of shares of hardly more than one design a quarter have the pick of their neighbour.
@@ -244,7 +244,7 @@ mod tests {
     fn picks_do_not_keep_step_with_a_grid() {
         for axis in [2_u64, 10, 16, 100] {
             let mut counts = vec![0; axis as usize];
-            picks(4096 * axis).iter().for_each(|pick| counts[(pick % axis) as usize] += 1);
+            picks(4096 * axis, LOOKED_AT).iter().for_each(|pick| counts[(pick % axis) as usize] += 1);
             let fair = 4096 / axis as i32;
             assert!(counts.iter().all(|count| (count - fair).abs() <= fair / 4 + 2), "{axis}: {counts:?}");
         }
