@@ -14,7 +14,7 @@ use jointsweep::internals::study::config::Study;
 use jointsweep::internals::study::design::DesignCase;
 
 use super::arguments::SettingArgs;
-use super::report::{aligned, duration, rounded};
+use super::report::{about, aligned, duration};
 use super::{Ending, print};
 
 #[derive(Args)]
@@ -47,7 +47,7 @@ fn overview(study: &Study, explainer: &Explainer) -> Result<String, Error> {
         let example = format!("--design {}", share.example);
         lines.push([
             chosen,
-            if is_of_all { share.designs.to_string() } else { format!("about {}", rounded(share.designs)) },
+            if is_of_all { share.designs.to_string() } else { about(share.designs) },
             format!("about {}", duration(share.seconds)),
             example,
         ]);
@@ -57,7 +57,10 @@ fn overview(study: &Study, explainer: &Explainer) -> Result<String, Error> {
         format!("{} designs at {accuracy} %, method {}\n\n", study.design_count(), study.solve.method.name());
     text += &aligned(&lines);
     if !is_of_all {
-        _ = writeln!(text, "\nBy {looked_at} designs that are spread over the sweep.");
+        _ = writeln!(
+            text,
+            "\nBy {looked_at} designs that are spread over the sweep; what is rarer may be missing."
+        );
     }
     text += "\nThe time leaves out what a sweep shares: near fields, meshes, fits.\n";
     Ok(text)

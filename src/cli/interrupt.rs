@@ -42,6 +42,7 @@ impl Interrupt {
                         end_now(&recorder, quiet);
                     }
                 };
+                // Without anybody who watches they end the process, too.
                 if std::thread::Builder::new().spawn(watching).is_err() {
                     let always = Arc::new(AtomicBool::new(true));
                     for signal in [SIGINT, SIGTERM] {

@@ -25,8 +25,7 @@ pub fn estimate(estimate: &Estimate, pace: f64, table: &Path) -> String {
     let mut text = String::new();
     let mut line = |name, value: String| _ = writeln!(text, "{name:<16}{value}");
     let is_of_all = estimate.looked_at == estimate.designs;
-    let counted =
-        |count: u64| if is_of_all { count.to_string() } else { format!("about {}", rounded(count)) };
+    let counted = |count: u64| if is_of_all { count.to_string() } else { about(count) };
     line("designs", estimate.designs.to_string());
     if !is_of_all {
         line("looked at", format!("{} of them, spread over the sweep", estimate.looked_at));
@@ -46,10 +45,11 @@ pub fn estimate(estimate: &Estimate, pace: f64, table: &Path) -> String {
     text
 }
 
-/// To three digits.
-pub fn rounded(count: u64) -> u64 {
+/// An estimated count, to three digits.
+pub fn about(count: u64) -> String {
     let unit = 10_u64.pow(count.max(1).ilog10().saturating_sub(2));
-    (count.saturating_add(unit / 2) / unit).saturating_mul(unit)
+    let rounded = (count.saturating_add(unit / 2) / unit).saturating_mul(unit);
+    format!("about {rounded}")
 }
 
 /// What a run came to, where it is, and what to do with it; with `verbose` how long each stage took.

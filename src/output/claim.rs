@@ -30,8 +30,18 @@ impl ResultFolder {
     pub fn claim(&self, what: &str) -> Result<Claim, Error> {
         let mut tries = 0;
         loop {
-            let created = self.create()?;
             tries += 1;
+            let created = match self.create() {
+                // Somebody made it and removed it meanwhile.
+                Err(Error::Io { source, .. })
+                    if source.kind() == ErrorKind::AlreadyExists
+                        && !self.dir().is_file()
+                        && tries < MOST_TRIES =>
+                {
+                    continue;
+                }
+                created => created?,
+            };
             match FolderLock::take(self.dir(), what) {
                 Ok(lock) => {
                     self.settle()?;

@@ -437,6 +437,28 @@ fn a_dry_run_tells_the_work_and_writes_nothing() {
     assert_eq!(work.files(), ["small.toml"]);
 }
 
+/// What is told by some of the designs says so; of all of them it would take hours.
+#[test]
+fn a_billion_designs_are_told_by_some() {
+    let work = Workdir::new("billion");
+    let random = include_str!("../../configs/random.toml");
+    assert!(random.contains("count  = 10000"));
+    work.write("large.toml", &random.replace("count  = 10000", "count = 1000000000"));
+    let told = work.run(&["run", "large.toml", "--dry-run"]).expect(0);
+    let words: Vec<Vec<&str>> = told.stdout.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert!(words.contains(&vec!["designs", "1000000000"]), "{}", told.stdout);
+    assert!(words.contains(&vec!["distinct", "bodies", "about", "2000000000"]), "{}", told.stdout);
+    assert!(
+        told.stdout.contains("\nlooked at       65536 of them, spread over the sweep\n"),
+        "{}",
+        told.stdout
+    );
+    let told = work.run(&["explain", "large.toml"]).expect(0);
+    for said in ["about 1000000000", "\nBy 65536 designs that are spread over the sweep; what is rarer"] {
+        assert!(told.stdout.contains(said), "{said}: {}", told.stdout);
+    }
+}
+
 #[test]
 fn quiet_means_quiet() {
     let work = small("quiet");
