@@ -214,8 +214,8 @@ impl Needs {
     }
 
     /// Where so many designs, which are not all, were looked at: as all of them would have it. What bodies and joints share was met, all of it
-    /// that weighs.
-    fn stand_for(&mut self, all: f64, seen: f64) {
+    /// that weighs. Tells how many different bodies that is.
+    fn stand_for(&mut self, all: f64, seen: f64) -> u64 {
         let times = |looked_at: f64, found: usize| {
             distinct_among(looked_at * all / seen, looked_at, found as f64) / (found as f64).max(1.0)
         };
@@ -226,6 +226,8 @@ impl Needs {
         }
         self.groups.values_mut().for_each(|group| group.bodies *= of_sides[group.side]);
         self.of_joints *= times(self.asked as f64, self.first_joints);
+        let distinct = |side: usize| of_sides[side] * self.bodies[side].len() as f64;
+        (distinct(0) + distinct(1)).round() as u64
     }
 
     fn total_seconds(&self) -> f64 {
@@ -416,13 +418,11 @@ impl DesignCost<'_> {
         }
         let of_all = count as f64 / (looked_at as f64).max(1.0);
         let all = |of_seen: u64| (of_seen as f64 * of_all).round() as u64;
-        let mut distinct_bodies: u64 = needs.bodies.iter().map(|bodies| bodies.len() as u64).sum();
-        if looked_at < count {
-            let of_side =
-                |found: &HashSet<u64>| distinct_among(count as f64, looked_at as f64, found.len() as f64);
-            distinct_bodies = needs.bodies.iter().map(of_side).sum::<f64>().round() as u64;
-            needs.stand_for(count as f64, looked_at as f64);
-        }
+        let distinct_bodies = if looked_at < count {
+            needs.stand_for(count as f64, looked_at as f64)
+        } else {
+            needs.bodies.iter().map(|bodies| bodies.len() as u64).sum()
+        };
         let (interpolated, refused) = (all(interpolated), all(refused));
         let rows_each = rows as f64 / (count as f64).max(1.0);
         let solved = count as f64 - interpolated as f64 - refused as f64;
