@@ -1,10 +1,11 @@
 //! Threads, or an error where the system gives none.
 
 use std::error::Error as _;
+use std::fmt::Display;
 use std::panic::resume_unwind;
 use std::thread::{Builder, Scope, ScopedJoinHandle};
 
-use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::error::Error;
 
@@ -15,10 +16,10 @@ use crate::error::Error;
 /// `Error::Threads`, as of `spawned`.
 pub fn pool(threads: usize) -> Result<ThreadPool, Error> {
     let built = ThreadPoolBuilder::new().num_threads(threads).build();
-    built.map_err(|error| refused(threads, &error))
+    built.map_err(|error| refused(threads, error))
 }
 
-/// Starts the threads that work outside of every `pool`, one a processor, unless they are there.
+/// Starts the threads that work outside of every `pool`, one a processor, unless they are there or the caller is one of a pool.
 ///
 /// # Errors
 ///
@@ -26,17 +27,17 @@ pub fn pool(threads: usize) -> Result<ThreadPool, Error> {
 pub fn common_pool() -> Result<(), Error> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     // Where there are no threads at all the first work finds out that its caller has to do it.
-    if cfg!(target_family = "wasm") {
+    if cfg!(target_family = "wasm") || rayon::current_thread_index().is_some() {
         return Ok(());
     }
     match ThreadPoolBuilder::new().build_global() {
         // One that tells no cause: they are there.
-        Err(error) if error.source().is_some() => Err(refused(threads, &error)),
+        Err(error) if error.source().is_some() => Err(refused(threads, error)),
         _ => Ok(()),
     }
 }
 
-fn refused(threads: usize, error: &ThreadPoolBuildError) -> Error {
+fn refused(threads: usize, error: impl Display) -> Error {
     Error::Threads { threads, problem: error.to_string() }
 }
 
@@ -51,7 +52,7 @@ pub fn spawned<'scope, T: Send + 'scope>(
     work: impl FnOnce() -> T + Send + 'scope,
 ) -> Result<ScopedJoinHandle<'scope, T>, Error> {
     let begun = Builder::new().spawn_scoped(scope, work);
-    begun.map_err(|error| Error::Threads { threads: 1, problem: error.to_string() })
+    begun.map_err(|error| refused(1, error))
 }
 
 /// What its work came to. A panic of one thread is one of all.

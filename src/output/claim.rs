@@ -31,30 +31,36 @@ impl ResultFolder {
         let mut tries = 0;
         loop {
             tries += 1;
-            let created = match self.create() {
-                // Somebody made it and removed it meanwhile.
-                Err(Error::Io { source, .. })
-                    if source.kind() == ErrorKind::AlreadyExists
-                        && !self.dir().is_file()
-                        && tries < MOST_TRIES =>
-                {
-                    continue;
-                }
-                created => created?,
-            };
-            match FolderLock::take(self.dir(), what) {
-                Ok(lock) => {
+            match self.create_and_lock(what) {
+                Err(Error::Io { source, .. }) if self.was_removed(&source) && tries < MOST_TRIES => {}
+                taken => {
+                    let (created, lock) = taken?;
                     self.settle()?;
                     return Ok(Claim { folder: self.clone(), created, lock: Some(lock), is_to_go: false });
                 }
-                // Who had it before has just removed it.
-                Err(Error::Io { source, .. })
-                    if source.kind() == ErrorKind::NotFound && tries < MOST_TRIES => {}
-                Err(error) => {
-                    remove_empty(&created);
-                    return Err(error);
-                }
             }
+        }
+    }
+
+    /// The folders that were not there before, outermost first, and the lock; without it they go again.
+    fn create_and_lock(&self, what: &str) -> Result<(Vec<PathBuf>, FolderLock), Error> {
+        let created = self.create()?;
+        match FolderLock::take(self.dir(), what) {
+            Ok(lock) => Ok((created, lock)),
+            Err(error) => {
+                remove_empty(&created);
+                Err(error)
+            }
+        }
+    }
+
+    /// Whether an error comes of others who remove the folder meanwhile: it was gone when something was to be put there, or when what had been in
+    /// the way of making it was looked at.
+    fn was_removed(&self, error: &std::io::Error) -> bool {
+        match error.kind() {
+            ErrorKind::NotFound => true,
+            ErrorKind::AlreadyExists => !self.dir().is_file(),
+            _ => false,
         }
     }
 
