@@ -27,7 +27,6 @@ mod interrupt;
 mod laws;
 mod materials;
 mod merge;
-mod pace;
 mod pressure;
 mod stresses;
 mod progress;

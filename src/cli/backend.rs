@@ -10,6 +10,7 @@ use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapte
 use jointsweep::internals::engine::backend::gpu::kernels::Precision;
 use jointsweep::internals::engine::backend::rates::Rates;
 use jointsweep::internals::engine::forecast::Demand;
+use jointsweep::internals::engine::unit_costs::Pace;
 use jointsweep::internals::output::kept_rates;
 use jointsweep::internals::output::origin::Origin;
 use jointsweep::internals::study::config::Study;
@@ -137,7 +138,7 @@ fn clearly_faster(args: &BackendArgs, study: &Study, threads: usize) -> Result<O
     // As a device with f64 has it.
     let precision = args.precision.map_or_else(|| Precision::suited(study.solve.accuracy), Into::into);
     let known = kept_rates::known(cache_folder().as_deref(), precision);
-    let processor = known.iter().map(|rates| rates.processor).reduce(f64::max);
+    let processor = known.iter().map(|rates| rates.processor).reduce(Pace::or_slower);
     let Some(demand) = Demand::worth_a_device(study, threads, processor) else { return Ok(None) };
     let may_help = |rates: &Rates| demand.forecast(rates, threads).prefers_device();
     if !known.is_empty() && !known.iter().any(may_help) {

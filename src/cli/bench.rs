@@ -53,7 +53,7 @@ pub fn bench(args: &BenchArgs) -> Result<Ending, Error> {
     let folder = Scratch::new()?;
     let mut measurements = Vec::new();
     for (config, study) in configs.iter().zip(&studies) {
-        let forecast = cost::estimate(study)?.seconds;
+        let forecast = cost::estimate(study)?.time.seconds();
         let mut measurement = measure(config, forecast, threads, &folder.0)?;
         // The first run warms the caches and is not counted.
         measurement.runs.clear();

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use jointsweep::internals::engine::cost::Estimate;
 use jointsweep::internals::engine::explain::percent;
+use jointsweep::internals::engine::unit_costs::Pace;
 use jointsweep::internals::output::counts::Counts;
 use jointsweep::internals::output::export;
 use jointsweep::internals::output::folder::MANIFEST;
@@ -20,8 +21,8 @@ use super::sbatch::shell_word;
 /// The most causes of failure that are listed; the table has them all.
 const CAUSES: usize = 10;
 
-/// On a machine of a pace (`pace`).
-pub fn estimate(estimate: &Estimate, pace: f64, table: &Path) -> String {
+/// On a machine of a pace.
+pub fn estimate(estimate: &Estimate, pace: Pace, table: &Path) -> String {
     let mut text = String::new();
     let mut line = |name, value: String| _ = writeln!(text, "{name:<16}{value}");
     let is_of_all = estimate.looked_at == estimate.designs;
@@ -39,7 +40,7 @@ pub fn estimate(estimate: &Estimate, pace: f64, table: &Path) -> String {
         line("refused", format!("{} designs; `jointsweep explain` says why", counted(estimate.refused)));
     }
     line("unknowns", counted(estimate.unknowns));
-    let seconds = duration(pace * estimate.seconds);
+    let seconds = duration(estimate.time.at(pace));
     line("core time", format!("about {seconds} on this machine, which the threads share"));
     line("table", table.display().to_string());
     text

@@ -9,6 +9,7 @@ use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::cost;
 use jointsweep::internals::engine::drawing::Chosen;
+use jointsweep::internals::engine::processor_pace::measured_pace;
 use jointsweep::internals::engine::question::Asker;
 use jointsweep::internals::engine::sweep::{self, Digest, SweepOptions};
 use jointsweep::internals::output::folder::{Permissions, ResultFolder, Verdict};
@@ -20,7 +21,6 @@ use jointsweep::internals::study::config::Study;
 use super::arguments::{SettingArgs, thread_count, threads};
 use super::backend::BackendArgs;
 use super::interrupt::Interrupt;
-use super::pace::pace;
 use super::progress::Progress;
 use super::{Ending, backend, print, report, retry, say, shard};
 
@@ -71,7 +71,7 @@ pub fn run(args: &RunArgs) -> Result<Ending, Error> {
         return shard::run(args, &study, part, started);
     }
     if args.dry_run {
-        print(&report::estimate(&cost::estimate(&study)?, pace()?, &folder.table(&study)))?;
+        print(&report::estimate(&cost::estimate(&study)?, measured_pace(), &folder.table(&study)))?;
         return Ok(Ending::Complete);
     }
     if args.retry_failed {

@@ -13,14 +13,15 @@ use crate::engine::body_request::{
     BodyRequest, Fidelity, MeshSize, TopologyKey, concentric, mesh_class, mesh_size,
 };
 use crate::engine::distinct::distinct_among;
+use crate::engine::expected_contact::ExpectedContact;
 use crate::engine::interpolation::fit_plan::{InterpolationPlan, picks};
 use crate::engine::joint_contact::joint_key;
 use crate::engine::law_fit::{law_case, range_of};
 use crate::engine::plan::JointPlan;
 use crate::engine::spaces::SpaceKey;
 use crate::engine::unit_costs::{
-    Cost, Unit, batch, body_seconds, design, interpolated_design, joint_seconds, near_field_works,
-    reference_seconds, row, series, space, space_modes, space_ring_modes, topology,
+    Time, Unit, batch, body_seconds, design, few_bodies, interpolated_design, joint_seconds,
+    near_field_works, reference_seconds, row, series, space, space_modes, space_ring_modes, topology,
 };
 use crate::error::Error;
 use crate::mechanics::body::Body;
@@ -47,23 +48,29 @@ pub struct Estimate {
     pub refused: u64,
     /// Unknowns of all meshes that the first attempt at each of the others needs.
     pub unknowns: u64,
-    /// Core time, s; the threads share it.
-    pub seconds: f64,
+    /// Core time; the threads share it.
+    pub time: Time,
 }
 
-/// Share of the designs that go on to the next finer mesh, from each to the next; more of those whose meshes are trusted little,
-/// above all where much is asked: as lists of blocks and `configs/thin-walls.toml` have it.
-fn climbers(plan: &JointPlan, accuracy: f64) -> f64 {
+/// Share of the designs that go on to the next finer mesh, by what is foreseen of the error on the one they have: as `configs/random.toml`,
+/// `configs/hypercube-block.toml` and `configs/thin-walls.toml` have it from 1 % to 0.01 %.
+fn climbers(case: &DesignCase, plan: &JointPlan, accuracy: f64) -> f64 {
     match plan.estimate {
         HowKnown::Exact | HowKnown::Change(Trust::SqueezedFilm) => 0.0,
-        HowKnown::Known | HowKnown::Change(Trust::Concentric | Trust::Full | Trust::Lined) => 0.1,
-        HowKnown::Change(Trust::Wary) if accuracy >= MUCH_ASKED => 0.2,
-        HowKnown::Change(Trust::Wary) => 0.3,
+        HowKnown::Known if accuracy >= LITTLE_ASKED => 0.0,
+        HowKnown::Known => match plan.worst_foreseen_error(&ExpectedContact::of(case)) {
+            Some(error) if error > accuracy => 0.8,
+            Some(error) if error > 0.8 * accuracy => 0.3,
+            _ => 0.0,
+        },
+        HowKnown::Change(Trust::Concentric | Trust::Full | Trust::Lined) => 0.1,
+        HowKnown::Change(Trust::Wary) if Trust::Wary.error(plan.level, 0.0) > 0.5 * accuracy => 0.9,
+        HowKnown::Change(Trust::Wary) => 0.2,
     }
 }
 
-/// Below this accuracy meshes that are trusted little are often not enough.
-const MUCH_ASKED: f64 = 5e-3;
+/// At this accuracy meshes that are known are good enough at once.
+const LITTLE_ASKED: f64 = 1e-2;
 
 /// Of more designs than this so many tell an estimate.
 pub const MOST_LOOKED_AT: u64 = 1 << 16;
@@ -85,10 +92,12 @@ struct Group {
 }
 
 impl Group {
-    fn seconds(&self) -> f64 {
-        let batches = (self.bodies / self.lanes as f64).ceil();
-        let of_batches = batches * batch(self.size).seconds();
-        likely(self.bodies) * (topology(self.size, self.modes).seconds() + of_batches)
+    fn time(&self) -> Time {
+        let (bodies, lanes) = (self.bodies.max(1.0), self.lanes as f64);
+        // Few bodies are condensed one after the other.
+        let batches = (bodies / lanes).floor() + (bodies % lanes / few_bodies(self.size)).min(1.0);
+        let in_lanes = batches * batch(self.size).seconds();
+        Time { in_lanes, others: topology(self.size, self.modes).seconds() } * likely(self.bodies)
     }
 }
 
@@ -147,7 +156,8 @@ impl Needs {
             return;
         };
         let size = mesh_size(&request.body, level);
-        let topology = TopologyKey::of(request);
+        // The processor condenses bodies of either idealization abreast.
+        let topology = TopologyKey::of(request).of_either_idealization();
         let group = self.groups.entry(self.hasher.hash_one(&topology)).or_default();
         (group.size, group.modes) = (size, RingModes::of(&topology.class).count);
         let in_singles = self.in_singles && body_bears_singles(&request.body, &topology.class);
@@ -209,7 +219,7 @@ impl Needs {
         while let Some((plan, share)) = rung.filter(|(_, share)| *share > FEW) {
             plan.requests().for_each(|request| self.add(&request, share));
             self.add_joint(&plan, case, share);
-            rung = plan.finer().map(|finer| (finer, share * climbers(&plan, accuracy)));
+            rung = plan.finer().map(|finer| (finer, share * climbers(case, &plan, accuracy)));
         }
     }
 
@@ -230,14 +240,16 @@ impl Needs {
         (distinct(0) + distinct(1)).round() as u64
     }
 
-    fn total_seconds(&self) -> f64 {
+    fn total_time(&self) -> Time {
         let of_near_field = |(class, (size, bodies)): (&NearFieldClass, &(MeshSize, f64))| {
             let modes = RingModes::of(&class.grading).count;
             let references: Vec<ConcentricBody> = class.references().collect();
             let highest = references[0].highest_mode();
             let lanes = references.len() as f64 / LANES as f64;
-            let in_lanes = near_field_works(highest, modes).seconds() + batch(*size).seconds();
-            likely(*bodies) * (references.len() as f64 * series(highest).seconds() + lanes * in_lanes)
+            let of_references = references.len() as f64 * series(highest).seconds();
+            let in_lanes = of_references + lanes * batch(*size).seconds();
+            let others = lanes * near_field_works(highest, modes).seconds();
+            Time { in_lanes, others } * likely(*bodies)
         };
         let mut meshes: HashMap<ReferenceMesh, (f64, f64)> = HashMap::default();
         for (class, (size, bodies)) in &self.near_fields {
@@ -252,13 +264,12 @@ impl Needs {
         let of_ring_modes = |((key, modes), joints): (&(SpaceKey, RingModes), &f64)| {
             likely(*joints) * space_ring_modes(*key, modes.count).seconds()
         };
-        self.of_bodies.iter().sum::<f64>()
-            + self.of_joints
-            + self.spaces.iter().map(of_space).sum::<f64>()
-            + self.ring_modes.iter().map(of_ring_modes).sum::<f64>()
-            + self.groups.values().map(Group::seconds).sum::<f64>()
-            + self.near_fields.iter().map(of_near_field).sum::<f64>()
-            + meshes.values().map(|(seconds, bodies)| likely(*bodies) * seconds).sum::<f64>()
+        let of_spaces = self.spaces.iter().map(of_space).chain(self.ring_modes.iter().map(of_ring_modes));
+        let of_meshes = meshes.values().map(|(seconds, bodies)| likely(*bodies) * seconds);
+        Time::in_lanes(self.of_bodies.iter().sum::<f64>() + self.of_joints)
+            + self.groups.values().map(Group::time).sum()
+            + self.near_fields.iter().map(of_near_field).sum()
+            + Time::of_others(of_spaces.chain(of_meshes).sum())
     }
 }
 
@@ -283,7 +294,7 @@ pub struct DesignParts {
     pub on_meshes: Part,
     /// The same of interpolated bodies.
     pub interpolated: Part,
-    pub others: f64,
+    pub others: Time,
     /// What of `others` is rows of interpolated designs,
     pub rows_of_interpolated: f64,
     /// and of designs on meshes whose joints a device may solve.
@@ -331,7 +342,7 @@ impl DesignCost<'_> {
     /// A further design, s, whatever it shares with others.
     pub fn seconds(&self, case: &DesignCase) -> f64 {
         let DesignParts { bodies, saved, on_meshes, interpolated, others, .. } = self.parts(case);
-        bodies.seconds - saved + on_meshes.seconds + interpolated.seconds + others
+        bodies.seconds - saved + on_meshes.seconds + interpolated.seconds + others.seconds()
     }
 
     /// The same by what a device may do of it.
@@ -342,25 +353,27 @@ impl DesignCost<'_> {
             return DesignParts {
                 interpolated: Part { count: 1.0, seconds: Unit::InterpolatedDesign.seconds() },
                 rows_of_interpolated: of_rows,
-                others: of_rows,
+                others: Time::of_others(of_rows),
                 ..DesignParts::default()
             };
         }
-        let without_meshes = |cost: Cost<2>| DesignParts { others: cost.seconds(), ..DesignParts::default() };
-        let of_rows = design(rows, row);
+        let of_rows = Time::of_others(design(rows, row).seconds());
+        let without_meshes = DesignParts { others: of_rows, ..DesignParts::default() };
         let solve = self.study.solve;
         if solve.method == MethodChoice::ClosedForm {
-            return without_meshes(of_rows);
+            return without_meshes;
         }
         let Ok(first) = JointPlan::cheapest(case, solve.method, solve.accuracy) else {
-            return without_meshes(of_rows);
+            return without_meshes;
         };
         let mut needs = Needs::of_accuracy(solve.accuracy);
         needs.climb(case, first, solve.accuracy);
         let mut parts = DesignParts {
             on_meshes: needs.for_devices,
-            others: of_rows.seconds() + needs.of_bodies.iter().sum::<f64>() + needs.of_joints
-                - needs.for_devices.seconds,
+            others: of_rows
+                + Time::in_lanes(
+                    needs.of_bodies.iter().sum::<f64>() + needs.of_joints - needs.for_devices.seconds,
+                ),
             rows_on_meshes: if needs.for_devices.count > 0.0 { rows * row.seconds() } else { 0.0 },
             ..DesignParts::default()
         };
@@ -368,7 +381,7 @@ impl DesignCost<'_> {
             let of_lanes = |lanes: usize| group.bodies * batch(group.size).seconds() / lanes as f64;
             let in_double = of_lanes(LANES);
             if group.is_lined {
-                parts.others += in_double;
+                parts.others += Time::in_lanes(in_double);
             } else {
                 parts.bodies += Part { count: group.bodies, seconds: in_double };
                 parts.saved += in_double - of_lanes(group.lanes);
@@ -386,7 +399,8 @@ impl DesignCost<'_> {
         let rows = count.saturating_mul(study.steps_per_design());
         let row = row(study.writes_table());
         let numbers = picks(count, MOST_LOOKED_AT).into_iter().map(|number| designs.start + number);
-        let (mut looked_at, mut interpolated, mut refused, mut of_laws) = (0_u64, 0_u64, 0_u64, 0.0);
+        let (mut looked_at, mut interpolated, mut refused) = (0_u64, 0_u64, 0_u64);
+        let mut of_laws = Time::default();
         for case in study.cases_at(numbers)? {
             let case = case?;
             looked_at += 1;
@@ -409,8 +423,8 @@ impl DesignCost<'_> {
                 let case = law_case(&case, working_range_of(&case));
                 let unknowns = needs.unknowns;
                 if let Ok(first) = JointPlan::cheapest(&case, method, accuracy) {
-                    of_laws += joint_seconds(&first) + design(case.steps.len() as f64, row).seconds();
-                    of_laws += Unit::Laws.seconds();
+                    let others = design(case.steps.len() as f64, row).seconds() + Unit::Laws.seconds();
+                    of_laws += Time { in_lanes: joint_seconds(&first), others };
                     needs.climb(&case, first, accuracy);
                 }
                 needs.unknowns = unknowns;
@@ -426,12 +440,12 @@ impl DesignCost<'_> {
         let (interpolated, refused) = (all(interpolated), all(refused));
         let rows_each = rows as f64 / (count as f64).max(1.0);
         let solved = count as f64 - interpolated as f64 - refused as f64;
-        let seconds = Unit::Process.seconds()
-            + needs.total_seconds()
-            + of_all * of_laws
-            + interpolation.as_ref().map_or(0.0, |plan| plan.seconds())
-            + solved * design(rows_each, row).seconds()
+        let of_designs = solved * design(rows_each, row).seconds()
             + interpolated as f64 * interpolated_design(rows_each, row).seconds();
+        let time = needs.total_time()
+            + of_laws * of_all
+            + interpolation.as_ref().map_or(Time::default(), |plan| plan.time())
+            + Time::of_others(Unit::Process.seconds() + of_designs);
         let unknowns = needs.unknowns.iter().sum();
         Ok(Estimate {
             designs: count,
@@ -441,7 +455,7 @@ impl DesignCost<'_> {
             interpolated,
             refused,
             unknowns,
-            seconds,
+            time,
         })
     }
 }

@@ -11,6 +11,8 @@ use crate::study::design::{DesignCase, JointDesign, Load};
 pub struct ExpectedContact {
     /// Of the widest contact among the steps, rad; rather too wide, since bodies are taken for Winkler beds.
     pub half_angle: f64,
+    /// Of the narrowest one, rad: as wide as the widest where there is no contact.
+    pub narrowest: f64,
     /// Of the work that goes into the pin and into the plate: as their moduli have it.
     pub shares: [f64; 2],
 }
@@ -19,17 +21,30 @@ impl ExpectedContact {
     pub fn of(case: &DesignCase) -> ExpectedContact {
         let joint = &case.joint;
         let of_pin = joint.share_of_pin();
-        // Those of the greatest loads: it grows with the load.
-        let (mut indentation, mut force) = (0.0_f64, 0.0_f64);
+        // It grows with the load: those of the least and the greatest of either kind tell it.
+        let none = [f64::INFINITY, 0.0];
+        let (mut indentations, mut forces) = (none, none);
         for load in &*case.steps {
-            match joint.from_first_touch(*load) {
-                Load::Indentation(value) | Load::Offset(value) => indentation = indentation.max(value),
-                Load::Force(value) => force = force.max(value),
+            let (range, value) = match joint.from_first_touch(*load) {
+                Load::Indentation(value) | Load::Offset(value) => (&mut indentations, value),
+                Load::Force(value) => (&mut forces, value),
+            };
+            if value > 0.0 {
+                *range = [range[0].min(value), range[1].max(value)];
             }
         }
-        let greatest = [Load::Indentation(indentation), Load::Force(force)];
-        let half_angle = greatest.map(|load| half_angle(joint, load)).into_iter().fold(0.0, f64::max);
-        ExpectedContact { half_angle, shares: [of_pin, 1.0 - of_pin] }
+        let mut half_angles = none;
+        for ([least, greatest], load) in
+            [(indentations, Load::Indentation as fn(f64) -> Load), (forces, Load::Force)]
+        {
+            if greatest > 0.0 || joint.is_press_fit() {
+                let [narrowest, widest] = [least, greatest].map(|value| half_angle(joint, load(value)));
+                half_angles = [half_angles[0].min(narrowest), half_angles[1].max(widest)];
+            }
+        }
+        let [narrowest, half_angle] = half_angles;
+        let shares = [of_pin, 1.0 - of_pin];
+        ExpectedContact { half_angle, narrowest: narrowest.min(half_angle), shares }
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::engine::accuracy::Estimate;
 use crate::engine::accuracy::geometry_error::OutlineError;
-use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
+use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, columns, known_errors};
 use crate::engine::body_request::{BodyRequest, Fidelity, mesh_size};
 use crate::engine::cost::MOST_LOOKED_AT;
 use crate::engine::expected_contact::ExpectedContact;
@@ -151,13 +151,17 @@ impl<'a> Explainer<'a> {
                 EXACT.min(accuracy),
             ),
             Estimate::Known => {
-                let known = worst_known(&plan, expected.half_angle).unwrap_or(f64::INFINITY);
+                let known = worst_known(&plan, &expected).unwrap_or(f64::INFINITY);
                 let foreseen = plan.foreseen_error(&expected).unwrap_or(f64::INFINITY);
+                let [narrowest, widest] = plan.chosen_for(&expected).map(f64::to_degrees);
+                let half_angles = match narrowest < widest {
+                    true => format!("from {narrowest:.0} to {widest:.0}"),
+                    false => format!("up to {widest:.0}"),
+                };
                 let why = format!(
-                    "such meshes are known to be within {} at half angles up to {:.0} deg; by the moduli an error of {} is \
+                    "such meshes are known to be within {} at half angles {half_angles} deg; by the moduli an error of {} is \
                      foreseen, and where it turns out worse, finer ones follow",
                     percent(known),
-                    expected.half_angle.to_degrees(),
                     percent(foreseen)
                 );
                 (format!("mesh level {}", plan.level), why, accuracy)
@@ -200,10 +204,12 @@ fn without_bodies(
     Explanation { chosen: chosen.into(), why, bodies: Vec::new(), ruled_out, error, seconds }
 }
 
-/// Of the bodies on meshes the worst at a half angle, rad.
-fn worst_known(plan: &JointPlan, half_angle: f64) -> Option<f64> {
-    let known = |request: &BodyRequest| known_error(&request.body, plan.level, half_angle);
-    plan.meshed().map(known).try_fold(0.0, |worst: f64, error| Some(worst.max(error?)))
+/// Of the bodies on meshes the worst where contacts are expected.
+fn worst_known(plan: &JointPlan, expected: &ExpectedContact) -> Option<f64> {
+    plan.meshed().try_fold(0.0, |worst, request| {
+        let known = &known_errors(&request.body, plan.level)?[columns(plan.chosen_for(expected))];
+        Some(known.iter().copied().fold(worst, f64::max))
+    })
 }
 
 fn not_known_enough(plan: &JointPlan, expected: &ExpectedContact, accuracy: f64) -> String {

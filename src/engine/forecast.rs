@@ -11,6 +11,7 @@ use crate::engine::distinct::distinct_among;
 use crate::engine::interpolation::drawn_on_device::Drawing;
 use crate::engine::interpolation::fit_plan::{LOOKED_AT, picks};
 use crate::engine::question::Question;
+use crate::engine::unit_costs::{Pace, Time};
 use crate::study::config::Study;
 
 /// What the designs of a sweep need, on one thread of the processor, s by `unit_costs`; as in `DesignParts`.
@@ -20,7 +21,7 @@ pub struct Demand {
     pub saved: f64,
     pub on_meshes: Part,
     pub interpolated: Part,
-    pub others: f64,
+    pub others: Time,
     /// What of `others` a device does that solves joints on meshes, and interpolated ones: it counts their rows where none is written.
     pub counted: [f64; 2],
     /// Whether a device with f64 draws those designs itself: nothing is made for them here.
@@ -50,26 +51,27 @@ const FIRST: usize = 16;
 const CLEARLY: f64 = 0.8;
 
 impl Demand {
-    /// Of a sweep on so many threads, of a processor that was measured to take so many times what `unit_costs` say, if it was; `None` where no
-    /// device is worth asking, or a design cannot be read, which is told where designs are drawn.
-    pub fn worth_a_device(study: &Study, threads: usize, processor: Option<f64>) -> Option<Demand> {
+    /// Of a sweep on so many threads of a processor whose pace was measured, if it was; `None` where no device is worth asking, or a design
+    /// cannot be read, which is told where designs are drawn.
+    pub fn worth_a_device(study: &Study, threads: usize, processor: Option<Pace>) -> Option<Demand> {
         if study.design_count() < FEWEST {
             return None;
         }
-        let least = threads as f64 * processor.map_or(WORTH, |pace| WORTH_KNOWN / pace);
+        let (pace, least) = processor.map_or((Pace::OF_UNIT_COSTS, WORTH), |pace| (pace, WORTH_KNOWN));
+        let is_worth_it = |demand: &Demand| demand.for_devices().at(pace) >= least * threads as f64;
         let numbers = picks(study.design_count(), LOOKED_AT);
         let few = numbers.iter().copied().step_by(numbers.len().div_ceil(FIRST).max(1));
         let first = Demand::of(study, &DesignCost::without_interpolation(study), few)?;
-        if first.for_devices() < least {
+        if !is_worth_it(&first) {
             return None;
         }
-        let demand = Demand::of(study, &DesignCost::of_study(study), numbers.iter().copied())?;
-        (demand.for_devices() >= least).then_some(demand)
+        Demand::of(study, &DesignCost::of_study(study), numbers.iter().copied()).filter(is_worth_it)
     }
 
     /// What a device may do of it.
-    fn for_devices(&self) -> f64 {
-        self.bodies.seconds - self.saved + self.on_meshes.seconds + self.interpolated.seconds
+    fn for_devices(&self) -> Time {
+        let in_lanes = self.bodies.seconds - self.saved + self.on_meshes.seconds;
+        Time { in_lanes, others: self.interpolated.seconds }
     }
 
     /// By designs that stand for all.
@@ -123,23 +125,25 @@ impl Demand {
     /// With the rates of a machine and so many threads.
     pub fn forecast(&self, rates: &Rates, threads: usize) -> Forecast {
         let threads = threads as f64;
-        let [mut on_threads, mut on_device] = [self.others, self.bodies.seconds * rates.device];
+        let (mut on_threads, mut on_device) = (self.others, self.bodies.seconds * rates.device);
         let mut host = rates.host * self.bodies.count;
-        for (joints, counted, is_on_meshes) in
-            [(self.on_meshes, self.counted[0], true), (self.interpolated, self.counted[1], false)]
-        {
+        let of_interpolated = Time::of_others(self.interpolated.seconds);
+        for (joints, time, counted, is_on_meshes) in [
+            (self.on_meshes, Time::in_lanes(self.on_meshes.seconds), self.counted[0], true),
+            (self.interpolated, of_interpolated, self.counted[1], false),
+        ] {
             match rates.joints.filter(|joints| joints.on_meshes || !is_on_meshes) {
                 Some(rates) => {
                     on_device += rates.device * joints.seconds;
                     host += if self.drawn && !is_on_meshes { 0.0 } else { rates.host * joints.count };
-                    on_threads -= counted;
+                    on_threads.others -= counted;
                 }
-                None => on_threads += joints.seconds,
+                None => on_threads += time,
             }
         }
         Forecast {
-            processor: rates.processor * (self.for_devices() + self.others) / threads,
-            device: rates.start + ((rates.processor * on_threads + host) / threads).max(on_device),
+            processor: (self.for_devices() + self.others).at(rates.processor) / threads,
+            device: rates.start + ((on_threads.at(rates.processor) + host) / threads).max(on_device),
         }
     }
 }
@@ -166,7 +170,8 @@ mod tests {
         Study::from_text(Path::new("random.toml"), text).unwrap()
     }
 
-    const RATES: Rates = Rates { processor: 1.0, device: 0.01, host: 1e-6, start: 1.0, joints: Some(JOINTS) };
+    const RATES: Rates =
+        Rates { processor: Pace::OF_UNIT_COSTS, device: 0.01, host: 1e-6, start: 1.0, joints: Some(JOINTS) };
 
     const JOINTS: JointRates = JointRates { device: 0.02, host: 2e-6, on_meshes: true };
 
@@ -177,7 +182,7 @@ mod tests {
         let demand = Demand::worth_a_device(&all, 1, None).unwrap();
         let cost = DesignCost::of_study(&all);
         let sum: f64 = all.cases().unwrap().take(2000).map(|case| cost.seconds(&case.unwrap())).sum();
-        let told = demand.for_devices() + demand.others;
+        let told = (demand.for_devices() + demand.others).seconds();
         assert!((told / (400.0 * sum) - 1.0).abs() < 0.05, "{told} {sum}");
         let twice = Demand::worth_a_device(&study(1_600_000, "", ""), 1, None).unwrap();
         for (twice, once) in [(twice.bodies, demand.bodies), (twice.on_meshes, demand.on_meshes)] {
@@ -189,12 +194,14 @@ mod tests {
         assert_eq!(demand.interpolated, Part::default());
         assert!(demand.saved > 0.3 * demand.bodies.seconds, "{demand:?}");
         // More threads are through with it in no time.
-        assert!(demand.for_devices() > WORTH);
-        let many = (demand.for_devices() / WORTH) as usize + 1;
+        let for_devices = demand.for_devices().seconds();
+        assert!(for_devices > WORTH);
+        let many = (for_devices / WORTH) as usize + 1;
         assert_eq!(Demand::worth_a_device(&all, many, None), None);
         // But for a machine that was measured.
-        assert!(Demand::worth_a_device(&all, many, Some(0.5)).is_some());
-        assert_eq!(Demand::worth_a_device(&all, many, Some(0.3)), None);
+        let at = |in_lanes, others| Demand::worth_a_device(&all, many, Some(Pace { in_lanes, others }));
+        assert!(at(0.5, 0.1).is_some());
+        assert_eq!(at(0.3, 10.0), None);
     }
 
     /// Small ones; fewer that are interpolated have little to solve.
@@ -221,8 +228,8 @@ mod tests {
         let [written, answered] = ["", "[reduce]\nstatistics = [\"force\"]"].map(of);
         assert_eq!(answered.interpolated, written.interpolated);
         assert_eq!(written.counted, [0.0; 2]);
-        assert!(answered.counted[1] > 0.5 * answered.others, "{answered:?}");
-        assert!(answered.others < written.others, "{answered:?}");
+        assert!(answered.counted[1] > 0.5 * answered.others.seconds(), "{answered:?}");
+        assert!(answered.others.seconds() < written.others.seconds(), "{answered:?}");
         let on_meshes = study(
             3_000_000,
             "interpolation = \"off\"",
@@ -293,7 +300,7 @@ mod tests {
             saved: 0.0,
             on_meshes: part(1e6, 0.0),
             interpolated: part(0.0, 0.0),
-            others: 16.0,
+            others: Time::of_others(16.0),
             counted: [0.0; 2],
             drawn: false,
         };
@@ -312,7 +319,12 @@ mod tests {
             (false, Rates { host: 3e-5, ..RATES }),
             (false, Rates { start: 30.0, ..RATES }),
             // All threads are slower than was thought, the device is not.
-            (true, Rates { processor: 10.0, device: 1.0, host: 1e-4, ..RATES }),
+            (
+                true,
+                Rates { processor: Pace { in_lanes: 10.0, others: 10.0 }, device: 1.0, host: 1e-4, ..RATES },
+            ),
+            // What is left to them is.
+            (false, Rates { processor: Pace { in_lanes: 1.0, others: 20.0 }, ..RATES }),
         ] {
             assert_eq!(of(rates, 2), is_taken, "{rates:?}");
         }
@@ -329,7 +341,7 @@ mod tests {
             saved: 0.0,
             on_meshes: part(1e6, 40.0),
             interpolated: none,
-            others: 4.0,
+            others: Time::of_others(4.0),
             counted: [0.0; 2],
             drawn: false,
         };

@@ -22,6 +22,7 @@ pub mod rest_stresses;
 pub mod row;
 pub mod question;
 pub mod unit_costs;
+pub mod processor_pace;
 pub mod backend;
 pub mod body_portions;
 mod body_condensation;

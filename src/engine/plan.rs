@@ -1,6 +1,8 @@
 //! From the accuracy asked to what is computed: for each body exact modes or a mesh, and how fine.
 
-use crate::engine::accuracy::known_errors::{KNOWN_LEVELS, column, known_error, known_of_levels};
+use crate::engine::accuracy::known_errors::{
+    COLUMNS, Group, KNOWN_LEVELS, Table, columns, known_error, known_of_levels,
+};
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, Want};
 use crate::engine::body_request::{BodyHandle, BodyRequest, Fidelity, JointBodies};
@@ -24,6 +26,9 @@ pub struct JointPlan {
     pub estimate: Estimate,
 }
 
+/// What a body without a mesh is off by on any level.
+const NO_MESH: Table = [[0.0; COLUMNS.len() + 1]; KNOWN_LEVELS];
+
 /// Nodes from which on the curve of bodies on meshes gets no better.
 const NODES_OF_NOISE: usize = 48;
 
@@ -43,7 +48,7 @@ impl JointPlan {
         if plan.meshed().next().is_none() {
             return Ok(plan);
         }
-        let known = plan.errors_of_levels(&expected);
+        let known = plan.errors_of_levels(&expected, plan.chosen_for(&expected));
         let is_enough = |errors: &[f64; KNOWN_LEVELS]| {
             (0..KNOWN_LEVELS).find(|level| errors[*level] <= accuracy && plan.is_bounded_on(*level))
         };
@@ -82,17 +87,41 @@ impl JointPlan {
 
     /// What is known of the meshes, each body by its share of the work; `None` where nothing is known.
     pub fn foreseen_error(&self, expected: &ExpectedContact) -> Option<f64> {
-        self.errors_of_levels(expected)?.get(self.level).copied()
+        self.errors_of_levels(expected, self.chosen_for(expected))?.get(self.level).copied()
     }
 
-    /// The same of meshes of each level.
-    fn errors_of_levels(&self, expected: &ExpectedContact) -> Option<[f64; KNOWN_LEVELS]> {
-        let column = column(expected.half_angle);
+    /// The same from the narrowest contact on, whatever the bodies.
+    pub fn worst_foreseen_error(&self, expected: &ExpectedContact) -> Option<f64> {
+        let half_angles = [expected.narrowest, expected.half_angle];
+        self.errors_of_levels(expected, half_angles)?.get(self.level).copied()
+    }
+
+    /// The half angles, rad, for which its meshes are chosen. Of blocks the narrowest contact counts like the widest; of other bodies what is known of
+    /// narrow ones is so far above what most have that to begin on a finer mesh costs what it saves.
+    pub fn chosen_for(&self, expected: &ExpectedContact) -> [f64; 2] {
+        let is_block = |request: &BodyRequest| Group::of(&request.body).is_some_and(Group::is_block);
+        let narrowest = if self.meshed().any(is_block) { expected.narrowest } else { expected.half_angle };
+        [narrowest, expected.half_angle]
+    }
+
+    /// What is known of the meshes of each level at half angles, rad, from the one to the other.
+    fn errors_of_levels(
+        &self,
+        expected: &ExpectedContact,
+        half_angles: [f64; 2],
+    ) -> Option<[f64; KNOWN_LEVELS]> {
+        let known = |request: &BodyRequest| match request.fidelity {
+            Fidelity::Series => Some(&NO_MESH),
+            Fidelity::Mesh { .. } => known_of_levels(&request.body),
+        };
+        let known = [known(&self.pin)?, known(&self.plate)?];
+        let columns = columns(half_angles);
         let mut errors = [0.0; KNOWN_LEVELS];
-        for (request, share) in [&self.pin, &self.plate].into_iter().zip(expected.shares) {
-            if request.fidelity != Fidelity::Series {
-                let known = known_of_levels(&request.body)?;
-                errors.iter_mut().zip(known).for_each(|(error, known)| *error += share * known[column]);
+        for (level, error) in errors.iter_mut().enumerate() {
+            for column in columns.clone() {
+                let [of_pin, of_plate] =
+                    [0, 1].map(|body| expected.shares[body] * known[body][level][column]);
+                *error = f64::max(*error, of_pin + of_plate);
             }
         }
         Some(errors)

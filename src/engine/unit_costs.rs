@@ -5,6 +5,8 @@
 //! pressure spaces of all sizes. `jointsweep bench` writes the forecast of a whole sweep beside its time: within a factor of 3
 //! for every file in configs/ (results/sweep.csv).
 
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Mul};
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
@@ -16,6 +18,7 @@ use crate::engine::spaces::SpaceKey;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::arc::packed_count;
 use crate::mechanics::compliance::concentric_body::ConcentricBody;
+use crate::mechanics::compliance::lane_condensation::few;
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::real::LANES;
 
@@ -92,6 +95,79 @@ static SECONDS: LazyLock<Vec<f64>> =
 /// A row of the file: what is counted, how long it takes, s.
 type Row = (Unit, f64, String);
 
+/// How long something takes by these times, s: the work done in lanes, of bodies, of their compliance to trial pressures and of curves, and all else.
+/// What a processor takes for the one beside another machine tells little of the other: it has longer vectors, or other clocks for them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Time {
+    pub in_lanes: f64,
+    pub others: f64,
+}
+
+/// What both are to be multiplied by on a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pace {
+    pub in_lanes: f64,
+    pub others: f64,
+}
+
+impl Pace {
+    /// Of the machine of the file.
+    pub const OF_UNIT_COSTS: Pace = Pace { in_lanes: 1.0, others: 1.0 };
+
+    /// What takes no less on either of two machines.
+    pub fn or_slower(self, other: Pace) -> Pace {
+        Pace { in_lanes: self.in_lanes.max(other.in_lanes), others: self.others.max(other.others) }
+    }
+}
+
+impl Time {
+    pub fn in_lanes(seconds: f64) -> Time {
+        Time { in_lanes: seconds, others: 0.0 }
+    }
+
+    pub fn of_others(seconds: f64) -> Time {
+        Time { in_lanes: 0.0, others: seconds }
+    }
+
+    /// On the machine of the file, s.
+    pub fn seconds(self) -> f64 {
+        self.in_lanes + self.others
+    }
+
+    /// On another one, s.
+    pub fn at(self, pace: Pace) -> f64 {
+        pace.in_lanes * self.in_lanes + pace.others * self.others
+    }
+}
+
+impl Add for Time {
+    type Output = Time;
+
+    fn add(self, other: Time) -> Time {
+        Time { in_lanes: self.in_lanes + other.in_lanes, others: self.others + other.others }
+    }
+}
+
+impl AddAssign for Time {
+    fn add_assign(&mut self, more: Time) {
+        *self = *self + more;
+    }
+}
+
+impl Mul<f64> for Time {
+    type Output = Time;
+
+    fn mul(self, times: f64) -> Time {
+        Time { in_lanes: times * self.in_lanes, others: times * self.others }
+    }
+}
+
+impl Sum for Time {
+    fn sum<I: Iterator<Item = Time>>(times: I) -> Time {
+        times.fold(Time::default(), Add::add)
+    }
+}
+
 /// What something takes: how much of which units.
 #[derive(Clone, Copy, Debug)]
 pub struct Cost<const UNITS: usize>(pub [(Unit, f64); UNITS]);
@@ -150,6 +226,11 @@ pub fn batch(size: MeshSize) -> Cost<3> {
         (Unit::BatchUnknown, unknowns),
         (Unit::BatchFactor, unknowns * width * width),
     ])
+}
+
+/// So many bodies, condensed one after the other, take as long as a batch.
+pub fn few_bodies(size: MeshSize) -> f64 {
+    few(size.unknowns as usize * size.width() as usize * LANES * size_of::<f64>()) as f64
 }
 
 /// Of what bodies of one topology share: the order of elimination, and the loads of the ring modes.

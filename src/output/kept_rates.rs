@@ -102,6 +102,7 @@ fn entries(folder: &Path) -> Vec<Entry> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::unit_costs::Pace;
 
     /// Of this program beside this processor alone, in these numbers alone; of no file and of one that is no rates nothing.
     #[test]
@@ -109,7 +110,10 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("jointsweep-rates-{}", std::process::id()));
         assert_eq!(known(Some(&folder), Precision::F32), []);
         assert_eq!(known(None, Precision::F32), []);
-        let rates = |processor| Rates { processor, device: 0.1, host: 1e-6, start: 0.1, joints: None };
+        let rates = |in_lanes| {
+            let processor = Pace { in_lanes, others: 1.0 };
+            Rates { processor, device: 0.1, host: 1e-6, start: 0.1, joints: None }
+        };
         let here = Measured {
             program: Program::CURRENT.in_words(),
             cpu: Host::current().cpu,

@@ -72,7 +72,7 @@ fn seconds_per_design(study: &Study) -> f64 {
         let range = first..(first + designs).min(count);
         let asked = (range.end - range.start).max(1) as f64;
         // What cannot be read is told where the designs are drawn.
-        cost.estimate(range).map_or(0.0, |estimate| estimate.seconds / asked)
+        cost.estimate(range).map_or(0.0, |estimate| estimate.time.seconds() / asked)
     });
     seconds.fold(f64::MIN_POSITIVE, f64::max)
 }

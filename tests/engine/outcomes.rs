@@ -482,7 +482,7 @@ fn a_large_sweep_is_estimated_by_some_of_its_designs() {
         // As much more as from the first to the second, whose designs were looked at one by one.
         let times = (estimate.designs - all.designs) as f64 / (all.designs - few.designs) as f64;
         for (name, of) in [
-            ("seconds", (|estimate: &cost::Estimate| estimate.seconds) as fn(&cost::Estimate) -> f64),
+            ("seconds", (|estimate: &cost::Estimate| estimate.time.seconds()) as fn(&cost::Estimate) -> f64),
             ("unknowns", |estimate| estimate.unknowns as f64),
             ("distinct bodies", |estimate| estimate.distinct_bodies as f64),
         ] {
@@ -505,7 +505,7 @@ fn a_large_sweep_is_estimated_by_some_of_its_designs() {
     });
     let again = estimate(grid);
     assert_eq!((again.designs, again.distinct_bodies), (500_000, 251));
-    assert!(again.looked_at < 70_000 && again.seconds < 0.05 * most.seconds, "{again:?}");
+    assert!(again.looked_at < 70_000 && again.time.seconds() < 0.05 * most.time.seconds(), "{again:?}");
 }
 
 /// The count of unknowns is told without a mesh; supports are few.

@@ -17,7 +17,7 @@ use jointsweep::internals::lab::tradeoff::errors::force_error;
 use jointsweep::internals::lab::tradeoff::families::series;
 use jointsweep::internals::lab::tradeoff::joints::{Terms, is_concentric};
 use jointsweep::internals::lab::tradeoff::oracle::Oracle;
-use jointsweep::internals::mechanics::body::Body;
+use jointsweep::internals::mechanics::body::{Body, block};
 use jointsweep::internals::mechanics::grading::LEVEL_COUNT;
 use jointsweep::internals::study::config::{MethodChoice, SolveOptions};
 use jointsweep::internals::study::design::{DesignCase, Load};
@@ -120,6 +120,43 @@ fn no_mesh_is_finer_than_is_foreseen_to_be_needed() {
     // 300 designs of each kind at four accuracies. Seen: 2353 and 47.
     assert_eq!((exact, known + unknown), (1200, 2400));
     assert!(known > 2300 && unknown > 40);
+}
+
+/// Loads from a narrow contact to a wide one want of blocks the mesh that does for all of them: the finest that any of them wants alone, or a
+/// finer one where the contacts between ask for it. Of other bodies the widest contact has it.
+#[test]
+fn the_narrowest_contact_of_blocks_counts_like_the_widest() {
+    const ACCURACY: f64 = 3e-4;
+    let level_of = |case: &DesignCase, over_clearance: &[f64]| {
+        let steps = over_clearance.iter().map(|over| Load::Indentation(over * case.joint.radial_clearance));
+        let case = DesignCase { steps: steps.collect(), ..case.clone() };
+        let plan = JointPlan::cheapest(&case, MethodChoice::Fe, ACCURACY).unwrap();
+        (plan.estimate == Estimate::Known).then_some(plan.level)
+    };
+    // Of others and of blocks.
+    let (mut known, mut by_narrow, mut by_wide) = ([0; 2], [0; 2], [0; 2]);
+    for case in &cases(100, 200) {
+        let loads = [1e-3, 50.0];
+        let alone = loads.map(|load| level_of(case, &[load]));
+        let ([Some(narrow), Some(wide)], Some(both)) = (alone, level_of(case, &loads)) else { continue };
+        let is_block = case.joint.plate.shape == &block::SHAPE;
+        match is_block {
+            true => assert!(both >= narrow.max(wide), "{both} {narrow} {wide}: {:?}", case.joint),
+            false => assert_eq!(both, wide, "{:?}", case.joint),
+        }
+        // Nor does their order or a load without contact change that.
+        for others in [&[50.0, 1e-3][..], &[-1.0, 1e-3, 0.0, 50.0]] {
+            assert_eq!(level_of(case, others), Some(both), "{others:?}: {:?}", case.joint);
+        }
+        let kind = usize::from(is_block);
+        known[kind] += 1;
+        by_narrow[kind] += usize::from(narrow > wide);
+        by_wide[kind] += usize::from(wide > narrow);
+    }
+    println!(
+        "of {known:?} designs {by_narrow:?} want more for the narrow contact, {by_wide:?} for the wide one"
+    );
+    assert!(known.iter().chain(&by_narrow).chain(&by_wide).all(|count| *count > 10));
 }
 
 /// Of rows with a contact the half angle is less than foreseen, or not much more.

@@ -4,6 +4,7 @@
 //! contact pressure on each level, against `series` or the finest mesh, the partner being rigid. The error of a joint's force
 //! is that of its bodies, each by its share of the work.
 
+use std::ops::RangeInclusive;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
@@ -88,6 +89,10 @@ impl Group {
         } else {
             None
         }
+    }
+
+    pub fn is_block(self) -> bool {
+        matches!(self, Group::BlockOnBase | Group::BlockHeldAround)
     }
 
     /// The least and the greatest depth that were drawn.
@@ -177,6 +182,11 @@ pub fn place(body: &Body, level: usize) -> Option<usize> {
 /// Of a half angle, rad.
 pub fn column(half_angle: f64) -> usize {
     COLUMNS.iter().take_while(|begin| half_angle.to_degrees() >= **begin).count()
+}
+
+/// Those of half angles, rad, from the one to the other.
+pub fn columns([narrowest, widest]: [f64; 2]) -> RangeInclusive<usize> {
+    column(narrowest)..=column(widest)
 }
 
 /// What is known of a body on a mesh level, by `column`.

@@ -13,7 +13,7 @@ use crate::engine::interpolation::family::{
 };
 use crate::engine::plan::first_level;
 use crate::engine::spaces::SpaceKey;
-use crate::engine::unit_costs::{Unit, body_seconds, curve, spread_seconds};
+use crate::engine::unit_costs::{Time, Unit, body_seconds, curve, spread_seconds};
 use crate::mechanics::body::Body;
 use crate::study::config::{MethodChoice, SolveOptions, Study};
 use crate::study::design::{JointDesign, Part};
@@ -161,7 +161,7 @@ impl InterpolationPlan {
                 for request in &requests {
                     saved += distinct * body_seconds(request) + designs * spread_seconds(request, space);
                 }
-                cost += family.least_seconds(solve.accuracy);
+                cost += family.least_time(solve.accuracy).seconds();
             }
             if saved < GAIN * cost {
                 continue;
@@ -194,9 +194,9 @@ impl InterpolationPlan {
         self.pairs.contains(&(pin.key, plate.key)) && is_inside(&pin) && is_inside(&plate)
     }
 
-    /// Estimated time of the fits, s.
-    pub fn seconds(&self) -> f64 {
-        self.families.iter().map(|(family, _)| family.least_seconds(self.accuracy)).sum()
+    /// Estimated time of the fits.
+    pub fn time(&self) -> Time {
+        self.families.iter().map(|(family, _)| family.least_time(self.accuracy)).sum()
     }
 }
 

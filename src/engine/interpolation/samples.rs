@@ -7,7 +7,7 @@ use crate::engine::interpolation::basis::Basis;
 use crate::engine::interpolation::family::{Family, MOST_COORDINATES, body_at};
 use crate::engine::interpolation::points::DEGREES;
 use crate::engine::plan::first_level;
-use crate::engine::unit_costs::{body_seconds, topology};
+use crate::engine::unit_costs::{Time, body_seconds, topology};
 use crate::mechanics::compliance::ring_modes::RingModes;
 
 /// Share of the lanes that samples of a box with so many coordinates fill, about.
@@ -99,14 +99,15 @@ impl Family {
         topology(mesh_size(&self.example, level), modes).seconds()
     }
 
-    /// Estimated time of the first fit, s.
-    pub fn least_seconds(&self, accuracy: f64) -> f64 {
+    /// Estimated time of the first fit.
+    pub fn least_time(&self, accuracy: f64) -> Time {
         let Meshes { first: level, known } = self.meshes(accuracy);
         let free = self.free();
         let samples = self.sample_points_with(self.sample_count(DEGREES[free][0]));
         let held_out = self.held_out_points().len() as f64;
         let coarse = if known { 0.0 } else { held_out * self.sample_seconds(level - 1) };
-        let topologies = if self.exact { 0.0 } else { TOPOLOGIES[free] * self.topology_seconds(level) };
-        (samples as f64 + held_out) * self.sample_seconds(level) + coarse + topologies
+        let in_lanes = (samples as f64 + held_out) * self.sample_seconds(level) + coarse;
+        let others = if self.exact { 0.0 } else { TOPOLOGIES[free] * self.topology_seconds(level) };
+        Time { in_lanes, others }
     }
 }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::engine::backend::choice::GpuChoice;
 use crate::engine::backend::gpu::batch::{Batch, KernelFacts, TARGET, adapted, batches};
-use crate::engine::backend::gpu::calibration::{INDENTATIONS, LEVEL, MeasuredJoint};
+use crate::engine::backend::gpu::calibration::{INDENTATIONS, MeasuredJoint};
 use crate::engine::backend::gpu::context::{AdapterKind, GpuDevice, GpuError};
 use crate::engine::backend::gpu::dispatch::{Dispatch, Pass};
 use crate::engine::backend::gpu::elimination::Elimination;
@@ -21,6 +21,7 @@ use crate::engine::backend::gpu::system_layout::SystemState;
 use crate::engine::backend::joints::{Amplitudes, DeviceBody};
 use crate::engine::body_request::{BodyRequest, TopologyKey, mesh_size};
 use crate::engine::plan::JointPlan;
+use crate::engine::processor_pace::LEVEL;
 use crate::engine::spaces::SpaceKey;
 use crate::lab::gpu::roofline::seconds;
 use crate::lab::gpu::speed::run;

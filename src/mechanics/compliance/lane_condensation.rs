@@ -56,6 +56,11 @@ const NEAR: usize = 1 << 20;
 /// From so many bytes on lanes wait for them, and any number of bodies is few: in registers of four. Those of eight were not measured.
 const FAR: usize = 8 << 20;
 
+/// So many bodies of a mesh are few whose tiles take so many bytes in all lanes.
+pub fn few(bytes: usize) -> usize {
+    FEW[usize::from(bytes > NEAR)]
+}
+
 /// Modes that are substituted side by side: some blocks of them are a plan's.
 const BLOCKS: [usize; 2] = [12, 8];
 
@@ -142,9 +147,8 @@ impl CondensationPlan {
     /// How many bodies are few, in registers of a `WIDTH`.
     fn few<const WIDTH: usize>(&self) -> usize {
         match self.structure.tile_count * size_of::<Tile<Lanes<WIDTH>>>() {
-            ..=NEAR => FEW[0],
             FAR.. if WIDTH == AVX2 => LANES,
-            _ => FEW[1],
+            bytes => few(bytes),
         }
     }
 

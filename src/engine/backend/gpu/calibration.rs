@@ -1,9 +1,6 @@
 //! How fast a device condenses bodies and solves joints, and the processor beside it: measured on both, which takes a second or two.
 
-use std::sync::RwLock;
-use std::time::{Duration, Instant};
-
-use foldhash::HashMap;
+use std::time::Instant;
 
 use super::context::{GpuDevice, GpuError};
 use super::kernels::{Making, Precision};
@@ -15,11 +12,11 @@ use crate::engine::backend::joints::{
     states,
 };
 use crate::engine::backend::rates::{JointRates, Rates};
-use crate::engine::body_request::{BodyHandle, BodyRequest, Fidelity, Group, Meshed, TopologyKey};
+use crate::engine::body_request::{BodyRequest, TopologyKey};
+use crate::engine::processor_pace::{MEASURED, groups, measured_pace, requests};
 use crate::engine::spaces::{SpaceKey, Spaces};
-use crate::engine::threads::{joined, spawned};
 use crate::engine::unit_costs::{body_seconds, curve, spread_seconds};
-use crate::mechanics::body::{Body, MAX_PARAMETERS, SHAPES};
+use crate::mechanics::body::MAX_PARAMETERS;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
@@ -27,24 +24,11 @@ use crate::mechanics::contact::compliance_rows::ModeMembers;
 use crate::mechanics::contact::curve_space::CurveSpace;
 use crate::mechanics::contact::load::DimensionlessLoad;
 use crate::mechanics::contact::outlines::Outlines;
-use crate::mechanics::material::Idealization;
-use crate::mechanics::real::LANES;
-
-/// Bodies that are measured, with their ratios: on the mesh that most sweeps at 1 % take, a small one and a large one.
-const MEASURED: [(&str, [f64; MAX_PARAMETERS]); 2] =
-    [("annulus", [3.0, 0.0, 0.0]), ("block", [4.0, 5.0, 4.5])];
-pub const LEVEL: usize = 1;
-
-/// No two bodies are alike, and all have one topology: their ratios are larger than these by so much at most, relative.
-const SPREAD: f64 = 0.01;
 
 /// A device gets ever more bodies at a time, until it takes so long, s, or has the most.
 const LONG_ENOUGH: f64 = 0.1;
 const FEWEST: usize = 64;
 const MOST: usize = 16_384;
-
-/// How long each thread of the processor is measured.
-const AT_WORK: Duration = Duration::from_millis(20);
 
 /// What the device, which solves these joints, and a thread of the processor take.
 pub fn measure(
@@ -65,7 +49,8 @@ pub fn measure(
     }
     let start = started.elapsed().as_secs_f64();
     let joints = joint.map(|joint| joint.rates(&mut condenser)).transpose()?;
-    let mut rates = Rates { processor: 0.0, device: 0.0, host: 0.0, start, joints };
+    let processor = measured_pace();
+    let mut rates = Rates { processor, device: 0.0, host: 0.0, start, joints };
     for name_and_ratios in MEASURED {
         let mut count = FEWEST;
         loop {
@@ -87,33 +72,8 @@ pub fn measure(
             rates.host = rates.host.max(host / bodies as f64);
             break;
         }
-        rates.processor += on_processor(name_and_ratios) / MEASURED.len() as f64;
     }
     Ok(rates)
-}
-
-/// Like one another, as many as are asked for.
-fn requests((name, ratios): (&str, [f64; MAX_PARAMETERS]), count: usize) -> Vec<BodyRequest> {
-    let shape = SHAPES.into_iter().find(|shape| shape.name == name);
-    let shape = shape.unwrap_or_else(|| unreachable!("no shape is called {name}"));
-    let request = |i: usize| {
-        let larger = 1.0 + SPREAD * i as f64 / count as f64;
-        let mut body = Body::concentric(2.0, 0.3, Idealization::PlaneStress);
-        (body.shape, body.parameters) = (shape, ratios.map(|ratio| ratio * larger));
-        // Of those that can be held in several ways the last, which asks least of a precision.
-        body.support = shape.supports.len().saturating_sub(1);
-        BodyRequest { body, fidelity: Fidelity::Mesh { level: LEVEL } }
-    };
-    (0..count).map(request).collect()
-}
-
-fn groups(requests: &[BodyRequest]) -> Vec<Group> {
-    let mut groups: HashMap<TopologyKey, Vec<Meshed>> = HashMap::default();
-    for (place, request) in requests.iter().enumerate() {
-        let meshed = Meshed { handle: BodyHandle::of(place), body: request.body.clone(), around: None };
-        groups.entry(TopologyKey::of(request)).or_default().push(meshed);
-    }
-    groups.into_iter().collect()
 }
 
 /// What some bodies have taken, s.
@@ -237,34 +197,4 @@ impl MeasuredJoint {
         let on_meshes = condenser.solves_joints() == SolvedJoints::All;
         Ok(JointRates { device: device / on_processor, host, on_meshes })
     }
-}
-
-/// Of a thread while all are at work, over what `unit_costs` says: those of a core share it, and clocks are lower. Of each thread the fastest
-/// of some batches, since others may use the processor, too.
-fn on_processor(name_and_ratios: (&str, [f64; MAX_PARAMETERS])) -> f64 {
-    let requests = requests(name_and_ratios, LANES);
-    let group = groups(&requests).pop();
-    let (key, group) = group.unwrap_or_else(|| unreachable!("there are some bodies, all of one topology"));
-    let bodies: Vec<Body> = group.into_iter().map(|meshed| meshed.body).collect();
-    let plan = CondensationPlan::new(&bodies[0], key.grading(&bodies[0]), RingModes::of(&key.class));
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let gate = RwLock::new(());
-    let fastest = || {
-        drop(gate.read());
-        let (begun, mut fastest) = (Instant::now(), f64::INFINITY);
-        while begun.elapsed() < AT_WORK {
-            let started = Instant::now();
-            std::hint::black_box(plan.condense(&bodies));
-            fastest = fastest.min(started.elapsed().as_secs_f64());
-        }
-        fastest
-    };
-    let all: Vec<f64> = std::thread::scope(|scope| {
-        let shut = gate.write();
-        // As many as the system gives.
-        let others: Vec<_> = (1..threads).map_while(|_| spawned(scope, fastest).ok()).collect();
-        drop(shut);
-        std::iter::once(fastest()).chain(others.into_iter().map(joined)).collect()
-    });
-    all.iter().sum::<f64>() / (all.len() * LANES) as f64 / body_seconds(&requests[0])
 }
