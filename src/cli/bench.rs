@@ -7,6 +7,8 @@ use std::time::{Instant, SystemTime};
 use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::cost;
+use jointsweep::internals::engine::processor_pace::measured_pace;
+use jointsweep::internals::engine::unit_costs::Pace;
 use jointsweep::internals::lab::benchmark::{BenchmarkManifest, Measurement, Run, figures};
 use jointsweep::internals::output::folder::MANIFEST;
 use jointsweep::internals::output::whole_file::create_dir;
@@ -53,7 +55,8 @@ pub fn bench(args: &BenchArgs) -> Result<Ending, Error> {
     let folder = Scratch::new()?;
     let mut measurements = Vec::new();
     for (config, study) in configs.iter().zip(&studies) {
-        let forecast = cost::estimate(study)?.time.seconds();
+        let pace = measured_pace();
+        let forecast = (cost::estimate(study)?.time.at(pace), pace);
         let mut measurement = measure(config, forecast, threads, &folder.0)?;
         // The first run warms the caches and is not counted.
         measurement.runs.clear();
@@ -77,8 +80,13 @@ fn configs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     if here.is_empty() { Err(Error::NothingToMeasure { looked_for: DEFAULT.join(", ") }) } else { Ok(here) }
 }
 
-/// One run of `jointsweep run`, which was foreseen to take `forecast` seconds.
-fn measure(config: &Path, forecast: f64, threads: usize, folder: &Path) -> Result<Measurement, Error> {
+/// One run of `jointsweep run`, which was foreseen to take so many seconds at a pace.
+fn measure(
+    config: &Path,
+    (forecast, pace): (f64, Pace),
+    threads: usize,
+    folder: &Path,
+) -> Result<Measurement, Error> {
     let failed = |problem: String| Error::MeasuredRun { config: config.into(), problem };
     let program = std::env::current_exe().map_err(|error| failed(error.to_string()))?;
     let mut command = Command::new(program);
@@ -113,6 +121,7 @@ fn measure(config: &Path, forecast: f64, threads: usize, folder: &Path) -> Resul
         rows: count("rows"),
         distinct_bodies: count("distinct_bodies"),
         forecast,
+        pace,
         table_bytes: manifest["files"][0]["bytes"].as_u64().unwrap_or(0),
         runs: vec![run],
     })

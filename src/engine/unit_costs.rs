@@ -2,8 +2,8 @@
 //!
 //! A cost is a sum: amounts that follow from sizes, each times what one unit of it takes. `unit_costs.csv` is what
 //! `cargo run --release --example unit_costs` prints: these times, measured on one core, fitted to bodies of all shapes and to
-//! pressure spaces of all sizes. `jointsweep bench` writes the forecast of a whole sweep beside its time: within a factor of 3
-//! for every file in configs/ (results/sweep.csv).
+//! pressure spaces of all sizes. `jointsweep bench` writes the forecast of a whole sweep, at the pace of its machine, beside its time: 0.4 to 1.5
+//! of it for every file in configs/ (results/sweep.csv).
 
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Mul};

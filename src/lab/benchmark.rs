@@ -5,6 +5,7 @@ use std::time::SystemTime;
 
 use serde::Serialize;
 
+use crate::engine::unit_costs::Pace;
 use crate::error::Error;
 use crate::output::host::{Host, Program, seconds_since, utc};
 use crate::output::manifest;
@@ -33,8 +34,10 @@ pub struct Measurement {
     pub designs: u64,
     pub rows: u64,
     pub distinct_bodies: u64,
-    /// Core time that was foreseen, s.
+    /// Core time that was foreseen, s,
     pub forecast: f64,
+    /// for the pace that the machine had just before.
+    pub pace: Pace,
     pub table_bytes: u64,
     pub runs: Vec<Run>,
 }
@@ -134,7 +137,7 @@ pub fn figures(dir: &Path) -> [PathBuf; 2] {
 /// One row a config; times of stages are medians. A figure that the system does not tell is an empty cell.
 fn text(measurements: &[Measurement]) -> String {
     let mut header = "config,designs,rows,distinct_bodies,process_min_s,process_median_s,process_max_s,\
-                      command_median_s,designs_per_s,rows_per_s,processor_median_s,forecast_core_s,peak_memory_bytes,table_bytes"
+                      command_median_s,designs_per_s,rows_per_s,processor_median_s,forecast_core_s,pace_in_lanes,pace_others,peak_memory_bytes,table_bytes"
         .to_string();
     let stages = measurements.first().map(Measurement::stages).unwrap_or_default();
     for (stage, _) in &stages {
@@ -142,7 +145,8 @@ fn text(measurements: &[Measurement]) -> String {
     }
     let mut text = header + "\n";
     for measurement in measurements {
-        let Measurement { config, forecast, designs, rows, distinct_bodies, table_bytes, .. } = measurement;
+        let Measurement { config, forecast, pace, designs, rows, distinct_bodies, table_bytes, .. } =
+            measurement;
         let (Some(process), Some(command)) = (measurement.process_seconds(), measurement.command_seconds())
         else {
             continue;
@@ -151,7 +155,7 @@ fn text(measurements: &[Measurement]) -> String {
         let processor = measurement.processor_seconds().map_or(String::new(), |s| format!("{:.4}", s.median));
         let memory = measurement.peak_memory_bytes().map_or(String::new(), |bytes| bytes.to_string());
         text += &format!(
-            "{},{designs},{rows},{distinct_bodies},{:.4},{:.4},{:.4},{:.4},{:.0},{:.0},{processor},{forecast:.4},{memory},{table_bytes}",
+            "{},{designs},{rows},{distinct_bodies},{:.4},{:.4},{:.4},{:.4},{:.0},{:.0},{processor},{forecast:.4},{:.3},{:.3},{memory},{table_bytes}",
             cell(&config.display().to_string()),
             process.min,
             process.median,
@@ -159,6 +163,8 @@ fn text(measurements: &[Measurement]) -> String {
             command.median,
             rate(*designs),
             rate(*rows),
+            pace.in_lanes,
+            pace.others,
         );
         let own = measurement.stages();
         for (stage, _) in &stages {
@@ -197,6 +203,7 @@ mod tests {
             rows: 1000,
             distinct_bodies: 7,
             forecast: 3.5,
+            pace: Pace { in_lanes: 4.0, others: 2.0 },
             table_bytes: 12_345,
             runs: vec![run(4.0, 3.0), run(1.0, 1.0), run(2.0, 2.0)],
         };
@@ -205,7 +212,7 @@ mod tests {
         assert!(header.ends_with("table_bytes,near_fields_core_s,table_core_s"), "{header}");
         assert_eq!(
             row,
-            "\"a, b.toml\",100,1000,7,1.0000,2.0000,4.0000,1.0000,50,500,6.0000,3.5000,4000000,12345,2.0000,0.2500"
+            "\"a, b.toml\",100,1000,7,1.0000,2.0000,4.0000,1.0000,50,500,6.0000,3.5000,4.000,2.000,4000000,12345,2.0000,0.2500"
         );
     }
 }

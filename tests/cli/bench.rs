@@ -55,6 +55,9 @@ fn a_benchmark_writes_a_row_a_config_and_says_how_it_was_made() {
     assert!(number("process_median_s") <= number("process_max_s"));
     assert!(number("command_median_s") <= number("process_max_s"));
     assert!(number("table_bytes") > 20.0 * 100.0);
+    // A forecast at the pace that this machine has.
+    let figures = ["forecast_core_s", "pace_in_lanes", "pace_others"].map(number);
+    assert!(figures.iter().all(|figure| *figure > 0.0 && figure.is_finite()), "{figures:?}");
     let manifest = work.json("figures/sweep.manifest.json");
     assert_eq!(manifest["runs"], 2);
     assert_eq!(manifest["threads"], 1);
