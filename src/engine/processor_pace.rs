@@ -111,3 +111,16 @@ pub fn groups(requests: &[BodyRequest]) -> Vec<Group> {
     }
     groups.into_iter().collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each part is measured by work of its own.
+    #[test]
+    fn a_machine_has_a_pace() {
+        let Pace { in_lanes, others } = measured_pace();
+        assert!([in_lanes, others].iter().all(|pace| (0.05..50.0).contains(pace)), "{in_lanes} {others}");
+        assert!(in_lanes != others);
+    }
+}
