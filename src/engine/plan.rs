@@ -27,7 +27,7 @@ pub struct JointPlan {
 }
 
 /// What a body without a mesh is off by on any level.
-const NO_MESH: Table = [[0.0; COLUMNS.len() + 1]; KNOWN_LEVELS];
+const WITHOUT_MESH: Table = [[0.0; COLUMNS.len() + 1]; KNOWN_LEVELS];
 
 /// Nodes from which on the curve of bodies on meshes gets no better.
 const NODES_OF_NOISE: usize = 48;
@@ -111,7 +111,7 @@ impl JointPlan {
         half_angles: [f64; 2],
     ) -> Option<[f64; KNOWN_LEVELS]> {
         let known = |request: &BodyRequest| match request.fidelity {
-            Fidelity::Series => Some(&NO_MESH),
+            Fidelity::Series => Some(&WITHOUT_MESH),
             Fidelity::Mesh { .. } => known_of_levels(&request.body),
         };
         let known = [known(&self.pin)?, known(&self.plate)?];
