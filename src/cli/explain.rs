@@ -8,6 +8,7 @@ use clap::Args;
 use jointsweep::Error;
 use jointsweep::internals::engine::explain::{Explainer, Explanation, percent};
 use jointsweep::internals::engine::ladder::Ladder;
+use jointsweep::internals::engine::processor_pace::measured_pace;
 use jointsweep::internals::engine::status::Status;
 use jointsweep::internals::engine::threads::common_pool;
 use jointsweep::internals::study::config::Study;
@@ -41,6 +42,7 @@ pub fn explain(args: &ExplainArgs) -> Result<Ending, Error> {
 
 fn overview(study: &Study, explainer: &Explainer) -> Result<String, Error> {
     let (shares, looked_at) = explainer.shares()?;
+    let pace = measured_pace();
     let is_of_all = looked_at == study.design_count();
     let mut lines = vec![["chosen".to_string(), "designs".into(), "core time".into(), "for example".into()]];
     for (chosen, share) in shares {
@@ -48,7 +50,7 @@ fn overview(study: &Study, explainer: &Explainer) -> Result<String, Error> {
         lines.push([
             chosen,
             if is_of_all { share.designs.to_string() } else { about(share.designs) },
-            format!("about {}", duration(share.seconds)),
+            format!("about {}", duration(share.time.at(pace))),
             example,
         ]);
     }
@@ -71,7 +73,7 @@ fn one(study: &Study, explainer: &Explainer, design: u64) -> Result<String, Erro
     let Some(case) = nth(study, design)? else {
         return Err(Error::NoSuchDesign { design, count: study.design_count() });
     };
-    let Explanation { chosen, why, bodies, ruled_out, error, seconds } = explainer.explain(&case);
+    let Explanation { chosen, why, bodies, ruled_out, error, time } = explainer.explain(&case);
     let mut text = String::new();
     let mut line = |name: &str, value: &str| _ = writeln!(text, "{name:<12}{value}");
     line("design", &format!("{design} of the {} of the sweep", study.design_count()));
@@ -87,7 +89,7 @@ fn one(study: &Study, explainer: &Explainer, design: u64) -> Result<String, Erro
     if let Some(told) = solved(study, case) {
         line("solved", &told);
     }
-    line("core time", &format!("about {}", duration(seconds)));
+    line("core time", &format!("about {}", duration(time.at(measured_pace()))));
     text += "\nruled out\n";
     for (what, why) in ruled_out {
         _ = writeln!(text, "  {what}: {why}");

@@ -13,7 +13,7 @@ use crate::engine::interpolation::fit_plan::{FINEST_ACCURACY, InterpolationPlan,
 use crate::engine::joint_scale::JointScale;
 use crate::engine::plan::{JointPlan, first_level};
 use crate::engine::refusal::Refusal;
-use crate::engine::unit_costs::{Unit, body_seconds, design, interpolated_design, joint_seconds, row};
+use crate::engine::unit_costs::{Time, Unit, body_seconds, design, interpolated_design, joint_seconds, row};
 use crate::error::Error;
 use crate::study::config::{MethodChoice, Study};
 use crate::study::design::DesignCase;
@@ -33,8 +33,8 @@ pub struct Explanation {
     pub ruled_out: Vec<(String, String)>,
     /// Of the force, relative, at most, as far as is known before solving.
     pub error: f64,
-    /// Of one core, s; what a sweep shares is left out.
-    pub seconds: f64,
+    /// Of one core; what a sweep shares is left out.
+    pub time: Time,
 }
 
 /// Designs that are solved alike.
@@ -43,8 +43,8 @@ pub struct Share {
     pub designs: u64,
     /// The first of them, from 0.
     pub example: u64,
-    /// Core time of all, s.
-    pub seconds: f64,
+    /// Core time of all.
+    pub time: Time,
 }
 
 /// Explains designs of one study.
@@ -67,10 +67,10 @@ impl<'a> Explainer<'a> {
         let of_all = count as f64 / (looked_at as f64).max(1.0);
         for case in self.study.cases_at(numbers)? {
             let case = case?;
-            let Explanation { chosen, seconds, .. } = self.explain(&case);
+            let Explanation { chosen, time, .. } = self.explain(&case);
             let share = shares.entry(chosen).or_insert(Share { example: case.index, ..Share::default() });
             share.designs += 1;
-            share.seconds += of_all * seconds;
+            share.time += time * of_all;
         }
         shares.values_mut().for_each(|share| share.designs = (of_all * share.designs as f64).round() as u64);
         Ok((shares, looked_at))
@@ -82,7 +82,8 @@ impl<'a> Explainer<'a> {
         let mut ruled_out = Vec::new();
         if method == MethodChoice::ClosedForm && Refusal::of_joint(case, method).is_none() {
             let why = "`method = \"closed-form\"` asks for Johnson's law".into();
-            return without_bodies("closed form", why, ruled_out, [1.0, rows * self.row().seconds()]);
+            let of_rows = Time::of_others(rows * self.row().seconds());
+            return without_bodies("closed form", why, ruled_out, 1.0, of_rows);
         }
         let mut rule_out = |what: &str, why: String| ruled_out.push((what.to_string(), why));
         rule_out("closed form", "knows nothing of the plate's extent: right to a factor of two".into());
@@ -90,8 +91,8 @@ impl<'a> Explainer<'a> {
             rule_out("interpolation across bodies", why);
         } else {
             let why = "the sweep has so many distinct bodies that fits of their compliances cost less".into();
-            let numbers = [self.study.solve.accuracy, interpolated_design(rows, self.row()).seconds()];
-            return without_bodies("interpolated", why, ruled_out, numbers);
+            let time = Time::of_others(interpolated_design(rows, self.row()).seconds());
+            return without_bodies("interpolated", why, ruled_out, self.study.solve.accuracy, time);
         }
         self.explain_bodies(case, ruled_out)
     }
@@ -123,7 +124,8 @@ impl<'a> Explainer<'a> {
         let plan = match JointPlan::cheapest(case, method, accuracy) {
             Ok(plan) => plan,
             Err(refusal) => {
-                return without_bodies("refused", refusal.to_string(), ruled_out, [f64::INFINITY, 0.0]);
+                let why = refusal.to_string();
+                return without_bodies("refused", why, ruled_out, f64::INFINITY, Time::default());
             }
         };
         let expected = ExpectedContact::of(case);
@@ -182,14 +184,14 @@ impl<'a> Explainer<'a> {
         let is_beside = plan.estimate == Estimate::Exact || of_outlines > 0.5 * accuracy;
         let error = if is_beside { error + of_outlines } else { error };
         let requests: Vec<BodyRequest> = plan.requests().collect();
-        let seconds: f64 = requests.iter().map(body_seconds).sum();
+        let in_lanes = requests.iter().map(body_seconds).sum::<f64>() + joint_seconds(&plan);
         Explanation {
             chosen,
             why,
             bodies: requests.iter().map(|request| describe(request, plan.space.terms)).collect(),
             ruled_out,
             error,
-            seconds: seconds + joint_seconds(&plan) + design(case.steps.len() as f64, self.row()).seconds(),
+            time: Time { in_lanes, others: design(case.steps.len() as f64, self.row()).seconds() },
         }
     }
 }
@@ -199,9 +201,10 @@ fn without_bodies(
     chosen: &str,
     why: String,
     ruled_out: Vec<(String, String)>,
-    [error, seconds]: [f64; 2],
+    error: f64,
+    time: Time,
 ) -> Explanation {
-    Explanation { chosen: chosen.into(), why, bodies: Vec::new(), ruled_out, error, seconds }
+    Explanation { chosen: chosen.into(), why, bodies: Vec::new(), ruled_out, error, time }
 }
 
 /// Of the bodies on meshes the worst where contacts are expected.

@@ -88,7 +88,7 @@ fn each_rung_is_told_and_taken() {
         assert_eq!((explanation.chosen.as_str(), taken), (chosen, method), "{solve}");
         assert_eq!(explanation.bodies.len(), bodies, "{chosen}");
         assert_eq!(explanation.error, told, "{chosen}, {solve}");
-        assert!(error <= told && explanation.seconds > 0.0, "{chosen}: {error}");
+        assert!(error <= told && explanation.time.seconds() > 0.0, "{chosen}: {error}");
     }
 }
 
