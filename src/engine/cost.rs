@@ -69,7 +69,7 @@ fn climbers(case: &DesignCase, plan: &JointPlan, accuracy: f64) -> f64 {
     }
 }
 
-/// At this accuracy meshes that are known are good enough at once.
+/// From this accuracy on hardly any mesh that is known has to be followed by a finer one.
 const LITTLE_ASKED: f64 = 1e-2;
 
 /// Of more designs than this so many tell an estimate.

@@ -17,6 +17,7 @@ use crate::mechanics::real::LANES;
 /// Bodies that are measured, with their ratios: on the mesh that most sweeps at 1 % take, a small one and a large one.
 pub const MEASURED: [(&str, [f64; MAX_PARAMETERS]); 2] =
     [("annulus", [3.0, 0.0, 0.0]), ("block", [4.0, 5.0, 4.5])];
+/// Of their meshes.
 pub const LEVEL: usize = 1;
 
 /// No two bodies are alike, and all have one topology: their ratios are larger than these by so much at most, relative.
@@ -68,7 +69,7 @@ impl MeasuredTopology {
     }
 }
 
-/// Of a thread while all are at work: those of a core share it, and clocks are lower.
+/// The mean over all threads, each while all are at work: those of a core share it, and clocks are lower.
 pub fn measured_pace() -> Pace {
     let measured = MEASURED.map(MeasuredTopology::new);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -103,6 +104,7 @@ pub fn requests((name, ratios): (&str, [f64; MAX_PARAMETERS]), count: usize) -> 
     (0..count).map(request).collect()
 }
 
+/// By topology, each body by its place among the requests.
 pub fn groups(requests: &[BodyRequest]) -> Vec<Group> {
     let mut groups: HashMap<TopologyKey, Vec<Meshed>> = HashMap::default();
     for (place, request) in requests.iter().enumerate() {

@@ -114,7 +114,7 @@ impl Pace {
     /// Of the machine of the file.
     pub const OF_UNIT_COSTS: Pace = Pace { in_lanes: 1.0, others: 1.0 };
 
-    /// What takes no less on either of two machines.
+    /// Of two measurements the slower, of either work.
     pub fn or_slower(self, other: Pace) -> Pace {
         Pace { in_lanes: self.in_lanes.max(other.in_lanes), others: self.others.max(other.others) }
     }
