@@ -99,7 +99,7 @@ fn one(study: &Study, explainer: &Explainer, design: u64) -> Result<String, Erro
 
 /// What the design's own rows say, each design being solved by itself.
 fn solved(study: &Study, case: DesignCase) -> Option<String> {
-    let outcome = Ladder::new(study.solve).solve(&[case]).pop()?;
+    let outcome = Ladder::new(study.solve).sharing(study.in_common()).solve(&[case]).pop()?;
     let responses: Vec<_> = outcome.steps.iter().filter_map(|step| step.response).collect();
     let worst = responses.iter().map(|response| response.force_error).fold(0.0, f64::max);
     let method = responses.first()?.method.name();

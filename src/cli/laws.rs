@@ -16,7 +16,7 @@ use jointsweep::internals::output::results::{Results, TableRow, TableRows};
 use jointsweep::internals::output::sink::{Sink, SinkFile};
 use jointsweep::internals::output::whole_file::{publish, staged, write_whole};
 use jointsweep::internals::study::columns::Quantity;
-use jointsweep::internals::study::config::MethodChoice;
+use jointsweep::internals::study::config::{Asked, MethodChoice};
 use jointsweep::internals::study::design::{DesignCase, Load};
 
 use super::arguments::{thread_count, threads};
@@ -44,7 +44,7 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
     if path.exists() && !args.force {
         return Err(Error::FileTaken { path });
     }
-    let options = results.asked()?.solve;
+    let Asked { solve: options, in_common, .. } = results.asked()?;
     let refuse = |problem: &str| Err(Error::NoResult { dir: args.dir.clone(), problem: problem.into() });
     if options.method == MethodChoice::ClosedForm {
         return refuse("a closed form has no curve to fit laws to");
@@ -54,7 +54,8 @@ pub fn laws(args: &LawsArgs) -> Result<Ending, Error> {
     let pool = pool(threads)?;
     let mut file = SinkFile::new(LAWS, staged(&path));
     let mut progress = Progress::new(0, results.origin.counts.designs, false);
-    let written = pool.install(|| write_laws(&results, Ladder::new(options), &mut file, &mut progress));
+    let written = pool
+        .install(|| write_laws(&results, Ladder::new(options).sharing(in_common), &mut file, &mut progress));
     progress.finish();
     if written.is_err() {
         // What is half written is of no use to anybody.

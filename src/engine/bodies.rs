@@ -34,7 +34,7 @@ use crate::mechanics::compliance::near_field::{LoadedRing, NearField, NearFieldC
 #[derive(Default)]
 pub struct BodyLibrary<'a> {
     ring_loads: RingLoads,
-    near_fields: NearFieldLibrary,
+    pub near_fields: NearFieldLibrary,
     plans: HashMap<TopologyKey, CondensationPlan>,
     known: KnownBodies,
     /// What was asked and had no answer, in order.
@@ -236,7 +236,7 @@ impl<'a> BodyLibrary<'a> {
             self.keep(solved);
         }
         let started = Stopwatch::start();
-        let mut portions = portions(meshed);
+        let mut portions = portions(meshed, &self.near_fields.in_common);
         self.times.shared += started.elapsed();
         portions.iter_mut().for_each(|portion| self.give_device(portion));
         self.begun.push_back(portions);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::engine::body_request::{Around, BodyHandle, BodyRequest, Group, Meshed, RingAngles, TopologyKey};
 use crate::engine::hashed::Hashed;
-use crate::mechanics::compliance::near_field::NearFieldClass;
+use crate::mechanics::compliance::near_field::{InCommon, NearFieldClass};
 
 /// So many requests, or designs, at least are worth a thread where only little is done for each.
 pub const MANY: usize = 64;
@@ -23,7 +23,7 @@ pub struct Portion {
 }
 
 /// The requests by topology, in portions each of which ends where it needs more than `PORTION` near fields.
-pub fn portions(requests: Vec<(BodyHandle, &BodyRequest)>) -> Vec<Portion> {
+pub fn portions(requests: Vec<(BodyHandle, &BodyRequest)>, common: &InCommon) -> Vec<Portion> {
     let keys = requests.par_iter().with_min_len(MANY);
     let key = |angles: &mut RingAngles, (_, request): &(BodyHandle, &BodyRequest)| {
         Hashed::new(TopologyKey::after(angles, request))
@@ -34,7 +34,7 @@ pub fn portions(requests: Vec<(BodyHandle, &BodyRequest)>) -> Vec<Portion> {
         groups.entry(key).or_default().push(request);
     }
     let groups: Vec<_> =
-        groups.into_par_iter().map(|(key, bodies)| OfTopology::new(key.key, bodies)).collect();
+        groups.into_par_iter().map(|(key, bodies)| OfTopology::new(key.key, bodies, common)).collect();
     let mut portions = vec![Portion::default()];
     let mut places: HashMap<NearFieldClass, u32> = HashMap::default();
     for OfTopology { key, mut bodies, classes } in groups {
@@ -68,7 +68,7 @@ struct OfTopology {
 }
 
 impl OfTopology {
-    fn new(key: TopologyKey, requests: Vec<(BodyHandle, &BodyRequest)>) -> OfTopology {
+    fn new(key: TopologyKey, requests: Vec<(BodyHandle, &BodyRequest)>, common: &InCommon) -> OfTopology {
         let meshed = |&(handle, request): &(BodyHandle, &BodyRequest)| Meshed {
             handle,
             body: request.body.clone(),
@@ -78,8 +78,8 @@ impl OfTopology {
         let mut classes: Vec<NearFieldClass> = Vec::new();
         // Lined bodies have references of their own.
         if !key.class.is_lined() {
-            let around =
-                NearFieldClass::around_each(requests.iter().map(|(_, request)| &request.body), key.class);
+            let own = requests.iter().map(|(_, request)| &request.body);
+            let around = NearFieldClass::around_each(own, key.class, common);
             let mut place = |class: NearFieldClass| {
                 // Of bodies of one topology there are few.
                 let known = classes

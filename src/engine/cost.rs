@@ -26,7 +26,7 @@ use crate::engine::unit_costs::{
 use crate::error::Error;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::concentric_body::ConcentricBody;
-use crate::mechanics::compliance::near_field::{NearFieldClass, ReferenceMesh};
+use crate::mechanics::compliance::near_field::{InCommon, NearFieldClass, ReferenceMesh};
 use crate::mechanics::compliance::ring_modes::RingModes;
 use crate::mechanics::laws::calibrated::samples::RANGE;
 use crate::mechanics::real::LANES;
@@ -93,10 +93,32 @@ struct Group {
 
 impl Group {
     fn time(&self) -> Time {
-        let (bodies, lanes) = (self.bodies.max(1.0), self.lanes as f64);
-        // Few bodies are condensed one after the other.
-        let batches = (bodies / lanes).floor() + (bodies % lanes / few_bodies(self.size)).min(1.0);
-        let in_lanes = batches * batch(self.size).seconds();
+        let in_lanes = batches(self.bodies.max(1.0), self.lanes, self.size);
+        Time { in_lanes, others: topology(self.size, self.modes).seconds() } * likely(self.bodies)
+    }
+}
+
+/// Of so many bodies of one topology in lanes, s. Few are condensed one after the other.
+fn batches(bodies: f64, lanes: usize, size: MeshSize) -> f64 {
+    let lanes = lanes as f64;
+    let count = (bodies / lanes).floor() + (bodies % lanes / few_bodies(size)).min(1.0);
+    count * batch(size).seconds()
+}
+
+/// A mesh on which references of near fields lie.
+#[derive(Default)]
+struct OfReferences {
+    /// The largest of its classes, whose sizes are told by their bodies.
+    size: MeshSize,
+    modes: usize,
+    references: f64,
+    /// That need it.
+    bodies: f64,
+}
+
+impl OfReferences {
+    fn time(&self) -> Time {
+        let in_lanes = batches(self.references.max(1.0), LANES, self.size);
         Time { in_lanes, others: topology(self.size, self.modes).seconds() } * likely(self.bodies)
     }
 }
@@ -112,6 +134,7 @@ struct Needs {
     hasher: RandomState,
     /// Whether bodies that bear it are condensed in single precision.
     in_singles: bool,
+    in_common: InCommon,
     /// Hashes of pins, and of plates.
     bodies: [HashSet<u64>; 2],
     solved: HashSet<u64>,
@@ -135,8 +158,9 @@ struct Needs {
 }
 
 impl Needs {
-    fn of_accuracy(accuracy: f64) -> Needs {
-        Needs { in_singles: accuracy_bears_singles(accuracy), ..Needs::default() }
+    fn of_study(study: &Study) -> Needs {
+        let in_singles = accuracy_bears_singles(study.solve.accuracy);
+        Needs { in_singles, in_common: study.in_common(), ..Needs::default() }
     }
 
     /// Adds a body that a design has.
@@ -174,7 +198,7 @@ impl Needs {
             self.of_bodies[side] += times * reference_seconds(&request.body);
             return;
         }
-        for class in NearFieldClass::around(&request.body, topology.class).0 {
+        for class in NearFieldClass::around(&request.body, topology.class, &self.in_common).0 {
             // The reference has some of the body's layers; around half a ring it is that of the whole.
             let rings = if class.half_ring { 2 } else { 1 };
             let layers = class.layer_count() as u64;
@@ -241,22 +265,25 @@ impl Needs {
     }
 
     fn total_time(&self) -> Time {
-        let of_near_field = |(class, (size, bodies)): (&NearFieldClass, &(MeshSize, f64))| {
+        let of_near_field = |(class, (_, bodies)): (&NearFieldClass, &(MeshSize, f64))| {
             let modes = RingModes::of(&class.grading).count;
             let references: Vec<ConcentricBody> = class.references().collect();
             let highest = references[0].highest_mode();
             let lanes = references.len() as f64 / LANES as f64;
-            let of_references = references.len() as f64 * series(highest).seconds();
-            let in_lanes = of_references + lanes * batch(*size).seconds();
+            let in_lanes = references.len() as f64 * series(highest).seconds();
             let others = lanes * near_field_works(highest, modes).seconds();
             Time { in_lanes, others } * likely(*bodies)
         };
-        let mut meshes: HashMap<ReferenceMesh, (f64, f64)> = HashMap::default();
+        let mut meshes: HashMap<ReferenceMesh, OfReferences> = HashMap::default();
         for (class, (size, bodies)) in &self.near_fields {
-            let work = topology(*size, RingModes::of(&class.grading).count).seconds();
-            // Its size is told by bodies of the classes, not by each alike: the same in whatever order they come.
-            let (most, all) = meshes.entry(class.mesh()).or_default();
-            (*most, *all) = (work.max(*most), *all + bodies);
+            let own = meshes.entry(class.mesh()).or_default();
+            // The same in whatever order classes come.
+            if size.unknowns > own.size.unknowns {
+                own.size = *size;
+            }
+            own.modes = RingModes::of(&class.grading).count;
+            own.references += likely(*bodies) * class.references().count() as f64;
+            own.bodies += bodies;
         }
         let of_space = |(key, highest): (&SpaceKey, &usize)| {
             space(*key).seconds() + space_modes(*key, *highest).seconds()
@@ -265,11 +292,11 @@ impl Needs {
             likely(*joints) * space_ring_modes(*key, modes.count).seconds()
         };
         let of_spaces = self.spaces.iter().map(of_space).chain(self.ring_modes.iter().map(of_ring_modes));
-        let of_meshes = meshes.values().map(|(seconds, bodies)| likely(*bodies) * seconds);
         Time::in_lanes(self.of_bodies.iter().sum::<f64>() + self.of_joints)
             + self.groups.values().map(Group::time).sum()
             + self.near_fields.iter().map(of_near_field).sum()
-            + Time::of_others(of_spaces.chain(of_meshes).sum())
+            + meshes.values().map(OfReferences::time).sum()
+            + Time::of_others(of_spaces.sum())
     }
 }
 
@@ -366,7 +393,7 @@ impl DesignCost<'_> {
         let Ok(first) = JointPlan::cheapest(case, solve.method, solve.accuracy) else {
             return without_meshes;
         };
-        let mut needs = Needs::of_accuracy(solve.accuracy);
+        let mut needs = Needs::of_study(self.study);
         needs.climb(case, first, solve.accuracy);
         let mut parts = DesignParts {
             on_meshes: needs.for_devices,
@@ -394,7 +421,7 @@ impl DesignCost<'_> {
     pub fn estimate(&self, designs: Range<u64>) -> Result<Estimate, Error> {
         let DesignCost { study, interpolation } = self;
         let (method, accuracy) = (study.solve.method, study.solve.accuracy);
-        let mut needs = Needs::of_accuracy(accuracy);
+        let mut needs = Needs::of_study(study);
         let count = designs.end.min(study.design_count()).saturating_sub(designs.start);
         let rows = count.saturating_mul(study.steps_per_design());
         let row = row(study.writes_table());

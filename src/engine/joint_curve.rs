@@ -9,6 +9,7 @@ use crate::engine::ladder::Ladder;
 use crate::engine::outcome::StepOutcome;
 use crate::engine::plan::JointPlan;
 use crate::engine::status::Failure;
+use crate::mechanics::compliance::near_field::InCommon;
 use crate::mechanics::contact::arc_pressure::ArcPressure;
 use crate::mechanics::contact::curve::ContactCurve;
 use crate::study::config::{MethodChoice, SolveOptions};
@@ -50,8 +51,8 @@ impl JointCurve {
         };
         let case = DesignCase { index: 0, joint: joint.clone(), steps: steps.into() };
         let plan = JointPlan::cheapest(&case, method, accuracy).map_err(Failure::Refused)?;
-        let mut ladder =
-            before.map_or_else(|| Ladder::new(options), |curve| curve.ladder.with_options(options));
+        let fresh = || Ladder::new(options).sharing(InCommon::ALL);
+        let mut ladder = before.map_or_else(fresh, |curve| curve.ladder.with_options(options));
         let settled = ladder.climb(&[case], vec![(0, plan.clone())]).pop();
         let plan = settled.map_or(plan, |(_, plan, _)| plan);
         Ok(JointCurve::prepared(joint, accuracy, ladder, plan))

@@ -9,7 +9,7 @@ use crate::engine::made_once::MadeOnce;
 use crate::engine::ring_loads::RingLoads;
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
-use crate::mechanics::compliance::near_field::{NearField, NearFieldClass, ReferenceMesh};
+use crate::mechanics::compliance::near_field::{InCommon, NearField, NearFieldClass, ReferenceMesh};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::real::LANES;
 
@@ -22,6 +22,8 @@ const FEW: usize = 8;
 
 #[derive(Default)]
 pub struct NearFieldLibrary {
+    /// Of the bodies to come.
+    pub in_common: InCommon,
     near_fields: HashMap<NearFieldClass, Arc<NearField>>,
     /// Those that twins have made, too.
     common: Arc<MadeOnce<NearFieldClass, NearField>>,
@@ -30,12 +32,17 @@ pub struct NearFieldLibrary {
 impl NearFieldLibrary {
     /// Another one, so that what either makes the other has.
     pub fn twin(&self) -> NearFieldLibrary {
-        NearFieldLibrary { near_fields: self.near_fields.clone(), common: Arc::clone(&self.common) }
+        let NearFieldLibrary { in_common, near_fields, common } = self;
+        NearFieldLibrary {
+            in_common: *in_common,
+            near_fields: near_fields.clone(),
+            common: Arc::clone(common),
+        }
     }
 
     /// Adds to condensed works the near field of their body, whose mesh is of a class. It was prepared.
     pub fn correct(&self, body: &Body, class: GradingClass, works: &mut [f64]) {
-        let (around, between) = NearFieldClass::around(body, class);
+        let (around, between) = NearFieldClass::around(body, class, &self.in_common);
         let around = around.each_ref().map(|class| &*self.near_fields[class]);
         NearField::correct(around, between, body, works);
     }

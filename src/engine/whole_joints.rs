@@ -309,7 +309,9 @@ impl Laid {
         let meshed = meshed.map(|(place, request)| (BodyHandle::of(place), request.key)).collect();
         let mut laid = Laid { groups: Vec::new(), near_fields: Vec::new(), met };
         let mut place = 0;
-        for Portion { groups, near_fields, .. } in body_portions::portions(meshed) {
+        for Portion { groups, near_fields, .. } in
+            body_portions::portions(meshed, &library.near_fields.in_common)
+        {
             let before = laid.near_fields.len() as u32;
             for (key, group) in groups {
                 let modes = RingModes::of(&key.class);

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
+use crate::mechanics::compliance::near_field::InCommon;
 use crate::study::cases::Cases;
 use crate::study::columns::{Cell, Column, Extras};
 use crate::study::design::{DesignCase, Limits, Load};
@@ -168,9 +169,7 @@ impl Study {
                         Err(root.error(format!("the table [{key}] is missing (or [designs] instead of it)")))
                     }
                 };
-                let scheme =
-                    root.section("sampling")?.map_or(Ok(Scheme::Grid), |table| read_scheme(&table))?;
-                let recipe = Box::new(Recipe::read(&table("joint")?, scheme)?);
+                let recipe = Box::new(Recipe::read(&table("joint")?, read_sampling(&root)?)?);
                 let steps = read_load(&table("load")?, &recipe)?;
                 Designs::Sampled { recipe, steps }
             }
@@ -283,6 +282,15 @@ impl Study {
         self.designs.constants()
     }
 
+    /// What its bodies have in common by the words of `[joint]`. Of a list of designs that is nothing, whatever it holds: a result must say it
+    /// when the list is gone.
+    pub fn in_common(&self) -> InCommon {
+        match &self.designs {
+            Designs::Sampled { recipe, .. } => recipe.in_common(),
+            Designs::Listed(_) => InCommon::default(),
+        }
+    }
+
     /// Which columns its table has of those that only some have.
     pub fn extras(&self) -> Extras {
         self.designs.extras()
@@ -343,6 +351,8 @@ fn stem(path: &Path) -> String {
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
     pub solve: SolveOptions,
+    /// As `Study` has them.
+    pub in_common: InCommon,
     /// `None` where a list of designs has the loads.
     pub load: Option<&'static str>,
 }
@@ -355,10 +365,14 @@ impl Asked {
         let root = source.root(&document);
         let default = Ok((SolveOptions::default(), true));
         let (solve, _) = root.section("solve")?.map_or(default, |table| read_solve(&table))?;
+        let in_common = match root.section("joint")? {
+            Some(joint) => Recipe::read(&joint, read_sampling(&root)?)?.in_common(),
+            None => InCommon::default(),
+        };
         let load = root.section("load")?;
         let load =
             load.and_then(|load| LOADS.map(|(key, ..)| key).into_iter().find(|key| load.find(key).is_some()));
-        Ok(Asked { solve, load })
+        Ok(Asked { solve, in_common, load })
     }
 }
 
@@ -385,6 +399,10 @@ fn read_solve(table: &Section) -> Result<(SolveOptions, bool), Error> {
         Some(item) => item.word(&["auto", "off"])? == 0,
     };
     Ok((solve, interpolation))
+}
+
+fn read_sampling(root: &Section) -> Result<Scheme, Error> {
+    root.section("sampling")?.map_or(Ok(Scheme::Grid), |table| read_scheme(&table))
 }
 
 fn read_scheme(table: &Section) -> Result<Scheme, Error> {

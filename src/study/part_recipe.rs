@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::mechanics::body::Shape;
+use crate::mechanics::compliance::near_field::Common;
 use crate::study::design::Limits;
 use crate::study::layers::MOST_LAYERS;
 use crate::study::reader::{Choice, Quantity, Reader};
@@ -79,6 +80,16 @@ impl PartRecipe {
 }
 
 impl PartRecipe {
+    /// What its bodies have in common.
+    pub(super) fn in_common(&self) -> Common {
+        let PartRecipe { parameters, poissons_ratio, layers, .. } = self;
+        Common {
+            // With layers the material at the contact is not this one.
+            poissons_ratio: layers.is_empty() && !poissons_ratio.varies(),
+            outline: parameters.iter().all(|parameter| !parameter.varies()),
+        }
+    }
+
     /// The keys of its yield stresses, its own and those of its layers.
     pub(super) fn yield_stress_keys(&self) -> Vec<&str> {
         let of_layers = self.layers.iter().map(|layer| &layer.yield_stress);

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, quoted};
 use crate::mechanics::body::{MAX_PARAMETERS, Side};
+use crate::mechanics::compliance::near_field::InCommon;
 use crate::mechanics::material::{Idealization, Material};
 use crate::study::columns::{Cell, Column, LayerQuantity, joint_columns};
 use crate::study::design::{JointDesign, Limits, Part, refuse_clearance};
@@ -229,6 +230,11 @@ impl Recipe {
         let joint = self.joint(0);
         let constant = joint_columns(self.layer_counts()).into_iter().filter(|column| !self.varies(column));
         constant.map(|column| (column, column.cell(&joint))).collect()
+    }
+
+    /// What its bodies have in common.
+    pub fn in_common(&self) -> InCommon {
+        InCommon { pins: self.pin.in_common(), plates: self.plate.in_common() }
     }
 
     fn varies(&self, column: &Column) -> bool {

@@ -18,6 +18,7 @@ mod batches;
 mod bodies;
 mod shaders;
 mod known_errors;
+mod in_common;
 mod single_precision;
 mod explain;
 mod planner;

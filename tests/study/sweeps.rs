@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use jointsweep::internals::study::config::{MethodChoice, Study};
+use jointsweep::internals::study::config::{Asked, MethodChoice, Study};
 use jointsweep::internals::study::design::{DesignCase, Load};
 
-use crate::{CLEARANCE, Folder, IDEALIZATION, RADIUS, all, row, sampled, with};
+use crate::{BASE, CLEARANCE, Folder, IDEALIZATION, RADIUS, all, row, sampled, with};
 
 #[test]
 fn shipped_configs_load() {
@@ -167,4 +167,38 @@ fn long_sweeps_stream() {
         assert_eq!(last.index, 999_999_999);
         assert_eq!(study.step_count(), 2_000_000_000);
     }
+}
+
+/// What one value gives all pins or all plates have in common, whoever reads the config; lists, ranges, layers and files of designs have nothing
+/// in common.
+#[test]
+fn what_one_value_gives_is_in_common() {
+    let folder = Folder::new("common");
+    let given = |config: &str| {
+        let common = folder.study(config).in_common();
+        assert_eq!(Asked::from_text(Path::new("config.toml"), config).unwrap().in_common, common, "{config}");
+        [common.pins, common.plates].map(|own| (own.poissons_ratio, own.outline))
+    };
+    let with = |from: &str, to: &str| {
+        assert!(BASE.contains(from));
+        given(&BASE.replacen(from, to, 1))
+    };
+    let pin = "poissons_ratio = 0.3\n[joint.plate]";
+    assert_eq!(given(BASE), [(true, true); 2]);
+    for several in ["[0.3, 0.31]", "{ from = 0.1, to = 0.3, count = 2 }"] {
+        let drawn = format!("poissons_ratio = {several}\n[joint.plate]");
+        assert_eq!(with(pin, &drawn), [(false, true), (true, true)], "{several}");
+    }
+    let widths = "outer_radius_ratio = [2.0, 3.0]";
+    assert_eq!(with("outer_radius_ratio = 2.0", widths), [(true, true), (true, false)]);
+    let layer = "[[joint.plate.layers]]\nthickness = \"1 mm\"\nyoungs_modulus = \"1 GPa\"\npoissons_ratio = 0.3\n[load]";
+    assert_eq!(with("[load]", layer), [(true, true), (false, true)]);
+    let drawn =
+        BASE.replacen("= 2.0", "= { from = 2, to = 3 }", 1) + "[sampling]\nmethod = \"sobol\"\ncount = 5\n";
+    assert_eq!(given(&drawn), [(true, true), (true, false)]);
+    let other = folder.study(&drawn).for_sensitivity(8, 1, None).unwrap().in_common();
+    assert_eq!(other, folder.study(&drawn).in_common());
+
+    folder.write("designs.csv", fs::read_to_string("configs/designs-example.csv").unwrap());
+    assert_eq!(given("[designs]\nfile = \"designs.csv\"\n"), [(false, false); 2]);
 }

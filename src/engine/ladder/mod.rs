@@ -31,6 +31,7 @@ use crate::engine::row::{closed_form, refused};
 use crate::engine::spaces::{Needs, Spaces};
 use crate::engine::stopwatch::Stopwatch;
 use crate::engine::whole_joints::{WholeJoints, portions};
+use crate::mechanics::compliance::near_field::InCommon;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::DesignCase;
 
@@ -129,6 +130,12 @@ impl<'a> Ladder<'a> {
     /// With bodies condensed on a device as long as that lasts.
     pub fn on(self, device: Box<dyn Device + 'a>) -> Ladder<'a> {
         Ladder { library: self.library.on(device), ..self }
+    }
+
+    /// For bodies that have something in common.
+    pub fn sharing(mut self, in_common: InCommon) -> Ladder<'a> {
+        self.library.near_fields.in_common = in_common;
+        self
     }
 
     /// With all bodies that the processor condenses in double precision.

@@ -138,7 +138,7 @@ impl<'a, T: Send> Crew<'a, T> {
         fallback: &'a OnceLock<String>,
     ) -> Crew<'a, T> {
         let in_double = options.in_double || options.gpu.is_some_and(|gpu| gpu.precision != Precision::F32);
-        let mut ladder = Ladder::new(study.solve);
+        let mut ladder = Ladder::new(study.solve).sharing(study.in_common());
         if in_double {
             ladder = ladder.in_double();
         }

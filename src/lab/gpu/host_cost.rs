@@ -87,7 +87,11 @@ impl HostCost {
         let sinks = Sinks::of(study);
         let asking = sinks.asking();
         let asker = asking.as_ref().map(|asking| asking as &dyn Asker);
-        let mut ladder = Ladder::new(study.solve).interpolating(plan).asked_by(asker).on(Box::new(condenser));
+        let mut ladder = Ladder::new(study.solve)
+            .sharing(study.in_common())
+            .interpolating(plan)
+            .asked_by(asker)
+            .on(Box::new(condenser));
         let chosen = Chosen::All;
         let Ok(mut drawer) = Drawer::new(study, &chosen, rayon::current_num_threads()) else {
             unreachable!("what is sampled can be drawn")

@@ -12,7 +12,7 @@ use crate::lab::tradeoff::moving_edge;
 use crate::lab::tradeoff::ring_mesh::{Division, RingMesh, RingSolver, groups};
 use crate::mechanics::body::Body;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
-use crate::mechanics::compliance::near_field::NearFieldClass;
+use crate::mechanics::compliance::near_field::{InCommon, NearFieldClass};
 use crate::mechanics::compliance::ring_modes::{Push, RingModes};
 use crate::mechanics::compliance::{BodyCompliance, Boundary};
 use crate::mechanics::element::ElementKind;
@@ -53,7 +53,8 @@ impl MeshedPath {
             Division::Ladder { element: self.element, level: self.level }.grading(body)
         });
         let mut near_fields = NearFieldLibrary::default();
-        let classes = joints.bodies.iter().flat_map(|(body, ())| NearFieldClass::around(body, class(body)).0);
+        let around = |body: &Body| NearFieldClass::around(body, class(body), &InCommon::default()).0;
+        let classes = joints.bodies.iter().flat_map(|(body, ())| around(body));
         near_fields.prepare(classes, &RingLoads::default());
         let shared: Vec<Shared> = groups
             .iter()

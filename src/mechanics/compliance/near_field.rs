@@ -11,8 +11,8 @@
 //!
 //! Equivalently: contact sees the exact kernel of the reference, and the mesh only the smooth difference of two bodies
 //! (subtraction of the singularity). What is left is the far field's error. The difference in brackets is a smooth
-//! function of Poisson's ratio and is interpolated between Chebyshev nodes, which fill the lanes of one batch; and of the
-//! growth of the layers where contact begins, between steps of which it is interpolated linearly.
+//! function of Poisson's ratio and is interpolated between Chebyshev nodes, which fill the lanes of one batch, or made at a ratio that
+//! all bodies have in common; and of the growth of the layers where contact begins, between steps of which it is interpolated linearly.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -44,6 +44,8 @@ pub enum PoissonRange {
     Positive,
     /// Plane strain close to 1/2, nearly incompressible.
     Incompressible,
+    /// One value alone, ln(mu/K) by its bits.
+    One(u64),
 }
 
 /// The most nodes of a range.
@@ -53,6 +55,14 @@ pub const MOST_NODES: usize = 8;
 const FINE: usize = 2;
 
 impl PoissonRange {
+    /// That of a body by itself.
+    fn one(body: &Body) -> PoissonRange {
+        let [least, _] = PoissonRange::Incompressible.ends();
+        let [_, most] = PoissonRange::Conformal.ends();
+        let coordinate = body.idealization.shear_to_bulk(body.poissons_ratio).ln();
+        PoissonRange::One(coordinate.clamp(least, most).to_bits())
+    }
+
     pub fn of(poissons_ratio: f64, idealization: Idealization) -> PoissonRange {
         match Compressibility::of(poissons_ratio, idealization) {
             Compressibility::NearlyConformal => PoissonRange::Conformal,
@@ -77,6 +87,7 @@ impl PoissonRange {
             PoissonRange::Auxetic => [1.0, conformal],
             PoissonRange::Positive => [incompressible, 1.0],
             PoissonRange::Incompressible => [Compressibility::LEAST, incompressible],
+            PoissonRange::One(bits) => return [f64::from_bits(bits); 2],
         };
         ends.map(f64::ln)
     }
@@ -85,12 +96,13 @@ impl PoissonRange {
     /// where the ratio is extreme (`tests/mechanics/condensation.rs`).
     fn node_count(self, level: usize) -> usize {
         match self {
+            PoissonRange::One(_) => 1,
             PoissonRange::Auxetic | PoissonRange::Positive if level < FINE => 6,
             _ => MOST_NODES,
         }
     }
 
-    /// Chebyshev nodes of ln(mu/K), and their barycentric weights.
+    /// Chebyshev nodes of ln(mu/K), and their barycentric weights. One node is the value itself, since its ends are.
     fn nodes(self, level: usize) -> impl Iterator<Item = (f64, f64)> {
         let (count, [low, high]) = (self.node_count(level), self.ends());
         (0..count).map(move |i| {
@@ -99,6 +111,37 @@ impl PoissonRange {
             (0.5 * (low + high) + 0.5 * (high - low) * angle.cos(), sign * angle.sin())
         })
     }
+}
+
+/// What all bodies of a side have in common: near fields are made for that alone, not for a range of it. Where they have not, that costs time
+/// and no accuracy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Common {
+    pub poissons_ratio: bool,
+    pub outline: bool,
+}
+
+/// The same of pins and of plates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InCommon {
+    pub pins: Common,
+    pub plates: Common,
+}
+
+impl InCommon {
+    /// Of the bodies of one joint.
+    pub const ALL: InCommon = InCommon { pins: Common::ALL, plates: Common::ALL };
+
+    fn of(&self, side: Side) -> Common {
+        match side {
+            Side::Pin => self.pins,
+            Side::Plate => self.plates,
+        }
+    }
+}
+
+impl Common {
+    const ALL: Common = Common { poissons_ratio: true, outline: true };
 }
 
 /// What a near field belongs to.
@@ -122,14 +165,15 @@ pub const GROWTH_UNIT: f64 = 1e-6;
 impl NearFieldClass {
     /// The two between which the near field of a body lies, by the growth of its layers where contact begins, and how far
     /// from the first to the second (0 to 1); of a shape whose bodies all grow alike, its own twice.
-    pub fn around(body: &Body, grading: GradingClass) -> ([NearFieldClass; 2], f64) {
-        NearFieldClass::of_growth(body, grading, grading.layers().growth(depth_at_contact(body), 1.0))
+    pub fn around(body: &Body, grading: GradingClass, common: &InCommon) -> ([NearFieldClass; 2], f64) {
+        NearFieldClass::of_growth(body, grading, common, grading.layers().growth(depth_at_contact(body), 1.0))
     }
 
     /// The same of each of some bodies of one class, as many growths at a time as there are lanes.
     pub fn around_each<'a>(
         bodies: impl ExactSizeIterator<Item = &'a Body> + Clone,
         grading: GradingClass,
+        common: &InCommon,
     ) -> Vec<([NearFieldClass; 2], f64)> {
         let mut growths = Vec::with_capacity(bodies.len() + LANES);
         let mut depths = bodies.clone().map(depth_at_contact);
@@ -138,24 +182,35 @@ impl NearFieldClass {
             let own = std::array::from_fn(|_| depths.next().unwrap_or(1.0));
             growths.extend(in_lanes(Growths { layers: grading.layers(), depths: own }));
         }
-        bodies.zip(growths).map(|(body, own)| NearFieldClass::of_growth(body, grading, own)).collect()
+        bodies.zip(growths).map(|(body, own)| NearFieldClass::of_growth(body, grading, common, own)).collect()
     }
 
     /// For the growth of a body's layers where contact begins.
-    fn of_growth(body: &Body, grading: GradingClass, own: f64) -> ([NearFieldClass; 2], f64) {
+    fn of_growth(
+        body: &Body,
+        grading: GradingClass,
+        common: &InCommon,
+        own: f64,
+    ) -> ([NearFieldClass; 2], f64) {
         let Body { shape, poissons_ratio, idealization, .. } = body;
+        let common = common.of(shape.side);
         // A reference needs layers.
-        let steps = own.max(GROWTH_STEP) / GROWTH_STEP;
-        let around = if shape.parameters.is_empty() {
+        let own = own.max(GROWTH_STEP);
+        let steps = own / GROWTH_STEP;
+        let around = if shape.parameters.is_empty() || common.outline {
             [own, own]
         } else {
             [steps.floor(), steps.floor() + 1.0].map(|steps| steps * GROWTH_STEP)
+        };
+        let range = match common.poissons_ratio {
+            true => PoissonRange::one(body),
+            false => PoissonRange::of(*poissons_ratio, *idealization),
         };
         let class = |growth: f64| NearFieldClass {
             side: shape.side,
             half_ring: shape.end_angle < PI,
             grading,
-            range: PoissonRange::of(*poissons_ratio, *idealization),
+            range,
             growth: (growth / GROWTH_UNIT).round() as u32,
         };
         (around.map(class), steps.fract())

@@ -3,6 +3,7 @@
 use crate::engine::ladder::Ladder;
 use crate::engine::law_fit::laws_of_all;
 use crate::engine::outcome::DesignLaws;
+use crate::mechanics::compliance::near_field::InCommon;
 use crate::mechanics::laws::LAWS;
 use crate::study::config::{MethodChoice, SolveOptions};
 use crate::study::design::{DesignCase, JointDesign};
@@ -34,7 +35,8 @@ pub fn calibrated(
         return (Vec::new(), None);
     }
     let case = DesignCase { index: 0, joint: joint.clone(), steps: Vec::new().into() };
-    let found = laws_of_all(&mut Ladder::new(options), &[(&case, Some(working))]).pop();
+    let mut ladder = Ladder::new(options).sharing(InCommon::ALL);
+    let found = laws_of_all(&mut ladder, &[(&case, Some(working))]).pop();
     let DesignLaws { laws, recommended, .. } = found.unwrap_or_default();
     let drawn = laws.into_iter().enumerate().map(|(place, law)| {
         let (low, high) = law.range;
