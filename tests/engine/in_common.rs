@@ -9,6 +9,7 @@ use jointsweep::internals::engine::joint_curve::JointCurve;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::StepOutcome;
 use jointsweep::internals::engine::sweep::{self, SweepOptions};
+use jointsweep::internals::mechanics::compliance::near_field::InCommon;
 use jointsweep::internals::study::config::{SolveOptions, Study};
 use jointsweep::internals::study::design::DesignCase;
 
@@ -80,7 +81,7 @@ fn sweeps_make_near_fields_for_what_they_have_in_common() {
         let by_nodes = solved(&mut Ladder::new(study.solve), &cases);
         let off = greatest(swept.iter().zip(&by_nodes).map(|(own, by_nodes)| own / by_nodes - 1.0));
         println!("{ratio}, {widths}, {accuracy}: nodes and steps leave {off:.1e} of the force");
-        assert!(off > 1e-9 && off < 1e-3, "{ratio}, {widths}, {accuracy}: {off:e}");
+        assert!(off > 1e-9 && off < 1e-5, "{ratio}, {widths}, {accuracy}: {off:e}");
     }
 }
 
@@ -90,24 +91,27 @@ fn curves_of_joints_have_near_fields_of_their_own() {
     let study = study("0.33", WIDTHS, "1 %");
     let case = study.cases().unwrap().next().unwrap().unwrap();
     let options = SolveOptions { accuracy: 0.01, ..study.solve };
-    let mut curve = JointCurve::after(None, &case.joint, options).unwrap();
-    let mut force = |ratio: f64| {
+    let force = |ratio: f64| {
         let mut joint = case.joint.clone();
         joint.plate.material.poissons_ratio = ratio;
-        let other = std::mem::replace(&mut curve, JointCurve::after(None, &case.joint, options).unwrap());
-        curve = other.of_other(&joint);
+        let curve = JointCurve::after(None, &case.joint, options).unwrap().of_other(&joint);
         forces(curve.answers(&case.steps).iter())[1]
     };
-    let [low, own, high] = [0.3299, 0.33, 0.3301].map(&mut force);
+    let [low, own, high] = [0.3299, 0.33, 0.3301].map(force);
+    let alone = solved(&mut Ladder::new(options).sharing(InCommon::ALL), std::slice::from_ref(&case))[1];
+    assert_eq!(own, alone);
+    let by_nodes = solved(&mut Ladder::new(options), std::slice::from_ref(&case))[1];
+    assert_ne!(own, by_nodes);
     let bend = (low - 2.0 * own + high).abs() / own;
     println!("between ratios the force bends by {bend:.1e}");
     assert!(bend < 1e-7, "{bend:e}");
 }
 
-/// A forecast knows that one near field costs less than those of all nodes.
+/// A forecast knows that one near field costs less than those of all nodes: with two ratios there are twice as many bodies, and more than twice the
+/// cost.
 #[test]
 fn what_is_in_common_is_forecast_to_cost_less() {
-    let [shared, drawn] = ["0.33", "{ from = 0.33, to = 0.330001, count = 2 }"].map(|ratio| {
+    let [shared, two] = ["0.33", "{ from = 0.33, to = 0.330001, count = 2 }"].map(|ratio| {
         let text = std::fs::read_to_string("configs/thin-walls.toml").unwrap();
         let given = "poissons_ratio   = 0.33";
         assert!(text.contains(given));
@@ -115,5 +119,5 @@ fn what_is_in_common_is_forecast_to_cost_less() {
         let time = cost::estimate(&Study::from_text(Path::new("thin.toml"), text).unwrap()).unwrap().time;
         time.in_lanes + time.others
     });
-    assert!(shared < 0.8 * drawn, "{shared} of {drawn}");
+    assert!(shared < 0.45 * two, "{shared} of {two}");
 }

@@ -320,10 +320,10 @@ fn what_bodies_have_in_common_has_a_near_field_of_its_own() {
             for level in [0, 3] {
                 let grading = GradingClass::of(&own, ElementKind::Quad8, level);
                 let around = |poissons_ratio: bool, outline: bool, swapped: bool| {
-                    let (own_side, other) = (Common { poissons_ratio, outline }, Common::default());
+                    let (of_side, other) = (Common { poissons_ratio, outline }, Common::default());
                     let (pins, plates) = match (own.shape.side == Side::Pin) != swapped {
-                        true => (own_side, other),
-                        false => (other, own_side),
+                        true => (of_side, other),
+                        false => (other, of_side),
                     };
                     let common = InCommon { pins, plates };
                     let (classes, between) = NearFieldClass::around(&own, grading, &common);
@@ -354,11 +354,38 @@ fn what_bodies_have_in_common_has_a_near_field_of_its_own() {
                 let off = corrected.iter().zip(&exact).map(|(corrected, exact)| corrected - exact);
                 let off = greatest(off) / reference.compliance().even;
                 println!("{name} {ratio}, {idealization:?}, {poissons_ratio}, level {level}: {off:.0e}");
-                assert!(off < LEFT, "{name} {ratio} {idealization:?} {poissons_ratio} {level}: {off:e}");
+                // What the unit of growths leaves.
+                assert!(off < 1e-6, "{name} {ratio} {idealization:?} {poissons_ratio} {level}: {off:e}");
             }
         }
     }
 }
 
-/// By the unit of growths.
-const LEFT: f64 = 1e-6;
+/// Plane stress and plane strain with the same shear modulus over the bulk modulus are one body but for E', on a mesh and exactly.
+#[test]
+fn either_plane_state_stands_for_the_other() {
+    use Idealization::{PlaneStrain, PlaneStress};
+    for (name, ratio) in [("annulus", 1.7), ("rigid-core", 0.4)] {
+        for (idealization, poissons_ratio, stands) in [
+            (PlaneStress, 0.45, PlaneStrain),
+            (PlaneStress, 0.0, PlaneStrain),
+            (PlaneStrain, -0.6, PlaneStress),
+        ] {
+            let own = body(name, &[ratio], idealization, poissons_ratio);
+            let (other, yields) = own.of_either_state();
+            assert_eq!(other.idealization, stands);
+            let class = GradingClass::of(&own, ElementKind::Quad8, 1);
+            let plan = plan(&own, &class);
+            let [meshed, others] =
+                [&own, &other].map(|body| plan.condense(std::slice::from_ref(body)).remove(0));
+            let scaled: Vec<f64> = others.iter().map(|work| yields * work).collect();
+            let modes = |body: &Body| ConcentricBody::of(body).unwrap().boundary_modes().concat();
+            let exact: Vec<f64> = modes(&other).iter().map(|mode| yields * mode).collect();
+            let worst = difference(&scaled, &meshed).max(difference(&exact, &modes(&own)));
+            assert!(worst < 1e-12, "{name} {idealization:?} {poissons_ratio}: {worst:e}");
+            // What stands for it stands for itself.
+            let (again, yields) = other.of_either_state();
+            assert_eq!((&again, yields), (&other, 1.0));
+        }
+    }
+}

@@ -14,7 +14,7 @@ use crate::mechanics::element::stiffness::{
 use crate::mechanics::lines::coordinates_abreast;
 use crate::mechanics::mesh::{Grading, RingTopology};
 use crate::mechanics::real::{Alone, Bodies, LANES, Lanes, Real};
-use crate::mechanics::registers::AVX2;
+use crate::mechanics::registers::{AVX2, AVX512};
 use crate::mechanics::singles::{SINGLES, Single, Singles};
 use crate::mechanics::solve::band::{BandStructure, TILE, Tile};
 
@@ -53,8 +53,15 @@ const FEW: [usize; 2] = [2, 4];
 /// Bytes that stay near it.
 const NEAR: usize = 1 << 20;
 
-/// From so many bytes on lanes wait for them, and any number of bodies is few: in registers of four. Those of eight were not measured.
-const FAR: usize = 8 << 20;
+/// From so many bytes on lanes wait for them, and any number of bodies is few, in registers of a width.
+const fn far(width: usize) -> usize {
+    match width {
+        AVX2 => 8 << 20,
+        AVX512 => 24 << 20,
+        // Not measured.
+        _ => usize::MAX,
+    }
+}
 
 /// So many bodies of a mesh are few whose tiles take so many bytes in all lanes.
 pub fn few(bytes: usize) -> usize {
@@ -146,10 +153,8 @@ impl CondensationPlan {
 
     /// How many bodies are few, in registers of a `WIDTH`.
     fn few<const WIDTH: usize>(&self) -> usize {
-        match self.structure.tile_count * size_of::<Tile<Lanes<WIDTH>>>() {
-            FAR.. if WIDTH == AVX2 => LANES,
-            bytes => few(bytes),
-        }
+        let bytes = self.structure.tile_count * size_of::<Tile<Lanes<WIDTH>>>();
+        if bytes >= far(WIDTH) { LANES } else { few(bytes) }
     }
 
     /// One body, to the same bits, in a fraction of the memory that lanes take.
