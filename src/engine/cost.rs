@@ -269,9 +269,8 @@ impl Needs {
             let modes = RingModes::of(&class.grading).count;
             let references: Vec<ConcentricBody> = class.references().collect();
             let highest = references[0].highest_mode();
-            let lanes = references.len() as f64 / LANES as f64;
             let in_lanes = references.len() as f64 * series(highest).seconds();
-            let others = lanes * near_field_works(highest, modes).seconds();
+            let others = near_field_works(highest, modes, references.len()).seconds();
             Time { in_lanes, others } * likely(*bodies)
         };
         let mut meshes: HashMap<ReferenceMesh, OfReferences> = HashMap::default();

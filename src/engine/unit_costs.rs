@@ -242,9 +242,9 @@ pub fn topology(size: MeshSize, modes: usize) -> Cost<2> {
     ])
 }
 
-/// Of the exact works of a near field, from modes of its reference to ring modes.
-pub fn near_field_works(highest_mode: usize, modes: usize) -> Cost<1> {
-    let steps = highest_mode * modes * (64 + highest_mode + LANES / 2 * modes);
+/// Of the exact works of a near field, from modes of its references to ring modes.
+pub fn near_field_works(highest_mode: usize, modes: usize, references: usize) -> Cost<1> {
+    let steps = highest_mode * modes * (64 + highest_mode + references * modes / 2);
     Cost([(Unit::NearFieldMode, steps as f64)])
 }
 

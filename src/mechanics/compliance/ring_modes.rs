@@ -19,7 +19,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::RingCompliance;
 use super::arc::{ArcMap, ContactArc, cosines, packed, packed_count};
-use super::lane_work::{LaneWork, in_lanes};
+use super::lane_work::{LaneWork, TermWork, in_lanes, in_lanes_with_terms};
 use crate::mechanics::body::Side;
 use crate::mechanics::element::quadrature::gauss_legendre;
 use crate::mechanics::element::{ElementKind, side_functions};
@@ -274,31 +274,57 @@ impl RingModes {
 
     /// Adds M_mk of the trial pressures of an arc: `[m][k]`.
     pub fn moments(&self, arc: &ContactArc, terms: usize, moments: &mut [f64]) {
-        let mut psi = vec![0.0; self.count];
-        let points = 32 + terms + 2 * self.count;
+        in_lanes_with_terms(terms, AddMoments { modes: self, arc, moments });
+    }
+}
+
+/// Those of `RingModes::moments`.
+struct AddMoments<'a> {
+    modes: &'a RingModes,
+    arc: &'a ContactArc,
+    moments: &'a mut [f64],
+}
+
+impl TermWork for AddMoments<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const WIDTH: usize, const TERMS: usize>(self) {
+        let AddMoments { modes, arc, moments } = self;
+        let (moments, _) = moments.as_chunks_mut::<TERMS>();
+        let points = (32 + TERMS + 2 * modes.count).next_multiple_of(POINTS);
         let weight = FRAC_PI_2 / points as f64;
         let held = ContactArc::new(LARGEST_HELD).b;
-        for i in 0..points {
-            let tau = (i as f64 + 0.5) * weight;
-            let cosine = tau.cos();
+        // psi_1 where the cosine of tau is so much.
+        let first_mode = |cosine: f64| {
             // tan(phi/2) squared is a quotient.
             let above = (arc.b * cosine).powi(2);
             let below = match arc.map {
                 ArcMap::Tangent => 1.0,
                 ArcMap::Sine => 1.0 - above,
             };
-            let first = match self.ring {
+            match modes.ring {
                 Ring::Whole(quarters) => {
                     let above = (0.25 * f64::from(quarters)).powi(2) * above;
                     (below - above) / (below + above)
                 }
                 Ring::EndsHeld => (2.0 * above / (below * held * held) - 1.0).min(1.0),
-            };
-            self.values_of(first, &mut psi);
-            let trials = cosines(2.0 * cosine * cosine - 1.0, terms);
-            for (m, (psi, moments)) in psi.iter().zip(moments.chunks_exact_mut(terms)).enumerate() {
-                let scale = weight * psi / self.norm(m);
-                moments.iter_mut().zip(&trials).for_each(|(moment, trial)| *moment += scale * trial);
+            }
+        };
+        for begin in (0..points).step_by(POINTS) {
+            let taus: [f64; POINTS] = std::array::from_fn(|i| ((begin + i) as f64 + 0.5) * weight);
+            let at = taus.map(f64::cos);
+            let trials = at.map(|cosine| cosines(2.0 * cosine * cosine - 1.0, TERMS));
+            let firsts = at.map(first_mode);
+            let (mut psi, mut previous) = ([1.0; POINTS], firsts);
+            for (m, moments) in moments.iter_mut().enumerate().take(modes.count) {
+                let scales = psi.map(|psi| weight * psi / modes.norm(m));
+                for (k, moment) in moments.iter_mut().enumerate() {
+                    let of = |i: usize| scales[i] * trials[i][k];
+                    *moment += (of(0) + of(1)) + (of(2) + of(3));
+                }
+                let next = std::array::from_fn(|i| 2.0 * firsts[i] * psi[i] - previous[i]);
+                (psi, previous) = (next, psi);
             }
         }
     }
@@ -322,61 +348,102 @@ impl LaneWork for WorksOfModes<'_> {
         let stretch = if let Ring::Whole(quarters) = ring { 0.25 * f64::from(quarters) } else { 1.0 };
         // The integrand has period 2 pi in u and is smooth: the midpoint rule converges once it resolves the fastest wave.
         let points = 64 + 2 * count + (highest as f64 * stretch) as usize;
+        let points = points.next_multiple_of(POINTS);
         let weight = modes.end() / points as f64;
-        let mut psi = vec![0.0; count];
         // Integrals of psi_m cos(n phi): `[n][m]`.
         let mut integrals = vec![0.0; highest * count];
-        for i in 0..points {
-            let stretched = (i as f64 + 0.5) * weight;
-            modes.values(stretched, &mut psi);
-            let turn = 2.0 * modes.angle(stretched).cos();
-            let (mut wave, mut previous) = (1.0, 0.5 * turn);
+        let mut psi = vec![0.0; POINTS * count];
+        for first in (0..points).step_by(POINTS) {
+            let stretched: [f64; POINTS] = std::array::from_fn(|i| ((first + i) as f64 + 0.5) * weight);
+            for (psi, stretched) in psi.chunks_exact_mut(count).zip(stretched) {
+                modes.values(stretched, psi);
+            }
+            let turns = stretched.map(|stretched| 2.0 * modes.angle(stretched).cos());
+            let (mut waves, mut previous) = ([1.0; POINTS], turns.map(|turn| 0.5 * turn));
             for integrals in integrals.chunks_exact_mut(count) {
-                integrals.iter_mut().zip(&psi).for_each(|(sum, psi)| *sum += weight * wave * psi);
-                (wave, previous) = (turn * wave - previous, wave);
+                let scales = waves.map(|wave| weight * wave);
+                for (m, sum) in integrals.iter_mut().enumerate() {
+                    let at = |i: usize| scales[i] * psi[i * count + m];
+                    *sum += (at(0) + at(1)) + (at(2) + at(3));
+                }
+                let next = std::array::from_fn(|i| turns[i] * waves[i] - previous[i]);
+                (waves, previous) = (next, waves);
             }
         }
-        let of_mode = |n: usize| &integrals[n * count..][..count];
+        let works = Products { side, integrals: &integrals, count };
         let mut all = Vec::with_capacity(bodies.len());
         for bodies in bodies.chunks(LANES) {
-            // Lanes without a body have none of any mode, nor has a body of those beyond its own.
-            let scales = |scale: &dyn Fn(&[Vec<f64>; 2]) -> f64| -> [f64; LANES] {
-                std::array::from_fn(|lane| 2.0 / PI * bodies.get(lane).map_or(0.0, scale))
-            };
-            let highest = bodies.iter().map(|[normal, _]| normal.len()).max().unwrap_or(0);
-            let of = |modes: &[f64], n: usize| modes.get(n).copied().unwrap_or(0.0);
-            let mut works = vec![[0.0; LANES]; packed_count(count)];
-            for n in 0..highest {
-                let scales = scales(&|[normal, _]| of(normal, n));
-                add_product(&scales, of_mode(n), of_mode(n), &mut works);
+            if bodies.len() <= FEW {
+                bodies.chunks(1).for_each(|body| all.extend(works.of::<1>(body)));
+            } else {
+                all.extend(works.of::<LANES>(bodies));
             }
-            if side == Side::Pin {
-                let mut tilt = vec![[0.0; LANES]; packed_count(count)];
-                for n in 1..highest {
-                    // Half of it in either order.
-                    let halves = scales(&|[_, along]| match along.get(n - 1..=n) {
-                        Some([before, value]) => 0.5 * (value - before),
-                        _ => 0.0,
-                    });
-                    add_product(&halves, of_mode(n), of_mode(n - 1), &mut tilt);
-                    add_product(&halves, of_mode(n - 1), of_mode(n), &mut tilt);
-                }
-                works.extend(tilt);
-            }
-            let of_body = |lane| works.iter().map(|of_lanes| of_lanes[lane]).collect();
-            all.extend((0..bodies.len()).map(of_body));
         }
         all
     }
 }
 
+/// Points of an integral that are summed side by side, so that none waits for the one before.
+const POINTS: usize = 4;
+
+/// So many bodies at most take no longer one after the other than in lanes.
+const FEW: usize = 2;
+
+/// Works of modes of the boundary, from their integrals with the modes of the ring.
+struct Products<'a> {
+    side: Side,
+    /// `[n][m]`
+    integrals: &'a [f64],
+    /// Modes of the ring.
+    count: usize,
+}
+
+impl Products<'_> {
+    /// Of so many bodies abreast at most, to the same bits in any company.
+    #[inline(always)]
+    fn of<const ABREAST: usize>(&self, bodies: &[[Vec<f64>; 2]]) -> Vec<Vec<f64>> {
+        let Products { side, integrals, count } = *self;
+        let of_mode = |n: usize| &integrals[n * count..][..count];
+        // Lanes without a body have none of any mode, nor has a body of those beyond its own.
+        let scales = |scale: &dyn Fn(&[Vec<f64>; 2]) -> f64| -> [f64; ABREAST] {
+            std::array::from_fn(|lane| 2.0 / PI * bodies.get(lane).map_or(0.0, scale))
+        };
+        let highest = bodies.iter().map(|[normal, _]| normal.len()).max().unwrap_or(0);
+        let of = |modes: &[f64], n: usize| modes.get(n).copied().unwrap_or(0.0);
+        let mut works = vec![[0.0; ABREAST]; packed_count(count)];
+        for n in 0..highest {
+            let scales = scales(&|[normal, _]| of(normal, n));
+            add_product(&scales, of_mode(n), of_mode(n), &mut works);
+        }
+        if side == Side::Pin {
+            let mut tilt = vec![[0.0; ABREAST]; packed_count(count)];
+            for n in 1..highest {
+                // Half of it in either order.
+                let halves = scales(&|[_, along]| match along.get(n - 1..=n) {
+                    Some([before, value]) => 0.5 * (value - before),
+                    _ => 0.0,
+                });
+                add_product(&halves, of_mode(n), of_mode(n - 1), &mut tilt);
+                add_product(&halves, of_mode(n - 1), of_mode(n), &mut tilt);
+            }
+            works.extend(tilt);
+        }
+        (0..bodies.len()).map(|lane| works.iter().map(|of_lanes| of_lanes[lane]).collect()).collect()
+    }
+}
+
 /// works[m n] += scale a_m b_n, packed, of each body with its scale.
 #[inline(always)]
-fn add_product(scales: &[f64; LANES], a: &[f64], b: &[f64], works: &mut [[f64; LANES]]) {
+fn add_product<const ABREAST: usize>(
+    scales: &[f64; ABREAST],
+    a: &[f64],
+    b: &[f64],
+    works: &mut [[f64; ABREAST]],
+) {
     for m in 0..a.len() {
         let of_a = scales.map(|scale| scale * a[m]);
         for (works, b) in works[packed(m, 0)..=packed(m, m)].iter_mut().zip(b) {
-            for lane in 0..LANES {
+            for lane in 0..ABREAST {
                 works[lane] += of_a[lane] * b;
             }
         }
