@@ -327,7 +327,7 @@ fn exact_bodies() -> [Vec<Measured>; 2] {
         let lists: [[Vec<f64>; 2]; LANES] = std::array::from_fn(|_| body.boundary_modes());
         RING_MODES.map(|count| {
             let seconds = time_once(|| RingModes::whole(5, count).works_of_modes(side, &lists));
-            Measured::new(&[&near_field_works(body.highest_mode(), count).0], seconds)
+            Measured::new(&[&near_field_works(body.highest_mode(), count, LANES).0], seconds)
         })
     });
     [of_series.collect(), of_near_fields.collect()]
