@@ -205,7 +205,7 @@ fn outcomes() -> Vec<DesignOutcome> {
         Study::load(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/configs/random.toml")));
     let study = study.unwrap();
     let cases: Vec<DesignCase> = study.cases().unwrap().take(3).map(Result::unwrap).collect();
-    Ladder::new(study.solve).solve(&cases)
+    Ladder::new(study.solve).sharing(study.in_common()).solve(&cases)
 }
 
 /// Negative control of the check: what a wrong GPU could answer.

@@ -55,7 +55,7 @@ const SLENDER: &str =
 fn explained(study: &Study) -> (Explanation, Option<(Method, f64, usize)>) {
     let case = study.cases().unwrap().next().unwrap().unwrap();
     let explanation = Explainer::new(study).explain(&case);
-    let outcome = Ladder::new(study.solve).solve(&[case]).remove(0);
+    let outcome = Ladder::new(study.solve).sharing(study.in_common()).solve(&[case]).remove(0);
     let responses: Vec<_> = outcome.steps.iter().filter_map(|step| step.response).collect();
     let worst = || greatest(responses.iter().map(|response| response.force_error));
     (explanation, responses.first().map(|response| (response.method, worst(), responses.len())))

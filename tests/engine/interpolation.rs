@@ -362,7 +362,7 @@ fn a_study_decides_for_all_of_its_designs() {
     assert_eq!(bits(&run(&study, 8)), bits(&whole));
     let part: Vec<DesignCase> = study.cases().unwrap().skip(4321).take(50).map(Result::unwrap).collect();
     let plan = InterpolationPlan::of_study(&study).unwrap();
-    let alone = Ladder::new(study.solve).interpolating(Some(plan)).solve(&part);
+    let alone = Ladder::new(study.solve).sharing(study.in_common()).interpolating(Some(plan)).solve(&part);
     assert_eq!(bits(&alone), bits(&whole[4321..4371]));
 
     let meshes = self::study("interpolation = \"off\"\n");

@@ -57,10 +57,8 @@ const FINE: usize = 2;
 impl PoissonRange {
     /// That of a body by itself.
     fn one(body: &Body) -> PoissonRange {
-        let [least, _] = PoissonRange::Incompressible.ends();
-        let [_, most] = PoissonRange::Conformal.ends();
-        let coordinate = body.idealization.shear_to_bulk(body.poissons_ratio).ln();
-        PoissonRange::One(coordinate.clamp(least, most).to_bits())
+        let ratio = body.idealization.shear_to_bulk(body.poissons_ratio);
+        PoissonRange::One(ratio.clamp(Compressibility::LEAST, PoissonRange::most()).ln().to_bits())
     }
 
     pub fn of(poissons_ratio: f64, idealization: Idealization) -> PoissonRange {
@@ -75,15 +73,18 @@ impl PoissonRange {
         }
     }
 
+    /// mu/K, beyond which nothing changes any more.
+    fn most() -> f64 {
+        Idealization::PlaneStress.shear_to_bulk(Compressibility::LEAST_SHEAR - 1.0)
+    }
+
     /// Of ln(mu/K), in which the error of a mesh is smooth: its poles are where mu/K is negative.
     fn ends(self) -> [f64; 2] {
         use Idealization::{PlaneStrain, PlaneStress};
         let incompressible = PlaneStrain.shear_to_bulk(Compressibility::NEARLY_INCOMPRESSIBLE);
         let conformal = PlaneStress.shear_to_bulk(Compressibility::NEARLY_CONFORMAL);
         let ends = match self {
-            PoissonRange::Conformal => {
-                [conformal, PlaneStress.shear_to_bulk(Compressibility::LEAST_SHEAR - 1.0)]
-            }
+            PoissonRange::Conformal => [conformal, PoissonRange::most()],
             PoissonRange::Auxetic => [1.0, conformal],
             PoissonRange::Positive => [incompressible, 1.0],
             PoissonRange::Incompressible => [Compressibility::LEAST, incompressible],
