@@ -28,13 +28,13 @@ use crate::engine::ring_loads::RingLoads;
 use crate::engine::stopwatch::Stopwatch;
 use crate::mechanics::compliance::BodyCompliance;
 use crate::mechanics::compliance::lane_condensation::CondensationPlan;
-use crate::mechanics::compliance::near_field::{LoadedRing, NearField, NearFieldClass};
+use crate::mechanics::compliance::near_field::{InCommon, LoadedRing, NearField, NearFieldClass};
 
 /// Solves bodies and remembers them, with everything that many bodies share.
 #[derive(Default)]
 pub struct BodyLibrary<'a> {
     ring_loads: RingLoads,
-    pub near_fields: NearFieldLibrary,
+    near_fields: NearFieldLibrary,
     plans: HashMap<TopologyKey, CondensationPlan>,
     known: KnownBodies,
     /// What was asked and had no answer, in order.
@@ -112,6 +112,16 @@ impl<'a> BodyLibrary<'a> {
     pub fn give_back(&mut self, device: Box<dyn Device + 'a>, asked: Result<bool, GpuError>) -> bool {
         self.device = Some(device);
         asked.map_err(|error| self.lost = Some(error)).unwrap_or(false)
+    }
+
+    /// What all bodies to come have in common.
+    pub fn share(&mut self, in_common: InCommon) {
+        self.near_fields.in_common = in_common;
+    }
+
+    /// Requests by topology, with the near fields they need.
+    pub fn portions(&self, requests: Vec<(BodyHandle, &BodyRequest)>) -> Vec<Portion> {
+        portions(requests, &self.near_fields.in_common)
     }
 
     /// Makes near fields, as far as they are not there yet. Others may be gone then.
@@ -236,7 +246,7 @@ impl<'a> BodyLibrary<'a> {
             self.keep(solved);
         }
         let started = Stopwatch::start();
-        let mut portions = portions(meshed, &self.near_fields.in_common);
+        let mut portions = self.portions(meshed);
         self.times.shared += started.elapsed();
         portions.iter_mut().for_each(|portion| self.give_device(portion));
         self.begun.push_back(portions);

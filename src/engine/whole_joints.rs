@@ -16,7 +16,7 @@ use crate::engine::accuracy::known_errors::{self, NO_MESH};
 use crate::engine::backend::joints::{AskedOfJoints, CondensedBody};
 use crate::engine::backend::{Device, IN_FLIGHT};
 use crate::engine::bodies::BodyLibrary;
-use crate::engine::body_portions::{self, MANY, Portion};
+use crate::engine::body_portions::{MANY, Portion};
 use crate::engine::body_request::{Around, BodyHandle, BodyRequest, Fidelity, Group, Meshed};
 use crate::engine::contact_on_device::{BodyOnDevice, GivenBody, given, is_for_devices, judged_designs};
 use crate::engine::device_joints::{JOINTS_TOGETHER, Underway, gathered};
@@ -309,9 +309,7 @@ impl Laid {
         let meshed = meshed.map(|(place, request)| (BodyHandle::of(place), request.key)).collect();
         let mut laid = Laid { groups: Vec::new(), near_fields: Vec::new(), met };
         let mut place = 0;
-        for Portion { groups, near_fields, .. } in
-            body_portions::portions(meshed, &library.near_fields.in_common)
-        {
+        for Portion { groups, near_fields, .. } in library.portions(meshed) {
             let before = laid.near_fields.len() as u32;
             for (key, group) in groups {
                 let modes = RingModes::of(&key.class);

@@ -134,7 +134,7 @@ impl<'a> Ladder<'a> {
 
     /// For bodies that have something in common.
     pub fn sharing(mut self, in_common: InCommon) -> Ladder<'a> {
-        self.library.near_fields.in_common = in_common;
+        self.library.share(in_common);
         self
     }
 
