@@ -66,8 +66,51 @@ pub static CALIBRATED_LAWS: [&CalibratedLaw; 9] = [
 /// Seven digits: a misfit in the sixth is below all others.
 fn number(value: f64) -> String {
     let text = format!("{value:.6e}");
-    match text.parse::<f64>() {
-        Ok(rounded) if (1e-4..1e9).contains(&rounded.abs()) => format!("{rounded}"),
-        _ => text,
+    without_exponent(&text).unwrap_or(text)
+}
+
+/// From 1e-4 to below 1e9, as Rust writes the number then; its digits are at hand.
+fn without_exponent(text: &str) -> Option<String> {
+    let (digits, exponent) = text.split_once('e')?;
+    let exponent: i32 = exponent.parse().ok()?;
+    let (sign, digits) = digits.strip_prefix('-').map_or(("", digits), |digits| ("-", digits));
+    let digits = digits.replacen('.', "", 1);
+    let digits = digits.trim_end_matches('0');
+    if digits.is_empty() || !(-4..9).contains(&exponent) {
+        return None;
+    }
+    Some(match usize::try_from(exponent + 1) {
+        Ok(whole @ 1..) if whole < digits.len() => format!("{sign}{}.{}", &digits[..whole], &digits[whole..]),
+        Ok(whole @ 1..) => format!("{sign}{digits:0<whole$}"),
+        _ => format!("{sign}0.{}{digits}", &"000"[..(-exponent - 1) as usize]),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_as_rust_writes_them() {
+        let written = |value: f64| {
+            let text = format!("{value:.6e}");
+            let rounded: f64 = text.parse().unwrap();
+            if (1e-4..1e9).contains(&rounded.abs()) { format!("{rounded}") } else { text }
+        };
+        let mut value = 7.3e-7_f64;
+        while value < 3e11 {
+            for own in [value, -value, 1.0 / value, value.round(), 10.0_f64.powf(value.log10().round())] {
+                assert_eq!(number(own), written(own));
+            }
+            value *= 1.00173;
+        }
+        let odd =
+            [0.0, -0.0, 1e-4, 0.999_999_96e-4, 0.000_123, 999_999_999.9, 1e9, 12.5, 100.0, 0.5, f64::MAX];
+        odd.into_iter().for_each(|own| assert_eq!(number(own), written(own)));
+        assert_eq!([f64::NAN, f64::INFINITY].map(number), ["NaN", "inf"]);
+        assert_eq!(
+            [0.000_123, -1_234_567.0, 1_234_567_800.0].map(number),
+            ["0.000123", "-1234567", "1.234568e9"]
+        );
     }
 }
