@@ -9,8 +9,10 @@ use super::arc::{ContactArc, MAX_TERMS, cosines, packed, packed_count};
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
-/// Points over (0, pi/2), beyond one for each trial pressure: with more of them nothing changes by more than 1e-12.
-const RULE: usize = 32;
+/// Points over (0, pi/2), beyond one for each trial pressure, by asinh(1/b) of the widest arc: how far functions of tan(phi/2) = b cos(tau) are
+/// analytic in tau. With more of them nothing changes by more than 1e-12.
+const RULE: f64 = 13.0;
+const MOST_OF_RULE: usize = 32;
 
 /// Kernels that are integrated together, in the order of `InfiniteKernels`.
 const KERNELS: usize = 6;
@@ -38,15 +40,18 @@ pub struct InfiniteKernels {
 impl InfiniteKernels {
     /// For arcs, as many as a multiple of `LANES`.
     pub fn new(arcs: &[ContactArc], terms: usize) -> InfiniteKernels {
-        InfiniteKernels::by(&ProductRule::new(RULE + terms, terms), arcs, terms)
+        InfiniteKernels::with_more_points(arcs, terms, 0)
     }
 
-    fn by(rule: &ProductRule, arcs: &[ContactArc], terms: usize) -> InfiniteKernels {
+    fn with_more_points(arcs: &[ContactArc], terms: usize, more: usize) -> InfiniteKernels {
         let entries = packed_count(terms);
         let mut kernels: [Vec<f64>; KERNELS] = std::array::from_fn(|_| vec![0.0; entries * arcs.len()]);
         for (chunk, of_chunk) in arcs.chunks_exact(LANES).enumerate() {
             let lanes: [ContactArc; LANES] = std::array::from_fn(|lane| of_chunk[lane]);
-            let own = in_lanes(Regular { arcs: &lanes, terms, rule });
+            let widest = of_chunk.iter().fold(0.0_f64, |widest, arc| widest.max(arc.b));
+            let points = (RULE / widest.recip().asinh()).ceil() as usize;
+            let rule = ProductRule::new(points.min(MOST_OF_RULE) + terms + more, terms);
+            let own = in_lanes(Regular { arcs: &lanes, terms, rule: &rule });
             for (kernel, own) in kernels.iter_mut().zip(own) {
                 for (entry, values) in own.iter().enumerate() {
                     kernel[entry * arcs.len() + chunk * LANES..][..LANES].copy_from_slice(values);
@@ -450,17 +455,22 @@ mod tests {
 
     #[test]
     fn more_points_change_nothing() {
-        let arcs: Vec<ContactArc> = (1..=LANES).map(|i| ContactArc::new(0.3 * i as f64)).collect();
-        for terms in [3, 6, MAX_TERMS] {
-            let by = |more: usize| {
-                let rule = ProductRule::new(RULE + terms + more, terms);
-                let InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd } =
-                    InfiniteKernels::by(&rule, &arcs, terms);
-                [even, odd, tilted_even, tilted_odd, second_even, second_odd].concat()
-            };
-            let changes: Vec<f64> = by(0).iter().zip(by(20)).map(|(few, many)| (few - many).abs()).collect();
-            assert_eq!(changes.len(), KERNELS * LANES * packed_count(terms));
-            assert!(changes.iter().all(|change| *change < 1e-12), "{terms}: {changes:?}");
+        for widest in [0.01, 0.1, 0.3, 0.7, 1.0, 1.5, 2.0, 2.4] {
+            let arcs: Vec<ContactArc> =
+                (1..=LANES).map(|i| ContactArc::new(widest * i as f64 / LANES as f64)).collect();
+            for terms in [3, 6, MAX_TERMS] {
+                let by = |more: usize| {
+                    let InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd } =
+                        InfiniteKernels::with_more_points(&arcs, terms, more);
+                    [even, odd, tilted_even, tilted_odd, second_even, second_odd].concat()
+                };
+                let changes: Vec<f64> =
+                    by(0).iter().zip(by(20)).map(|(few, many)| (few - many).abs()).collect();
+                assert_eq!(changes.len(), KERNELS * LANES * packed_count(terms));
+                let worst = changes.iter().fold(0.0_f64, |worst, change| worst.max(*change));
+                println!("{widest} {terms}: {worst:e}");
+                assert!(changes.iter().all(|change| *change < 1e-12), "{widest}, {terms}: {worst:e}");
+            }
         }
     }
 }

@@ -2,11 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use pulp::{Arch, Simd, WithSimd};
-
-use super::arc::{ContactArc, MAX_TERMS, cosines};
+use super::arc::{ArcMap, ContactArc, cosines};
+use super::lane_work::{TermWork, in_lanes_with_terms};
 use super::ring_modes::RingModes;
-use crate::mechanics::real::LANES;
+use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Integrals of the trial pressures over functions of the angle, `[arc / LANES][function][k]`, an arc a lane.
 #[derive(Clone, Default)]
@@ -16,104 +15,194 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Over cos(n phi), n = 0 to `count` - 1 at least, in whole blocks: a few modes more are no work.
+    /// Over cos(n phi), n = 0 to `count` - 1 at least, in whole blocks: a few modes more are no work. Of arcs of one map.
     pub fn of_modes(arcs: &[ContactArc], terms: usize, count: usize) -> Moments {
-        Moments::new(arcs, terms, count.next_multiple_of(BLOCK), |moments, arc, first| {
-            Arch::new().dispatch(ModeMoments { arc, terms, first, moments });
-        })
+        let count = count.next_multiple_of(BLOCK);
+        let mut values = vec![[0.0; LANES]; count * terms * arcs.len() / LANES];
+        let of_chunks = values.chunks_exact_mut(count * terms);
+        for (arcs, values) in arcs.as_chunks().0.iter().zip(of_chunks) {
+            for (number, moments) in values.chunks_exact_mut(BLOCK * terms).enumerate() {
+                in_lanes_with_terms(terms, ModeMoments { arcs, first: number * BLOCK, moments });
+            }
+        }
+        Moments { values, count }
     }
 
     /// Over the functions of a ring.
     pub fn of_ring_modes(arcs: &[ContactArc], terms: usize, modes: &RingModes) -> Moments {
-        Moments::new(arcs, terms, modes.count, |moments, arc, first| {
-            if first == 0 {
-                modes.moments(arc, terms, moments);
-            }
-        })
-    }
-
-    /// For each arc and each block of functions, from `first` on, `fill` adds their integrals: `[function in block][k]`.
-    fn new(
-        arcs: &[ContactArc],
-        terms: usize,
-        count: usize,
-        fill: impl Fn(&mut [f64], &ContactArc, usize),
-    ) -> Moments {
+        let count = modes.count;
         let mut values = vec![[0.0; LANES]; count * terms * arcs.len() / LANES];
-        let mut block = Vec::new();
+        let mut of_arc = vec![0.0; count * terms];
         for (place, arc) in arcs.iter().enumerate() {
+            of_arc.fill(0.0);
+            modes.moments(arc, terms, &mut of_arc);
             let own = &mut values[place / LANES * count * terms..][..count * terms];
-            for (number, to) in own.chunks_mut(BLOCK * terms).enumerate() {
-                block.clear();
-                block.resize(BLOCK * terms, 0.0);
-                fill(&mut block, arc, number * BLOCK);
-                to.iter_mut().zip(&block).for_each(|(to, value)| to[place % LANES] = *value);
-            }
+            own.iter_mut().zip(&of_arc).for_each(|(to, value)| to[place % LANES] = *value);
         }
         Moments { values, count }
     }
 }
 
-/// Functions whose moments share a quadrature rule.
+/// Functions whose moments share a quadrature rule: a moment does not depend on how many are asked for.
 const BLOCK: usize = 64;
 
-/// Integrals of the trial pressures of one arc over cos(n phi), for a block of modes from `first` on: `[mode][k]`. Blocks, so
-/// that a moment does not depend on how many are asked for.
+/// Adds integrals of the trial pressures over cos(n phi), an arc a lane, for a block of modes from `first` on.
 struct ModeMoments<'a> {
-    arc: &'a ContactArc,
-    terms: usize,
+    arcs: &'a [ContactArc; LANES],
     first: usize,
-    moments: &'a mut [f64],
+    /// `[mode][k]`.
+    moments: &'a mut [[f64; LANES]],
 }
 
-impl WithSimd for ModeMoments<'_> {
+impl TermWork for ModeMoments<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let ModeMoments { arc, terms, first, moments } = self;
-        let mut sums = [[0.0; BLOCK]; MAX_TERMS];
-        let mut waves = [0.0; BLOCK];
+    fn run<const WIDTH: usize, const TERMS: usize>(self) {
+        let ModeMoments { arcs, first, moments } = self;
+        let number = Lanes::<WIDTH>::from_f64;
+        let (moments, _) = moments.as_chunks_mut::<TERMS>();
         // The integrand is analytic and has period pi in tau, so the midpoint rule converges exponentially once it
         // resolves the fastest wave. A mode n has n eps/2 periods of phi in all, and where tan(phi/2) = b cos(tau) is steepest, at the edge
         // of the arc, as many as n b/2 in the place of that; and what is faster fades out.
         let fastest = (first + BLOCK) as f64;
-        let points = 24 + terms + (0.5 * fastest * arc.half_angle.max(FADED * arc.b)) as usize;
-        let weight = FRAC_PI_2 / points as f64;
-        for i in 0..points {
-            let tau = (i as f64 + 0.5) * weight;
-            let trials = cosines((2.0 * tau).cos(), terms);
-            let angle = arc.angle(tau);
-            // cos(n phi) of the first modes one by one, then of as many together, by
-            // cos((n + m) x) = 2 cos(m x) cos(n x) - cos((n - m) x).
-            let turn = 2.0 * angle.cos();
-            waves[0] = (first as f64 * angle).cos();
-            waves[1] = ((first as f64 + 1.0) * angle).cos();
-            for mode in 2..2 * TOGETHER {
-                waves[mode] = turn * waves[mode - 1] - waves[mode - 2];
-            }
-            let turn = 2.0 * (TOGETHER as f64 * angle).cos();
-            for group in (2 * TOGETHER..BLOCK).step_by(TOGETHER) {
-                for mode in group..group + TOGETHER {
-                    waves[mode] = turn * waves[mode - TOGETHER] - waves[mode - 2 * TOGETHER];
-                }
-            }
-            for (sums, trial) in sums[..terms].iter_mut().zip(&trials) {
-                let trial = simd.splat_f64s(weight * trial);
-                let (sums, waves) = (S::as_mut_simd_f64s(sums).0, S::as_simd_f64s(&waves).0);
-                for (sum, wave) in sums.iter_mut().zip(waves) {
-                    *sum = simd.mul_add_e_f64s(trial, *wave, *sum);
-                }
-            }
+        let mut widest: f64 = 0.0;
+        let mut b = Lanes::<WIDTH>::zero();
+        for (b, arc) in b.0.iter_mut().zip(arcs) {
+            *b = arc.b;
+            widest = widest.max(arc.half_angle.max(FADED * arc.b));
         }
-        for (mode, moments) in moments.chunks_exact_mut(terms).enumerate() {
-            moments.iter_mut().zip(&sums).for_each(|(moment, sums)| *moment = sums[mode]);
+        let points = (24 + TERMS + (0.5 * fastest * widest) as usize).next_multiple_of(POINTS);
+        let weight = FRAC_PI_2 / points as f64;
+        let mut waves = [[Lanes::<WIDTH>::zero(); POINTS]; BLOCK];
+        for begin in (0..points).step_by(POINTS) {
+            let mut trials = [[0.0; TERMS]; POINTS];
+            for (point, trials) in trials.iter_mut().enumerate() {
+                let cosine = (((begin + point) as f64 + 0.5) * weight).cos();
+                *trials = cosines(2.0 * cosine * cosine - 1.0, TERMS)[..TERMS].try_into().unwrap();
+                for trial in trials {
+                    *trial *= weight;
+                }
+                let turn = Turn::at(arcs[0].map, b * number(cosine));
+                // cos(n phi) of the first modes one by one, then of as many together, by
+                // cos((n + m) x) = 2 cos(m x) cos(n x) - cos((n - m) x).
+                let start = turn.times(first);
+                let twice = number(2.0) * turn.cosine;
+                waves[0][point] = start.cosine;
+                waves[1][point] = start.and(turn).cosine;
+                for mode in 2..2 * TOGETHER {
+                    waves[mode][point] = twice * waves[mode - 1][point] - waves[mode - 2][point];
+                }
+                let twice = number(2.0) * turn.times(TOGETHER).cosine;
+                for mode in 2 * TOGETHER..BLOCK {
+                    waves[mode][point] =
+                        twice * waves[mode - TOGETHER][point] - waves[mode - 2 * TOGETHER][point];
+                }
+            }
+            for (waves, moments) in waves.iter().zip(moments.iter_mut()) {
+                for (k, moment) in moments.iter_mut().enumerate() {
+                    let mut sum = Lanes::<WIDTH>(*moment);
+                    for point in 0..POINTS {
+                        sum = sum.minus_product(waves[point], number(-trials[point][k]));
+                    }
+                    *moment = sum.0;
+                }
+            }
         }
     }
 }
+
+/// Points of an integral whose waves are added together.
+const POINTS: usize = 4;
 
 /// Waves so much faster than the fastest have faded out.
 const FADED: f64 = 1.1;
 
 /// Modes whose waves follow from those as many before.
 const TOGETHER: usize = 8;
+
+/// A turn by an angle.
+#[derive(Clone, Copy)]
+struct Turn<const WIDTH: usize> {
+    cosine: Lanes<WIDTH>,
+    sine: Lanes<WIDTH>,
+}
+
+impl<const WIDTH: usize> Turn<WIDTH> {
+    /// By the angle phi whose half has such a tangent, or sine.
+    #[inline(always)]
+    fn at(map: ArcMap, of_half: Lanes<WIDTH>) -> Turn<WIDTH> {
+        let (one, square) = (Lanes::from_f64(1.0), of_half * of_half);
+        match map {
+            ArcMap::Tangent => {
+                let slope = one / (one + square);
+                Turn { cosine: (one - square) * slope, sine: (of_half + of_half) * slope }
+            }
+            ArcMap::Sine => {
+                let other = (one - square).sqrt();
+                Turn { cosine: one - (square + square), sine: (of_half + of_half) * other }
+            }
+        }
+    }
+
+    /// And another one.
+    #[inline(always)]
+    fn and(self, other: Turn<WIDTH>) -> Turn<WIDTH> {
+        Turn {
+            cosine: (self.cosine * other.cosine).minus_product(self.sine, other.sine),
+            sine: self.sine * other.cosine + self.cosine * other.sine,
+        }
+    }
+
+    /// So many times.
+    #[inline(always)]
+    fn times(self, mut count: usize) -> Turn<WIDTH> {
+        let mut all = Turn { cosine: Lanes::from_f64(1.0), sine: Lanes::zero() };
+        let mut power = self;
+        while count > 0 {
+            if count % 2 == 1 {
+                all = all.and(power);
+            }
+            power = power.and(power);
+            count /= 2;
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::compliance::ring_modes::LARGEST_HELD;
+
+    /// Against sums over many more points, with each cosine by itself.
+    #[test]
+    fn moments_equal_their_integrals() {
+        let tangents =
+            |widest: f64| (1..=LANES).map(move |i| ContactArc::new(widest * i as f64 / LANES as f64));
+        let sines = (0..LANES).map(|i| ContactArc::leaving(0.1 * i as f64));
+        let arcs: Vec<ContactArc> = [0.02, 0.9, LARGEST_HELD, 2.4].into_iter().flat_map(tangents).collect();
+        let mut worst: f64 = 0.0;
+        for (arcs, terms) in [(arcs.clone(), 6), (arcs, 24), (sines.collect(), 16)] {
+            let Moments { values, count } = Moments::of_modes(&arcs, terms, 3 * BLOCK - 1);
+            assert_eq!(count, 3 * BLOCK);
+            let points = 1000;
+            let weight = FRAC_PI_2 / points as f64;
+            for (place, arc) in arcs.iter().enumerate() {
+                for mode in [0, 1, 2, 15, 16, 63, 64, 65, 100, 191] {
+                    for k in [0, 1, terms - 1] {
+                        let of_point = |point: usize| {
+                            let tau = (point as f64 + 0.5) * weight;
+                            weight * (2.0 * k as f64 * tau).cos() * (mode as f64 * arc.angle(tau)).cos()
+                        };
+                        let integral: f64 = (0..points).map(of_point).sum();
+                        let found = values[(place / LANES * count + mode) * terms + k][place % LANES];
+                        worst = worst.max((found - integral).abs());
+                    }
+                }
+            }
+        }
+        println!("worst: {worst:e}");
+        assert!(worst < 1e-11, "{worst:e}");
+    }
+}
