@@ -22,13 +22,15 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use boundary_works::WorksOfModes;
 
 use super::RingCompliance;
-use super::arc::{ArcMap, ContactArc, cosines, packed, packed_count};
+use super::arc::{ArcMap, ContactArc, packed, packed_count};
 use super::lane_work::{TermWork, in_lanes, in_lanes_with_terms};
+use super::trial_moments::{POINTS, points_from, subtract_products};
 use crate::mechanics::body::Side;
 use crate::mechanics::element::quadrature::gauss_legendre;
 use crate::mechanics::element::{ElementKind, side_functions};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::mesh::{RingTopology, SUPPORTED};
+use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Functions on a ring, ordered by how finely they resolve a ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -275,17 +277,17 @@ impl RingModes {
         if m == 0 { self.end() } else { 0.5 * self.end() }
     }
 
-    /// Adds M_mk of the trial pressures of an arc: `[m][k]`.
-    pub fn moments(&self, arc: &ContactArc, terms: usize, moments: &mut [f64]) {
-        in_lanes_with_terms(terms, AddMoments { modes: self, arc, moments });
+    /// Adds M_mk of the trial pressures of arcs of one map, an arc a lane: `[m][k]`.
+    pub fn add_moments(&self, arcs: &[ContactArc; LANES], terms: usize, moments: &mut [[f64; LANES]]) {
+        in_lanes_with_terms(terms, AddMoments { modes: self, arcs, moments });
     }
 }
 
-/// Those of `RingModes::moments`.
+/// Those of `RingModes::add_moments`.
 struct AddMoments<'a> {
     modes: &'a RingModes,
-    arc: &'a ContactArc,
-    moments: &'a mut [f64],
+    arcs: &'a [ContactArc; LANES],
+    moments: &'a mut [[f64; LANES]],
 }
 
 impl TermWork for AddMoments<'_> {
@@ -293,48 +295,59 @@ impl TermWork for AddMoments<'_> {
 
     #[inline(always)]
     fn run<const WIDTH: usize, const TERMS: usize>(self) {
-        let AddMoments { modes, arc, moments } = self;
+        let AddMoments { modes, arcs, moments } = self;
+        let number = Lanes::<WIDTH>::from_f64;
         let (moments, _) = moments.as_chunks_mut::<TERMS>();
         let points = (32 + TERMS + 2 * modes.count).next_multiple_of(POINTS);
         let weight = FRAC_PI_2 / points as f64;
         let held = ContactArc::new(LARGEST_HELD).b;
-        // psi_1 where the cosine of tau is so much.
-        let first_mode = |cosine: f64| {
-            // tan(phi/2) squared is a quotient.
-            let above = (arc.b * cosine).powi(2);
-            let below = match arc.map {
-                ArcMap::Tangent => 1.0,
-                ArcMap::Sine => 1.0 - above,
-            };
-            match modes.ring {
-                Ring::Whole(quarters) => {
-                    let above = (0.25 * f64::from(quarters)).powi(2) * above;
-                    (below - above) / (below + above)
-                }
-                Ring::EndsHeld => (2.0 * above / (below * held * held) - 1.0).min(1.0),
-            }
-        };
+        let mut squares = Lanes::<WIDTH>::zero();
+        for (square, arc) in squares.0.iter_mut().zip(arcs) {
+            *square = arc.b * arc.b;
+        }
         for begin in (0..points).step_by(POINTS) {
-            let taus: [f64; POINTS] = std::array::from_fn(|i| ((begin + i) as f64 + 0.5) * weight);
-            let at = taus.map(f64::cos);
-            let trials = at.map(|cosine| cosines(2.0 * cosine * cosine - 1.0, TERMS));
-            let firsts = at.map(first_mode);
-            let (mut psi, mut previous) = ([1.0; POINTS], firsts);
+            let (at, trials) = points_from::<TERMS>(begin, weight);
+            // Twice psi_1.
+            let mut firsts = [Lanes::<WIDTH>::zero(); POINTS];
+            for (first, cosine) in firsts.iter_mut().zip(at) {
+                // tan(phi/2) squared is a quotient.
+                let above = squares * number(cosine * cosine);
+                let below = match arcs[0].map {
+                    ArcMap::Tangent => number(1.0),
+                    ArcMap::Sine => number(1.0) - above,
+                };
+                *first = number(2.0)
+                    * match modes.ring {
+                        Ring::Whole(quarters) => {
+                            let above = number((0.25 * f64::from(quarters)).powi(2)) * above;
+                            (below - above) / (below + above)
+                        }
+                        Ring::EndsHeld => {
+                            let of_held = number(2.0) * above / (below * number(held * held));
+                            (of_held - number(1.0)).least(number(1.0))
+                        }
+                    };
+            }
+            let mut psi = [number(1.0); POINTS];
+            let mut previous = firsts;
+            for previous in &mut previous {
+                *previous = number(0.5) * *previous;
+            }
             for (m, moments) in moments.iter_mut().enumerate().take(modes.count) {
-                let scales = psi.map(|psi| weight * psi / modes.norm(m));
-                for (k, moment) in moments.iter_mut().enumerate() {
-                    let of = |i: usize| scales[i] * trials[i][k];
-                    *moment += (of(0) + of(1)) + (of(2) + of(3));
+                let share = number(1.0 / modes.norm(m));
+                let mut values = psi;
+                for value in &mut values {
+                    *value = share * *value;
                 }
-                let next = std::array::from_fn(|i| 2.0 * firsts[i] * psi[i] - previous[i]);
-                (psi, previous) = (next, psi);
+                subtract_products(moments, &values, &trials);
+                for point in 0..POINTS {
+                    let next = firsts[point] * psi[point] - previous[point];
+                    (psi[point], previous[point]) = (next, psi[point]);
+                }
             }
         }
     }
 }
-
-/// Points of an integral that are summed side by side, so that none waits for the one before.
-const POINTS: usize = 4;
 
 #[cfg(test)]
 mod tests {

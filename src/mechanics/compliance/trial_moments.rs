@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::arc::{ArcMap, ContactArc, cosines};
+use super::arc::{ArcMap, ContactArc};
 use super::lane_work::{TermWork, in_lanes_with_terms};
 use super::ring_modes::RingModes;
 use crate::mechanics::real::{LANES, Lanes, Real};
@@ -28,16 +28,12 @@ impl Moments {
         Moments { values, count }
     }
 
-    /// Over the functions of a ring.
+    /// Over the functions of a ring. Of arcs of one map.
     pub fn of_ring_modes(arcs: &[ContactArc], terms: usize, modes: &RingModes) -> Moments {
         let count = modes.count;
         let mut values = vec![[0.0; LANES]; count * terms * arcs.len() / LANES];
-        let mut of_arc = vec![0.0; count * terms];
-        for (place, arc) in arcs.iter().enumerate() {
-            of_arc.fill(0.0);
-            modes.moments(arc, terms, &mut of_arc);
-            let own = &mut values[place / LANES * count * terms..][..count * terms];
-            own.iter_mut().zip(&of_arc).for_each(|(to, value)| to[place % LANES] = *value);
+        for (arcs, moments) in arcs.as_chunks().0.iter().zip(values.chunks_exact_mut(count * terms)) {
+            modes.add_moments(arcs, terms, moments);
         }
         Moments { values, count }
     }
@@ -76,13 +72,8 @@ impl TermWork for ModeMoments<'_> {
         let weight = FRAC_PI_2 / points as f64;
         let mut waves = [[Lanes::<WIDTH>::zero(); POINTS]; BLOCK];
         for begin in (0..points).step_by(POINTS) {
-            let mut trials = [[0.0; TERMS]; POINTS];
-            for (point, trials) in trials.iter_mut().enumerate() {
-                let cosine = (((begin + point) as f64 + 0.5) * weight).cos();
-                *trials = cosines(2.0 * cosine * cosine - 1.0, TERMS)[..TERMS].try_into().unwrap();
-                for trial in trials {
-                    *trial *= weight;
-                }
+            let (at, trials) = points_from::<TERMS>(begin, weight);
+            for (point, cosine) in at.into_iter().enumerate() {
                 let turn = Turn::at(arcs[0].map, b * number(cosine));
                 // cos(n phi) of the first modes one by one, then of as many together, by
                 // cos((n + m) x) = 2 cos(m x) cos(n x) - cos((n - m) x).
@@ -100,20 +91,49 @@ impl TermWork for ModeMoments<'_> {
                 }
             }
             for (waves, moments) in waves.iter().zip(moments.iter_mut()) {
-                for (k, moment) in moments.iter_mut().enumerate() {
-                    let mut sum = Lanes::<WIDTH>(*moment);
-                    for point in 0..POINTS {
-                        sum = sum.minus_product(waves[point], number(-trials[point][k]));
-                    }
-                    *moment = sum.0;
-                }
+                subtract_products(moments, waves, &trials);
             }
         }
     }
 }
 
-/// Points of an integral whose waves are added together.
-const POINTS: usize = 4;
+/// Points of an integral that are summed together.
+pub(super) const POINTS: usize = 4;
+
+/// cos(tau) at some points of a midpoint rule and the trial pressures there, times minus the weight: `[point][k]`.
+#[inline(always)]
+pub(super) fn points_from<const TERMS: usize>(
+    begin: usize,
+    weight: f64,
+) -> ([f64; POINTS], [[f64; TERMS]; POINTS]) {
+    let (mut at, mut trials) = ([0.0; POINTS], [[0.0; TERMS]; POINTS]);
+    for point in 0..POINTS {
+        at[point] = (((begin + point) as f64 + 0.5) * weight).cos();
+        let twice = 2.0 * at[point] * at[point] - 1.0;
+        let (mut value, mut previous) = (-weight, -weight * twice);
+        for trial in &mut trials[point] {
+            *trial = value;
+            (value, previous) = (2.0 * twice * value - previous, value);
+        }
+    }
+    (at, trials)
+}
+
+/// From each k the sum over some points of a function there times those: an arc a lane.
+#[inline(always)]
+pub(super) fn subtract_products<const WIDTH: usize, const TERMS: usize>(
+    sums: &mut [[f64; LANES]; TERMS],
+    values: &[Lanes<WIDTH>; POINTS],
+    factors: &[[f64; TERMS]; POINTS],
+) {
+    for (k, sum) in sums.iter_mut().enumerate() {
+        let mut own = Lanes::<WIDTH>(*sum);
+        for point in 0..POINTS {
+            own = own.minus_product(values[point], Lanes::from_f64(factors[point][k]));
+        }
+        *sum = own.0;
+    }
+}
 
 /// Waves so much faster than the fastest have faded out.
 const FADED: f64 = 1.1;
