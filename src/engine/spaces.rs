@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::mechanics::body::{Body, THINNEST_RING};
 use crate::mechanics::compliance::BodyCompliance;
-use crate::mechanics::compliance::arc::TERM_CHOICES;
+use crate::mechanics::compliance::arc::{ArcLanes, TERM_CHOICES};
 use crate::mechanics::compliance::ring_modes::{LARGEST_HELD, RingModes};
 use crate::mechanics::contact::curve_space::{CurveSpace, MOST_NODES, Variable};
 
@@ -190,7 +190,9 @@ impl Spaces {
     /// Makes spaces, as far as they are not there yet, without what bodies need in them.
     pub fn make(&mut self, keys: impl Iterator<Item = SpaceKey>) {
         let new: HashSet<SpaceKey> = keys.filter(|key| !self.spaces.contains_key(key)).collect();
-        let make = |key: SpaceKey| (key, CurveSpace::new(key.variable, key.terms, key.nodes, key.limit()));
+        let make = |key: SpaceKey| {
+            (key, CurveSpace::made(key.variable, key.terms, key.nodes, key.limit(), &on_all_threads))
+        };
         let made: Vec<(SpaceKey, CurveSpace)> = new.into_par_iter().map(make).collect();
         self.spaces.extend(made);
     }
@@ -205,10 +207,17 @@ impl Spaces {
         self.make(needs.keys().copied());
         let open = self.spaces.iter_mut().filter_map(|(key, space)| Some((space, needs.remove(key)?)));
         open.collect::<Vec<_>>().into_par_iter().for_each(|(space, (mode_count, ring_modes))| {
-            space.pressures.prepare_modes(mode_count);
-            ring_modes.iter().for_each(|modes| space.pressures.prepare_ring_modes(modes));
+            space.pressures.prepare_modes(mode_count, &on_all_threads);
+            for modes in &ring_modes {
+                space.pressures.prepare_ring_modes(modes, &on_all_threads);
+            }
         });
     }
+}
+
+/// `ForEach`, of which many studies have a single space to make.
+fn on_all_threads(all: Vec<ArcLanes>, each: &(dyn Fn(ArcLanes) + Sync)) {
+    all.into_par_iter().for_each(each);
 }
 
 #[cfg(test)]

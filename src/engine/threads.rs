@@ -15,8 +15,23 @@ use crate::error::Error;
 ///
 /// `Error::Threads`, as of `spawned`.
 pub fn pool(threads: usize) -> Result<ThreadPool, Error> {
-    let built = ThreadPoolBuilder::new().num_threads(threads).build();
+    let builder = ThreadPoolBuilder::new().num_threads(threads).start_handler(|_| take_and_free(ROOM));
+    let built = builder.build();
     built.map_err(|error| refused(threads, error))
+}
+
+/// Bytes that a thread of a pool takes at once. The C library would take what its blocks lie in from the system in pieces of a page or two, while all
+/// threads wait.
+const ROOM: usize = 2 << 20;
+
+/// Lets the C library have so many bytes, which it keeps for what is made later (`keep_blocks`).
+pub fn take_and_free(bytes: usize) {
+    if cfg!(target_env = "gnu") {
+        let mut block: Vec<u8> = Vec::new();
+        // Where there is no room, nothing is kept.
+        let _ = block.try_reserve_exact(bytes);
+        drop(std::hint::black_box(block));
+    }
 }
 
 /// Starts the threads that work outside of every `pool`, one a processor, unless they are there or the caller is one of a pool.

@@ -21,7 +21,7 @@ use crate::engine::outcome::DesignOutcome;
 use crate::engine::question::Asker;
 use crate::engine::question::counted::Counted;
 use crate::engine::stopwatch::Stopwatch;
-use crate::engine::threads::{joined, pool, spawned};
+use crate::engine::threads::{joined, pool, spawned, take_and_free};
 use crate::error::Error;
 use crate::study::config::Study;
 use crate::study::design::DesignCase;
@@ -113,12 +113,7 @@ const KEPT_BLOCK: usize = 31 << 20;
 /// Lets the C library keep what is dropped for what is made next. It takes each block of more than 128 KiB from the system, with pages
 /// that all must be cleared, and gives it back, until a greater one has been dropped (`M_MMAP_THRESHOLD`, mallopt(3)).
 pub fn keep_blocks() {
-    if cfg!(target_env = "gnu") {
-        let mut block: Vec<u8> = Vec::new();
-        // Where there is no room for it, nothing is learnt.
-        let _ = block.try_reserve_exact(KEPT_BLOCK);
-        drop(std::hint::black_box(block));
-    }
+    take_and_free(KEPT_BLOCK);
 }
 
 /// Runs designs of `study` and hands the outcomes over one by one.

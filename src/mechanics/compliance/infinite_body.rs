@@ -5,7 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::arc::{ContactArc, MAX_TERMS, cosines, packed, packed_count};
+use super::arc::{ArcLanes, ContactArc, ForEach, MAX_TERMS, cosines, in_arc_lanes, packed, packed_count};
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -39,34 +39,42 @@ pub struct InfiniteKernels {
 
 impl InfiniteKernels {
     /// For arcs, as many as a multiple of `LANES`.
-    pub fn new(arcs: &[ContactArc], terms: usize) -> InfiniteKernels {
-        InfiniteKernels::with_more_points(arcs, terms, 0)
+    pub fn new(arcs: &[ContactArc], terms: usize, for_each: ForEach) -> InfiniteKernels {
+        InfiniteKernels::with_more_points(arcs, terms, for_each, 0)
     }
 
-    fn with_more_points(arcs: &[ContactArc], terms: usize, more: usize) -> InfiniteKernels {
-        let entries = packed_count(terms);
-        let mut kernels: [Vec<f64>; KERNELS] = std::array::from_fn(|_| vec![0.0; entries * arcs.len()]);
-        for (chunk, of_chunk) in arcs.chunks_exact(LANES).enumerate() {
-            let lanes: [ContactArc; LANES] = std::array::from_fn(|lane| of_chunk[lane]);
-            let widest = of_chunk.iter().fold(0.0_f64, |widest, arc| widest.max(arc.b));
+    fn with_more_points(
+        arcs: &[ContactArc],
+        terms: usize,
+        for_each: ForEach,
+        more: usize,
+    ) -> InfiniteKernels {
+        let of_arcs = |(arcs, matrices): ArcLanes| {
+            let widest = arcs.iter().fold(0.0_f64, |widest, arc| widest.max(arc.b));
             let points = (RULE / widest.recip().asinh()).ceil() as usize;
             let rule = ProductRule::new(points.min(MOST_OF_RULE) + terms + more, terms);
-            let own = in_lanes(Regular { arcs: &lanes, terms, rule: &rule });
-            for (kernel, own) in kernels.iter_mut().zip(own) {
-                for (entry, values) in own.iter().enumerate() {
-                    kernel[entry * arcs.len() + chunk * LANES..][..LANES].copy_from_slice(values);
-                }
+            in_lanes(Regular { arcs, terms, rule: &rule, matrices });
+            for (lane, arc) in arcs.iter().enumerate() {
+                add_logarithm(arc, terms, &mut |row, column, value| {
+                    matrices[packed(row, column)][lane] += value;
+                });
             }
-            for (lane, arc) in of_chunk.iter().enumerate() {
-                let mut add = |row: usize, column: usize, value: f64| {
-                    kernels[0][packed(row, column) * arcs.len() + chunk * LANES + lane] += value;
-                };
-                add_logarithm(arc, terms, &mut add);
-            }
-        }
-        let [even, odd, tilted_even, tilted_odd, second_even, second_odd] = kernels;
+        };
+        let entries = packed_count(terms);
+        let mut matrices = vec![[0.0; LANES]; KERNELS * entries * arcs.len() / LANES];
+        for_each(in_arc_lanes(arcs, &mut matrices), &of_arcs);
+        let [even, odd, tilted_even, tilted_odd, second_even, second_odd] = by_entries(&matrices, entries);
         InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd }
     }
+}
+
+/// Kernels `[packed entry][arc]` from those `[chunk of arcs][kernel][packed entry][lane]`.
+pub fn by_entries<const KERNELS: usize>(matrices: &[[f64; LANES]], entries: usize) -> [Vec<f64>; KERNELS] {
+    std::array::from_fn(|kernel| {
+        let of_entry =
+            |entry: usize| matrices.iter().skip(kernel * entries + entry).step_by(KERNELS * entries);
+        (0..entries).flat_map(of_entry).flatten().copied().collect()
+    })
 }
 
 /// The Galerkin matrix of f(n) = 1/n over n >= 1, less its -pi/2 ln b in (0, 0).
@@ -174,6 +182,8 @@ struct Regular<'a> {
     arcs: &'a [ContactArc; LANES],
     terms: usize,
     rule: &'a ProductRule,
+    /// To which they are added, `[kernel][packed entry]`.
+    matrices: &'a mut [[f64; LANES]],
 }
 
 /// A point of the rule on the arcs.
@@ -241,11 +251,11 @@ impl<const WIDTH: usize> Point<WIDTH> {
 }
 
 impl LaneWork for Regular<'_> {
-    type Output = [Vec<[f64; LANES]>; KERNELS];
+    type Output = ();
 
     #[inline(always)]
-    fn run<const WIDTH: usize>(self) -> [Vec<[f64; LANES]>; KERNELS] {
-        let Regular { arcs, terms, rule: ProductRule { half, nodes, trials, weights } } = self;
+    fn run<const WIDTH: usize>(self) {
+        let Regular { arcs, terms, rule: ProductRule { half, nodes, trials, weights }, matrices } = self;
         let number = Lanes::<WIDTH>::from_f64;
         let step = FRAC_PI_2 / *half as f64;
         let b = Lanes::<WIDTH>(arcs.map(|arc| arc.b));
@@ -254,7 +264,6 @@ impl LaneWork for Regular<'_> {
         for s in nodes {
             points.push(Point::new(b * number(*s)));
         }
-        let mut matrices = [(); KERNELS].map(|()| vec![[0.0; LANES]; packed_count(terms)]);
         let mut of_point = vec![[Lanes::<WIDTH>::zero(); KERNELS]; *half];
         for (i, point) in points.iter().enumerate() {
             // Kernels are the same with the points exchanged: the sums over those up to this one are added both ways.
@@ -268,7 +277,7 @@ impl LaneWork for Regular<'_> {
                     of_point[j][kernel] = share * (own[kernel] + mirrored[kernel]);
                 }
             }
-            for (kernel, matrix) in matrices.iter_mut().enumerate() {
+            for (kernel, matrix) in matrices.chunks_exact_mut(packed_count(terms)).enumerate() {
                 let mut potential = [Lanes::<WIDTH>::zero(); MAX_TERMS];
                 for (block, sums) in potential.as_chunks_mut::<ABREAST>().0.iter_mut().enumerate() {
                     if block * ABREAST < terms {
@@ -291,13 +300,13 @@ impl LaneWork for Regular<'_> {
                 }
             }
         }
-        matrices
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::compliance::arc::one_by_one;
     use crate::mechanics::element::quadrature::gauss_legendre;
 
     /// The kernels against their own series, summed to where the remainder is below the tolerance.
@@ -305,7 +314,7 @@ mod tests {
     fn kernels_equal_their_series() {
         let arcs: Vec<ContactArc> = (1..=LANES).map(|i| ContactArc::new(0.25 * i as f64)).collect();
         let InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd } =
-            InfiniteKernels::new(&arcs, 4);
+            InfiniteKernels::new(&arcs, 4, &one_by_one);
         let highest = 2000;
         let rule = gauss_legendre(60);
         let mut compared = 0;
@@ -407,7 +416,7 @@ mod tests {
     #[test]
     fn kernels_with_a_kink_equal_their_integrals() {
         let arcs: Vec<ContactArc> = (1..=LANES).map(|i| ContactArc::new(0.3 * i as f64)).collect();
-        let kernels = InfiniteKernels::new(&arcs, 6);
+        let kernels = InfiniteKernels::new(&arcs, 6, &one_by_one);
         let rule = gauss_legendre(120);
         let points = |start: f64, end: f64| {
             let half = 0.5 * (end - start);
@@ -461,7 +470,7 @@ mod tests {
             for terms in [3, 6, MAX_TERMS] {
                 let by = |more: usize| {
                     let InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd } =
-                        InfiniteKernels::with_more_points(&arcs, terms, more);
+                        InfiniteKernels::with_more_points(&arcs, terms, &one_by_one, more);
                     [even, odd, tilted_even, tilted_odd, second_even, second_odd].concat()
                 };
                 let changes: Vec<f64> =

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
 use super::BodyCompliance;
-use super::arc::{ArcMap, ContactArc, packed_count};
+use super::arc::{ArcMap, ContactArc, ForEach, one_by_one, packed_count};
 use super::infinite_body::InfiniteKernels;
 use super::ring_modes::RingModes;
 use super::second_order::Bands;
@@ -46,11 +46,16 @@ pub struct JointCompliance<'a> {
 impl PressureSpace {
     /// `terms` trial pressures on arcs of one map, as many as a multiple of `LANES`.
     pub fn new(terms: usize, arcs: Vec<ContactArc>) -> PressureSpace {
+        PressureSpace::made(terms, arcs, &one_by_one)
+    }
+
+    /// The same with the arcs' shares of the work given out.
+    pub fn made(terms: usize, arcs: Vec<ContactArc>, for_each: ForEach) -> PressureSpace {
         let count = arcs.len();
         let map = arcs.first().map_or(ArcMap::Tangent, |arc| arc.map);
         let kernels = match map {
-            ArcMap::Tangent => InfiniteKernels::new(&arcs, terms),
-            ArcMap::Sine => sine_arcs::infinite_kernels(&arcs, terms),
+            ArcMap::Tangent => InfiniteKernels::new(&arcs, terms, for_each),
+            ArcMap::Sine => sine_arcs::infinite_kernels(&arcs, terms, for_each),
         };
         let mut bed = Vec::new();
         if map == ArcMap::Tangent {
@@ -73,24 +78,25 @@ impl PressureSpace {
     }
 
     /// Makes what the sum over so many modes of a concentric body needs.
-    pub fn prepare_modes(&mut self, count: usize) {
+    pub fn prepare_modes(&mut self, count: usize, for_each: ForEach) {
         if count > self.modes.count {
-            self.modes = Moments::of_modes(&self.arcs, self.terms, count);
+            self.modes = Moments::of_modes(&self.arcs, self.terms, count, for_each);
         }
     }
 
     /// Makes what bodies in these modes need.
-    pub fn prepare_ring_modes(&mut self, modes: &RingModes) {
+    pub fn prepare_ring_modes(&mut self, modes: &RingModes, for_each: ForEach) {
         if !self.ring_modes.contains_key(modes) {
-            self.ring_modes.insert(*modes, Moments::of_ring_modes(&self.arcs, self.terms, modes));
+            let moments = Moments::of_ring_modes(&self.arcs, self.terms, modes, for_each);
+            self.ring_modes.insert(*modes, moments);
         }
     }
 
     /// Makes what a body needs.
     pub fn prepare(&mut self, body: &BodyCompliance) {
-        self.prepare_modes(body.mode_count());
+        self.prepare_modes(body.mode_count(), &one_by_one);
         if let Some((modes, _)) = body.boundary.ring_modes() {
-            self.prepare_ring_modes(modes);
+            self.prepare_ring_modes(modes, &one_by_one);
         }
     }
 

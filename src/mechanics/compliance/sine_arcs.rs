@@ -12,8 +12,8 @@
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
-use super::arc::{ContactArc, packed, packed_count};
-use super::infinite_body::InfiniteKernels;
+use super::arc::{ArcLanes, ContactArc, ForEach, in_arc_lanes, packed, packed_count};
+use super::infinite_body::{InfiniteKernels, by_entries};
 use super::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -22,42 +22,39 @@ use crate::mechanics::real::{LANES, Lanes, Real};
 const HIGHEST: usize = 1024;
 
 /// For arcs of sines, as many as a multiple of `LANES`; nothing tilts there.
-pub fn infinite_kernels(arcs: &[ContactArc], terms: usize) -> InfiniteKernels {
-    let count = arcs.len();
-    let mut kernels: [Vec<f64>; 2] = std::array::from_fn(|_| vec![0.0; packed_count(terms) * count]);
-    for (chunk, of_chunk) in arcs.chunks_exact(LANES).enumerate() {
-        let own = in_lanes(Sums { squares: std::array::from_fn(|lane| of_chunk[lane].b.powi(2)), terms });
-        for (kernel, own) in kernels.iter_mut().zip(own) {
-            for (entry, values) in own.iter().enumerate() {
-                kernel[entry * count + chunk * LANES..][..LANES].copy_from_slice(values);
-            }
+pub fn infinite_kernels(arcs: &[ContactArc], terms: usize, for_each: ForEach) -> InfiniteKernels {
+    let of_arcs = |(arcs, matrices): ArcLanes| {
+        in_lanes(AddSums { squares: arcs.map(|arc| arc.b.powi(2)), terms, matrices });
+        for k in 1..terms {
+            let of_logarithm = PI / (8.0 * k as f64);
+            matrices[packed(k, k)].iter_mut().for_each(|value| *value += of_logarithm);
         }
-    }
-    for k in 1..terms {
-        let of_logarithm = PI / (8.0 * k as f64);
-        kernels[0][packed(k, k) * count..][..count].iter_mut().for_each(|value| *value += of_logarithm);
-    }
-    let [even, odd] = kernels;
+    };
+    let entries = packed_count(terms);
+    let mut matrices = vec![[0.0; LANES]; 2 * entries * arcs.len() / LANES];
+    for_each(in_arc_lanes(arcs, &mut matrices), &of_arcs);
+    let [even, odd] = by_entries(&matrices, entries);
     InfiniteKernels { even, odd, ..InfiniteKernels::default() }
 }
 
-/// 2/pi times the sums over n >= 2 of M_nj M_nk/(n (n^2 - 1)) and of M_nj M_nk/(n^2 - 1), `[packed entry]`, an arc a lane.
-struct Sums {
+/// Adds 2/pi times the sums over n >= 2 of M_nj M_nk/(n (n^2 - 1)) and of M_nj M_nk/(n^2 - 1), an arc a lane.
+struct AddSums<'a> {
     /// b^2.
     squares: [f64; LANES],
     terms: usize,
+    /// `[kernel][packed entry]`.
+    matrices: &'a mut [[f64; LANES]],
 }
 
-impl LaneWork for Sums {
-    type Output = [Vec<[f64; LANES]>; 2];
+impl LaneWork for AddSums<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn run<const WIDTH: usize>(self) -> Self::Output {
-        let Sums { squares, terms } = self;
+    fn run<const WIDTH: usize>(self) {
+        let AddSums { squares, terms, matrices } = self;
         let square = Lanes::<WIDTH>(squares);
         let twice = Lanes::from_f64(2.0) * (Lanes::from_f64(1.0) - square);
-        let mut sums: [Vec<Lanes<WIDTH>>; 2] =
-            std::array::from_fn(|_| vec![Lanes::zero(); packed_count(terms)]);
+        let (of_even, of_odd) = matrices.split_at_mut(packed_count(terms));
         // M of the mode before, which the next one takes the place of, and of this mode: [k], with zeros behind k = n.
         let mut before = vec![Lanes::<WIDTH>::zero(); HIGHEST + 3];
         let mut current = before.clone();
@@ -78,14 +75,13 @@ impl LaneWork for Sums {
             let odd = FRAC_2_PI / (m * m - 1.0);
             let (odd, even) = (Lanes::from_f64(-odd), Lanes::from_f64(-odd / m));
             for j in 0..terms {
-                let (of_even, of_odd) = (even * current[j], odd * current[j]);
+                let (even, odd) = (even * current[j], odd * current[j]);
                 for k in 0..=j {
                     let entry = packed(j, k);
-                    sums[0][entry] = sums[0][entry].minus_product(of_even, current[k]);
-                    sums[1][entry] = sums[1][entry].minus_product(of_odd, current[k]);
+                    of_even[entry] = Lanes::<WIDTH>(of_even[entry]).minus_product(even, current[k]).0;
+                    of_odd[entry] = Lanes::<WIDTH>(of_odd[entry]).minus_product(odd, current[k]).0;
                 }
             }
         }
-        sums.map(|sums| sums.into_iter().map(|lanes| lanes.0).collect())
     }
 }

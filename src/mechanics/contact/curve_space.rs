@@ -6,7 +6,7 @@ use super::arc_pressure::ArcPressure;
 use super::outlines::Outlines;
 use crate::mechanics::body::Side;
 use crate::mechanics::compliance::BodyCompliance;
-use crate::mechanics::compliance::arc::{ArcMap, ContactArc};
+use crate::mechanics::compliance::arc::{ArcMap, ContactArc, ForEach, one_by_one};
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::compliance::pressure_space::{ComplianceRoom, JointCompliance, PressureSpace, Tilt};
 use crate::mechanics::compliance::thin_wall::bed_matrix;
@@ -60,6 +60,11 @@ impl CurveSpace {
     /// `terms` trial pressures at so many nodes, a multiple of `LANES`, up to a half angle, rad. Of press fits that is the whole ring
     /// whatever is given, and the first node.
     pub fn new(variable: Variable, terms: usize, nodes: usize, limit: f64) -> CurveSpace {
+        CurveSpace::made(variable, terms, nodes, limit, &one_by_one)
+    }
+
+    /// The same with the arcs' shares of the work given out.
+    pub fn made(variable: Variable, terms: usize, nodes: usize, limit: f64, for_each: ForEach) -> CurveSpace {
         let angle = |node: usize| std::f64::consts::PI * (node as f64 + 0.5) / nodes as f64;
         // From 0 to 1.
         let unit = |node: usize| 0.5 * (1.0 + angle(node).cos());
@@ -94,7 +99,7 @@ impl CurveSpace {
             Variable::Gap => gap_arc(opened(node)),
         };
         CurveSpace {
-            pressures: PressureSpace::new(terms, (0..nodes).map(arc).collect()),
+            pressures: PressureSpace::made(terms, (0..nodes).map(arc).collect(), for_each),
             limit,
             variable,
             widest,

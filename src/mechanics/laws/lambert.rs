@@ -15,10 +15,23 @@ const E_REST: f64 = 1.445_646_891_729_250_2e-16;
 pub fn lambert_wm1(x: f64) -> Result<f64, LawError> {
     check("lambert-wm1", "x", x, (Included(-1.0 / E), Excluded(0.0)))?;
     // 1 - q = 1 + e x without cancellation; below zero only by the rounding of -1/e.
-    let distance = (x.mul_add(E, 1.0) + x * E_REST).max(0.0);
+    let product = x * E;
+    let distance = (product + 1.0 + (rounding(x, E, product) + x * E_REST)).max(0.0);
     // Far from the branch point the logarithm of x itself loses nothing, and e x could underflow.
     let minus_ln_q = if distance < 0.5 { -(-distance).ln_1p() } else { -1.0 - (-x).ln() };
     Ok(-1.0 - root(minus_ln_q))
+}
+
+/// What a product of two numbers lost when it was rounded, by halves of their digits (T. J. Dekker 1971). A fused multiplication would tell, too,
+/// but not every processor has one.
+fn rounding(a: f64, b: f64, product: f64) -> f64 {
+    let halves = |x: f64| {
+        let shifted = 134_217_729.0 * x;
+        let high = shifted - (shifted - x);
+        [high, x - high]
+    };
+    let ([a, rest_of_a], [b, rest_of_b]) = (halves(a), halves(b));
+    a * b - product + a * rest_of_b + rest_of_a * b + rest_of_a * rest_of_b
 }
 
 /// v = -1 - W_-1(-q/e) for 0 <= q <= 1: 0 at the branch point, infinite for q = 0.
