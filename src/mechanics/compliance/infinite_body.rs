@@ -70,11 +70,16 @@ impl InfiniteKernels {
 
 /// Kernels `[packed entry][arc]` from those `[chunk of arcs][kernel][packed entry][lane]`.
 pub fn by_entries<const KERNELS: usize>(matrices: &[[f64; LANES]], entries: usize) -> [Vec<f64>; KERNELS] {
-    std::array::from_fn(|kernel| {
-        let of_entry =
-            |entry: usize| matrices.iter().skip(kernel * entries + entry).step_by(KERNELS * entries);
-        (0..entries).flat_map(of_entry).flatten().copied().collect()
-    })
+    let count = matrices.len() / KERNELS / entries;
+    let mut kernels = std::array::from_fn(|_| vec![0.0; entries * count * LANES]);
+    for (chunk, matrices) in matrices.chunks_exact(KERNELS * entries).enumerate() {
+        for (kernel, matrix) in kernels.iter_mut().zip(matrices.chunks_exact(entries)) {
+            for (row, values) in kernel.chunks_exact_mut(count * LANES).zip(matrix) {
+                row[chunk * LANES..][..LANES].copy_from_slice(values);
+            }
+        }
+    }
+    kernels
 }
 
 /// The Galerkin matrix of f(n) = 1/n over n >= 1, less its -pi/2 ln b in (0, 0).
@@ -112,49 +117,81 @@ impl ProductRule {
     fn new(half: usize, terms: usize) -> ProductRule {
         let count = 2 * half;
         let step = PI / count as f64;
-        // cos(k tau) at the points are of these 4 count cosines: `[k][tau]`.
+        // Cosines of all multiples of half a step, and every so many of them, with one from `first` on.
         let table: Vec<f64> = (0..4 * count).map(|i| (0.5 * i as f64 * step).cos()).collect();
-        let wave = |k: usize| (0..half).map(|i| table[(2 * i + 1) * k % (4 * count)]).collect();
-        let waves: Vec<Vec<f64>> = (0..count).map(wave).collect();
-        // Sums over k = first, first + 2, ... of cos(k tau) factors(k, tau').
-        let sums = |first: usize, factors: &dyn Fn(usize) -> Vec<f64>| {
-            let mut sums = vec![0.0; half * half];
-            for k in (first..count).step_by(2) {
-                let factors = factors(k);
-                for (row, own) in sums.chunks_exact_mut(half).zip(&waves[k]) {
-                    row.iter_mut().zip(&factors).for_each(|(sum, factor)| *sum += own * factor);
-                }
-            }
-            sums
+        let every = |distance: usize, first: usize| {
+            std::iter::successors(Some(first), move |at| {
+                let next = at + distance;
+                Some(if next < 4 * count { next } else { next - 4 * count })
+            })
+            .map(|at| table[at])
         };
-        let inverse = |k: usize| waves[k].iter().map(|wave| wave / k as f64).collect();
-        let (odd, even) = (sums(1, &inverse), sums(2, &inverse));
-        // Of odd waves of tau and even ones of tau'. The reverse is the negative, transposed.
-        let skew = sums(1, &|k| {
-            let mut factors = vec![0.0; half];
-            for l in (0..count).step_by(2) {
-                let factor =
-                    if l == 0 { 8.0 } else { 16.0 } / (PI * count as f64 * ((k * k) as f64 - (l * l) as f64));
-                factors.iter_mut().zip(&waves[l]).for_each(|(sum, wave)| *sum += factor * wave);
-            }
-            factors
-        });
-        let weight = |at: usize| {
-            let reverse = skew[at % half * half + at / half];
-            let logarithm = |sum: f64| -step * (2.0_f64.ln() + 2.0 * sum);
+        // Sums of cos(k tau) cos(k tau')/k are half of those of cos(k (tau - tau'))/k and cos(k (tau + tau'))/k: one for each multiple of a step.
+        let sum = |steps: usize| -> f64 {
+            every(2 * steps, 2 * steps).zip(1..count).map(|(cosine, k)| cosine / k as f64).sum()
+        };
+        let sums: Vec<f64> = (0..=count).map(sum).collect();
+        // cos(k tau) at the points for every other k, `[k][tau]`.
+        let waves = |first: usize| -> Vec<f64> {
+            let mut waves = Vec::with_capacity(half * half);
+            (first..count).step_by(2).for_each(|k| waves.extend(every(2 * k, k).take(half)));
+            waves
+        };
+        let (odd, even) = (waves(1), waves(0));
+        let skew = in_lanes(Skew { half, odd: &odd, even: &even });
+        let weight = |i: usize, j: usize| {
+            let (own, reverse) = (skew[i * half + j], skew[j * half + i]);
+            let logarithm = |one: usize, other: usize| -step * (2.0_f64.ln() + sums[one] + sums[other]);
             // Odd waves of tau' are the negative at pi - tau'.
             [
-                [logarithm(even[at] + odd[at]), skew[at] - reverse],
-                [logarithm(even[at] - odd[at]), skew[at] + reverse],
+                [logarithm(i.abs_diff(j), i + j + 1), own - reverse],
+                [logarithm(count - 1 - i - j, count - i.abs_diff(j)), own + reverse],
             ]
         };
-        let nodes = waves[1].clone();
+        let weight = &weight;
+        let nodes = odd[..half].to_vec();
         ProductRule {
             half,
             trials: nodes.iter().map(|s| cosines(2.0 * s * s - 1.0, terms)).collect(),
-            weights: (0..half * half).map(weight).collect(),
+            weights: (0..half).flat_map(|i| (0..half).map(move |j| weight(i, j))).collect(),
             nodes,
         }
+    }
+}
+
+/// Weights of the sign, `[tau][tau']`, of odd waves of tau and even ones of tau'. The reverse is the negative, transposed.
+struct Skew<'a> {
+    half: usize,
+    /// `[k][tau]` each.
+    odd: &'a [f64],
+    even: &'a [f64],
+}
+
+impl LaneWork for Skew<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn run<const WIDTH: usize>(self) -> Vec<f64> {
+        let Skew { half, odd, even } = self;
+        let mut all = vec![0.0; half * half];
+        let mut factors = vec![0.0; half];
+        for (place, odd) in odd.chunks_exact(half).enumerate() {
+            let k = (2 * place + 1) as f64;
+            factors.fill(0.0);
+            for (place, even) in even.chunks_exact(half).enumerate() {
+                let l = (2 * place) as f64;
+                let factor = if place == 0 { 4.0 } else { 8.0 } / (PI * half as f64 * (k * k - l * l));
+                for (sum, even) in factors.iter_mut().zip(even) {
+                    *sum += factor * even;
+                }
+            }
+            for (row, odd) in all.chunks_exact_mut(half).zip(odd) {
+                for (sum, factor) in row.iter_mut().zip(&factors) {
+                    *sum += odd * factor;
+                }
+            }
+        }
+        all
     }
 }
 
