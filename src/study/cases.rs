@@ -17,7 +17,7 @@ enum Kind<'a> {
 }
 
 /// Designs that are drawn at a time where they follow each other.
-const ABREAST: usize = 16;
+const ABREAST: usize = 32;
 
 /// Designs that have their loads in common: about as many as a thread solves at a time.
 const SHARING: u64 = 64;
