@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use crate::mechanics::body::{Body, THINNEST_RING};
 use crate::mechanics::compliance::BodyCompliance;
-use crate::mechanics::compliance::arc::{ArcLanes, TERM_CHOICES};
+use crate::mechanics::compliance::arc::TERM_CHOICES;
+use crate::mechanics::compliance::arc_lanes::ArcLanes;
 use crate::mechanics::compliance::ring_modes::{LARGEST_HELD, RingModes};
 use crate::mechanics::contact::curve_space::{CurveSpace, MOST_NODES, Variable};
 

@@ -21,7 +21,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::mechanics::real::{LANES, Real};
+use crate::mechanics::real::Real;
 
 /// The most trial pressures a space may have.
 pub const MAX_TERMS: usize = 24;
@@ -176,24 +176,6 @@ pub fn cosines(cosine: f64, terms: usize) -> [f64; MAX_TERMS] {
         (value, previous) = (2.0 * cosine * value - previous, value);
     }
     cosines
-}
-
-/// Arcs side by side, an arc a lane, with the place of what is told of them: `[number][lane]`.
-pub type ArcLanes<'a> = (&'a [ContactArc; LANES], &'a mut [[f64; LANES]]);
-
-/// Does something with each of some, which need not wait for each other.
-pub type ForEach<'a> = &'a dyn Fn(Vec<ArcLanes>, &(dyn Fn(ArcLanes) + Sync));
-
-/// One after the other.
-pub fn one_by_one(all: Vec<ArcLanes>, each: &(dyn Fn(ArcLanes) + Sync)) {
-    all.into_iter().for_each(each);
-}
-
-/// Arcs, as many as a multiple of `LANES`, with their shares of places that all have as many of.
-pub fn in_arc_lanes<'a>(arcs: &'a [ContactArc], places: &'a mut [[f64; LANES]]) -> Vec<ArcLanes<'a>> {
-    let (arcs, _) = arcs.as_chunks();
-    let share = (places.len() / arcs.len().max(1)).max(1);
-    arcs.iter().zip(places.chunks_exact_mut(share)).collect()
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::arc::{ArcLanes, ContactArc, ForEach, MAX_TERMS, cosines, in_arc_lanes, packed, packed_count};
+use super::arc::{ContactArc, MAX_TERMS, cosines, packed, packed_count};
+use super::arc_lanes::{ArcLanes, ForEach, in_arc_lanes};
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -343,7 +344,7 @@ impl LaneWork for Regular<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::compliance::arc::one_by_one;
+    use crate::mechanics::compliance::arc_lanes::one_by_one;
     use crate::mechanics::element::quadrature::gauss_legendre;
 
     /// The kernels against their own series, summed to where the remainder is below the tolerance.

@@ -3,6 +3,7 @@
 pub mod condense;
 pub mod arc;
 pub mod lane_work;
+pub mod arc_lanes;
 pub mod infinite_body;
 pub mod sine_arcs;
 pub mod thin_wall;

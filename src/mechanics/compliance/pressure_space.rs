@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
 use super::BodyCompliance;
-use super::arc::{ArcMap, ContactArc, ForEach, one_by_one, packed_count};
+use super::arc::{ArcMap, ContactArc, packed_count};
+use super::arc_lanes::{ForEach, one_by_one};
 use super::infinite_body::InfiniteKernels;
 use super::ring_modes::RingModes;
 use super::second_order::Bands;

@@ -23,8 +23,8 @@ use boundary_works::WorksOfModes;
 
 use super::RingCompliance;
 use super::arc::{ArcMap, ContactArc, packed, packed_count};
+use super::arc_lanes::{POINTS, points_from, subtract_products};
 use super::lane_work::{TermWork, in_lanes, in_lanes_with_terms};
-use super::trial_moments::{POINTS, points_from, subtract_products};
 use crate::mechanics::body::Side;
 use crate::mechanics::element::quadrature::gauss_legendre;
 use crate::mechanics::element::{ElementKind, side_functions};

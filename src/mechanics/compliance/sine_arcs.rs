@@ -12,7 +12,8 @@
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
-use super::arc::{ArcLanes, ContactArc, ForEach, in_arc_lanes, packed, packed_count};
+use super::arc::{ContactArc, packed, packed_count};
+use super::arc_lanes::{ArcLanes, ForEach, in_arc_lanes};
 use super::infinite_body::{InfiniteKernels, by_entries};
 use super::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};

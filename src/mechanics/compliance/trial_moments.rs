@@ -2,7 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::arc::{ArcLanes, ArcMap, ContactArc, ForEach, in_arc_lanes};
+use super::arc::{ArcMap, ContactArc};
+use super::arc_lanes::{ArcLanes, ForEach, POINTS, in_arc_lanes, points_from, subtract_products};
 use super::lane_work::{TermWork, in_lanes_with_terms};
 use super::ring_modes::RingModes;
 use crate::mechanics::real::{LANES, Lanes, Real};
@@ -102,44 +103,6 @@ impl TermWork for ModeMoments<'_> {
     }
 }
 
-/// Points of an integral that are summed together.
-pub(super) const POINTS: usize = 4;
-
-/// cos(tau) at some points of a midpoint rule and the trial pressures there, times minus the weight: `[point][k]`.
-#[inline(always)]
-pub(super) fn points_from<const TERMS: usize>(
-    begin: usize,
-    weight: f64,
-) -> ([f64; POINTS], [[f64; TERMS]; POINTS]) {
-    let (mut at, mut trials) = ([0.0; POINTS], [[0.0; TERMS]; POINTS]);
-    for point in 0..POINTS {
-        at[point] = (((begin + point) as f64 + 0.5) * weight).cos();
-        let twice = 2.0 * at[point] * at[point] - 1.0;
-        let (mut value, mut previous) = (-weight, -weight * twice);
-        for trial in &mut trials[point] {
-            *trial = value;
-            (value, previous) = (2.0 * twice * value - previous, value);
-        }
-    }
-    (at, trials)
-}
-
-/// From each k the sum over some points of a function there times those: an arc a lane.
-#[inline(always)]
-pub(super) fn subtract_products<const WIDTH: usize, const TERMS: usize>(
-    sums: &mut [[f64; LANES]; TERMS],
-    values: &[Lanes<WIDTH>; POINTS],
-    factors: &[[f64; TERMS]; POINTS],
-) {
-    for (k, sum) in sums.iter_mut().enumerate() {
-        let mut own = Lanes::<WIDTH>(*sum);
-        for point in 0..POINTS {
-            own = own.minus_product(values[point], Lanes::from_f64(factors[point][k]));
-        }
-        *sum = own.0;
-    }
-}
-
 /// Waves so much faster than the fastest have faded out.
 const FADED: f64 = 1.1;
 
@@ -198,7 +161,7 @@ impl<const WIDTH: usize> Turn<WIDTH> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::compliance::arc::one_by_one;
+    use crate::mechanics::compliance::arc_lanes::one_by_one;
     use crate::mechanics::compliance::ring_modes::LARGEST_HELD;
 
     /// Against sums over many more points, with each cosine by itself.

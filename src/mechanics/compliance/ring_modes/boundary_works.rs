@@ -2,9 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::{POINTS, Ring, RingModes};
+use super::{Ring, RingModes};
 use crate::mechanics::body::Side;
 use crate::mechanics::compliance::arc::{packed, packed_count};
+use crate::mechanics::compliance::arc_lanes::POINTS;
 use crate::mechanics::compliance::lane_work::LaneWork;
 use crate::mechanics::real::LANES;
 
