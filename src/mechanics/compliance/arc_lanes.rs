@@ -14,11 +14,21 @@ pub fn one_by_one(all: Vec<ArcLanes>, each: &(dyn Fn(ArcLanes) + Sync)) {
     all.into_iter().for_each(each);
 }
 
-/// Arcs, as many as a multiple of `LANES`, each eight with an equal share of the places.
-pub fn in_arc_lanes<'a>(arcs: &'a [ContactArc], places: &'a mut [[f64; LANES]]) -> Vec<ArcLanes<'a>> {
-    let (arcs, _) = arcs.as_chunks();
-    let share = (places.len() / arcs.len().max(1)).max(1);
-    arcs.iter().zip(places.chunks_exact_mut(share)).collect()
+/// So many numbers of each of some arcs, as many as a multiple of `LANES`, to which `add` adds: `[chunk of arcs][number][lane]`.
+pub fn numbers_of(
+    arcs: &[ContactArc],
+    count: usize,
+    for_each: ForEach,
+    add: &(dyn Fn(ArcLanes) + Sync),
+) -> Vec<[f64; LANES]> {
+    let mut numbers = vec![[0.0; LANES]; count * arcs.len() / LANES];
+    let places = numbers.chunks_exact_mut(count.max(1));
+    for_each(arcs.as_chunks().0.iter().zip(places).collect(), &|(arcs, places)| {
+        // New pages of memory that are read before they are written are mapped twice, and the second time all threads wait.
+        places.fill([0.0; LANES]);
+        add((arcs, places));
+    });
+    numbers
 }
 
 /// Points of an integral that are summed together.

@@ -6,7 +6,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::arc::{ContactArc, MAX_TERMS, cosines, packed, packed_count};
-use super::arc_lanes::{ArcLanes, ForEach, in_arc_lanes};
+use super::arc_lanes::{ArcLanes, ForEach, numbers_of};
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
@@ -62,8 +62,7 @@ impl InfiniteKernels {
             }
         };
         let entries = packed_count(terms);
-        let mut matrices = vec![[0.0; LANES]; KERNELS * entries * arcs.len() / LANES];
-        for_each(in_arc_lanes(arcs, &mut matrices), &of_arcs);
+        let matrices = numbers_of(arcs, KERNELS * entries, for_each, &of_arcs);
         let [even, odd, tilted_even, tilted_odd, second_even, second_odd] = by_entries(&matrices, entries);
         InfiniteKernels { even, odd, tilted_even, tilted_odd, second_even, second_odd }
     }

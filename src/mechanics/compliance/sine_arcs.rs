@@ -13,7 +13,7 @@
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
 use super::arc::{ContactArc, packed, packed_count};
-use super::arc_lanes::{ArcLanes, ForEach, in_arc_lanes};
+use super::arc_lanes::{ArcLanes, ForEach, numbers_of};
 use super::infinite_body::{InfiniteKernels, by_entries};
 use super::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
@@ -32,8 +32,7 @@ pub fn infinite_kernels(arcs: &[ContactArc], terms: usize, for_each: ForEach) ->
         }
     };
     let entries = packed_count(terms);
-    let mut matrices = vec![[0.0; LANES]; 2 * entries * arcs.len() / LANES];
-    for_each(in_arc_lanes(arcs, &mut matrices), &of_arcs);
+    let matrices = numbers_of(arcs, 2 * entries, for_each, &of_arcs);
     let [even, odd] = by_entries(&matrices, entries);
     InfiniteKernels { even, odd, ..InfiniteKernels::default() }
 }

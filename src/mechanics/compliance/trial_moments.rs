@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::arc::{ArcMap, ContactArc};
-use super::arc_lanes::{ArcLanes, ForEach, POINTS, in_arc_lanes, points_from, subtract_products};
+use super::arc_lanes::{ArcLanes, ForEach, POINTS, numbers_of, points_from, subtract_products};
 use super::lane_work::{TermWork, in_lanes_with_terms};
 use super::ring_modes::RingModes;
 use crate::mechanics::real::{LANES, Lanes, Real};
@@ -23,25 +23,14 @@ impl Moments {
                 in_lanes_with_terms(terms, ModeMoments { arcs, first: number * BLOCK, moments });
             }
         };
-        Moments::new(arcs, terms, count.next_multiple_of(BLOCK), for_each, &of_arcs)
+        let count = count.next_multiple_of(BLOCK);
+        Moments { values: numbers_of(arcs, count * terms, for_each, &of_arcs), count }
     }
 
     /// Over the functions of a ring. Of arcs of one map.
     pub fn of_ring_modes(arcs: &[ContactArc], terms: usize, modes: &RingModes, for_each: ForEach) -> Moments {
         let of_arcs = |(arcs, moments): ArcLanes| modes.add_moments(arcs, terms, moments);
-        Moments::new(arcs, terms, modes.count, for_each, &of_arcs)
-    }
-
-    fn new(
-        arcs: &[ContactArc],
-        terms: usize,
-        count: usize,
-        for_each: ForEach,
-        add: &(dyn Fn(ArcLanes) + Sync),
-    ) -> Moments {
-        let mut values = vec![[0.0; LANES]; count * terms * arcs.len() / LANES];
-        for_each(in_arc_lanes(arcs, &mut values), add);
-        Moments { values, count }
+        Moments { values: numbers_of(arcs, modes.count * terms, for_each, &of_arcs), count: modes.count }
     }
 }
 
