@@ -14,7 +14,7 @@ pub fn one_by_one(all: Vec<ArcLanes>, each: &(dyn Fn(ArcLanes) + Sync)) {
     all.into_iter().for_each(each);
 }
 
-/// So many numbers of each of some arcs, as many as a multiple of `LANES`, to which `add` adds: `[chunk of arcs][number][lane]`.
+/// `count` numbers of each of some arcs, which are as many as a multiple of `LANES`: `[chunk of arcs][number][lane]`. From zero on `add` adds to them.
 pub fn numbers_of(
     arcs: &[ContactArc],
     count: usize,
