@@ -23,7 +23,6 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     look_for_drivers();
     look_for_programs();
-    place_at_link_time();
     println!("cargo::rerun-if-env-changed={COMMIT}");
     let version = env!("CARGO_PKG_VERSION");
     match std::env::var(COMMIT).ok().filter(|commit| !commit.is_empty()).or_else(commit) {
@@ -46,17 +45,6 @@ fn look_for_drivers() {
     let has_drivers = folders.inspect(|folder| println!("cargo::rerun-if-changed={folder}")).count() > 0;
     if has_drivers || VARIABLES.iter().any(|variable| std::env::var_os(variable).is_some()) {
         println!("cargo::rustc-cfg=vulkan_driver");
-    }
-}
-
-/// On Linux with glibc the program has a fixed place in memory, so that none of its 19,000 pointers are written and no pages touched for them at
-/// each start: a study of some milliseconds takes 0.4 ms less.
-fn place_at_link_time() {
-    let target = |what| std::env::var(format!("CARGO_CFG_TARGET_{what}")).unwrap_or_default();
-    // A program without dynamic libraries is linked in a way of its own.
-    let is_static = target("FEATURE").split(',').any(|feature| feature == "crt-static");
-    if target("OS") == "linux" && target("ENV") == "gnu" && !is_static {
-        println!("cargo::rustc-link-arg-bins=-no-pie");
     }
 }
 

@@ -1,6 +1,6 @@
 //! What is told of arcs, an arc a lane: integrals of their trial pressures, in shares that need not wait for each other.
 
-use super::arc::ContactArc;
+use super::arc::{ContactArc, cosines};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 /// Arcs side by side, an arc a lane, with the place of what is told of them: `[number][lane]`.
@@ -41,10 +41,8 @@ pub fn points_from<const TERMS: usize>(begin: usize, weight: f64) -> ([f64; POIN
     for point in 0..POINTS {
         at[point] = (((begin + point) as f64 + 0.5) * weight).cos();
         let twice = 2.0 * at[point] * at[point] - 1.0;
-        let (mut value, mut previous) = (-weight, -weight * twice);
-        for trial in &mut trials[point] {
-            *trial = value;
-            (value, previous) = (2.0 * twice * value - previous, value);
+        for (trial, cosine) in trials[point].iter_mut().zip(cosines(twice, TERMS)) {
+            *trial = -weight * cosine;
         }
     }
     (at, trials)
