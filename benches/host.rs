@@ -6,6 +6,7 @@
 
 use jointsweep::internals::engine::backend::gpu::context::{AdapterChoice, Adapters};
 use jointsweep::internals::engine::backend::precision::Precision;
+use jointsweep::internals::engine::threads::pool;
 use jointsweep::internals::lab::gpu::host_cost::HostCost;
 use jointsweep::internals::lab::gpu::measured_sweep::SWEEPS;
 
@@ -33,6 +34,7 @@ fn main() {
     let gpu = Adapters::enumerate().open(AdapterChoice::Named("")).unwrap_or_else(|error| panic!("{error}"));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     println!("{}, {} threads", gpu.facts.name, threads);
+    let pool = pool(threads).unwrap_or_else(|error| panic!("{error}"));
     let lines = [
         (&SWEEPS[0], Precision::F32, How::Condensed),
         (&SWEEPS[0], Precision::Mixed, How::Condensed),
@@ -65,7 +67,7 @@ fn main() {
         let mut last = HostCost::default();
         for _ in 0..repeats {
             let (batch, draws) = if how == How::Drawn { (DRAWN_BATCH, true) } else { (BATCH, false) };
-            let cost = HostCost::of(&study, &gpu, precision, batch, draws);
+            let cost = HostCost::of(&study, &gpu, precision, &pool, batch, draws);
             last = cost.unwrap_or_else(|error| panic!("{error}"));
             let each = |seconds: f64| 1e6 * seconds / last.designs as f64;
             println!(

@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use foldhash::HashMap;
+use rayon::ThreadPool;
 
 use crate::engine::backend::adapter::GpuError;
 use crate::engine::backend::choice::joints_in;
@@ -63,11 +64,12 @@ pub struct HostCost {
 
 impl HostCost {
     /// Of the designs of a study in batches of so many; nothing is written. Of one that asks for answers alone the device counts the rows, of
-    /// designs that it `draws` itself, if it can.
+    /// designs that it `draws` itself, if it can. The threads of `pool` solve, as in a sweep, while the caller draws.
     pub fn of(
         study: &Study,
         gpu: &GpuDevice,
         precision: Precision,
+        pool: &ThreadPool,
         batch_size: usize,
         draws: bool,
     ) -> Result<HostCost, GpuError> {
@@ -93,15 +95,16 @@ impl HostCost {
             .asked_by(asker)
             .on(Box::new(condenser));
         let chosen = Chosen::All;
-        let Ok(mut drawer) = Drawer::new(study, &chosen, rayon::current_num_threads()) else {
+        let Ok(mut drawer) = Drawer::new(study, &chosen, pool.current_num_threads()) else {
             unreachable!("what is sampled can be drawn")
         };
         if ladder.interpolation.is_some() {
-            ladder.answers(&drawer.draw(UNCOUNTED).unwrap_or_default());
+            let first = drawer.draw(UNCOUNTED).unwrap_or_default();
+            pool.install(|| ladder.answers(&first));
         }
         let drawing = asker.filter(|_| draws).and_then(|asker| Drawing::of(study, asker.question()));
         let numbers = 0..if drawing.is_some() { study.design_count() } else { 0 };
-        let mut batches = Batches { study, ladder, begun: None, cost: HostCost::default() };
+        let mut batches = Batches { study, pool, ladder, begun: None, cost: HostCost::default() };
         let mut numbered = numbers.clone().step_by(batch_size).map(|first| {
             let end = numbers.end.min(first + batch_size as u64);
             first..end
@@ -138,6 +141,7 @@ impl HostCost {
 /// A sweep that is solved batch by batch.
 struct Batches<'a> {
     study: &'a Study,
+    pool: &'a ThreadPool,
     ladder: Ladder<'a>,
     /// What is counted comes back when the next batch is begun, as in a sweep.
     begun: Option<Counting>,
@@ -155,14 +159,14 @@ impl Batches<'_> {
             return false;
         }
         self.cost.designs += batch.len() as u64;
-        match self.ladder.begin_count(batch) {
+        self.pool.install(|| match self.ladder.begin_count(batch) {
             Ok(counting) => self.follow(Some(counting)),
             Err(batch) => {
                 let answers = self.ladder.answers(&batch);
                 let is_there = |answer: &&Answer| answer.backend == BackendKind::Gpu;
                 self.cost.on_device += answers.iter().filter(is_there).count() as u64;
             }
-        }
+        });
         self.cost.solving += processor_seconds().unwrap_or(f64::NAN) - drawn;
         true
     }
@@ -171,8 +175,10 @@ impl Batches<'_> {
     fn take_drawn(&mut self, drawing: &Drawing, numbers: Range<u64>) -> bool {
         let before = processor_seconds().unwrap_or(f64::NAN);
         self.cost.designs += numbers.end - numbers.start;
-        let counting = self.ladder.begin_drawn(drawing, numbers);
-        self.follow(counting);
+        self.pool.install(|| {
+            let counting = self.ladder.begin_drawn(drawing, numbers);
+            self.follow(counting);
+        });
         self.cost.solving += processor_seconds().unwrap_or(f64::NAN) - before;
         true
     }
@@ -186,7 +192,7 @@ impl Batches<'_> {
 
     fn finish(&mut self) {
         let before = processor_seconds().unwrap_or(f64::NAN);
-        self.follow(None);
+        self.pool.install(|| self.follow(None));
         self.cost.solving += processor_seconds().unwrap_or(f64::NAN) - before;
     }
 }
