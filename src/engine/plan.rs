@@ -1,7 +1,7 @@
 //! From the accuracy asked to what is computed: for each body exact modes or a mesh, and how fine.
 
 use crate::engine::accuracy::known_errors::{
-    COLUMNS, Group, KNOWN_LEVELS, Table, columns, known_error, known_of_levels,
+    COLUMNS, Group, KNOWN_LEVELS, NO_MESH, Table, columns, first_place, known_of_levels, place_from,
 };
 use crate::engine::accuracy::mesh_change::Trust;
 use crate::engine::accuracy::{Estimate, Want};
@@ -24,6 +24,8 @@ pub struct JointPlan {
     /// Of the bodies on meshes.
     pub level: usize,
     pub estimate: Estimate,
+    /// Of pin and plate, if they are on meshes, where among `known_errors::all` that of the coarsest one is; `None` where nothing is known.
+    pub first_known: [Option<u32>; 2],
 }
 
 /// What a body without a mesh is off by on any level.
@@ -73,7 +75,8 @@ impl JointPlan {
     pub fn of_other(&self, joint: &JointDesign) -> JointPlan {
         let [pin, plate] = [(&self.pin, &joint.pin), (&self.plate, &joint.plate)]
             .map(|(request, part)| BodyRequest { body: joint.body(part), ..*request });
-        JointPlan { pin, plate, ..*self }
+        let first_known = [&pin, &plate].map(first_known);
+        JointPlan { pin, plate, first_known, ..*self }
     }
 
     pub fn method(&self) -> Method {
@@ -110,11 +113,12 @@ impl JointPlan {
         expected: &ExpectedContact,
         half_angles: [f64; 2],
     ) -> Option<[f64; KNOWN_LEVELS]> {
-        let known = |request: &BodyRequest| match request.fidelity {
+        let known = |(request, first): (&BodyRequest, Option<u32>)| match request.fidelity {
             Fidelity::Series => Some(&WITHOUT_MESH),
-            Fidelity::Mesh { .. } => known_of_levels(&request.body),
+            Fidelity::Mesh { .. } => known_of_levels(first? as usize),
         };
-        let known = [known(&self.pin)?, known(&self.plate)?];
+        let [pin, plate] = self.with_first_known();
+        let known = [known(pin)?, known(plate)?];
         let columns = columns(half_angles);
         let mut errors = [0.0; KNOWN_LEVELS];
         for (level, error) in errors.iter_mut().enumerate() {
@@ -153,10 +157,12 @@ impl JointPlan {
         if level == LEVEL_COUNT {
             return None;
         }
-        let is_known = |request: &BodyRequest| known_error(&request.body, level, 0.0).is_some();
         let finer = match self.estimate {
             Estimate::Exact => return None,
-            Estimate::Known if self.meshed().all(is_known) => self.clone().moved_to(level),
+            Estimate::Known => {
+                let finer = self.clone().moved_to(level);
+                if finer.known_places().is_some() { finer } else { finer.told_by_coarser() }
+            }
             _ => self.clone().on_level(level),
         };
         finer.is_bounded_on(level).then_some(finer)
@@ -217,7 +223,8 @@ impl JointPlan {
             BodyRequest { body, fidelity }
         };
         let (pin, plate) = (request(pin), request(plate));
-        let plan = JointPlan { pin, plate, space, level, estimate: Estimate::Exact };
+        let first_known = [&pin, &plate].map(first_known);
+        let plan = JointPlan { pin, plate, space, level, estimate: Estimate::Exact, first_known };
         let refusal = plan.meshed().find_map(|request| Refusal::of_mesh(&request.body));
         refusal.map_or(Ok(plan), Err)
     }
@@ -228,6 +235,21 @@ impl JointPlan {
             self.estimate = Estimate::Change(trust);
         }
         self
+    }
+
+    fn with_first_known(&self) -> [(&BodyRequest, Option<u32>); 2] {
+        let [pin, plate] = self.first_known;
+        [(&self.pin, pin), (&self.plate, plate)]
+    }
+
+    /// Of pin and plate where among `known_errors::all` that is which is known of their meshes; `None` where nothing is of one.
+    pub fn known_places(&self) -> Option<[usize; 2]> {
+        let place = |(request, first): (&BodyRequest, Option<u32>)| match request.fidelity {
+            Fidelity::Series => Some(NO_MESH),
+            Fidelity::Mesh { level } => place_from(first? as usize, level),
+        };
+        let [pin, plate] = self.with_first_known();
+        Some([place(pin)?, place(plate)?])
     }
 
     /// The bodies on meshes.
@@ -264,5 +286,13 @@ impl JointPlan {
             }
             _ => None,
         }
+    }
+}
+
+/// `JointPlan::first_known` of a body.
+fn first_known(request: &BodyRequest) -> Option<u32> {
+    match request.fidelity {
+        Fidelity::Series => None,
+        Fidelity::Mesh { .. } => first_place(&request.body).map(|place| place as u32),
     }
 }

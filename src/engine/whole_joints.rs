@@ -12,7 +12,6 @@ use rayon::prelude::*;
 use crate::engine::accuracy::Want;
 use crate::engine::accuracy::body_errors::OwnError;
 use crate::engine::accuracy::fit_bound::FitBound;
-use crate::engine::accuracy::known_errors::{self, NO_MESH};
 use crate::engine::backend::joints::{AskedOfJoints, CondensedBody};
 use crate::engine::backend::{Device, IN_FLIGHT};
 use crate::engine::bodies::BodyLibrary;
@@ -51,24 +50,34 @@ pub struct WholeJoints<'a, 'd> {
     pub contact: Duration,
 }
 
-/// A design with its plan.
-type Open<'a> = &'a (usize, JointPlan);
+/// A design of a portion.
+#[derive(Clone, Copy)]
+struct Open<'a> {
+    /// Its place among those tried together.
+    place: usize,
+    /// Among the cases.
+    design: usize,
+    plan: &'a JointPlan,
+}
 
 /// Designs that the device has.
 struct Begun<'a> {
-    open: &'a [(u32, Open<'a>)],
+    open: &'a [Open<'a>],
     alike: Alike,
     underway: Underway<f64>,
 }
 
 /// The different bodies of some requests.
-#[derive(Default)]
 struct Distinct<'a> {
     table: HashTable<u32>,
     requests: Vec<Hashed<&'a BodyRequest>>,
 }
 
 impl<'a> Distinct<'a> {
+    fn with_room_for(requests: usize) -> Distinct<'a> {
+        Distinct { table: HashTable::with_capacity(requests), requests: Vec::with_capacity(requests) }
+    }
+
     fn place(&mut self, request: Hashed<&'a BodyRequest>) -> u32 {
         let Distinct { table, requests } = self;
         let is_same = |place: &u32| requests[*place as usize] == request;
@@ -97,8 +106,8 @@ impl WholeJoints<'_, '_> {
         open: &[(usize, JointPlan)],
     ) -> Vec<Option<(Answer, Want)>> {
         let mut answers = vec![None; open.len()];
-        let whole = (0..).zip(open).filter(|(_, (_, plan))| is_for_devices(plan));
-        let whole: Vec<(u32, Open)> = whole.collect();
+        let all = (0..).zip(open).map(|(place, (design, plan))| Open { place, design: *design, plan });
+        let whole: Vec<Open> = all.filter(|open| is_for_devices(open.plan)).collect();
         let mut begun: VecDeque<Begun> = VecDeque::new();
         for portion in portions(&whole) {
             if begun.len() == IN_FLIGHT {
@@ -110,12 +119,12 @@ impl WholeJoints<'_, '_> {
         answers
     }
 
-    /// Has the device count the rows of those designs of a study that it can solve; tells of each whether it has it, and in how many batches they
-    /// come.
+    /// Has the device count the rows of those designs of a study that it can solve, each with its plan, if it has one; tells of each whether it has
+    /// it, and in how many batches they come.
     pub fn begin_count(
         &mut self,
         cases: &[DesignCase],
-        open: &[(usize, JointPlan)],
+        plans: &[Option<JointPlan>],
         asker: &dyn Asker,
     ) -> (Vec<bool>, usize) {
         let question = asker.question();
@@ -124,8 +133,10 @@ impl WholeJoints<'_, '_> {
         let mut tables = standing.tables();
         let no_bound_at = tables.len();
         tables.extend(FitBound::of_none::<f32>());
-        let is_counted = |(_, plan): &Open| plan.method() == Method::Fe && is_for_devices(plan);
-        let whole: Vec<(u32, Open)> = (0..).zip(open).filter(|(_, open)| is_counted(open)).collect();
+        let is_counted = |plan: &&JointPlan| plan.method() == Method::Fe && is_for_devices(plan);
+        let planned = (0..).zip(plans).filter_map(|(place, plan)| Some((place, plan.as_ref()?)));
+        let counted = planned.filter(|(_, plan)| is_counted(plan));
+        let whole: Vec<Open> = counted.map(|(place, plan)| Open { place, design: place, plan }).collect();
         let (mut are_there, mut batches) = (vec![false; cases.len()], 0);
         // All at a time, since the device has another batch meanwhile.
         let (mut left, mut together) = (&whole[..], whole.len());
@@ -134,15 +145,13 @@ impl WholeJoints<'_, '_> {
             let Some(mut device) = self.library.take_device() else { break };
             let around = self.library.near_fields(&met.laid.near_fields);
             let give = |place: &usize, numbers: &mut Vec<f32>| {
-                let (index, plan) = portion[*place].1;
-                let case = &cases[*index];
+                let Open { design, plan, .. } = portion[*place];
+                let case = &cases[design];
                 let own = std::iter::once(case);
                 let given =
                     given(self.spaces, plan, met.bodies(*place, self.library, &around), own, numbers)?;
-                let bound = |request| {
-                    Some(BoundPlaces { of_fit: no_bound_at, kind: 0, of_mesh: known_place(request)? })
-                };
-                let bounds = [bound(&plan.pin)?, bound(&plan.plate)?];
+                let bounds =
+                    plan.known_places()?.map(|of_mesh| BoundPlaces { of_fit: no_bound_at, kind: 0, of_mesh });
                 let is_for_device = standing.push_design(case, given.kept, bounds, numbers);
                 // No state comes back that would have to be judged.
                 is_for_device.then(|| given.keeping(()))
@@ -163,20 +172,20 @@ impl WholeJoints<'_, '_> {
             }
             left = others;
             batches += 1;
-            for ((_, (index, _)), is_there) in portion.iter().zip(underway.are_there()) {
-                are_there[*index] = is_there;
+            for (open, is_there) in portion.iter().zip(underway.are_there()) {
+                are_there[open.design] = is_there;
             }
         }
         (are_there, batches)
     }
 
     /// Finds the bodies of a portion, and makes what the device is given of them and their spaces.
-    fn meet(&mut self, open: &[(u32, Open)]) -> MetPortion {
+    fn meet(&mut self, open: &[Open]) -> MetPortion {
         let started = Stopwatch::start();
-        let plans = open.par_iter().with_min_len(MANY).map(|(_, (_, plan))| plan);
+        let plans = open.par_iter().with_min_len(MANY).map(|open| open.plan);
         let requests = plans.clone().map(|plan| [&plan.pin, &plan.plate].map(Hashed::new));
         let requests: Vec<[Hashed<&BodyRequest>; 2]> = requests.collect();
-        let mut distinct = Distinct::default();
+        let mut distinct = Distinct::with_room_for(2 * requests.len());
         let places: Vec<[u32; 2]> =
             requests.into_iter().map(|own| own.map(|request| distinct.place(request))).collect();
         let laid = Laid::of(&distinct, self.library);
@@ -196,10 +205,9 @@ impl WholeJoints<'_, '_> {
     }
 
     /// Gives the device a portion, if it has room for it.
-    fn begin<'a>(&mut self, cases: &[DesignCase], open: &'a [(u32, Open<'a>)]) -> Option<Begun<'a>> {
+    fn begin<'a>(&mut self, cases: &[DesignCase], open: &'a [Open<'a>]) -> Option<Begun<'a>> {
         let met = self.meet(open);
-        let key =
-            |((_, (index, plan)), own): (&(u32, Open), &[u32; 2])| joint_key(*own, plan, &cases[*index]);
+        let key = |(open, own): (&Open, &[u32; 2])| joint_key(*own, open.plan, &cases[open.design]);
         let alike = Alike::of(open.par_iter().with_min_len(MANY).zip(&met.places).map(key).collect());
         let mut device = self.library.take_device()?;
         let (library, spaces) = (&*self.library, &*self.spaces);
@@ -208,8 +216,8 @@ impl WholeJoints<'_, '_> {
             let own = alike.places(joint);
             let first = own[0] as usize;
             let bodies = met.bodies(first, library, &around);
-            let own_cases = own.iter().map(|place| &cases[open[*place as usize].1.0]);
-            given(spaces, &open[first].1.1, bodies, own_cases, numbers)
+            let own_cases = own.iter().map(|place| &cases[open[*place as usize].design]);
+            given(spaces, open[first].plan, bodies, own_cases, numbers)
         };
         let (mut batch, underway) = gathered(&alike.joints, JOINTS_TOGETHER, give);
         batch.near_fields = met.laid.near_fields.iter().copied().zip(around).collect();
@@ -232,8 +240,8 @@ impl WholeJoints<'_, '_> {
         let known = |_, request| known_error(request, rounding);
         let judge = |joint: &Range<u32>, even: f64, found: &[f32]| {
             let own = alike.places(joint);
-            let own_cases = own.iter().map(|place| &cases[open[*place as usize].1.0]);
-            let plan = &open[own[0] as usize].1.1;
+            let own_cases = own.iter().map(|place| &cases[open[*place as usize].design]);
+            let plan = open[own[0] as usize].plan;
             judged_designs(spaces, plan, known, own_cases, accuracy, (even, found))
         };
         let started = Stopwatch::start();
@@ -242,22 +250,13 @@ impl WholeJoints<'_, '_> {
         self.contact += started.elapsed() * rayon::current_num_threads() as u32;
         for (joint, judged) in alike.joints.iter().zip(judged) {
             for (place, answer) in alike.places(joint).iter().zip(judged.into_iter().flatten()) {
-                answers[open[*place as usize].0 as usize] = Some(answer);
+                answers[open[*place as usize].place] = Some(answer);
             }
         }
     }
 }
 
-/// Among `known_errors::all`, of a body of a plan that is for devices.
-fn known_place(request: &BodyRequest) -> Option<usize> {
-    match request.fidelity {
-        Fidelity::Mesh { level } => known_errors::place(&request.body, level),
-        // It has no layers.
-        Fidelity::Series => Some(NO_MESH),
-    }
-}
-
-/// The same as it counts.
+/// What is known of a body of a plan that is for devices, as it counts.
 fn known_error(request: &BodyRequest, rounding: f64) -> OwnError<'_> {
     match request.fidelity {
         Fidelity::Mesh { level } => OwnError::of_mesh(&request.body, level, rounding),

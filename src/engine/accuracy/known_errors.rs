@@ -175,7 +175,16 @@ pub fn all() -> &'static [Known] {
 
 /// The place among `all` of what is known of a body on a mesh level.
 pub fn place(body: &Body, level: usize) -> Option<usize> {
-    let first = ERRORS.firsts[Kind::of(body)?.number()]?;
+    place_from(first_place(body)?, level)
+}
+
+/// The same of the coarsest one.
+pub fn first_place(body: &Body) -> Option<usize> {
+    ERRORS.firsts[Kind::of(body)?.number()]
+}
+
+/// The same by the place of the coarsest one.
+pub fn place_from(first: usize, level: usize) -> Option<usize> {
     (level < KNOWN_LEVELS).then_some(first + level)
 }
 
@@ -192,13 +201,12 @@ pub fn columns([narrowest, widest]: [f64; 2]) -> RangeInclusive<usize> {
 /// What is known of a body on a mesh level, by `column`.
 pub type Known = [f64; COLUMNS.len() + 1];
 
-/// Errors of the force at most, relative, of each level; `None` for bodies that were not measured, or behave otherwise: nearly
-/// incompressible, nearly conformal.
-pub fn known_of_levels(body: &Body) -> Option<&'static Table> {
-    all().get(place(body, 0)?..)?.first_chunk()
+/// Errors of the force at most, relative, of each level, by the place of the coarsest.
+pub fn known_of_levels(first: usize) -> Option<&'static Table> {
+    all().get(first..)?.first_chunk()
 }
 
-/// Those of one level.
+/// Those of one level; `None` for bodies that were not measured, or behave otherwise: nearly incompressible, nearly conformal.
 pub fn known_errors(body: &Body, level: usize) -> Option<&'static Known> {
     all().get(place(body, level)?)
 }

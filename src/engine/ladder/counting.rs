@@ -57,13 +57,11 @@ impl Ladder<'_> {
         if library.solves_joints() < SolvedJoints::All || *method == MethodChoice::ClosedForm {
             return None;
         }
-        let cheapest = |(index, case)| (index, JointPlan::cheapest(case, *method, *accuracy).ok());
-        let plans = cases.par_iter().enumerate().with_min_len(MANY).map(cheapest);
-        let plans: Vec<(usize, Option<JointPlan>)> = plans.collect();
-        let open = plans.into_iter().filter_map(|(index, plan)| Some((index, plan?)));
-        let open: Vec<(usize, JointPlan)> = open.collect();
+        let cheapest = |case| JointPlan::cheapest(case, *method, *accuracy).ok();
+        let plans = cases.par_iter().with_min_len(MANY).map(cheapest);
+        let plans: Vec<Option<JointPlan>> = plans.collect();
         let mut whole = WholeJoints { library, spaces, accuracy: *accuracy, contact: Duration::ZERO };
-        let (are_there, batches) = whole.begin_count(cases, &open, asker);
+        let (are_there, batches) = whole.begin_count(cases, &plans, asker);
         (batches > 0).then_some((are_there, batches))
     }
 

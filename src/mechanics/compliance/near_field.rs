@@ -175,7 +175,7 @@ impl NearFieldClass {
         bodies: impl ExactSizeIterator<Item = &'a Body> + Clone,
         grading: GradingClass,
         common: &InCommon,
-    ) -> Vec<([NearFieldClass; 2], f64)> {
+    ) -> impl Iterator<Item = ([NearFieldClass; 2], f64)> {
         let mut growths = Vec::with_capacity(bodies.len() + LANES);
         let mut depths = bodies.clone().map(depth_at_contact);
         while growths.len() < bodies.len() {
@@ -183,7 +183,8 @@ impl NearFieldClass {
             let own = std::array::from_fn(|_| depths.next().unwrap_or(1.0));
             growths.extend(in_lanes(Growths { layers: grading.layers(), depths: own }));
         }
-        bodies.zip(growths).map(|(body, own)| NearFieldClass::of_growth(body, grading, common, own)).collect()
+        let of_growth = move |(body, own)| NearFieldClass::of_growth(body, grading, common, own);
+        bodies.zip(growths).map(of_growth)
     }
 
     /// For the growth of a body's layers where contact begins.
