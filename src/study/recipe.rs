@@ -87,7 +87,10 @@ impl<const N: usize> PartValues<'_, N> {
             support: self.supports[place],
             material: self.materials[place],
             yield_stress: self.recipe.yield_stress.as_ref().map(|own| own.value),
-            layers: Layers::new(self.layers.iter().map(layer).collect()),
+            layers: match self.layers[..] {
+                [] => Layers::NONE,
+                _ => Layers::new(self.layers.iter().map(layer).collect()),
+            },
         }
     }
 }

@@ -164,11 +164,16 @@ impl PartialEq for Body {
 
 impl Eq for Body {}
 
+/// In few words, since sweeps hash every body they draw.
 impl Hash for Body {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        self.shape.hash(state);
-        self.bits().hash(state);
-        self.lining.hash(state);
+        let (parameters, support, poissons_ratio, idealization, all_around) = self.bits();
+        parameters.into_iter().for_each(|ratio| state.write_u64(ratio));
+        state.write_u64(poissons_ratio);
+        // Hashes may be alike.
+        let kind = (self.shape.name.len() << 16) + (support << 8) + (2 * idealization as usize);
+        state.write_usize(kind + usize::from(all_around));
+        self.lining.list().iter().for_each(|interface| interface.hash(state));
     }
 }
 
