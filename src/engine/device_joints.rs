@@ -9,7 +9,7 @@ use crate::engine::backend::joints::{
 };
 
 /// Joints of condensed bodies that a thread takes at a time, to give them to a device or to judge what that has found.
-pub const JOINTS_TOGETHER: usize = 64;
+pub const JOINTS_TOGETHER: usize = 128;
 
 /// Numbers that there is room for at once, more than most joints have.
 const NUMBERS_OF_JOINT: usize = 256;
