@@ -6,8 +6,8 @@
 use crate::common::draws::{concentric, disc_in_block, draw, half_disc_in_annulus};
 use crate::common::length::count;
 use jointsweep::internals::engine::accuracy::Estimate;
-use jointsweep::internals::engine::accuracy::known_errors::{KNOWN_LEVELS, known_error};
-use jointsweep::internals::engine::body_request::Fidelity;
+use jointsweep::internals::engine::accuracy::known_errors::{KNOWN_LEVELS, NO_MESH, known_error, place};
+use jointsweep::internals::engine::body_request::{BodyRequest, Fidelity};
 use jointsweep::internals::engine::expected_contact::ExpectedContact;
 use jointsweep::internals::engine::ladder::Ladder;
 use jointsweep::internals::engine::outcome::{DesignOutcome, Method, Response};
@@ -236,4 +236,36 @@ fn what_is_planned_is_what_is_solved() {
         assert!(known == 80 && answered >= 79, "{accuracy}: {answered} answers to {known}");
         assert!(stayed as f64 >= 0.95 * f64::from(answered), "{accuracy}: {stayed} of {answered}");
     }
+}
+
+/// Plans say of their bodies' meshes what is known of these bodies, on whichever level they come to, and for another joint what is known of its
+/// bodies.
+#[test]
+fn plans_know_what_is_known_of_their_meshes() {
+    let own = |plan: &JointPlan| {
+        let place = |request: &BodyRequest| match request.fidelity {
+            Fidelity::Series => Some(NO_MESH),
+            Fidelity::Mesh { level } => place(&request.body, level),
+        };
+        Some([place(&plan.pin)?, place(&plan.plate)?])
+    };
+    let (mut known, mut unknown, mut changed) = (0, 0, 0);
+    for case in cases(100, 100) {
+        for method in [MethodChoice::Auto, MethodChoice::Fe] {
+            let plan = JointPlan::cheapest(&case, method, 1e-2).unwrap();
+            let mut other = case.joint.clone();
+            other.plate.material.poissons_ratio = if case.index % 2 == 0 { -0.4 } else { 0.49 };
+            let of_other = plan.of_other(&other);
+            changed += usize::from(of_other.known_places() != plan.known_places());
+            for plan in [plan, of_other]
+                .into_iter()
+                .flat_map(|plan| std::iter::successors(Some(plan), JointPlan::finer).collect::<Vec<_>>())
+            {
+                assert_eq!(plan.known_places(), own(&plan), "{plan:?}");
+                *(if plan.known_places().is_some() { &mut known } else { &mut unknown }) += 1;
+            }
+        }
+    }
+    println!("known {known}, unknown {unknown}, changed {changed}");
+    assert!(known > 500 && unknown > 500 && changed > 100, "{known} {unknown} {changed}");
 }

@@ -254,3 +254,43 @@ impl Body {
         self.shape == other.shape && of(self) == of(other) && self.lining == other.lining
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::hash::BuildHasher;
+
+    use foldhash::fast::FixedState;
+
+    use super::*;
+    use crate::mechanics::body::lining::Interface;
+
+    /// Bodies that differ in one thing only, each of them.
+    #[test]
+    fn whatever_tells_bodies_apart_is_hashed() {
+        let hash = |body: &Body| FixedState::with_seed(0).hash_one(body);
+        let own = Body::bare(&block::SHAPE, [3.0, 2.0, 2.5], 0.3, Idealization::PlaneStress);
+        let interface = Interface { radius_ratio: 1.2, modulus_ratio: 2.0, poissons_ratio: 0.3 };
+        let lining = |interface: Interface| Lining::new(vec![interface]);
+        let lined = Body { lining: lining(interface), ..own.clone() };
+        let mut all = vec![own.clone(), lined.clone()];
+        all.extend((0..MAX_PARAMETERS).map(|place| {
+            let mut other = own.clone();
+            other.parameters[place] *= 1.0 + f64::EPSILON;
+            other
+        }));
+        all.extend([
+            Body { shape: &annulus::SHAPE, ..own.clone() },
+            Body { support: 1, ..own.clone() },
+            Body { poissons_ratio: 0.4, ..own.clone() },
+            Body { idealization: Idealization::PlaneStrain, ..own.clone() },
+            Body { all_around: true, ..own.clone() },
+            Body { lining: lining(Interface { radius_ratio: 1.3, ..interface }), ..own.clone() },
+            Body { lining: lining(Interface { modulus_ratio: 1.0, ..interface }), ..own.clone() },
+            Body { lining: Lining::new(vec![interface; 2]), ..own.clone() },
+        ]);
+        let hashes: std::collections::HashSet<u64> = all.iter().map(hash).collect();
+        assert_eq!(hashes.len(), all.len());
+        // Equal ones have one hash, wherever their layers are.
+        assert_eq!(hash(&lined), hash(&Body { lining: lining(interface), ..own }));
+    }
+}
