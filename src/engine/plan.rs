@@ -24,7 +24,7 @@ pub struct JointPlan {
     /// Of the bodies on meshes.
     pub level: usize,
     pub estimate: Estimate,
-    /// Of pin and plate, if they are on meshes, where among `known_errors::all` that of the coarsest one is; `None` where nothing is known.
+    /// Of pin and plate the place among `known_errors::all` of what is known of their coarsest meshes; `None` where nothing is, or there is no mesh.
     pub first_known: [Option<u32>; 2],
 }
 
@@ -237,12 +237,13 @@ impl JointPlan {
         self
     }
 
+    /// The bodies, each with its own.
     fn with_first_known(&self) -> [(&BodyRequest, Option<u32>); 2] {
         let [pin, plate] = self.first_known;
         [(&self.pin, pin), (&self.plate, plate)]
     }
 
-    /// Of pin and plate where among `known_errors::all` that is which is known of their meshes; `None` where nothing is of one.
+    /// Of pin and plate the place among `known_errors::all` of what is known of their meshes; `None` where nothing is known of one.
     pub fn known_places(&self) -> Option<[usize; 2]> {
         let place = |(request, first): (&BodyRequest, Option<u32>)| match request.fidelity {
             Fidelity::Series => Some(NO_MESH),

@@ -64,7 +64,7 @@ pub struct HostCost {
 
 impl HostCost {
     /// Of the designs of a study in batches of so many; nothing is written. Of one that asks for answers alone the device counts the rows, of
-    /// designs that it `draws` itself, if it can. The threads of `pool` solve, as in a sweep, while the caller draws.
+    /// designs that it `draws` itself, if it can. The threads of `pool` solve, as in a sweep; the caller draws.
     pub fn of(
         study: &Study,
         gpu: &GpuDevice,
