@@ -1,7 +1,8 @@
 //! The curve of a joint against the equations solved at arcs of their own, and against Persson's table.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
+use crate::common::greatest::greatest;
 use crate::common::random::Random;
 use crate::laws::PERSSON_TABLE;
 use jointsweep::internals::engine::spaces::SpaceKey;
@@ -10,9 +11,9 @@ use jointsweep::internals::mechanics::compliance::arc::ContactArc;
 use jointsweep::internals::mechanics::compliance::concentric_body::ConcentricBody;
 use jointsweep::internals::mechanics::compliance::pressure_space::{PressureSpace, Tilt};
 use jointsweep::internals::mechanics::contact::curve::ContactCurve;
-use jointsweep::internals::mechanics::contact::curve_space::CurveSpace;
+use jointsweep::internals::mechanics::contact::curve_space::{CurveSpace, Variable};
 use jointsweep::internals::mechanics::contact::edge::EdgeStates;
-use jointsweep::internals::mechanics::contact::load::DimensionlessLoad;
+use jointsweep::internals::mechanics::contact::load::{DimensionlessLoad, NoState};
 use jointsweep::internals::mechanics::contact::outlines::Outlines;
 use jointsweep::internals::mechanics::material::Idealization;
 
@@ -134,4 +135,38 @@ fn curves_leave_what_is_said() {
     assert!(compared > 2700, "{compared}");
     assert!(bounded >= 178 && worst_unsaid < 1e-4, "{bounded}, {worst_unsaid:e}");
     assert!(said_too_much <= 30, "{said_too_much}");
+}
+
+/// Indentation over force goes like the logarithm of small loads; and where powers of the contact's width are no numbers, that is said, and not that
+/// the bodies are broken.
+#[test]
+fn loads_are_right_until_they_are_too_small() {
+    let bodies = [0.1, 3.0].map(|ratio| concentric(ratio, 0.3, Idealization::PlaneStress).compliance());
+    let outlines = Outlines::new(0.01);
+    let mut space = CurveSpace::new(Variable::Root, 10, 32, FRAC_PI_2);
+    bodies.iter().for_each(|body| space.pressures.prepare(body));
+    let [pin, plate] = &bodies;
+    let parts = [(Side::Pin, [(pin, 1.0)]), (Side::Plate, [(plate, 1.0)])];
+    let of_space = parts.each_ref().map(|(side, bodies)| space.part(*side, bodies, &outlines));
+    let curve = ContactCurve::new(&space, &of_space.each_ref(), outlines).unwrap();
+    for load in [DimensionlessLoad::Indentation as fn(f64) -> DimensionlessLoad, DimensionlessLoad::Force] {
+        let mut loads = (5..300).map(|power| load(10_f64.powi(-power)));
+        let states = curve.states(&mut loads);
+        let first_too_small = states.iter().position(Result::is_err).unwrap();
+        println!("{load:?}: from 1e-{} on too small", 5 + first_too_small);
+        assert!(first_too_small > 50, "{first_too_small}");
+        let (told, too_small) = states.split_at(first_too_small);
+        // The border is a few powers wide.
+        assert!(too_small.iter().flat_map(|state| state.as_ref().err()).all(|why| *why == NoState::TooSmall));
+        assert!(too_small[10..].iter().all(Result::is_err), "{too_small:?}");
+        // delta/F goes like ln(1/F) times (1/E1 + 1/E2)/pi, as Hertz has it of lines that touch.
+        let told = told.iter().map(|state| state.as_ref().unwrap().0);
+        let points: Vec<[f64; 2]> =
+            told.map(|state| [state.force.ln(), state.indentation / state.force]).collect();
+        let slope = |pair: &[[f64; 2]]| (pair[1][1] - pair[0][1]) / (pair[0][0] - pair[1][0]);
+        let slopes: Vec<f64> = points.windows(2).map(slope).collect();
+        let off: Vec<f64> = slopes.iter().map(|slope| (slope / FRAC_2_PI - 1.0).abs()).collect();
+        println!("{:.1e} {:.1e} {:.1e}", off[0], off[5], greatest(off[5..].iter().copied()));
+        assert!(off[5..].iter().all(|off| *off < 1e-7), "{off:?}");
+    }
 }

@@ -23,6 +23,9 @@ pub const MOST_OF_POLYNOMIALS: usize = 8;
 /// Nodes that P goes through.
 const AROUND: usize = 6;
 
+/// Loads so small that powers of the numbers which scale their sums overflow.
+const TOO_SMALL: f64 = 1e50;
+
 /// So many loads take half as many lanes.
 const FEW: usize = LANES / 2;
 
@@ -49,10 +52,10 @@ impl LaneWork for Loads<'_> {
             }
             if count > FEW {
                 let found = curve.search(&targets);
-                states.extend((0..count).map(|lane| found.state(curve, lane)));
+                states.extend((0..count).map(|lane| targets.told(lane, found.state(curve, lane))));
             } else if count > 0 {
                 let found = curve.search(&targets.first::<FEW>());
-                states.extend((0..count).map(|lane| found.state(curve, lane)));
+                states.extend((0..count).map(|lane| targets.told(lane, found.state(curve, lane))));
             }
             if count < LANES {
                 return;
@@ -72,6 +75,13 @@ impl<const WIDTH: usize, const COUNT: usize> Targets<WIDTH, COUNT> {
     fn first<const FIRST: usize>(&self) -> Targets<WIDTH, FIRST> {
         let first = |lanes: &Lanes<WIDTH, COUNT>| Lanes(std::array::from_fn(|lane| lanes.0[lane]));
         Targets { of_indentation: first(&self.of_indentation), of_force: first(&self.of_force) }
+    }
+
+    /// What is found of a load, which may be why there is nothing.
+    #[inline(always)]
+    fn told<T>(&self, lane: usize, found: Result<T, NoState>) -> Result<T, NoState> {
+        let is_too_small = self.of_indentation.0[lane].max(self.of_force.0[lane]) > TOO_SMALL;
+        found.map_err(|reason| if is_too_small { NoState::TooSmall } else { reason })
     }
 
     /// h.
