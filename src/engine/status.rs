@@ -70,8 +70,8 @@ impl fmt::Display for Failure {
             Failure::NoState(NoState::ContactTooWide, limit) => {
                 write!(out, "contact wider than {:.0} deg", limit.to_degrees())
             }
-            Failure::NoState(NoState::TooSmall, _) => {
-                out.write_str("the load is too small: powers of its contact's width are no numbers")
+            Failure::NoState(NoState::ContactTooNarrow, _) => {
+                out.write_str("the load is so small that its contact is too narrow to be solved")
             }
             Failure::NoState(NoState::BrokenCompliance, _) => out.write_str(
                 "compliance not positive definite, mostly of a wall too thin or too incompressible for its mesh",

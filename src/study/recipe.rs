@@ -6,7 +6,7 @@ use crate::mechanics::compliance::near_field::InCommon;
 use crate::mechanics::material::{Idealization, Material};
 use crate::study::columns::{Cell, Column, LayerQuantity, joint_columns};
 use crate::study::design::{JointDesign, Limits, Part, refuse_clearance};
-use crate::study::layers::{Layer, LayerCounts, Layers};
+use crate::study::layers::{Layer, LayerCounts};
 use crate::study::model::read_part;
 use crate::study::part_recipe::{LayerRecipe, Measure, PartRecipe};
 use crate::study::reader::{Choice, Quantity, Reader};
@@ -87,10 +87,7 @@ impl<const N: usize> PartValues<'_, N> {
             support: self.supports[place],
             material: self.materials[place],
             yield_stress: self.recipe.yield_stress.as_ref().map(|own| own.value),
-            layers: match self.layers[..] {
-                [] => Layers::NONE,
-                _ => Layers::new(self.layers.iter().map(layer).collect()),
-            },
+            layers: self.layers.iter().map(layer).collect(),
         }
     }
 }

@@ -58,6 +58,14 @@ impl<T> Stack<T> {
     }
 }
 
+/// As `new`.
+impl<T> FromIterator<T> for Stack<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(all: I) -> Stack<T> {
+        let mut all = all.into_iter().peekable();
+        Stack(all.peek().is_some().then(|| all.collect()))
+    }
+}
+
 impl<T> Default for Stack<T> {
     fn default() -> Stack<T> {
         Stack::NONE

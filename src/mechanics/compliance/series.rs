@@ -30,9 +30,6 @@ const RESOLVED: f64 = 5.0;
 /// The same of what counts by the clearance ratio squared.
 pub const NEGLIGIBLE_SECOND: f64 = 1e-3;
 
-/// Modes of second order that most pins have at most.
-const FEW_MODES: usize = 32;
-
 /// What a device leaves out of a compliance at most, relative: a tenth of what single precision leaves.
 pub const UNFELT: f64 = 1e-5;
 
@@ -169,19 +166,13 @@ impl ConcentricBody {
     /// Of so many modes from 0 on, two at least, `boundary_mode`; and of the first so many, none or two at least, the amplitude of u_phi under
     /// shear, less that of an infinite body.
     fn modes(&self, count: usize, shear_count: usize) -> [Vec<f64>; 3] {
-        let mut modes = [count, count, shear_count].map(|count| vec![0.0; count]);
-        self.fill_modes(modes.each_mut().map(|own| &mut own[..]));
-        modes
+        self.with_layers(|layers| self.modes_of(layers, count, shear_count))
     }
 
-    /// The same where there is room for as many, which is zero.
-    fn fill_modes(&self, modes: [&mut [f64]; 3]) {
-        self.with_layers(|layers| self.fill_modes_of(layers, modes));
-    }
-
-    fn fill_modes_of(&self, layers: &[Layer], [normal, along, shear]: [&mut [f64]; 3]) {
+    fn modes_of(&self, layers: &[Layer], count: usize, shear_count: usize) -> [Vec<f64>; 3] {
         let taper = self.taper();
-        in_lanes(FiniteParts { body: self, layers, parts: [&mut *normal, &mut *along, &mut *shear] });
+        let [mut normal, mut along, mut shear] =
+            in_lanes(FiniteParts { body: self, layers, count, shear_count });
         for n in [0, 1] {
             [normal[n], along[n]] = self.boundary_mode(n);
         }
@@ -191,7 +182,7 @@ impl ConcentricBody {
         let film = self.film(layers);
         if let Some(Film { bed, beyond, .. }) = &film {
             normal[0] -= 0.5 * bed;
-            for n in 1..normal.len() {
+            for n in 1..count {
                 let more = self.difference([beyond, &layers[0]], n, PRESSURE);
                 normal[n] += more[0] - bed;
                 along[n] += more[1];
@@ -202,9 +193,10 @@ impl ConcentricBody {
         } else {
             normal.iter_mut().enumerate().for_each(|(n, value)| *value *= taper(n));
         }
-        for values in [along, shear] {
+        for values in [&mut along, &mut shear] {
             values.iter_mut().enumerate().for_each(|(n, value)| *value *= taper(n));
         }
+        [normal, along, shear]
     }
 
     /// Of each mode 1, but where they end before they are negligible. There they fade out: an end of a sudden would make the
@@ -228,14 +220,8 @@ impl ConcentricBody {
         if self.is_bed() || count == 0 {
             return Vec::new();
         }
-        // A sweep asks this of every pin: most need no list for it.
-        let mut few = [[0.0; FEW_MODES]; 3];
-        if count <= FEW_MODES {
-            self.fill_modes(few.each_mut().map(|own| &mut own[..count]));
-            return bands(few.each_ref().map(|own| &own[..]), count);
-        }
-        let modes = self.modes(count, count);
-        bands(modes.each_ref().map(|own| &own[..]), count)
+        let [normal, along, shear] = self.modes(count, count);
+        bands([&normal, &along, &shear], count)
     }
 
     /// As much of it as is felt in single precision where the clearance ratio squared is this.
@@ -252,38 +238,46 @@ impl ConcentricBody {
     }
 }
 
-/// `finite_part` of modes, two at least, and what is along the ring under shear of the first of them, none or two at least: of 0 and 1
+/// `finite_part` of so many modes, two at least, and what is along the ring under shear of the first of them, none or two at least: of 0 and 1
 /// nothing. As many modes abreast as there are lanes.
 struct FiniteParts<'a> {
     body: &'a ConcentricBody,
     layers: &'a [Layer],
-    /// Normal, along the ring, and along it under shear.
-    parts: [&'a mut [f64]; 3],
+    count: usize,
+    shear_count: usize,
 }
 
 impl LaneWork for FiniteParts<'_> {
-    type Output = ();
+    type Output = [Vec<f64>; 3];
 
     #[inline(always)]
-    fn run<const WIDTH: usize>(self) {
-        let FiniteParts { body, layers, parts: [normal, along, shear] } = self;
-        let lists = normal[2..].chunks_mut(LANES).zip(along[2..].chunks_mut(LANES));
-        let mut sheared = shear.get_mut(2..).unwrap_or_default().chunks_mut(LANES);
-        for ((normal, along), first) in lists.zip((2..).step_by(LANES)) {
+    fn run<const WIDTH: usize>(self) -> [Vec<f64>; 3] {
+        let FiniteParts { body, layers, count, shear_count } = self;
+        let mut parts = [count, count, shear_count].map(|count| {
+            let mut part = Vec::new();
+            if count > 0 {
+                part.reserve_exact(count + LANES);
+                part.extend([0.0; 2]);
+            }
+            part
+        });
+        for first in (2..count).step_by(LANES) {
             let n = Lanes::<WIDTH>(std::array::from_fn(|lane| (first + lane) as f64));
-            let own = match sheared.next() {
-                Some(shear) => {
-                    let [own, [_, under_shear]] = body.finite_part(layers, n, [PRESSURE, SHEAR]);
-                    shear.copy_from_slice(&under_shear.0[..shear.len()]);
-                    own
-                }
-                None => {
-                    let [own] = body.finite_part(layers, n, [PRESSURE]);
-                    own
-                }
+            let [normal, along, shear] = &mut parts;
+            let own = if first < shear_count {
+                let [own, under_shear] = body.finite_part(layers, n, [PRESSURE, SHEAR]);
+                shear.extend_from_slice(&under_shear[1].0);
+                own
+            } else {
+                let [own] = body.finite_part(layers, n, [PRESSURE]);
+                own
             };
-            normal.copy_from_slice(&own[0].0[..normal.len()]);
-            along.copy_from_slice(&own[1].0[..along.len()]);
+            normal.extend_from_slice(&own[0].0);
+            along.extend_from_slice(&own[1].0);
         }
+        for (part, count) in parts.iter_mut().zip([count, count, shear_count]) {
+            part.truncate(count);
+        }
+        parts
     }
 }

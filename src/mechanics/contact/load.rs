@@ -22,8 +22,8 @@ impl DimensionlessLoad {
 pub enum NoState {
     /// The contact would reach beyond the largest half angle the scene allows.
     ContactTooWide,
-    /// So small that powers of its contact's width are no numbers.
-    TooSmall,
+    /// The contact would be narrower than the curve goes, or so narrow that powers of its width are no numbers.
+    ContactTooNarrow,
     /// The compliance is not positive definite, or not finite.
     BrokenCompliance,
     /// It is not because second order in the clearance does not bear such a clearance.

@@ -85,7 +85,7 @@ impl ContactCurve<'_> {
                     };
                     Ok((ContactState { tangent_stiffness, ..per_overlap(state, offset, rest) }, node))
                 }
-                Ok(_) | Err(NoState::ContactTooWide) => {
+                Ok(_) | Err(NoState::ContactTooWide | NoState::ContactTooNarrow) => {
                     let found = match *load {
                         DimensionlessLoad::Force(force) => {
                             ring.under_force(force / overlap, rest + opening.max(0.0))

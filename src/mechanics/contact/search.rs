@@ -23,8 +23,12 @@ pub const MOST_OF_POLYNOMIALS: usize = 8;
 /// Nodes that P goes through.
 const AROUND: usize = 6;
 
-/// Loads so small that powers of the numbers which scale their sums overflow.
-const TOO_SMALL: f64 = 1e50;
+/// In place of a node: loads beyond the widest one and below the narrowest.
+const TOO_WIDE: usize = usize::MAX;
+const TOO_NARROW: usize = usize::MAX - 1;
+
+/// Where a search that has a target above this does not end, it is because products of h^(1/2) are no numbers.
+const OVERFLOWING: f64 = 1e50;
 
 /// So many loads take half as many lanes.
 const FEW: usize = LANES / 2;
@@ -80,8 +84,11 @@ impl<const WIDTH: usize, const COUNT: usize> Targets<WIDTH, COUNT> {
     /// What is found of a load, which may be why there is nothing.
     #[inline(always)]
     fn told<T>(&self, lane: usize, found: Result<T, NoState>) -> Result<T, NoState> {
-        let is_too_small = self.of_indentation.0[lane].max(self.of_force.0[lane]) > TOO_SMALL;
-        found.map_err(|reason| if is_too_small { NoState::TooSmall } else { reason })
+        let overflows = self.of_indentation.0[lane].max(self.of_force.0[lane]) > OVERFLOWING;
+        found.map_err(|reason| match reason {
+            NoState::BrokenCompliance if overflows => NoState::ContactTooNarrow,
+            _ => reason,
+        })
     }
 
     /// h.
@@ -96,7 +103,7 @@ struct Found<const WIDTH: usize, const COUNT: usize> {
     /// Of the pin.
     b: Lanes<WIDTH, COUNT>,
     edge: FreeEdge<Lanes<WIDTH, COUNT>>,
-    /// The node at or above each; `usize::MAX` where the load is beyond the curve.
+    /// The node at or above each, or `TOO_WIDE` or `TOO_NARROW`.
     above: [usize; COUNT],
     /// 1 where it has, else 0.
     has_ended: Lanes<WIDTH, COUNT>,
@@ -107,8 +114,11 @@ impl<const WIDTH: usize, const COUNT: usize> Found<WIDTH, COUNT> {
     #[inline(always)]
     fn state(&self, curve: &ContactCurve, lane: usize) -> Result<(ContactState, usize), NoState> {
         let above = self.above[lane];
-        if above == usize::MAX {
+        if above == TOO_WIDE {
             return Err(NoState::ContactTooWide);
+        }
+        if above == TOO_NARROW {
+            return Err(NoState::ContactTooNarrow);
         }
         if self.has_ended.0[lane] == 0.0 {
             return Err(NoState::BrokenCompliance);
@@ -197,7 +207,7 @@ impl ContactCurve<'_> {
         targets: &Targets<WIDTH, COUNT>,
     ) -> Found<WIDTH, COUNT> {
         // Nodes go down with the angle: the last one that is not below the load.
-        let mut above = [usize::MAX; COUNT];
+        let mut above = [TOO_WIDE; COUNT];
         for node in self.first..self.states.count() {
             let [_, indentation, force] = self.node(node);
             let reached = targets.sum(Lanes::from_f64(indentation), Lanes::from_f64(force));
@@ -213,8 +223,11 @@ impl ContactCurve<'_> {
         let mut forces = [Lanes::<WIDTH, COUNT>::zero(); AROUND];
         let (mut low, mut high) = ([0.0; COUNT], [0.0; COUNT]);
         for lane in 0..COUNT {
+            if above[lane] == TOO_WIDE {
+                continue;
+            }
             if above[lane] >= end - 1 {
-                above[lane] = usize::MAX;
+                above[lane] = TOO_NARROW;
                 continue;
             }
             let own = above[lane];
@@ -236,7 +249,7 @@ impl ContactCurve<'_> {
         // 1 where a load is searched for.
         let mut searched = zero;
         for lane in 0..COUNT {
-            searched.0[lane] = f64::from(u8::from(above[lane] != usize::MAX));
+            searched.0[lane] = f64::from(u8::from(above[lane] < TOO_NARROW));
         }
         // y and (q - P(y))/W(y) of the step before.
         let mut before: Option<[Lanes<WIDTH, COUNT>; 2]> = None;
