@@ -1,3 +1,4 @@
+pub mod digits;
 pub mod registers;
 pub mod real;
 pub mod singles;

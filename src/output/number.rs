@@ -3,22 +3,7 @@
 use std::io::Write;
 use std::ops::Range;
 
-/// Powers of ten that f64 holds exactly, so that one multiplication or division by them is correctly rounded.
-const POWERS: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
-    1e19, 1e20, 1e21, 1e22,
-];
-
-/// The digits of 00 to 99.
-const PAIRS: [[u8; 2]; 100] = {
-    let mut pairs = [[b'0'; 2]; 100];
-    let mut number = 0;
-    while number < 100 {
-        pairs[number] = [b'0' + number as u8 / 10, b'0' + number as u8 % 10];
-        number += 1;
-    }
-    pairs
-};
+use crate::mechanics::digits::{plain, significant, without_zeros};
 
 /// Decimal exponents written without an `e`.
 const PLAIN: Range<i32> = -5..16;
@@ -38,16 +23,8 @@ pub fn push_exact(out: &mut Vec<u8>, value: f64) {
 /// Appends `value` rounded to nine significant digits, without trailing zeros.
 pub fn push_rounded(out: &mut Vec<u8>, value: f64) {
     assert!(value.is_finite(), "{value} has no place in a table");
-    match nine_digits(value.abs()) {
-        Some((mut integer, exponent)) => {
-            // Two digits at a time: half as many divisions that wait for each other.
-            let mut digits = [0; 10];
-            for pair in digits.chunks_exact_mut(2).rev() {
-                pair.copy_from_slice(&PAIRS[(integer % 100) as usize]);
-                integer /= 100;
-            }
-            push_digits(out, value < 0.0, &digits[1..], exponent);
-        }
+    match significant::<9>(value.abs()) {
+        Some((digits, exponent)) => push_digits(out, value < 0.0, &digits, exponent),
         None => push_decimal(out, format!("{value:.8e}").as_bytes()),
     }
 }
@@ -57,31 +34,6 @@ pub fn rounded_cell(value: f64) -> String {
     let mut text = Vec::new();
     push_rounded(&mut text, value);
     String::from_utf8(text).unwrap_or_default()
-}
-
-/// The integer of nine digits and the decimal exponent of its first digit; `None` where only the general
-/// (and slower) route is sure of every digit.
-fn nine_digits(value: f64) -> Option<(u32, i32)> {
-    if !(1e-13..1e30).contains(&value) {
-        return None;
-    }
-    let binary_exponent = (value.to_bits() >> 52) as i32 - 1023;
-    // floor(binary_exponent log10(2)): the decimal exponent or one less.
-    let mut exponent = (binary_exponent * 78913) >> 18;
-    let mut scaled = shifted(value, 8 - exponent);
-    if scaled >= 999_999_999.5 {
-        exponent += 1;
-        scaled = shifted(value, 8 - exponent);
-    }
-    // Beyond 2^52 there are no fractions, so the sum is rounded, ties to even, and its last bits are the integer.
-    const WHOLE: f64 = (1_u64 << 52) as f64;
-    Some(((scaled + WHOLE).to_bits() as u32, exponent))
-}
-
-/// value 10^power, correctly rounded.
-fn shifted(value: f64, power: i32) -> f64 {
-    let factor = POWERS[power.unsigned_abs() as usize];
-    if power < 0 { value / factor } else { value * factor }
 }
 
 /// Appends a number that is written in any way of `-12.5`, `0.00125` and `1.25e-7`.
@@ -114,32 +66,19 @@ fn push_decimal(out: &mut Vec<u8>, text: &[u8]) {
 
 /// Appends the number d.ddd x 10^exponent, less its trailing zeros.
 fn push_digits(out: &mut Vec<u8>, negative: bool, digits: &[u8], exponent: i32) {
-    let last = digits.iter().rposition(|digit| *digit != b'0');
-    let Some(last) = last else { return out.push(b'0') };
-    let digits = &digits[..=last];
+    let digits = without_zeros(digits);
+    if digits.is_empty() {
+        return out.push(b'0');
+    }
     if negative {
         out.push(b'-');
     }
-    if !PLAIN.contains(&exponent) {
-        push_point(out, digits, 1);
-        write!(out, "e{exponent}").expect("a Vec takes every write");
-    } else if exponent < 0 {
-        out.extend_from_slice(&b"0.00000"[..(1 - exponent) as usize]);
-        out.extend_from_slice(digits);
-    } else {
-        push_point(out, digits, exponent as usize + 1);
+    let is_plain = PLAIN.contains(&exponent);
+    for piece in plain(digits, if is_plain { exponent } else { 0 }) {
+        out.extend_from_slice(piece);
     }
-}
-
-/// Appends the digits with a point, where one is needed, after the first `whole` of them.
-fn push_point(out: &mut Vec<u8>, digits: &[u8], whole: usize) {
-    if digits.len() > whole {
-        out.extend_from_slice(&digits[..whole]);
-        out.push(b'.');
-        out.extend_from_slice(&digits[whole..]);
-    } else {
-        out.extend_from_slice(digits);
-        out.resize(out.len() + whole - digits.len(), b'0');
+    if !is_plain {
+        write!(out, "e{exponent}").expect("a Vec takes every write");
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::least_squares::LeastSquares;
 use super::logarithm::LogarithmSum;
-use super::{CalibratedLaw, Sample, Samples, number};
+use super::{Added, CalibratedLaw, Number, Sample, Samples};
 
 pub static LAW: CalibratedLaw = CalibratedLaw {
     name: "explicit",
@@ -14,9 +14,10 @@ pub static LAW: CalibratedLaw = CalibratedLaw {
     fit,
     value,
     formula: |constants, sizes| {
-        let [a, b, c, n] = [0, 1, 2, 3].map(|place| number(constants[place]));
-        let (stiffness, clearance) = (number(PI * sizes.stiffness), number(sizes.radial_clearance));
-        format!("F = {stiffness}*d/ln({a} + {b}*((d + {clearance})/d)^0.5 + {c}*((d + {clearance})/d)^{n})")
+        let [a, n] = [0, 3].map(|place| Number(constants[place]));
+        let [b, c] = [1, 2].map(|place| Added(constants[place]));
+        let (stiffness, clearance) = (Number(PI * sizes.stiffness), Number(sizes.radial_clearance));
+        format!("F = {stiffness}*d/ln({a} {b}*((d + {clearance})/d)^0.5 {c}*((d + {clearance})/d)^{n})")
     },
 };
 

@@ -40,7 +40,7 @@ impl FittedLaw {
 
     /// As a person pastes it: F in N, d in mm.
     pub fn formula(&self) -> String {
-        (self.law.formula)(&self.constants, &self.sizes).replace("+ -", "- ")
+        (self.law.formula)(&self.constants, &self.sizes)
     }
 
     /// Whether it was fitted over all states there are.

@@ -1,7 +1,7 @@
 //! s = (f/pi) ln(A + B f^(-1/3) + C f^(-2/3) + D/f), s = delta/e, f = F/(E* t e): four constants; f^(-1/3) is the range of thin layers.
 
 use super::logarithm::{LogarithmSum, inverse};
-use super::{CalibratedLaw, Sample, Samples, number};
+use super::{Added, CalibratedLaw, Number, Sample, Samples};
 use std::f64::consts::PI;
 
 pub static LAW: CalibratedLaw = CalibratedLaw {
@@ -12,11 +12,12 @@ pub static LAW: CalibratedLaw = CalibratedLaw {
     fit,
     value,
     formula: |constants, sizes| {
-        let [a, b, c, d] = [0, 1, 2, 3].map(|place| number(constants[place]));
-        let (stiffness, clearance) = (number(sizes.stiffness), number(sizes.radial_clearance));
+        let a = Number(constants[0]);
+        let [b, c, d] = [1, 2, 3].map(|place| Added(constants[place]));
+        let (stiffness, clearance) = (Number(sizes.stiffness), Number(sizes.radial_clearance));
         format!(
-            "d = F/{}*ln({a} + {b}*f^(-1/3) + {c}*f^(-2/3) + {d}/f), f = F/({stiffness}*(d + {clearance}))",
-            number(PI * sizes.stiffness)
+            "d = F/{}*ln({a} {b}*f^(-1/3) {c}*f^(-2/3) {d}/f), f = F/({stiffness}*(d + {clearance}))",
+            Number(PI * sizes.stiffness)
         )
     },
 };

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use super::offset::{at, fit_offset};
-use super::{CalibratedLaw, number};
+use super::{Added, CalibratedLaw, Number};
 
 pub static LAW: CalibratedLaw = CalibratedLaw {
     name: "johnson",
@@ -23,9 +23,9 @@ pub static LAW: CalibratedLaw = CalibratedLaw {
     },
     value,
     formula: |constants, sizes| {
-        let stiffness = number(PI * sizes.stiffness);
-        let scale = number(sizes.stiffness * sizes.radial_clearance);
-        format!("d = F/{stiffness}*(ln({scale}/F) + {})", number(constants[0]))
+        let stiffness = Number(PI * sizes.stiffness);
+        let scale = Number(sizes.stiffness * sizes.radial_clearance);
+        format!("d = F/{stiffness}*(ln({scale}/F) {})", Added(constants[0]))
     },
 };
 

@@ -19,6 +19,10 @@ pub mod persson_offset;
 pub mod spline;
 pub mod fitted;
 
+use std::fmt::{self, Display, Formatter};
+
+use crate::mechanics::digits::{plain, significant, without_zeros};
+
 pub use fitted::{FittedLaw, fitted_laws, recommended};
 pub use samples::{Sample, Samples};
 
@@ -63,27 +67,32 @@ pub static CALIBRATED_LAWS: [&CalibratedLaw; 9] = [
     &johnson_offset::LAW,
 ];
 
-/// Seven digits: a misfit in the sixth is below all others.
-fn number(value: f64) -> String {
-    let text = format!("{value:.6e}");
-    without_exponent(&text).unwrap_or(text)
+/// Seven digits: a misfit in the sixth is below all others. Without an exponent from 1e-4 to below 1e9.
+struct Number(f64);
+
+impl Display for Number {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        let Number(value) = *self;
+        match significant::<7>(value.abs()) {
+            Some((digits, exponent)) if (-4..9).contains(&exponent) => {
+                f.write_str(if value < 0.0 { "-" } else { "" })?;
+                let mut pieces = plain(without_zeros(&digits), exponent).into_iter();
+                pieces.try_for_each(|piece| f.write_str(str::from_utf8(piece).map_err(|_| fmt::Error)?))
+            }
+            _ => write!(f, "{value:.6e}"),
+        }
+    }
 }
 
-/// From 1e-4 to below 1e9, as Rust writes the number then; its digits are at hand.
-fn without_exponent(text: &str) -> Option<String> {
-    let (digits, exponent) = text.split_once('e')?;
-    let exponent: i32 = exponent.parse().ok()?;
-    let (sign, digits) = digits.strip_prefix('-').map_or(("", digits), |digits| ("-", digits));
-    let digits = digits.replacen('.', "", 1);
-    let digits = digits.trim_end_matches('0');
-    if digits.is_empty() || !(-4..9).contains(&exponent) {
-        return None;
+/// A number that is added: with its sign before it.
+struct Added(f64);
+
+impl Display for Added {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        let Added(value) = *self;
+        let sign = if value.is_sign_negative() { '-' } else { '+' };
+        write!(f, "{sign} {}", Number(value.abs()))
     }
-    Some(match usize::try_from(exponent + 1) {
-        Ok(whole @ 1..) if whole < digits.len() => format!("{sign}{}.{}", &digits[..whole], &digits[whole..]),
-        Ok(whole @ 1..) => format!("{sign}{digits:0<whole$}"),
-        _ => format!("{sign}0.{}{digits}", &"000"[..(-exponent - 1) as usize]),
-    })
 }
 
 #[cfg(test)]
@@ -97,6 +106,7 @@ mod tests {
             let rounded: f64 = text.parse().unwrap();
             if (1e-4..1e9).contains(&rounded.abs()) { format!("{rounded}") } else { text }
         };
+        let number = |value: f64| Number(value).to_string();
         let mut value = 7.3e-7_f64;
         while value < 3e11 {
             for own in [value, -value, 1.0 / value, value.round(), 10.0_f64.powf(value.log10().round())] {
@@ -111,6 +121,10 @@ mod tests {
         assert_eq!(
             [0.000_123, -1_234_567.0, 1_234_567_800.0].map(number),
             ["0.000123", "-1234567", "1.234568e9"]
+        );
+        assert_eq!(
+            [2.5, -0.25, -3e-9].map(|value| Added(value).to_string()),
+            ["+ 2.5", "- 0.25", "- 3.000000e-9"]
         );
     }
 }

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use super::offset::{at, fit_offset};
-use super::{CalibratedLaw, Samples, number};
+use super::{CalibratedLaw, Number, Samples};
 
 pub static LAW: CalibratedLaw = CalibratedLaw {
     name: "persson",
@@ -17,11 +17,11 @@ pub static LAW: CalibratedLaw = CalibratedLaw {
     },
     value,
     formula: |constants, sizes| {
-        let stiffness = number(PI * sizes.stiffness);
-        let scale = number(2.0 * PI * sizes.stiffness * sizes.radial_clearance);
+        let stiffness = Number(PI * sizes.stiffness);
+        let scale = Number(2.0 * PI * sizes.stiffness * sizes.radial_clearance);
         format!(
             "d = F/{stiffness}*({} - 2*ln(b)), F = {scale}*b^2*(1 + b^2)/(2 - ln(1 + b^2) - 2*b^4)",
-            number(constants[0])
+            Number(constants[0])
         )
     },
 };

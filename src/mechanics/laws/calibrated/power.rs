@@ -1,7 +1,7 @@
 //! F = k delta^n over the whole range: what most contact dialogues take, and not good there.
 
 use super::power_of::fit_power;
-use super::{CalibratedLaw, Sample, Samples, Sizes, number};
+use super::{CalibratedLaw, Number, Sample, Samples, Sizes};
 
 pub static LAW: CalibratedLaw = CalibratedLaw {
     name: "power",
@@ -26,5 +26,5 @@ pub(super) fn value(constants: &[f64], x: f64, _: f64) -> [f64; 2] {
 pub(super) fn formula(constants: &[f64], sizes: &Sizes) -> String {
     let [factor, exponent] = [constants[0], constants[1]];
     let factor = factor * sizes.stiffness * sizes.radial_clearance.powf(1.0 - exponent);
-    format!("F = {}*d^{}", number(factor), number(exponent))
+    format!("F = {}*d^{}", Number(factor), Number(exponent))
 }

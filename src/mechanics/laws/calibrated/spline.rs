@@ -1,6 +1,8 @@
 //! A cubic between logarithms through every fourth state with its slope: C1 and monotone, a power law at both ends.
 
-use super::{CalibratedLaw, Sample, Samples, number};
+use std::fmt::Write;
+
+use super::{CalibratedLaw, Number, Sample, Samples};
 
 pub static LAW: CalibratedLaw = CalibratedLaw {
     name: "spline",
@@ -10,13 +12,14 @@ pub static LAW: CalibratedLaw = CalibratedLaw {
     fit,
     value,
     formula: |constants, sizes| {
-        let points = constants.chunks_exact(3).map(|point| {
+        let mut text = String::from("cubic Hermite in ln d and ln F through (d, F, d ln F/d ln d) =");
+        for point in constants.chunks_exact(3) {
             let indentation = point[0].exp() * sizes.radial_clearance;
             let force = point[1].exp() * sizes.stiffness * sizes.radial_clearance;
-            format!("({}, {}, {})", number(indentation), number(force), number(point[2]))
-        });
-        let points: Vec<String> = points.collect();
-        format!("cubic Hermite in ln d and ln F through (d, F, d ln F/d ln d) = {}", points.join(" "))
+            // A String takes every write.
+            let _ = write!(text, " ({}, {}, {})", Number(indentation), Number(force), Number(point[2]));
+        }
+        text
     },
 };
 

@@ -4,7 +4,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::power_of::fit_power;
-use super::{CalibratedLaw, Sample, Samples, number};
+use super::{CalibratedLaw, Number, Sample, Samples};
 
 pub static LAW: CalibratedLaw = CalibratedLaw {
     name: "winkler",
@@ -14,8 +14,8 @@ pub static LAW: CalibratedLaw = CalibratedLaw {
     fit,
     value,
     formula: |constants, sizes| {
-        let (clearance, exponent) = (number(sizes.radial_clearance), number(constants[1]));
-        let factor = number(FRAC_PI_2 * constants[0] * sizes.stiffness);
+        let (clearance, exponent) = (Number(sizes.radial_clearance), Number(constants[1]));
+        let factor = Number(FRAC_PI_2 * constants[0] * sizes.stiffness);
         format!("F = {factor}*d*(d/(2*(d + {clearance})))^{exponent}")
     },
 };
