@@ -14,11 +14,14 @@ const KEPT: usize = 1 << 18;
 pub struct Distinct {
     hashes: HashSet<u64>,
     zeros: u32,
+    /// All, each as often as it came.
+    met: u64,
 }
 
 impl Distinct {
     pub fn meet(&mut self, thing: &impl Hash) {
         let hash = FixedState::with_seed(0).hash_one(thing);
+        self.met += 1;
         if hash.trailing_zeros() < self.zeros {
             return;
         }
@@ -30,6 +33,7 @@ impl Distinct {
     pub fn merge(&mut self, other: Distinct) {
         self.zeros = self.zeros.max(other.zeros);
         self.hashes.extend(other.hashes);
+        self.met += other.met;
         self.keep();
         self.shrink();
     }
@@ -46,8 +50,9 @@ impl Distinct {
         self.hashes.retain(|hash| hash.trailing_zeros() >= zeros);
     }
 
+    /// Never more than were met.
     pub fn count(&self) -> u64 {
-        (self.hashes.len() as u64) << self.zeros
+        ((self.hashes.len() as u64) << self.zeros).min(self.met)
     }
 }
 
@@ -81,6 +86,15 @@ mod tests {
         let error = distinct.count() as f64 / 5e6 - 1.0;
         // Four times the standard deviation.
         assert!(error.abs() < 0.011, "{error}");
+        // Met once each, an estimate that is too great is known to be.
+        let (mut too_great, mut each_once) = (0, Distinct::default());
+        for number in 0..2_000_000_u64 {
+            each_once.meet(&number);
+            let estimate = (each_once.hashes.len() as u64) << each_once.zeros;
+            too_great += u64::from(estimate > number + 1);
+            assert!(each_once.count() <= number + 1);
+        }
+        assert!(too_great > 0);
     }
 
     /// In whatever parts things are met, the same is kept of them.

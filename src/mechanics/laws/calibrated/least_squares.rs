@@ -1,18 +1,23 @@
 //! Small weighted least squares, by Gram and Schmidt.
 
+use smallvec::SmallVec;
+
 /// Room for one problem after the other.
 pub struct LeastSquares<const UNKNOWNS: usize> {
-    columns: [Vec<f64>; UNKNOWNS],
-    left: Vec<f64>,
-    own_weights: Vec<f64>,
+    columns: [Row; UNKNOWNS],
+    left: Row,
+    own_weights: Row,
 }
+
+/// As long as laws are fitted to states, without room from the system.
+type Row = SmallVec<[f64; 16]>;
 
 impl<const UNKNOWNS: usize> LeastSquares<UNKNOWNS> {
     pub fn new() -> LeastSquares<UNKNOWNS> {
         LeastSquares {
-            columns: std::array::from_fn(|_| Vec::new()),
-            left: Vec::new(),
-            own_weights: Vec::new(),
+            columns: std::array::from_fn(|_| Row::new()),
+            left: Row::new(),
+            own_weights: Row::new(),
         }
     }
 

@@ -38,11 +38,12 @@ impl LogarithmSum {
 pub fn inverse(x: f64, guess: f64, g: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
     const STEPS: usize = 60;
     let target = std::f64::consts::PI * x / (1.0 + x);
+    let of_target = target.ln();
     // ln of f ln g, to be ln of the target, and its slope.
     let value = |logarithm: f64| {
         let [own, slope] = g(logarithm);
         let under = own.ln();
-        [logarithm + under.ln() - target.ln(), 1.0 + slope / (own * under)]
+        [logarithm + under.ln() - of_target, 1.0 + slope / (own * under)]
     };
     // pi s/f is some 1 to 10.
     let guess = guess / (1.0 + x);
@@ -54,8 +55,8 @@ pub fn inverse(x: f64, guess: f64, g: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
             return [f64::NAN; 2];
         }
         logarithm -= step.clamp(-1.0, 1.0);
-        // Newton's next step would be the square of this one.
-        if step.abs() < 1e-7 {
+        // Newton's next step would be the square of this one; the slope is that of the place before.
+        if step.abs() < 1e-6 {
             let (force, share) = (logarithm.exp(), x / (1.0 + x));
             // y = f (1 + x), d ln f = d ln s/slope, ds/dx = 1/(1 + x)^2.
             return [force * (1.0 + x), force + force / (slope * share * (1.0 + x))];

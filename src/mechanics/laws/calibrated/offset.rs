@@ -29,8 +29,9 @@ pub fn at(
         let [[own, slope], [y, y_slope]] = state(u);
         // Compared in logarithms: x is nearly a power of the load.
         let excess = (own / x).ln();
-        if excess.abs() < 1e-10 {
-            return [y, y_slope / slope];
+        // Newton's step from here leaves nothing.
+        if excess.abs() < 1e-7 {
+            return [y - excess * own / slope * y_slope, y_slope / slope];
         }
         if excess.is_nan() {
             return [f64::NAN; 2];
