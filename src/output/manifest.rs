@@ -13,7 +13,7 @@ use crate::output::counts::Counts;
 use crate::output::host::{Host, Program, peak_memory, processor_seconds, seconds_since, utc};
 use crate::output::manifest_parts::{Adapter, Config, FileEntry, Shard, Spent, State, computed_by};
 use crate::output::origin::Origin;
-use crate::output::schema::constants_as_json;
+use crate::output::schema::{constants_as_json, left_out};
 use crate::output::whole_file::{publish, stage_bytes, write_whole};
 use crate::study::config::Study;
 use crate::study::fingerprint::Fingerprint;
@@ -52,6 +52,9 @@ pub struct Manifest {
     /// Inputs that are the same in all rows and that the table does not have.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     constants: serde_json::Map<String, serde_json::Value>,
+    /// Inputs that are not the same in all rows and that the table does not have.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    left_out: Vec<String>,
     /// The config and the list of designs as they were read.
     inputs: Vec<FileEntry>,
     /// What the run has made.
@@ -116,6 +119,7 @@ impl Manifest {
             config: Config::of(study),
             designs_file: study.designs_file().map(|path| path.display().to_string()),
             constants: constants_as_json(study),
+            left_out: left_out(study),
             inputs: FileEntry::inputs(study),
             files: Vec::new(),
             backend: if conditions.gpu.is_some() { "gpu" } else { "cpu" },

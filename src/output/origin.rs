@@ -54,6 +54,8 @@ pub struct Origin {
     pub part: Option<(Shard, Vec<u64>)>,
     /// Inputs that are the same in all rows and that the table does not have, with their cells.
     pub constants: Vec<(String, String)>,
+    /// Other inputs that it does not have.
+    pub left_out: Vec<String>,
     /// As `Manifest::computed_by` says it.
     pub computed_by: String,
     /// The device that was asked, if one was, and the numbers it computed in.
@@ -88,6 +90,8 @@ struct Saved {
     #[serde(default)]
     constants: serde_json::Map<String, serde_json::Value>,
     #[serde(default)]
+    left_out: Vec<String>,
+    #[serde(default)]
     counts: serde_json::Value,
     #[serde(default)]
     started_utc: String,
@@ -115,6 +119,7 @@ impl Origin {
         };
         Some(Origin {
             constants: saved.constants.into_iter().map(|(name, value)| (name, cell(value))).collect(),
+            left_out: saved.left_out,
             computed_by: computed_by(saved.adapter.as_ref(), &saved.precision),
             adapter: saved.adapter,
             precision: saved.precision,

@@ -8,7 +8,7 @@ use crate::output::folder::{MANIFEST, TABLE, TABLE_PARQUET, TABLE_ZST, TABLES, p
 use crate::output::manifest_parts::State;
 use crate::output::origin::Origin;
 use crate::output::{parquet_text, zst_table};
-use crate::study::columns::{DESIGN, Extras, FORCE, INDENTATION, OFFSET, Quantity, joint_columns};
+use crate::study::columns::{DESIGN, Extras, FORCE, INDENTATION, OFFSET, Quantity, joint_columns, layers_in};
 use crate::study::config::Asked;
 use crate::study::design::JointDesign;
 use crate::study::designs_file::{OpenText, Rows, open_plain};
@@ -117,8 +117,10 @@ impl Results {
         for (name, cell) in &self.origin.constants {
             rows.add_constant(name, cell.clone());
         }
-        let inputs = joint_columns(LayerCounts::NONE).into_iter().map(|column| column.name());
         let quantities = needed.iter().map(|quantity| quantity.name().to_string());
+        // Of layers all of whose columns were left out the table says nothing.
+        let layers = rows.layer_counts().and(layers_in(self.origin.left_out.iter().map(String::as_str)));
+        let inputs = joint_columns(layers).into_iter().map(|column| column.name());
         let needed = std::iter::once(DESIGN.to_string()).chain(inputs).chain(quantities);
         let missing: Vec<String> = needed.filter(|name| rows.place(name).is_none()).collect();
         if missing.is_empty() {

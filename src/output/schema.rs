@@ -127,6 +127,14 @@ pub fn constants_of(study: &Study) -> Vec<(Column, Cell)> {
     constants
 }
 
+/// The inputs that vary from design to design, and are not in the table all the same.
+pub fn left_out(study: &Study) -> Vec<String> {
+    let constants = study.constants();
+    let is_constant = |name: &String| constants.iter().any(|(column, _)| column.name() == *name);
+    let inputs = joint_columns(study.extras().layers).into_iter().map(|column| column.name());
+    inputs.filter(|name| !study.output.has(name, &constants) && !is_constant(name)).collect()
+}
+
 /// Those of `constants_of` as JSON: numbers, words, and null where the joint's shapes do not use the column.
 pub fn constants_as_json(study: &Study) -> Map<String, Value> {
     let value = |cell| match cell {

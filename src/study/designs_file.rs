@@ -174,11 +174,16 @@ impl Rows {
     pub fn add_constant(&mut self, name: &str, cell: String) {
         // Every row has as many cells as the header, which was read.
         let columns = self.reader.headers().map_or(0, StringRecord::len);
-        if let Some((_, place)) = self.places.iter_mut().find(|(own, place)| own == name && place.is_none()) {
-            *place = Some(columns + self.constants.len());
-            self.constants.push(cell);
-            self.layers = self.layers.and(layers_in(std::iter::once(name)));
+        let behind = columns + self.constants.len();
+        match self.places.iter_mut().find(|(own, _)| own == name) {
+            Some((_, Some(_))) => return,
+            Some((_, place)) => *place = Some(behind),
+            // Left out of the places as well.
+            None if is_of_layer(name) => self.places.push((name.to_string(), Some(behind))),
+            None => return,
         }
+        self.constants.push(cell);
+        self.layers = self.layers.and(layers_in(std::iter::once(name)));
     }
 
     /// Goes on to the next row; `false` at the end.

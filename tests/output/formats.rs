@@ -437,6 +437,48 @@ fn every_table_is_read_again() {
     assert!(said.contains("table.csv:3: design: `x0`: not a whole number"), "{said}");
 }
 
+/// Layers that are the same in all designs, or some of whose numbers are, are known again from a table without their columns; layers that
+/// differ and are not in the table are asked for.
+#[test]
+fn layers_are_read_again() {
+    let work = Workdir::new("formats_layers");
+    let config = CONFIG.replace("count = 1000", "count = 5")
+        + "[[joint.pin.layers]]\nthickness = \"0.5 mm\"\nyoungs_modulus = \"3 GPa\"\npoissons_ratio = 0.4\n\
+           [[joint.plate.layers]]\nthickness = [\"1 mm\", \"1.25 mm\"]\nyoungs_modulus = \"1.5 GPa\"\npoissons_ratio = 0.35\n\
+           [[joint.plate.layers]]\nthickness = \"0.25 mm\"\nyoungs_modulus = \"2 GPa\"\npoissons_ratio = 0.3\n";
+    let make = |folder: &str, output: &str| {
+        let study = study_of(&work, &config, output);
+        table(&work, &study, folder, &portions(&study, 2));
+    };
+    make("plain", "");
+    let expected = read(&work, "plain");
+    assert_eq!(expected.len(), 400);
+    let layers = |row: &TableRow| [&row.joint.pin, &row.joint.plate].map(|part| part.layers.list().len());
+    assert_eq!(layers(&expected[0]), [1, 2]);
+    let varying = "\"radial_clearance_mm\", \"thickness_mm\", \"plate_youngs_modulus_mpa\"";
+    let results = "\"force_n\", \"indentation_mm\", \"status\"";
+    let columns = format!("columns = [\"design\", {varying}, \"plate_layer1_thickness_mm\", {results}]");
+    for (format, _) in FORMATS {
+        for output in ["inputs = \"varying\"", &columns] {
+            make(format, &format!("{output}\nformat = \"{format}\""));
+            let found = read(&work, format);
+            assert_eq!(found.len(), expected.len(), "{format}: {output}");
+            for (found, expected) in found.iter().zip(&expected) {
+                assert_eq!(
+                    format!("{:?}", found.joint),
+                    format!("{:?}", expected.joint),
+                    "{format}: {output}"
+                );
+            }
+        }
+    }
+    make("few", &format!("columns = [\"design\", {varying}, {results}]"));
+    let said = Results::open(&work.path("few")).unwrap().rows(&ALL).err().unwrap().to_string();
+    let expected =
+        "its table.csv lacks the column `plate_layer1_thickness_mm`: run the config with it in `columns`";
+    assert!(said.contains(expected), "{said}");
+}
+
 /// The same for the same study; few rows where each takes long, and a single design at the least.
 #[test]
 fn portions_follow_from_the_study() {
