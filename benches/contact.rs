@@ -36,6 +36,7 @@ impl Joint {
                 poissons_ratio: 0.3,
                 idealization,
                 lining: Default::default(),
+                all_around: false,
             };
             let side = if fixed_radius_ratio < 1.0 { Side::Pin } else { Side::Plate };
             let works = modes.works_of_modes(side, &[body.boundary_modes()]).remove(0);

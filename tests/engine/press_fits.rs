@@ -81,6 +81,67 @@ fn press_fits_are_solved_by_exact_modes() {
     }
 }
 
+/// sigma_r/u of rings under plane stress at their last radius, mm, from the one before where they are fixed: u = A r + B/r in each.
+fn radial_stiffness(fixed: f64, rings: &[(f64, Material)]) -> f64 {
+    let (mut before, mut stiffness) = (fixed, f64::INFINITY);
+    for (radius, Material { youngs_modulus, poissons_ratio }) in rings {
+        let modulus = youngs_modulus / (1.0 - poissons_ratio * poissons_ratio);
+        let [sum, rest] = [1.0 + poissons_ratio, 1.0 - poissons_ratio].map(|share| modulus * share);
+        // B/A.
+        let ratio = match stiffness.is_finite() {
+            true => (sum - stiffness * before) / (stiffness / before + rest / (before * before)),
+            false => -before * before,
+        };
+        stiffness = (sum - rest * ratio / (radius * radius)) / (radius + ratio / radius);
+        before = *radius;
+    }
+    stiffness
+}
+
+/// Layers so thin and soft that contacts with clearance take them for beds: the fit's pressure is Lame's, meshes agree, and blocks are
+/// answered as well.
+#[test]
+fn press_fits_of_thin_layers_are_those_of_lame() {
+    let overlap = 0.02;
+    for (thickness, modulus) in [(0.002, 1e2), (0.02, 1e3), (0.02, 1.2e4)] {
+        let layer = [Layer::new(thickness, Material { youngs_modulus: modulus, poissons_ratio: 0.3 })];
+        let bare = joint(-overlap, ring(2.0));
+        let radius = bare.hole_radius;
+        let pin = bare.pin.clone().with_layers(&layer).unwrap();
+        let plate = bare.plate.clone().with_layers(&layer).unwrap();
+        // Each body by its own radius, which the compliance is over.
+        let pin_radius = radius + overlap;
+        let compliance = |is_lined: bool, own: f64, side: f64, fixed: f64| {
+            let lined = [(own + side * thickness, STEEL), (own, layer[0].material)];
+            let rings = if is_lined { &lined[..] } else { &[(own, STEEL)] };
+            -side / (own / radius * radial_stiffness(fixed, rings))
+        };
+        for lined in [[true, false], [false, true], [true, true]] {
+            let joint = JointDesign {
+                pin: if lined[0] { pin.clone() } else { bare.pin.clone() },
+                plate: if lined[1] { plate.clone() } else { bare.plate.clone() },
+                ..bare.clone()
+            };
+            let core = joint.pin.parameters[0] * pin_radius;
+            let yields = compliance(lined[0], pin_radius, -1.0, core)
+                + compliance(lined[1], radius, 1.0, 2.0 * radius);
+            for (method, bound) in [(MethodChoice::Auto, 1e-6), (MethodChoice::Fe, 1e-3)] {
+                let loads = [Load::Offset(0.0), Load::Force(1e4)];
+                let found = solved(&joint, method, &loads).into_iter().map(|step| step.response.unwrap());
+                let found: Vec<_> = found.collect();
+                let pressure = found[0].peak_pressure.unwrap();
+                assert!((pressure * yields / overlap - 1.0).abs() < bound, "{lined:?}: {pressure}");
+                assert!(found[1].offset > 0.0 && found[1].force_error < 0.01, "{}", found[1].force_error);
+            }
+            let in_block = JointDesign { plate: block(), ..joint };
+            let plate = if lined[1] { in_block.plate.clone().with_layers(&layer).unwrap() } else { block() };
+            let step = solved(&JointDesign { plate, ..in_block }, MethodChoice::Auto, &[Load::Offset(0.0)])
+                .remove(0);
+            assert!(step.response.unwrap().peak_pressure.unwrap() > 0.0);
+        }
+    }
+}
+
 #[test]
 fn what_no_press_fit_can_be_is_refused() {
     let offset = [Load::Offset(0.01)];

@@ -195,6 +195,7 @@ fn the_near_field_removes_the_error_of_the_ring() {
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStress,
             lining: Default::default(),
+            all_around: false,
         };
         let class = GradingClass::of(&body, ElementKind::Quad8, 1);
         let modes = RingModes::of(&class);
@@ -348,6 +349,7 @@ fn what_bodies_have_in_common_has_a_near_field_of_its_own() {
                     poissons_ratio,
                     idealization,
                     lining: Default::default(),
+                    all_around: false,
                 };
                 let modes = RingModes::of(&grading);
                 let exact = modes.works_of_modes(own.shape.side, &[reference.boundary_modes()]).remove(0);

@@ -113,7 +113,13 @@ fn drawn(random: &mut Random, side: usize) -> ConcentricBody {
     let lining = Lining::new(interfaces.collect());
     let fixed_radius_ratio =
         if side == 0 { radius * random.linear(1.1, 2.0) } else { radius * random.linear(0.4, 0.9) };
-    ConcentricBody { fixed_radius_ratio, poissons_ratio: random.linear(0.0, 0.45), idealization, lining }
+    ConcentricBody {
+        fixed_radius_ratio,
+        poissons_ratio: random.linear(0.0, 0.45),
+        idealization,
+        lining,
+        all_around: false,
+    }
 }
 
 #[test]
@@ -167,7 +173,8 @@ fn modes_of_films_are_those_of_rings_that_are_stepped_through() {
         let fixed_radius_ratio = if draw % 2 == 0 { 2.5 } else { 0.3 };
         let ring = Ring { fixed_radius_ratio, youngs_modulus: 1.0, poissons_ratio, idealization, beyond };
         let lining = Lining::new(interfaces);
-        let body = ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization, lining };
+        let body =
+            ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization, lining, all_around: false };
         on_beds += usize::from(body.infinite().bed > 0.0);
         for n in [0, 1, 2, 9, 60, 400, 1500] {
             let (exact, found) = (ring.mode(n), by_modes(&body, n)[0]);
@@ -219,6 +226,7 @@ fn limits_of_layers_are_bare_bodies() {
                 poissons_ratio,
                 idealization: Idealization::PlaneStrain,
                 lining: Lining::new(interfaces),
+                all_around: false,
             };
         let steel = |radius_ratio: f64, modulus_ratio: f64| Interface {
             radius_ratio,
@@ -269,6 +277,7 @@ fn modes_abreast_are_those_one_by_one() {
                 poissons_ratio: 0.35,
                 idealization: Idealization::PlaneStrain,
                 lining: Lining::new(lining),
+                all_around: false,
             };
             let [normal, along] = body.boundary_modes();
             for (n, (normal, along)) in normal.into_iter().zip(along).enumerate() {

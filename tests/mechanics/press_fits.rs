@@ -227,6 +227,7 @@ fn both_maps_of_an_arc_give_the_same_state() {
             poissons_ratio,
             idealization: Idealization::PlaneStrain,
             lining: Default::default(),
+            all_around: false,
         };
         body.compliance()
     });

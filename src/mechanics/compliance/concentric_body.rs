@@ -26,6 +26,8 @@ pub struct ConcentricBody {
     pub poissons_ratio: f64,
     pub idealization: Idealization,
     pub lining: Lining,
+    /// Of a joint whose contact may reach all around.
+    pub all_around: bool,
 }
 
 /// Radial and shear stress on the ring: a pressure cos(n phi), and sin(n phi) along the ring.
@@ -52,6 +54,7 @@ impl ConcentricBody {
             poissons_ratio: body.poissons_ratio,
             idealization: body.idealization,
             lining: body.lining.clone(),
+            all_around: body.all_around,
         }
     }
 

@@ -243,7 +243,13 @@ impl NearFieldClass {
         let fixed_radius_ratio = (self.side.outward() * depth).exp();
         self.range.nodes(self.grading.level).map(move |(coordinate, _)| {
             let (idealization, poissons_ratio) = Idealization::of_shear_to_bulk(coordinate.exp());
-            ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization, lining: Lining::NONE }
+            ConcentricBody {
+                fixed_radius_ratio,
+                poissons_ratio,
+                idealization,
+                lining: Lining::NONE,
+                all_around: false,
+            }
         })
     }
 }

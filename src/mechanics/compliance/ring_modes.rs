@@ -368,6 +368,7 @@ mod tests {
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStrain,
             lining: Default::default(),
+            all_around: false,
         };
         let exact = body.compliance();
         space.prepare(&exact);
@@ -393,6 +394,7 @@ mod tests {
             poissons_ratio: 0.3,
             idealization: Idealization::PlaneStrain,
             lining: Default::default(),
+            all_around: false,
         };
         let (coarse, fine) = (RingModes::whole(4, 8), RingModes::whole(6, 32));
         let works = coarse.works_of_modes(Side::Plate, &[body.boundary_modes()]).remove(0);

@@ -64,9 +64,9 @@ impl ConcentricBody {
     }
 
     /// First layers so thin and soft that they are no bodies to the waves of any mode. As a bed they yield by what the highest mode finds
-    /// of them, so that nothing jumps where modes end.
+    /// of them, so that nothing jumps where modes end. Contacts that may reach all around are wide, and feel no modes so high.
     fn film(&self, layers: &[Layer]) -> Option<Film> {
-        if !self.is_cut() || self.taken_up() < TOO_SOFT {
+        if self.all_around || !self.is_cut() || self.taken_up() < TOO_SOFT {
             return None;
         }
         let interfaces = self.lining.list();
