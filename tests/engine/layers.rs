@@ -83,6 +83,61 @@ fn thin_layers_are_right_or_say_so() {
     assert!(worst_met > 0.0 && worst_met < 1e-3, "{worst_met:e}");
 }
 
+/// A soft layer on the pin that is resolved and one in the hole so thin that it is a bed: the joint yields as a body, then as a bed, as the
+/// contact grows. Against references with all modes what is said holds, and slopes are those of the forces.
+#[test]
+fn beds_beside_soft_layers_are_right_or_say_so() {
+    let (radius, clearance) = (10.0, 0.01);
+    let (mut compared, mut worst_met) = (0, 0.0_f64);
+    for (pin_thickness, plate_thickness) in [(0.06, 0.04), (0.2, 0.04), (0.05, 0.02)] {
+        for half_angle in [0.05, 0.2, 0.7] {
+            let soft = Material { youngs_modulus: 400.0, poissons_ratio: 0.3 };
+            let ring = |fixed_radius_ratio, interface| Ring {
+                fixed_radius_ratio,
+                youngs_modulus: soft.youngs_modulus,
+                poissons_ratio: soft.poissons_ratio,
+                idealization: Idealization::PlaneStrain,
+                beyond: vec![Beyond { radius_ratio: interface, youngs_modulus: 210e3, poissons_ratio: 0.3 }]
+                    .leak(),
+            };
+            let rings = [
+                ring(0.2, 1.0 - pin_thickness / (radius - clearance)),
+                ring(3.0, 1.0 + plate_thickness / radius),
+            ];
+            let state = true_state(rings, clearance / radius, half_angle);
+            let bare = joint(clearance, STEEL, &[Layer::new(plate_thickness, soft)]);
+            let pin = bare.pin.clone().with_layers(&[Layer::new(pin_thickness, soft)]).unwrap();
+            let joint = JointDesign { pin, ..bare };
+            let load = |share: f64| Load::Indentation(share * radius * state.indentation);
+            for (method, accuracy) in [
+                (MethodChoice::Auto, 1e-2),
+                (MethodChoice::Auto, 1e-3),
+                (MethodChoice::Fe, 1e-2),
+                (MethodChoice::Fe, 1e-3),
+                (MethodChoice::Fe, 1e-4),
+            ] {
+                let at = |share| solved(joint.clone(), method, accuracy, load(share)).response.unwrap();
+                let [before, found, after] = [0.999, 1.0, 1.001].map(at);
+                let off = (found.force / (radius * state.force) - 1.0).abs();
+                assert!(
+                    off <= found.force_error,
+                    "{half_angle}: off {off:.1e}, said {:.1e}",
+                    found.force_error
+                );
+                let secant = (after.force - before.force) / (after.indentation - before.indentation);
+                let slope_off = (found.tangent_stiffness / secant - 1.0).abs();
+                assert!(slope_off < 0.01, "{half_angle}: {slope_off}");
+                compared += 1;
+                if found.force_error <= 1e-3 {
+                    worst_met = worst_met.max(off);
+                }
+            }
+        }
+    }
+    println!("{compared} compared, those said to be within 1e-3 off by {worst_met:.1e}");
+    assert!(compared == 45 && worst_met > 0.0 && worst_met < 1e-3, "{worst_met:e}");
+}
+
 /// A stiff sleeve on a soft layer presses most beside the load line, and the row says how much and where.
 #[test]
 fn a_sleeve_on_a_soft_layer_presses_most_aside() {

@@ -6,7 +6,9 @@
 //!
 //! A bed adds to the compliance what grows like 1/b: as contact becomes wider than lambda/c the elastic part takes over from the
 //! bed, at b of any smallness. Beside beds the functions are polynomials of ln b, and with s = b (c + lambda)/(c b + lambda) it is
-//! s S, N/(s b^2) and Q/(s b^4) that are bounded.
+//! s S, N/(s b^2) and Q/(s b^4) that are bounded. Beside soft layers that are no beds, which yield as bodies to narrow contacts and as
+//! beds to wide ones, these still change by orders of magnitude; ln S, N S/b^2 and Q S/b^4 do not. The polynomials are of those of which
+//! the last coefficients are worth less.
 
 use super::curve_space::{CurveSpace, chunk_of};
 use super::edge::EdgeStates;
@@ -22,11 +24,12 @@ use crate::mechanics::registers::ANY;
 const TOLERANCE: f64 = 1e-10;
 
 /// The curve of a joint.
+#[derive(Clone)]
 pub struct ContactCurve<'a> {
     pub space: &'a CurveSpace,
     pub outlines: Outlines,
     even: f64,
-    bed: f64,
+    form: Form,
     /// Degrees as in `CurveSpace::chebyshev`, functions in the order of `Reduced::functions`.
     pub(super) coefficients: Vec<Functions>,
     /// What is known node by node.
@@ -35,6 +38,17 @@ pub struct ContactCurve<'a> {
     pub tolerance: f64,
     /// The widest node that a load can reach, and no node from there on.
     pub(super) first: usize,
+}
+
+/// What of S, N and Q the polynomials are of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    /// These, S without its logarithm.
+    Plain,
+    /// These with s, of a bed.
+    Scaled { bed: f64 },
+    /// ln S, and the others times S.
+    Logarithm,
 }
 
 /// Room for a curve, kept from one to the next.
@@ -67,7 +81,7 @@ impl<'a> ContactCurve<'a> {
         room: &mut CurveRoom,
     ) -> Option<ContactCurve<'a>> {
         let CurveRoom { coefficients, states } = std::mem::take(room);
-        let mut states = states.again(&space.pressures, parts, &outlines);
+        let states = states.again(&space.pressures, parts, &outlines);
         let even: f64 = parts.iter().map(|part| part.even).sum();
         let bed: f64 = parts.iter().map(|part| part.bed).sum();
         // Up to the first beyond a neat fit, of press fits to the last, and no further than the contact grows with the load: the pressure is the sum of what
@@ -86,25 +100,53 @@ impl<'a> ContactCurve<'a> {
                 break;
             }
         }
-        // From here on what is reduced is what polynomials are of.
+        let form = if bed == 0.0 { Form::Plain } else { Form::Scaled { bed } };
+        let curve =
+            ContactCurve { space, outlines, even, form, coefficients, states, tolerance: TOLERANCE, first };
+        if !space.is_beside_beds() {
+            return curve.formed();
+        }
+        // Whichever leaves less.
+        let other = ContactCurve { form: Form::Logarithm, ..curve.clone() };
+        match (curve.formed(), other.formed()) {
+            (Some(own), Some(other)) => Some(if other.left_out() < own.left_out() { other } else { own }),
+            (own, other) => own.or(other),
+        }
+    }
+
+    /// From what the nodes have to what polynomials are of, and these; `None` where that is no number.
+    fn formed(self) -> Option<ContactCurve<'a>> {
+        let ContactCurve { space, even, form, mut states, coefficients, .. } = self;
         let share = space.logarithm_share(even);
         let logarithms = space.logarithms.as_chunks::<LANES>().0;
         let nodes = states.functions_mut().zip(logarithms).zip(space.arcs().chunks(LANES));
         for ((functions, logarithms), arcs) in nodes {
-            for (singular, logarithm) in functions[0].iter_mut().zip(logarithms) {
-                *singular += share * logarithm;
-            }
-            if bed != 0.0 {
-                let scale = Lanes::<ANY>(std::array::from_fn(|lane| scale(even, bed, arcs[lane].b)));
+            let singular = Lanes::<ANY>(functions[0]);
+            let scaled = |scale| {
                 let scaled = Reduced::of_functions(functions.map(Lanes)).scaled(scale);
-                *functions = scaled.functions().map(|values| values.0);
+                scaled.functions().map(|values| values.0)
+            };
+            match form {
+                Form::Plain => {
+                    for (singular, logarithm) in functions[0].iter_mut().zip(logarithms) {
+                        *singular += share * logarithm;
+                    }
+                }
+                Form::Scaled { bed } => {
+                    let scale = std::array::from_fn(|lane| scale(even, bed, arcs[lane].b));
+                    *functions = scaled(Lanes(scale));
+                }
+                Form::Logarithm => {
+                    *functions = scaled(Lanes::from_f64(1.0) / singular);
+                    functions[0] = singular.0.map(f64::ln);
+                }
             }
             if !functions.as_flattened().iter().all(|value| value.is_finite()) {
                 return None;
             }
         }
         let coefficients = in_lanes(Transform { rows: &space.chebyshev, states: &states, coefficients });
-        Some(ContactCurve { space, outlines, even, bed, coefficients, states, tolerance: TOLERANCE, first })
+        Some(ContactCurve { states, coefficients, ..self })
     }
 
     /// Of a function, at a degree.
@@ -168,14 +210,23 @@ impl<'a> ContactCurve<'a> {
     /// From what is a polynomial to the functions themselves.
     #[inline(always)]
     pub(super) fn reduced_of<T: Real>(&self, functions: [T; FUNCTIONS], logarithm: T, b: T) -> Reduced<T> {
-        let share = T::from_f64(self.space.logarithm_share(self.even));
-        let mut reduced = Reduced::of_functions(functions);
-        // Most joints have no bed, and nothing to scale.
-        if self.bed != 0.0 {
-            reduced = reduced.scaled(T::from_f64(1.0) / scale(self.even, self.bed, b));
+        let reduced = Reduced::of_functions(functions);
+        match self.form {
+            Form::Plain => {
+                let share = T::from_f64(self.space.logarithm_share(self.even));
+                Reduced { singular: reduced.singular.minus_product(share, logarithm), ..reduced }
+            }
+            Form::Scaled { bed } => reduced.scaled(T::from_f64(1.0) / scale(self.even, bed, b)),
+            Form::Logarithm => {
+                let singular = reduced.singular.exp();
+                Reduced { singular, ..reduced.scaled(singular) }
+            }
         }
-        reduced.singular = reduced.singular.minus_product(share, logarithm);
-        reduced
+    }
+
+    /// Whether the first function is a logarithm.
+    pub(super) fn has_logarithm(&self) -> bool {
+        self.form == Form::Logarithm
     }
 
     /// The greater of what is known at the nodes around a state.

@@ -6,20 +6,36 @@ use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 impl ContactCurve<'_> {
-    /// Bound of the relative error of force and energy that the curve leaves between its nodes. Where the compliance is itself not exact
-    /// there is the noise of meshes and fits between them, which does not fall with the degree.
-    pub fn error(&self, is_exact: bool) -> f64 {
+    /// Bound of the relative error of force and energy that the curve leaves between its nodes, of states behind `widest` and all
+    /// narrower ones. Where the compliance is itself not exact there is the noise of meshes and fits between them, which does not fall
+    /// with the degree.
+    pub fn error(&self, is_exact: bool, widest: usize) -> f64 {
+        let first = widest.saturating_sub(BESIDE).max(self.first);
         if is_exact {
-            SAFETY * in_lanes(Without { curve: self }) * self.falling()
-        } else {
-            let nodes = self.states.count();
-            let last_two = |function| self.share(function, nodes - 2, 2);
-            ROUGH * (0..DECISIVE).map(last_two).fold(0.0, f64::max)
+            return SAFETY * in_lanes(Without { curve: self, first }) * self.falling();
         }
+        let nodes = self.states.count();
+        let last_two = |function| self.share(function, nodes - 2, 2);
+        let noise = (0..DECISIVE).map(last_two).fold(0.0, f64::max);
+        // Over the greatest coefficient little where functions change by orders of magnitude.
+        let of_loads = match self.space.is_beside_beds() {
+            true => in_lanes(Without { curve: self, first }),
+            false => 0.0,
+        };
+        ROUGH * noise.max(of_loads)
     }
 
-    /// So many coefficients of a function from one on, over the greatest.
+    /// What the last coefficients are worth, at the worst of the nodes that loads reach.
+    pub(super) fn left_out(&self) -> f64 {
+        in_lanes(Without { curve: self, first: self.first })
+    }
+
+    /// So many coefficients of a function from one on, over the greatest; those of the logarithm of S are relative as they are.
     fn share(&self, function: usize, from: usize, count: usize) -> f64 {
+        let own = (from..from + count).map(|degree| self.coefficient(degree, function).abs()).sum::<f64>();
+        if function == 0 && self.has_logarithm() {
+            return own;
+        }
         // Lane by lane, which the compiler keeps in registers.
         let mut most = [f64::MIN_POSITIVE; LANES];
         for chunk in &self.coefficients {
@@ -28,7 +44,7 @@ impl ContactCurve<'_> {
             }
         }
         let most = most.into_iter().fold(0.0, f64::max);
-        (from..from + count).map(|degree| self.coefficient(degree, function).abs()).sum::<f64>() / most
+        own / most
     }
 
     /// What is left out of the polynomials over the last four coefficients, if they go on falling as the last eight do.
@@ -42,10 +58,10 @@ impl ContactCurve<'_> {
     }
 }
 
-/// What force and indentation change, relative, at the worst of the nodes that loads reach, if the last four coefficients are
-/// dropped.
+/// What force and indentation change, relative, at the worst of the nodes from one on, if the last four coefficients are dropped.
 struct Without<'a> {
     curve: &'a ContactCurve<'a>,
+    first: usize,
 }
 
 impl LaneWork for Without<'_> {
@@ -53,7 +69,7 @@ impl LaneWork for Without<'_> {
 
     #[inline(always)]
     fn run<const WIDTH: usize>(self) -> f64 {
-        let ContactCurve { space, states, first, .. } = self.curve;
+        let (ContactCurve { space, states, .. }, first) = (self.curve, self.first);
         let count = states.count();
         let mut worst = 0.0_f64;
         for at in (first / LANES * LANES..count).step_by(LANES) {
@@ -69,7 +85,7 @@ impl LaneWork for Without<'_> {
             let b = lanes(&|node| space.arcs()[node].b);
             let logarithm = lanes(&|node| space.logarithms[node]);
             let found = self.curve.reduced_of(left, logarithm, b).free_edge(b, &self.curve.outlines);
-            for node in at.max(*first)..at + LANES {
+            for node in at.max(first)..at + LANES {
                 let found = [found.force, found.indentation].map(|lanes| lanes.0[node - at]);
                 for (found, known) in found.into_iter().zip([states.force(node), states.indentation(node)]) {
                     worst = worst.max((found / known - 1.0).abs());
@@ -82,6 +98,9 @@ impl LaneWork for Without<'_> {
 
 /// Between nodes more is left out than at them.
 const SAFETY: f64 = 2.0;
+
+/// Nodes before a state whose changes count as well: between some nodes a polynomial happens to change little.
+const BESIDE: usize = 3;
 
 /// Coefficients that are taken together.
 const FOUR: usize = 4;

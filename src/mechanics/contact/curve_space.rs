@@ -213,6 +213,12 @@ impl CurveSpace {
         1.0 - (gap / OPENED).powi(2)
     }
 
+    /// Whether polynomials are of ln b.
+    #[inline(always)]
+    pub(super) fn is_beside_beds(&self) -> bool {
+        self.variable == Variable::Logarithm
+    }
+
     /// Whether a curve goes on below its narrowest node, to the angle zero.
     pub(super) fn goes_to_zero(&self) -> bool {
         self.variable == Variable::Root

@@ -72,7 +72,7 @@ impl Edges {
 }
 
 /// The joint at the arcs of a space.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct EdgeStates {
     edges: Vec<Edges>,
     /// Coefficients of the trial pressures over e b^2: `[arc / LANES][k]`, an arc a lane.

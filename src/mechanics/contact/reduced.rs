@@ -74,7 +74,7 @@ pub struct FreeEdge<T> {
 }
 
 impl<T: Real> Reduced<T> {
-    /// With those functions that grow like 1/S beside a bed over a scale, and S times it.
+    /// With those functions that grow like 1/S over a scale, and S times it.
     #[inline(always)]
     pub fn scaled(&self, scale: T) -> Reduced<T> {
         Reduced {
