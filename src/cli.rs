@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use jointsweep::Error;
 use jointsweep::internals::engine::backend::gpu::context::is_guarded;
+use jointsweep::internals::output::folder::LAWS;
 
 mod arguments;
 mod backend;
@@ -196,6 +197,7 @@ fn way_out(error: &Error) -> &'static str {
         Error::FolderInUse { .. } => ": wait for it, or name another folder with --out",
         Error::DesignsInTheWay { .. } | Error::InputInTheWay { .. } => ": name another folder with --out",
         Error::Threads { .. } => ": raise the limits on processes and memory (ulimit -u, ulimit -v)",
+        Error::FileTaken { path } if path.ends_with(LAWS) => ": overwrite it with --force",
         Error::FileTaken { .. } => ": name another file, or overwrite it with --force",
         _ => "",
     }

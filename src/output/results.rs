@@ -12,6 +12,7 @@ use crate::study::columns::{DESIGN, Extras, FORCE, INDENTATION, OFFSET, Quantity
 use crate::study::config::Asked;
 use crate::study::design::JointDesign;
 use crate::study::designs_file::{OpenText, Rows, open_plain};
+use crate::study::fingerprint::Fingerprint;
 use crate::study::layers::LayerCounts;
 use crate::study::output_options::column_names;
 
@@ -124,7 +125,8 @@ impl Results {
         let needed = std::iter::once(DESIGN.to_string()).chain(inputs).chain(quantities);
         let missing: Vec<String> = needed.filter(|name| rows.place(name).is_none()).collect();
         if missing.is_empty() {
-            return Ok(TableRows { rows });
+            let print = self.origin.files.iter().find(|(file, _)| file == TABLE).map(|(_, print)| *print);
+            return Ok(TableRows { rows, written: print.map(|print| (self.dir.clone(), print)) });
         }
         let missing: Vec<&str> = missing.iter().map(String::as_str).collect();
         let (them, columns) = if missing.len() == 1 { ("it", "column") } else { ("them", "columns") };
@@ -155,12 +157,23 @@ impl Results {
 /// Reads a table row by row.
 pub struct TableRows {
     rows: Rows,
+    /// What the file was when it was written; `None` where it is not read as it stands, and vouches for itself.
+    written: Option<(PathBuf, Fingerprint)>,
 }
 
 impl TableRows {
-    /// Goes on to the next row, and says whose it is; `None` at the end.
+    /// Goes on to the next row, and says whose it is; `None` at the end. There a file is refused that is no longer what it was.
     pub fn advance(&mut self) -> Result<Option<u64>, Error> {
-        if self.rows.read()? { self.rows.whole("design").map(Some) } else { Ok(None) }
+        if self.rows.read()? {
+            return self.rows.whole("design").map(Some);
+        }
+        match &self.written {
+            Some((dir, print)) if self.rows.fingerprint() != *print => {
+                let problem = format!("its {TABLE} was changed after it was written: run the config again");
+                Err(Error::NoResult { dir: dir.clone(), problem })
+            }
+            _ => Ok(None),
+        }
     }
 
     /// The joint of the row gone on to.

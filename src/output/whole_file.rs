@@ -21,10 +21,13 @@ pub fn staged(path: &Path) -> PathBuf {
     with_suffix(path, ".tmp")
 }
 
-/// Writes bytes where a file waits before it is published.
+/// Writes bytes where a file waits before it is published; nothing stays there where that fails.
 pub fn stage_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let staged = staged(path);
-    std::fs::write(&staged, bytes).map_err(|source| Error::Io { action: "write", path: staged, source })
+    std::fs::write(&staged, bytes).map_err(|source| {
+        let _ = std::fs::remove_file(&staged);
+        Error::Io { action: "write", path: path.into(), source }
+    })
 }
 
 /// Puts a staged file in place.

@@ -41,8 +41,7 @@ fn laws_made_later_are_those_of_the_run() {
     // Laws that are there are kept.
     let kept = work.run(&["laws", "out/none"]).expect(1);
     assert!(
-        kept.stderr
-            .contains("out/none/laws.csv is there already: name another file, or overwrite it with --force"),
+        kept.stderr.contains("out/none/laws.csv is there already: overwrite it with --force"),
         "{}",
         kept.stderr
     );
@@ -76,4 +75,29 @@ fn folders_without_a_finished_result_have_no_laws() {
     let refused = work.run(&["run", "wrong.toml"]).expect(1);
     assert!(refused.stderr.contains("output.laws"), "{}", refused.stderr);
     assert!(!work.files().iter().any(|file| file.contains("laws.csv")));
+}
+
+/// Whoever reads a whole table says when it is no longer what its run has written; nothing is made of it.
+#[test]
+fn tables_that_were_changed_are_refused() {
+    let work = Workdir::new("laws_changed");
+    work.write("small.toml", &SMALL);
+    work.run(&["run", "small.toml"]).expect(0);
+    let (table, laws) = (work.read("out/small/table.csv"), work.read("out/small/laws.csv"));
+    let changed = table.replacen("\n1,", "\n2,", 1);
+    assert_ne!(changed, table);
+    work.write("out/small/table.csv", &changed);
+    for command in [&["laws", "out/small", "--force"][..], &["report", "out/small"]] {
+        let refused = work.run(command).expect(1);
+        let said = "its table.csv was changed after it was written: run the config again";
+        assert!(refused.stderr.contains(said), "{}", refused.stderr);
+    }
+    assert_eq!(work.read("out/small/laws.csv"), laws);
+    assert!(!work.files().iter().any(|file| file.ends_with(".html") || file.ends_with(".tmp")));
+    let taken = work.run(&["laws", "out/small"]).expect(1);
+    assert!(
+        taken.stderr.ends_with("laws.csv is there already: overwrite it with --force\n"),
+        "{}",
+        taken.stderr
+    );
 }

@@ -119,9 +119,9 @@ fn what_is_not_read_is_missed() {
     }
     // Six octaves of a thousand and 24, beside the sums.
     assert_eq!(told(Some([5.0, 90.0]), &[]).1 - told(Some([5.0, 5.0]), &[]).1, 4 * LEADING);
-    // What never came counts nothing, and its design is open.
-    let (counted, verdicts) = question.read(&Told { designs: 1, ..Told::default() });
-    assert_eq!((counted.designs, verdicts.len()), (0, 0));
+    // What never came counts nothing, and its designs are open, each of them: verdicts of those behind must not take their places.
+    let (counted, verdicts) = question.read(&Told { designs: 3, ..Told::default() });
+    assert_eq!((counted.designs, counted.forces, verdicts), (0, None, vec![Verdict::Open; 3]));
 }
 
 /// What is given is compared without rounding: a row that ties is no extreme one.

@@ -246,8 +246,10 @@ impl Question {
             quantities: self.layout.quantities.iter().map(quantity).collect(),
             histograms: histograms.map(histogram).collect(),
         };
-        let verdicts = words(self.layout.verdicts, told.designs).iter();
-        (counted, verdicts.map(|word| Verdict::of(*word)).collect())
+        // Of designs that no device had a look at there are none: they are open.
+        let verdicts = words(self.layout.verdicts, told.designs).iter().map(|word| Verdict::of(*word));
+        let open = std::iter::repeat(Verdict::Open);
+        (counted, verdicts.chain(open).take(told.designs).collect())
     }
 }
 

@@ -68,7 +68,7 @@ static inline double @name@_row(int row, double x, double *slope)
     const double *xs = @name@_indentations, *fs = @name@_forces[row], *ks = @name@_stiffnesses[row];
     int low = 0, high = @last@ + 1;
     double width, s, secant, square, cube;
-    if (!(x > 0.0)) {
+    if (x <= 0.0) {
         *slope = 0.0;
         return 0.0;
     }

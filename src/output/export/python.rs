@@ -56,7 +56,9 @@ const ROW: &str = "
 
 def _row(forces, stiffnesses, x):
     \"\"\"Force and its slope for one clearance; zero at and below zero, straight on beyond the last point.\"\"\"
-    if not x > 0.0:
+    if x != x:
+        return x, x
+    if x <= 0.0:
         return 0.0, 0.0
     if x >= INDENTATIONS[-1]:
         return forces[-1] + stiffnesses[-1] * (x - INDENTATIONS[-1]), stiffnesses[-1]

@@ -74,7 +74,7 @@ fn answer(curve: &JointCurve, load: Load) -> Result<Response, Error> {
         Some(response) => Ok(response),
         None => {
             let status = status.map_or(String::new(), |status| status.to_string());
-            refuse(load.to_string(), format!("{status}: end the range before it (`up-to`)"))
+            refuse(load.to_string(), format!("{status}: end the range before it (`--up-to`)"))
         }
     }
 }
@@ -150,13 +150,13 @@ impl Solver<'_> {
                 Some(response) if !is_refused => Ok(response),
                 found => {
                     let way_out =
-                        if found.is_some() { ", or take it all the same (`allow-warned`)" } else { "" };
+                        if found.is_some() { ", or take it all the same (`--allow-warned`)" } else { "" };
                     let what = format!(
                         "radial_clearance {} mm, {} {delta} mm",
                         curve.joint().radial_clearance,
                         travel.name()
                     );
-                    refuse(what, format!("{}: end the range before it (`up-to`){way_out}", step.status))
+                    refuse(what, format!("{}: end the range before it (`--up-to`){way_out}", step.status))
                 }
             }
         };

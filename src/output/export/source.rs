@@ -243,7 +243,7 @@ impl Member {
             rows.iter().copied().filter(|row| row.force.is_none() || row.indentation.is_none()).collect();
         if !failed.is_empty() {
             let problem = format!(
-                "{} of its rows failed ({}): end the range before them (`up-to`)",
+                "{} of its rows failed ({}): end the range before them (`--up-to`)",
                 failed.len(),
                 named(&failed)
             );
@@ -252,7 +252,7 @@ impl Member {
         let warned: Vec<&TableRow> = rows.into_iter().filter(|row| !row.is_ok()).collect();
         if !warned.is_empty() && !allow_warned {
             let problem = format!(
-                "{} of its rows are not ok ({}): end the range before them (`up-to`), or take them all the same (`allow-warned`)",
+                "{} of its rows are not ok ({}): end the range before them (`--up-to`), or take them all the same (`--allow-warned`)",
                 warned.len(),
                 named(&warned)
             );

@@ -2,6 +2,9 @@
 
 use super::solved;
 use crate::common::workdir::Workdir;
+use jointsweep::internals::output::folder::TABLE;
+use jointsweep::internals::output::manifest::with_file;
+use jointsweep::internals::study::fingerprint::Fingerprint;
 
 /// Runs, wants an error that says all of this, and no file that was not there.
 #[track_caller]
@@ -128,7 +131,7 @@ fn rows_that_are_not_ok_are_named() {
     refused(
         &work,
         &arguments,
-        &["design 0: 1 of its rows are not ok", "at 0.3 mm: large displacement", "`allow-warned`"],
+        &["design 0: 1 of its rows are not ok", "at 0.3 mm: large displacement", "`--allow-warned`"],
     );
     work.run(&[&["export"], &arguments[..], &["--allow-warned"]].concat()).expect(0);
     work.run(&[&["export"], &arguments[..], &["--force", "--up-to", "0.004 mm"]].concat()).expect(0);
@@ -143,7 +146,7 @@ fn rows_that_are_not_ok_are_named() {
     work.write("failed.toml", &half);
     work.run(&["run", "failed.toml", "--quiet"]).expect(2);
     let arguments = ["out/failed", "--to", "c", "--out", "k.h"];
-    refused(&work, &arguments, &["design 0: 1 of its rows failed (at 50 mm: failed: ", "`up-to`"]);
+    refused(&work, &arguments, &["design 0: 1 of its rows failed (at 50 mm: failed: ", "`--up-to`"]);
     refused(&work, &[&arguments[..], &["--allow-warned"]].concat(), &["1 of its rows failed"]);
     work.run(&[&["export"], &arguments[..], &["--up-to", "0.004 mm"]].concat()).expect(0);
     refused(
@@ -177,6 +180,12 @@ fn a_result_that_says_other_numbers_is_told() {
     let table = work.read("out/sweep/table.csv");
     let row = work.table("out/sweep/table.csv");
     let force = row.column("force_n")[2].to_string();
-    work.write("out/sweep/table.csv", &table.replace(&force, "20000"));
+    let other = table.replace(&force, "20000");
+    work.write("out/sweep/table.csv", &other);
+    refused(&work, &["out/sweep", "--to", "c"], &["its table.csv was changed after it was written"]);
+    // As if a program had written it that solves otherwise.
+    let manifest =
+        with_file(&work.read("out/sweep/manifest.json"), TABLE, &Fingerprint::of(other.as_bytes()));
+    work.write("out/sweep/manifest.json", &manifest.unwrap());
     refused(&work, &["out/sweep", "--to", "c"], &["says 20000 N", "run the config again"]);
 }

@@ -118,13 +118,15 @@ impl GpuDevice {
         made.keys().map(|(name, ..)| *name).collect()
     }
 
-    /// Runs `work` and gives what the device has to say against it: misuse or want of memory. Without this, wgpu
-    /// panics.
+    /// Runs `work` and gives what the device has to say against it: misuse, want of memory, or a kernel that a driver's compiler refuses.
+    /// Without this, wgpu panics.
     pub fn checked<T>(&self, what: &'static str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let misuse = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let refusal = self.device.push_error_scope(wgpu::ErrorFilter::Internal);
         let done = work();
-        let misuse = pollster::block_on(misuse.pop());
+        let refusal = pollster::block_on(refusal.pop());
+        let misuse = pollster::block_on(misuse.pop()).or(refusal);
         // A buffer that was refused is then misused.
         match pollster::block_on(memory.pop()).or(misuse) {
             None => Ok(done),

@@ -261,7 +261,7 @@ impl GpuDevice {
 
     /// Submits what was written and waits for it: wgpu keeps what is written to, and what that is written from, until then.
     pub(crate) fn settle(&self) -> Result<(), GpuError> {
-        let submission = self.queue.submit([]);
+        let submission = self.checked("writing", || self.queue.submit([]))?;
         self.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(LONGEST_WAIT) })
     }
 
@@ -313,9 +313,10 @@ impl GpuDevice {
         // It may be another thread that polls, and is about to tell.
         mapped.wait().as_ref().map_err(|error| lost(error.to_string()))?;
         let view = staging.get_mapped_range(..size).map_err(|error| lost(error.to_string()))?;
-        let seen = look(&view);
+        // Of a device that another thread finds lost wgpu frees all buffers, this one, too.
+        let own = view.to_vec();
         drop(view);
-        staging.unmap();
-        Ok(seen)
+        self.checked("reading back", || staging.unmap())?;
+        Ok(look(&own))
     }
 }
