@@ -31,13 +31,7 @@ impl Joint {
         let modes = RingModes::whole(5, 8);
         let bodies = [0.3, 3.0].map(|fixed_radius_ratio| {
             let idealization = Idealization::PlaneStress;
-            let body = ConcentricBody {
-                fixed_radius_ratio,
-                poissons_ratio: 0.3,
-                idealization,
-                lining: Default::default(),
-                all_around: false,
-            };
+            let body = ConcentricBody::bare(fixed_radius_ratio, 0.3, idealization);
             let side = if fixed_radius_ratio < 1.0 { Side::Pin } else { Side::Plate };
             let works = modes.works_of_modes(side, &[body.boundary_modes()]).remove(0);
             BodyCompliance { boundary: Boundary::RingModes(modes, works), ..body.compliance() }

@@ -203,12 +203,13 @@ pub fn solve_joint<'a>(
         curve.tolerance = SEARCH_SHARE * ROUNDED;
     }
     let errors = BodyErrors::new(&curve, bodies, trust);
+    let of_curve = curve.errors(solving.method == Method::Series);
     let answer = |case: &DesignCase| {
         let may_peak_aside = case.joint.is_lopsided_fit()
             || [&case.joint.pin, &case.joint.plate].into_iter().any(Part::is_stiff_on_soft);
         let states = curve.states_of_fit(&mut JointScale::of(&case.joint).loads_in_contact(&case.steps));
         let nodes = states.iter().flatten().map(|(_, node)| *node);
-        let of_curve = curve.error(solving.method == Method::Series, nodes.min().unwrap_or(0));
+        let of_curve = of_curve.up_to(nodes.min().unwrap_or(0));
         let states = states.into_iter().map(|state| {
             let (mut state, node) = state?;
             if may_peak_aside {

@@ -138,6 +138,54 @@ fn beds_beside_soft_layers_are_right_or_say_so() {
     assert!(compared == 45 && worst_met > 0.0 && worst_met < 1e-3, "{worst_met:e}");
 }
 
+/// Random joints with up to two layers on either side: what is said of their answers at three accuracies holds between nearly any two of
+/// them, and where it does not by little.
+#[test]
+fn answers_at_other_accuracies_are_within_both_errors() {
+    let mut random = Random::new(182);
+    let (mut compared, mut joints, mut beyond, mut worst) = (0, 0, 0, 0.0_f64);
+    for _ in 0..count(40, 400) {
+        let clearance = random.log(3e-3, 0.2);
+        let mut layers = || -> Vec<Layer> {
+            let layers = (2.5 * random.unit()) as usize;
+            (0..layers).map(|_| layer(random.log(0.01, 1.6), random.log(1e2, 5e4), 0.3)).collect()
+        };
+        let [of_pin, of_plate] = [layers(), layers()];
+        let pin = match random.unit() < 0.5 {
+            true => Part::new("rigid-midplane", &[], None, STEEL).unwrap(),
+            false => Part::new("rigid-core", &[("core_radius_ratio", 0.2)], None, STEEL).unwrap(),
+        };
+        let plate = Part::new("annulus", &[("outer_radius_ratio", 3.0)], None, STEEL).unwrap();
+        let sizes = Dimensions { hole_radius: 50.0, radial_clearance: clearance, thickness: 10.0 };
+        let [pin, plate] =
+            [(pin, of_pin), (plate, of_plate)].map(|(part, own)| part.with_layers(&own).unwrap());
+        let joint = Joint::new(sizes, Idealization::PlaneStrain, pin, plate).unwrap().design().clone();
+        let steps = [0.03, 0.1, 0.3, 1.0, 2.5].map(|share| Load::Indentation(share * clearance)).to_vec();
+        let case = DesignCase { index: 0, joint, steps: steps.into() };
+        let solve = |accuracy| {
+            let method = MethodChoice::Auto;
+            Ladder::new(Options { accuracy, method }).solve(std::slice::from_ref(&case)).remove(0).steps
+        };
+        let [coarse, middle, fine] = [1e-2, 1e-3, 1e-4].map(solve);
+        for (one, other) in [(&coarse, &middle), (&coarse, &fine), (&middle, &fine)] {
+            for (one, other) in one.iter().zip(other) {
+                let (Some(one), Some(other)) = (one.response, other.response) else { continue };
+                let apart = (one.force / other.force - 1.0).abs();
+                let said = one.force_error + other.force_error;
+                compared += 1;
+                beyond += usize::from(apart > said);
+                worst = worst.max(apart / said);
+            }
+        }
+        joints += 1;
+    }
+    println!(
+        "{compared} pairs of answers of {joints} joints, {beyond} beyond both errors, by {worst:.2} at most"
+    );
+    assert!(compared > 12 * joints && 200 * beyond <= compared, "{beyond} of {compared}");
+    assert!(worst > 0.1 && worst < 1.5, "{worst}");
+}
+
 /// A stiff sleeve on a soft layer presses most beside the load line, and the row says how much and where.
 #[test]
 fn a_sleeve_on_a_soft_layer_presses_most_aside() {

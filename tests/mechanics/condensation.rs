@@ -190,13 +190,7 @@ fn the_near_field_removes_the_error_of_the_ring() {
     let mut space = PressureSpace::new(10, arcs);
     for (name, ratio) in [("annulus", 2.3), ("rigid-core", 0.4)] {
         let body = body(name, &[ratio], Idealization::PlaneStress, 0.3);
-        let concentric = ConcentricBody {
-            fixed_radius_ratio: ratio,
-            poissons_ratio: 0.3,
-            idealization: Idealization::PlaneStress,
-            lining: Default::default(),
-            all_around: false,
-        };
+        let concentric = ConcentricBody::bare(ratio, 0.3, Idealization::PlaneStress);
         let class = GradingClass::of(&body, ElementKind::Quad8, 1);
         let modes = RingModes::of(&class);
         let condensed = plan(&body, &class).condense(std::slice::from_ref(&body)).remove(0);
@@ -344,13 +338,7 @@ fn what_bodies_have_in_common_has_a_near_field_of_its_own() {
                 let near_fields = classes.map(near_field);
                 let mut corrected = plan(&own, &grading).condense(std::slice::from_ref(&own)).remove(0);
                 NearField::correct(near_fields.each_ref(), between, &own, &mut corrected);
-                let reference = ConcentricBody {
-                    fixed_radius_ratio: ratio,
-                    poissons_ratio,
-                    idealization,
-                    lining: Default::default(),
-                    all_around: false,
-                };
+                let reference = ConcentricBody::bare(ratio, poissons_ratio, idealization);
                 let modes = RingModes::of(&grading);
                 let exact = modes.works_of_modes(own.shape.side, &[reference.boundary_modes()]).remove(0);
                 let off = corrected.iter().zip(&exact).map(|(corrected, exact)| corrected - exact);

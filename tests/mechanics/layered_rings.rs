@@ -114,11 +114,8 @@ fn drawn(random: &mut Random, side: usize) -> ConcentricBody {
     let fixed_radius_ratio =
         if side == 0 { radius * random.linear(1.1, 2.0) } else { radius * random.linear(0.4, 0.9) };
     ConcentricBody {
-        fixed_radius_ratio,
-        poissons_ratio: random.linear(0.0, 0.45),
-        idealization,
         lining,
-        all_around: false,
+        ..ConcentricBody::bare(fixed_radius_ratio, random.linear(0.0, 0.45), idealization)
     }
 }
 
@@ -173,8 +170,10 @@ fn modes_of_films_are_those_of_rings_that_are_stepped_through() {
         let fixed_radius_ratio = if draw % 2 == 0 { 2.5 } else { 0.3 };
         let ring = Ring { fixed_radius_ratio, youngs_modulus: 1.0, poissons_ratio, idealization, beyond };
         let lining = Lining::new(interfaces);
-        let body =
-            ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization, lining, all_around: false };
+        let body = ConcentricBody {
+            lining,
+            ..ConcentricBody::bare(fixed_radius_ratio, poissons_ratio, idealization)
+        };
         on_beds += usize::from(body.infinite().bed > 0.0);
         for n in [0, 1, 2, 9, 60, 400, 1500] {
             let (exact, found) = (ring.mode(n), by_modes(&body, n)[0]);
@@ -222,11 +221,8 @@ fn limits_of_layers_are_bare_bodies() {
     for (fixed, thin, thick) in [(3.0, 1.0 + 1e-7, 1.2), (0.2, 1.0 - 1e-7, 0.8)] {
         let body =
             |fixed_radius_ratio: f64, poissons_ratio: f64, interfaces: Vec<Interface>| ConcentricBody {
-                fixed_radius_ratio,
-                poissons_ratio,
-                idealization: Idealization::PlaneStrain,
                 lining: Lining::new(interfaces),
-                all_around: false,
+                ..ConcentricBody::bare(fixed_radius_ratio, poissons_ratio, Idealization::PlaneStrain)
             };
         let steel = |radius_ratio: f64, modulus_ratio: f64| Interface {
             radius_ratio,
@@ -273,11 +269,8 @@ fn modes_abreast_are_those_one_by_one() {
         for lining in [Vec::new(), vec![interface(0.5, 0.1)], vec![interface(0.5, 20.0), interface(0.8, 0.5)]]
         {
             let body = ConcentricBody {
-                fixed_radius_ratio,
-                poissons_ratio: 0.35,
-                idealization: Idealization::PlaneStrain,
                 lining: Lining::new(lining),
-                all_around: false,
+                ..ConcentricBody::bare(fixed_radius_ratio, 0.35, Idealization::PlaneStrain)
             };
             let [normal, along] = body.boundary_modes();
             for (n, (normal, along)) in normal.into_iter().zip(along).enumerate() {

@@ -36,6 +36,12 @@ pub(super) const PRESSURE: Stress = [-1.0, 0.0];
 pub(super) const SHEAR: Stress = [0.0, 1.0];
 
 impl ConcentricBody {
+    /// Of one material, for contacts with clearance.
+    pub fn bare(fixed_radius_ratio: f64, poissons_ratio: f64, idealization: Idealization) -> ConcentricBody {
+        let lining = Lining::NONE;
+        ConcentricBody { fixed_radius_ratio, poissons_ratio, idealization, lining, all_around: false }
+    }
+
     /// `None` where no concentric circle bounds the body.
     pub fn of(body: &Body) -> Option<ConcentricBody> {
         body.fixed_radius_ratio().map(|fixed_radius_ratio| ConcentricBody::like(body, fixed_radius_ratio))

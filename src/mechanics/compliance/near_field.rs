@@ -20,7 +20,6 @@ use super::concentric_body::ConcentricBody;
 use super::lane_condensation::CondensationPlan;
 use super::lane_work::{LaneWork, in_lanes};
 use super::ring_modes::{Push, RingModes};
-use crate::mechanics::body::lining::Lining;
 use crate::mechanics::body::{Body, Shape, Side};
 use crate::mechanics::grading::GradingClass;
 use crate::mechanics::layers::Layers;
@@ -243,13 +242,7 @@ impl NearFieldClass {
         let fixed_radius_ratio = (self.side.outward() * depth).exp();
         self.range.nodes(self.grading.level).map(move |(coordinate, _)| {
             let (idealization, poissons_ratio) = Idealization::of_shear_to_bulk(coordinate.exp());
-            ConcentricBody {
-                fixed_radius_ratio,
-                poissons_ratio,
-                idealization,
-                lining: Lining::NONE,
-                all_around: false,
-            }
+            ConcentricBody::bare(fixed_radius_ratio, poissons_ratio, idealization)
         })
     }
 }

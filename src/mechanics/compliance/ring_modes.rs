@@ -363,13 +363,7 @@ mod tests {
     fn stretched_modes_carry_a_wall() {
         let arcs = (1..=2 * LANES).map(|i| ContactArc::new(0.15 * i as f64)).collect();
         let mut space = PressureSpace::new(6, arcs);
-        let body = ConcentricBody {
-            fixed_radius_ratio: 2.0,
-            poissons_ratio: 0.3,
-            idealization: Idealization::PlaneStrain,
-            lining: Default::default(),
-            all_around: false,
-        };
+        let body = ConcentricBody::bare(2.0, 0.3, Idealization::PlaneStrain);
         let exact = body.compliance();
         space.prepare(&exact);
         for (quarters, count, limit) in [(4, 8, 5.7e-4), (4, 16, 1.5e-8), (5, 16, 5.8e-8), (8, 24, 1.8e-7)] {
@@ -389,13 +383,7 @@ mod tests {
     fn a_body_is_the_same_in_other_modes() {
         let arcs = (1..=LANES).map(|i| ContactArc::new(0.28 * i as f64)).collect();
         let mut space = PressureSpace::new(6, arcs);
-        let body = ConcentricBody {
-            fixed_radius_ratio: 2.0,
-            poissons_ratio: 0.3,
-            idealization: Idealization::PlaneStrain,
-            lining: Default::default(),
-            all_around: false,
-        };
+        let body = ConcentricBody::bare(2.0, 0.3, Idealization::PlaneStrain);
         let (coarse, fine) = (RingModes::whole(4, 8), RingModes::whole(6, 32));
         let works = coarse.works_of_modes(Side::Plate, &[body.boundary_modes()]).remove(0);
         let told_again = fine.works_of_others(&coarse)(&works);

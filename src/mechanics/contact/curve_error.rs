@@ -1,33 +1,43 @@
 //! What a curve leaves between its nodes, told by the last of its coefficients.
 
+use smallvec::SmallVec;
+
 use super::curve::ContactCurve;
+use super::curve_space::MOST_NODES;
 use super::reduced::DECISIVE;
 use crate::mechanics::compliance::lane_work::{LaneWork, in_lanes};
 use crate::mechanics::real::{LANES, Lanes, Real};
 
 impl ContactCurve<'_> {
-    /// Bound of the relative error of force and energy that the curve leaves between its nodes, of states behind `widest` and all
-    /// narrower ones. Where the compliance is itself not exact there is the noise of meshes and fits between them, which does not fall
-    /// with the degree.
-    pub fn error(&self, is_exact: bool, widest: usize) -> f64 {
-        let first = widest.saturating_sub(BESIDE).max(self.first);
+    /// Bounds of the relative error of force and energy that the curve leaves between its nodes. Where the compliance is itself not exact
+    /// there is the noise of meshes and fits between them, which does not fall with the degree.
+    pub fn errors(&self, is_exact: bool) -> CurveErrors {
         if is_exact {
-            return SAFETY * in_lanes(Without { curve: self, first }) * self.falling();
+            let scale = SAFETY * self.falling();
+            return CurveErrors { everywhere: 0.0, of_nodes: self.of_nodes(scale) };
         }
         let nodes = self.states.count();
         let last_two = |function| self.share(function, nodes - 2, 2);
-        let noise = (0..DECISIVE).map(last_two).fold(0.0, f64::max);
+        let everywhere = ROUGH * (0..DECISIVE).map(last_two).fold(0.0, f64::max);
         // Over the greatest coefficient little where functions change by orders of magnitude.
-        let of_loads = match self.space.is_beside_beds() {
-            true => in_lanes(Without { curve: self, first }),
-            false => 0.0,
-        };
-        ROUGH * noise.max(of_loads)
+        let of_nodes = if self.space.is_beside_beds() { self.of_nodes(ROUGH) } else { OfNodes::new() };
+        CurveErrors { everywhere, of_nodes }
     }
 
     /// What the last coefficients are worth, at the worst of the nodes that loads reach.
     pub(super) fn left_out(&self) -> f64 {
-        in_lanes(Without { curve: self, first: self.first })
+        CurveErrors { everywhere: 0.0, of_nodes: self.of_nodes(1.0) }.up_to(0)
+    }
+
+    /// The same at each node or one behind it, times a scale; of those that no load reaches that of the first behind them.
+    fn of_nodes(&self, scale: f64) -> OfNodes {
+        let mut of_nodes = in_lanes(Without { curve: self });
+        let mut worst = 0.0_f64;
+        for own in of_nodes.iter_mut().rev() {
+            worst = worst.max(scale * *own);
+            *own = worst;
+        }
+        of_nodes
     }
 
     /// So many coefficients of a function from one on, over the greatest; those of the logarithm of S are relative as they are.
@@ -58,20 +68,37 @@ impl ContactCurve<'_> {
     }
 }
 
-/// What force and indentation change, relative, at the worst of the nodes from one on, if the last four coefficients are dropped.
+/// A number for each node.
+type OfNodes = SmallVec<[f64; MOST_NODES]>;
+
+/// What a curve leaves between its nodes.
+pub struct CurveErrors {
+    everywhere: f64,
+    /// At each node or one behind it.
+    of_nodes: OfNodes,
+}
+
+impl CurveErrors {
+    /// Of states behind a node, and all narrower ones.
+    pub fn up_to(&self, node: usize) -> f64 {
+        let of_node = self.of_nodes.get(node.saturating_sub(BESIDE)).copied();
+        self.everywhere.max(of_node.unwrap_or(0.0))
+    }
+}
+
+/// What force and indentation change at the nodes, relative, if the last four coefficients are dropped; nothing where no load reaches.
 struct Without<'a> {
     curve: &'a ContactCurve<'a>,
-    first: usize,
 }
 
 impl LaneWork for Without<'_> {
-    type Output = f64;
+    type Output = OfNodes;
 
     #[inline(always)]
-    fn run<const WIDTH: usize>(self) -> f64 {
-        let (ContactCurve { space, states, .. }, first) = (self.curve, self.first);
+    fn run<const WIDTH: usize>(self) -> OfNodes {
+        let ContactCurve { space, states, first, .. } = self.curve;
         let count = states.count();
-        let mut worst = 0.0_f64;
+        let mut of_nodes = SmallVec::from_elem(0.0, count);
         for at in (first / LANES * LANES..count).step_by(LANES) {
             let lanes = |of: &dyn Fn(usize) -> f64| Lanes::<WIDTH>(std::array::from_fn(|lane| of(at + lane)));
             let mut left = states.functions(at / LANES).map(Lanes::<WIDTH>);
@@ -85,14 +112,14 @@ impl LaneWork for Without<'_> {
             let b = lanes(&|node| space.arcs()[node].b);
             let logarithm = lanes(&|node| space.logarithms[node]);
             let found = self.curve.reduced_of(left, logarithm, b).free_edge(b, &self.curve.outlines);
-            for node in at.max(first)..at + LANES {
+            for node in at.max(*first)..at + LANES {
                 let found = [found.force, found.indentation].map(|lanes| lanes.0[node - at]);
-                for (found, known) in found.into_iter().zip([states.force(node), states.indentation(node)]) {
-                    worst = worst.max((found / known - 1.0).abs());
-                }
+                let known = [states.force(node), states.indentation(node)];
+                let change = |(found, known): (f64, f64)| (found / known - 1.0).abs();
+                of_nodes[node] = found.into_iter().zip(known).map(change).fold(0.0, f64::max);
             }
         }
-        worst
+        of_nodes
     }
 }
 

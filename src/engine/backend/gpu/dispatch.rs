@@ -282,7 +282,7 @@ impl GpuDevice {
             let submission = self.queue.submit([encoder.finish()]);
             self.reading(&staging, buffer.size(), submission)
         })?;
-        self.look(reading, |bytes| bytes.to_vec())
+        self.look(reading)
     }
 
     /// Asks for the first bytes of a buffer as a submission leaves it.
@@ -304,19 +304,26 @@ impl GpuDevice {
         Ok(reading.mapped.get().is_some())
     }
 
-    /// Waits for the end of the submission and looks at what it has left.
-    pub(crate) fn look<T>(&self, reading: Reading, look: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
-        let Reading { staging, size, submission, mapped } = reading;
-        let wait = wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(LONGEST_WAIT) };
-        let lost = |problem: String| self.lost(&problem);
-        self.poll(wait)?;
+    /// Waits for the end of the submission.
+    pub(crate) fn await_end(&self, Reading { submission, mapped, .. }: &Reading) -> Result<(), GpuError> {
+        let submission_index = Some(submission.clone());
+        self.poll(wgpu::PollType::Wait { submission_index, timeout: Some(LONGEST_WAIT) })?;
         // It may be another thread that polls, and is about to tell.
-        mapped.wait().as_ref().map_err(|error| lost(error.to_string()))?;
-        let view = staging.get_mapped_range(..size).map_err(|error| lost(error.to_string()))?;
+        match mapped.wait() {
+            Ok(()) => Ok(()),
+            Err(error) => Err(self.lost(&error.to_string())),
+        }
+    }
+
+    /// The same, with what it has left.
+    pub(crate) fn look(&self, reading: Reading) -> Result<Vec<u8>, GpuError> {
+        self.await_end(&reading)?;
+        let Reading { staging, size, .. } = reading;
+        let view = staging.get_mapped_range(..size).map_err(|error| self.lost(&error.to_string()))?;
         // Of a device that another thread finds lost wgpu frees all buffers, this one, too.
         let own = view.to_vec();
         drop(view);
         self.checked("reading back", || staging.unmap())?;
-        Ok(look(&own))
+        Ok(own)
     }
 }

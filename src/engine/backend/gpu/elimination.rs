@@ -394,21 +394,18 @@ impl Elimination {
         let Flight { batch, pieces, products, works: size, passes, begun } = flight;
         let was_there = gpu.is_there(&reading)?;
         let batch = batch.map(|batch| batch - self.first_batch);
-        let (ended, pass_times, found) = gpu.look(reading, |all| {
-            let ended = Instant::now();
-            let (all, times) = all.split_at(size as usize);
-            let Some(Batch { jobs, .. }) = batch.map(|batch| &self.batches[batch]) else {
-                return (ended, gpu.pass_times(times), Vec::new());
-            };
+        gpu.await_end(&reading)?;
+        let ended = Instant::now();
+        let all = gpu.look(reading)?;
+        let (all, times) = all.split_at(size as usize);
+        if let Some(Batch { jobs, works, left, .. }) = batch.map(|batch| &mut self.batches[batch]) {
             let of_piece = |piece: &Piece| -> Vec<Option<Vec<f64>>> {
                 let EliminateParameters { body_size, mode_count, .. } = jobs[piece.job].topology.elimination;
                 let size = body_size as usize * precision.wide_bytes() as usize;
                 let of_bodies = all[bytes(&piece.works)].chunks_exact(size);
                 of_bodies.map(|own| judged(own, mode_count as usize, *precision)).collect()
             };
-            (ended, gpu.pass_times(times), pieces.par_iter().map(of_piece).collect::<Vec<_>>())
-        })?;
-        if let Some(Batch { works, left, .. }) = batch.map(|batch| &mut self.batches[batch]) {
+            let found: Vec<_> = pieces.par_iter().map(of_piece).collect();
             for (piece, found) in pieces.into_iter().zip(found) {
                 *left -= found.len();
                 works[piece.job].splice(piece.bodies, found);
@@ -421,7 +418,7 @@ impl Elimination {
         let most = self.pace.map_or(f64::INFINITY, |known| if was_there { known } else { 2.0 * known });
         self.pace = Some(measured.min(most));
         self.idle_since = (!was_there).then_some(ended);
-        for (time, is_elimination) in pass_times.into_iter().zip(passes) {
+        for (time, is_elimination) in gpu.pass_times(times).into_iter().zip(passes) {
             self.counts.busy += time;
             self.eliminating += if is_elimination { time } else { Duration::ZERO };
         }

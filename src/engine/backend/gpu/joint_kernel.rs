@@ -265,16 +265,13 @@ impl JointKernel {
             return Ok(());
         };
         let mut all = Vec::new();
-        self.counts.busy += gpu.look(reading, |own| {
-            let (own, times) = own.split_at(wanted.bytes() as usize);
-            match wanted {
-                Wanted::Found(_) => {
-                    found.extend(own.as_chunks().0.iter().map(|word| f32::from_ne_bytes(*word)))
-                }
-                Wanted::Told(..) => all = words_of(own),
-            }
-            gpu.busy(times)
-        })?;
+        let own = gpu.look(reading)?;
+        let (own, times) = own.split_at(wanted.bytes() as usize);
+        self.counts.busy += gpu.busy(times);
+        match wanted {
+            Wanted::Found(_) => found.extend(own.as_chunks().0.iter().map(|word| f32::from_ne_bytes(*word))),
+            Wanted::Told(..) => all = words_of(own),
+        }
         if let Wanted::Told(layout, parts) = wanted {
             let mut own = Told { designs: joints, parts, all };
             if !layout.is_whole(&own) {
